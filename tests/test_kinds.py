@@ -231,6 +231,7 @@ def test_a_window_is_opened_where_there_is_a_screen(monkeypatch):
     shown[0].close()
 
 
+@pytest.mark.sampled(3)
 @every_kind
 def test_the_commands_take_it(name, tmp_path, capsys):
     project, tolerance = sample(name).save(tmp_path / "a.pas.json"), str(TOLERANCE)

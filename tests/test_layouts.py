@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 import pytest
 
 import pas
-from pas.algebra.rational import cross, determinant, rational
+from pas.algebra.rational import cross, determinant, dot, rational
 from pas.blending.net import Net
 from pas.blending.place import places
 from pas.blending.spherical import splines
@@ -17,7 +18,7 @@ from pas.exchange.problem import read_problem
 from pas.layouts.kinds import LAYOUTS
 from pas.layouts.nodes import ContactNode
 from pas.layouts.planes import arrangement
-from pas.layouts.region import region
+from pas.layouts.region import WALLS, Builder, region
 from pas.partition.layout import Layout
 from pas.render.layout import colors
 
@@ -451,3 +452,13 @@ def test_no_wall_lies_in_a_clip_plane():
     assert blend.certificate.proved
     assert blend.surface.partition.title.startswith("fan")
     assert not blend.fairness.beyond(blend.limits)
+    # and wherever a plane lies: its height is made that of the end, which then goes on
+    node = ContactNode.of([as_contact(p) for p in pipes])
+    layout = LAYOUTS["fan"].trials[1][0].make(node.discs, node.center)
+    for ray in layout.all_rays:
+        first, second = node.discs
+        end = Builder(layout, node.discs, WALLS).end(ray)
+        met = replace(second, height=dot(second.normal, end))
+        moved = Builder(layout, (first, met), WALLS).end(ray)
+        assert moved != end
+        assert dot(met.normal, moved) != met.height

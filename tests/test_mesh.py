@@ -10,7 +10,6 @@ from conftest import EQUAL, UNEQUAL, solved
 
 import pas
 from pas.mesh.mesh import Mesh
-from pas.mesh.refine import split
 
 CASES = [(EQUAL, 1), (EQUAL, 2), (EQUAL, 3), (UNEQUAL, 1), (UNEQUAL, 2), (UNEQUAL, 3)]
 
@@ -184,20 +183,6 @@ def test_a_surface_that_is_too_sharp_for_a_mesh_is_said_to_be():
     )
     with pytest.raises(pas.MeshError, match=words):
         surface.mesh(1e-2)
-
-
-def test_split_keeps_area_and_orientation():
-    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
-    triangles = np.array([[0, 1, 2], [1, 3, 2]])
-    for edges in ([], [(1, 2)], [(0, 1), (1, 2)], [(0, 1), (1, 2), (2, 0)], [(0, 1), (3, 1), (2, 1), (2, 3), (0, 2)]):
-        p, t, _ = split(points, triangles, np.array(edges, dtype=int).reshape(-1, 2))
-        corners = p[t]
-        areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] / 2
-        assert areas.min() > 0
-        assert areas.sum() == pytest.approx(1)
-        mesh = Mesh.smooth(p, t, p)
-        assert mesh.is_manifold
-        assert mesh.euler_characteristic == 1
 
 
 def test_manifold_check_can_fail():

@@ -8,10 +8,9 @@ import pytest
 import pas
 from pas import solid
 from pas.errors import MeshError
-from pas.mesh.collapse import _independent, collapse
 from pas.mesh.faces import Crossings
 from pas.mesh.octree import BASE, QUIET, Octree
-from pas.mesh.remesh import cosines, pair_normals
+from pas.mesh.projection import cosines
 from pas.mesh.topology import is_closed_manifold
 from pas.solid.functions import Pieces
 from pas.solid.taylor import TaylorForms
@@ -171,33 +170,6 @@ def test_merging_crossings_keeps_the_topology_and_most_merge(parts):
         assert is_closed_manifold(triangles)
         assert len(points) - len(triangles) // 2 == crossings.shape[1]
     assert len(points) < 0.85 * len(crossings.edges)
-
-
-def test_collapses_that_touch_are_not_done_together():
-    mesh = CUP.face_mesh(1e-2).mesh
-    edges = mesh.topology.edges
-    rng = np.random.default_rng(0)
-    for _ in range(5):
-        order = rng.permutation(len(edges))
-        removed, kept = edges[order].T
-        chosen = _independent(mesh, pair_normals(mesh, CUP.field), removed, kept, None, None)
-        assert chosen.sum() > len(mesh.points) / 20
-        pairs = np.stack([removed[chosen], kept[chosen]], axis=1)
-        assert len(np.unique(pairs)) == pairs.size
-        around = {int(r): {int(v) for v in edges[(edges == r).any(axis=1)].ravel()} for r in pairs[:, 0]}
-        owner = {int(v): i for i, pair in enumerate(pairs) for v in pair}
-        for i, r in enumerate(pairs[:, 0].tolist()):
-            assert {owner[v] for v in around[r] if v in owner} == {i}
-
-
-def test_collapses_keep_topology_and_sides():
-    found = CUP.face_mesh(1e-3)
-    for share in (1.5, 3.0):
-        smaller = collapse(found.mesh, CUP.field, lambda m, edges, s=share: m.lengths < s * m.sizes.mean(), 6)
-        assert len(smaller.triangles) < 0.6 * len(found.mesh.triangles)
-        assert is_closed_manifold(smaller.triangles)
-        assert len(smaller.points) - len(smaller.triangles) // 2 == 2
-        assert cosines(smaller, CUP.field).min() > 0
 
 
 def test_what_is_too_thin_is_refused_soon():

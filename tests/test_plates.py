@@ -168,6 +168,7 @@ def test_meshes_that_are_another_surface(second):
     assert verdicts(moved, triangles)[0].status.value == "refuted"
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", OPENINGS)
 def test_openings_in_any_surface(name, tmp_path):
     """The curve is in no plane where the surface is none of revolution about the cone's axis."""

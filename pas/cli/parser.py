@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any, NoReturn
 
-from pas.cli import commands, problems
+from pas.cli import commands
 from pas.cli.common import EXIT_CODES, CommandResult, add_settings
 from pas.errors import meant
 from pas.exchange.formats import Request
@@ -118,7 +118,7 @@ OUTPUT = (
 COMMANDS = (
     Command(
         "blend",
-        problems.run_problem,
+        commands.run_problem,
         "find, prove, mesh and draw the blend of a problem file",
         PROBLEM,
         "Writes NAME.pas.json (the exact solution and its verdicts), NAME.stl and NAME.png.\n\n"
@@ -132,7 +132,7 @@ COMMANDS = (
     ),
     Command(
         "parametric",
-        problems.run_problem,
+        commands.run_problem,
         "find, prove, mesh and draw the parametric blend of a problem file",
         PROBLEM,
         "Writes NAME.pas.json (data, method, components, verdicts), NAME.stl and NAME.png.\n\n"
@@ -216,7 +216,7 @@ COMMANDS = (
     ),
     Command(
         "teapot",
-        problems.run_teapot,
+        commands.run_teapot,
         "build, prove, mesh and draw the teapot",
         (
             value("--style", "STYLE", "better (12 patches, all joined) or paper (8 patches)", default="better"),

@@ -9,8 +9,7 @@ from math import cos, pi, sin, sqrt
 from pas.algebra.brief import brief
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.designs.body import Body
-from pas.designs.exact import Point, settle
-from pas.designs.fitting import closest, even
+from pas.designs.exact import Point, closest, even, settle
 from pas.errors import GeometryError
 from pas.solid.solid import Solid, patch
 

@@ -12,8 +12,7 @@ from typing import ClassVar
 from pas.algebra.brief import brief
 from pas.algebra.polynomial import Polynomial
 from pas.designs.body import Body, below
-from pas.designs.exact import Point, Points, points, settle
-from pas.designs.fitting import closest, continued, even
+from pas.designs.exact import Point, Points, closest, continued, even, points, settle
 from pas.errors import GeometryError, InfeasibleError, NoSolutionError
 from pas.solid.primitives import ball, cone
 from pas.solid.solid import Solid, patch

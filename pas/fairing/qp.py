@@ -63,7 +63,7 @@ class Programme:
 
 
 @dataclass(frozen=True)
-class Solution:
+class QuadraticSolution:
     """The unknowns (zeros unless SOLVED) and the largest violation of a constraint."""
 
     outcome: Outcome
@@ -71,7 +71,7 @@ class Solution:
     violation: float
 
 
-def solve(programme: Programme) -> Solution:
+def solve(programme: Programme) -> QuadraticSolution:
     """Solve a programme: DAQP first, Clarabel where that falls short."""
     solution = _with_daqp(programme)
     if solution.outcome is Outcome.FAILED:
@@ -91,7 +91,7 @@ def feasible(programme: Programme) -> bool:
     return solve(probe).outcome is not Outcome.INFEASIBLE
 
 
-def _with_daqp(programme: Programme) -> Solution:
+def _with_daqp(programme: Programme) -> QuadraticSolution:
     """With the rows that matter: those that the optimum without them misses, the worst of them first.
 
     The optimum under some of the rows that meets the others too is that under all of them.
@@ -101,7 +101,7 @@ def _with_daqp(programme: Programme) -> Solution:
     while True:
         q, flag = _daqp(programme, chosen)
         if flag in (-1, -6):
-            return Solution(Outcome.INFEASIBLE, np.zeros(m), np.inf)
+            return QuadraticSolution(Outcome.INFEASIBLE, np.zeros(m), np.inf)
         if flag <= 0 and chosen.all():
             return _failed(m)
         if flag <= 0:  # as where the rows alone keep the unknowns from going on for ever
@@ -130,7 +130,7 @@ def _daqp(programme: Programme, chosen: NDArray[np.bool_]) -> tuple[Floats, int]
     return np.asarray(q), int(flag)
 
 
-def _with_clarabel(programme: Programme) -> Solution:
+def _with_clarabel(programme: Programme) -> QuadraticSolution:
     import clarabel
 
     m, equations = len(programme.linear), len(programme.equal_to)
@@ -146,7 +146,7 @@ def _with_clarabel(programme: Programme) -> Solution:
         settings,
     ).solve()
     if solution.status in (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible):
-        return Solution(Outcome.INFEASIBLE, np.zeros(m), np.inf)
+        return QuadraticSolution(Outcome.INFEASIBLE, np.zeros(m), np.inf)
     return _checked(programme, np.array(solution.x))
 
 
@@ -160,14 +160,14 @@ def stated(programme: Programme) -> tuple[Any, Any]:
     return cvxpy.Problem(objective, constraints), q
 
 
-def _checked(programme: Programme, q: Floats) -> Solution:
+def _checked(programme: Programme, q: Floats) -> QuadraticSolution:
     scale = 1.0 + float(np.abs(q).max(initial=0.0))
     equal = np.abs(programme.equalities @ q - programme.equal_to).max(initial=0.0)
     below = (programme.at_least - programme.rows @ q).max(initial=0.0)
     violation = max(float(equal), float(below), 0.0)
     if not np.isfinite(violation) or violation > RESIDUAL * scale or not _stationary(programme, q):
         return _failed(len(q))
-    return Solution(Outcome.SOLVED, q, violation)
+    return QuadraticSolution(Outcome.SOLVED, q, violation)
 
 
 def _stationary(programme: Programme, q: Floats) -> bool:
@@ -184,5 +184,5 @@ def _stationary(programme: Programme, q: Floats) -> bool:
     return bool(left <= STATIONARITY * float(np.linalg.norm(gradient)) + 1e-12)
 
 
-def _failed(size: int) -> Solution:
-    return Solution(Outcome.FAILED, np.zeros(size), np.inf)
+def _failed(size: int) -> QuadraticSolution:
+    return QuadraticSolution(Outcome.FAILED, np.zeros(size), np.inf)

@@ -51,7 +51,7 @@ from pas.algebra.inputs import shown
 from pas.errors import ProjectFileError
 from pas.exchange.container import read, understood
 from pas.independent.reading import Face, Surface
-from pas.independent.signs import ONE, PROVED, REFUTED, RING, UNDECIDED, ZERO, Part, Point, on_simplex, positive
+from pas.independent.signs import ONE, PROVED, REFUTED, RING, UNDECIDED, ZERO, Point, Query, on_simplex, positive
 from pas.limits import Report, limited
 
 SIDE_BUDGET = 100_000
@@ -148,23 +148,23 @@ def _contact(surface: Surface, number: int) -> Finding:
     looks = [(face.corners, *_quotient(surface, number, face)) for face in faces]
     order = min(len(alpha) for _, _, alpha, _, _ in looks) - 1
     if order < surface.order:
-        missed = [Part(c, -rest * rest, f0) for c, f0, _, _, rest in looks if not rest.is_zero()]
+        missed = [Query(c, -rest * rest, f0) for c, f0, _, _, rest in looks if not rest.is_zero()]
         status, witness = positive(missed, SIDE_BUDGET)
         reason = f"it is met with GC^{order} only" if order >= 0 else "it is not met at all"
         if status != REFUTED:
             return Finding(claim, UNDECIDED, f"{reason}, but perhaps not on its clip face")
         return Finding(claim, REFUTED, reason, witness)
-    if positive([Part(c, f0) for c, f0, *_ in looks])[0] != REFUTED:
+    if positive([Query(c, f0) for c, f0, *_ in looks])[0] != REFUTED:
         return Finding(claim, UNDECIDED, "no point of its clip face is known to be on or inside it")
     edges = Counter(edge for face in faces for edge in combinations(face.corners, 2))
     others = [cell for i, cell in enumerate(surface.cells) if i not in {face.cell for face in faces}]
     steps = {
-        "its curve is closed inside its clip face": [Part(e, on_simplex(f, e)) for e, n in edges.items() if n == 1],
-        "its clip cuts it at an angle": [Part(c, _slope(f0), f0) for c, f0, *_ in looks],
-        "it is met, with alpha > 0 on its curve": [Part(c, alpha[0], f0) for c, f0, alpha, _, _ in looks],
+        "its curve is closed inside its clip face": [Query(e, on_simplex(f, e)) for e, n in edges.items() if n == 1],
+        "its clip cuts it at an angle": [Query(c, _slope(f0), f0) for c, f0, *_ in looks],
+        "it is met, with alpha > 0 on its curve": [Query(c, alpha[0], f0) for c, f0, alpha, _, _ in looks],
     }
     found = next((f for f in (_shown(claim, *step) for step in steps.items()) if not f.proved), None)
-    inside = [Part(cell, on_simplex(f * f, cell), on_simplex(h, cell)) for cell in others]
+    inside = [Query(cell, on_simplex(f * f, cell), on_simplex(h, cell)) for cell in others]
     if found is None and positive(inside, SIDE_BUDGET)[0] != PROVED:
         return Finding(claim, UNDECIDED, "its clip may cut it inside the region as well")
     return found or Finding(claim, PROVED, "; ".join(steps))
@@ -190,7 +190,7 @@ def _opening(surface: Surface, number: int, claim: str, centre: Point) -> Findin
     if not all(surface.clipped[i] for i in others):
         return Finding(claim, UNDECIDED, "another contact has no clip face, and a region is open through one at most")
     curves = [(face, face.series(surface.contacts[i][0], 0)[0]) for i in others for face in surface.clipped[i]]
-    forms, power, parts = _by_degree(f, centre), _by_degree(h, centre)[-1] ** (k + 1), list[Part]()
+    forms, power, parts = _by_degree(f, centre), _by_degree(h, centre)[-1] ** (k + 1), list[Query]()
     alphas = list[fmpq_mpoly]()
     for patch in surface.patches:
         alpha = _series(_by_degree(patch, centre), forms, power)
@@ -198,10 +198,10 @@ def _opening(surface: Surface, number: int, claim: str, centre: Point) -> Findin
             return Finding(claim, UNDECIDED, "a patch does not meet it to its order all along the curve")
         alphas.append(alpha.compose(*_seen_from(centre, -1), ctx=RING))
     for i, cell in enumerate(surface.cells):
-        parts.append(Part(cell, on_simplex(alphas[surface.patch_of[i]], cell), on_simplex(h, cell)))
+        parts.append(Query(cell, on_simplex(alphas[surface.patch_of[i]], cell), on_simplex(h, cell)))
     edges = [tuple(p for p in side.corners if p != centre) for side in surface.sides]
-    around = [Part(edge, on_simplex(h, edge)) for edge in edges]
-    within = [Part(face.corners, -on_simplex(h, face.corners), f0) for face, f0 in curves]
+    around = [Query(edge, on_simplex(h, edge)) for edge in edges]
+    within = [Query(face.corners, -on_simplex(h, face.corners), f0) for face, f0 in curves]
     steps = {
         "its clip is inside the sides of the region": around,
         "the other curves are inside its clip": within,
@@ -263,7 +263,7 @@ def _denominators(f: fmpq_mpoly, corners: tuple[Point, ...]) -> Iterator[fmpq_mp
     """1 and, for where that does not do, the product of all factors of f that are positive on a face."""
     yield ONE
     signed = [(sign * p, power) for p, power in f.factor()[1] for sign in (1, -1)]
-    yield prod((p**n for p, n in signed if positive([Part(corners, p)], SIDE_BUDGET)[0] == PROVED), start=ONE)
+    yield prod((p**n for p, n in signed if positive([Query(corners, p)], SIDE_BUDGET)[0] == PROVED), start=ONE)
 
 
 def _slope(f: fmpq_mpoly) -> fmpq_mpoly:
@@ -297,13 +297,13 @@ def _one_sheet(surface: Surface, region: Finding) -> Finding:
     for number, cell in enumerate(surface.cells):
         g = surface.patches[surface.patch_of[number]]
         radial = sum(((x - centre[i] * one) * g.derivative(i) for i, x in enumerate(axes)), ZERO)
-        parts.append(Part(cell, on_simplex(radial, cell), on_simplex(g, cell)))
+        parts.append(Query(cell, on_simplex(radial, cell), on_simplex(g, cell)))
     return _shown(claim, "grad g . (x - centre) > 0 where g = 0", parts)
 
 
 def _enclosed(surface: Surface, contacts: list[Finding]) -> Finding:
     """On the border g is positive times the f_0 of the contacts clipped there; but for sides outside of an opening."""
-    claim, parts = "enclosed", list[Part]()
+    claim, parts = "enclosed", list[Query]()
     free = [met for faces, met in zip(surface.clipped, contacts, strict=True) if not faces]
     opened = len(free) == 1 and free[0].proved
     if not surface.cells or (free and not (surface.sides and opened)):
@@ -314,11 +314,11 @@ def _enclosed(surface: Surface, contacts: list[Finding]) -> Finding:
             rest, remainder = divmod(rest, _quotient(surface, number, face)[2])
             if not remainder.is_zero():
                 return Finding(claim, UNDECIDED, f"contact {number + 1} is not met on its clip face")
-        parts.append(Part(face.corners, rest))
+        parts.append(Query(face.corners, rest))
     return _shown(claim, "g > 0 on the walls, alpha > 0 on the clip faces", parts)
 
 
-def _shown(claim: str, condition: str, parts: list[Part]) -> Finding:
+def _shown(claim: str, condition: str, parts: list[Query]) -> Finding:
     """The finding that a claim's condition holds, fails or is open."""
     status, witness = positive(parts)
     said = {PROVED: "", REFUTED: "it fails that ", UNDECIDED: "open whether "}

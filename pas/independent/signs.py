@@ -31,7 +31,7 @@ HALVINGS = 800
 """A simplex halved that often is left open: what fails by 10^-40 only is found in half as many."""
 
 
-class Part(NamedTuple):
+class Query(NamedTuple):
     """A simplex, a value in its barycentric coordinates, and what vanishes where the value matters (None: all over)."""
 
     corners: tuple[Point, ...]
@@ -39,7 +39,7 @@ class Part(NamedTuple):
     zero: fmpq_mpoly | None = None
 
 
-def positive(parts: Iterable[Part], budget: int = BUDGET) -> tuple[str, tuple[Point, ...]]:
+def positive(parts: Iterable[Query], budget: int = BUDGET) -> tuple[str, tuple[Point, ...]]:
     """Whether value > 0 on all parts, or wherever the other polynomial vanishes; and a witness where it is not.
 
     Refuted by a corner with value <= 0; or, where only zeros matter, by a zero with value < 0: a corner, or some point

@@ -56,6 +56,7 @@ static void split(Mesh *m, whole h)
     const int curve = on_curve(m, h);
     for (int x = 0; x < 3; x++) m->points[3 * v + x] = (m->points[3 * a + x] + m->points[3 * b + x]) / 2;
     m->sizes[v] = (m->sizes[a] + m->sizes[b]) / 2;
+    m->caps[v] = fmin(m->caps[a], m->caps[b]);
     m->kinds[v] = curve ? ON_CURVE : INSIDE;
     m->marks[v] = 0;
     m->fresh[v] = 1;
@@ -227,8 +228,14 @@ static int keeps_topology(Mesh *m, whole h)
     return g < 0 || !(has_triangle(m, gone, c, d) && has_triangle(m, k, c, d));
 }
 
-/* Whether the sides of the triangle of half edge e, other than e, are not both on curves. */
-static int may_close(const Mesh *m, whole e) { return !(on_curve(m, next(e)) && on_curve(m, previous(e))); }
+/* Whether the sides of the triangle of half edge e, other than e, may become one: not both on the boundary, and where a
+   lattice's mesh is not cleaned of islands of one triangle, not both on curves. */
+static int may_close(const Mesh *m, whole e)
+{
+    const whole sides[2] = {next(e), previous(e)};
+    if (m->plain) return m->twins[sides[0]] >= 0 || m->twins[sides[1]] >= 0;
+    return !(on_curve(m, sides[0]) && on_curve(m, sides[1]));
+}
 
 /* Whether a vertex on a curve is near enough to the chord that is left when it goes along half edge h. */
 static int keeps_curve(const Mesh *m, whole h, double off)
@@ -295,9 +302,9 @@ static int keeps_triangles(const Mesh *m, whole gone, whole k, const Limits *l)
 static int may_collapse(Mesh *m, whole h, const Limits *l)
 {
     const whole gone = m->corners[h], g = m->twins[h];
-    if (m->kinds[gone] == CORNER || (m->kinds[gone] == ON_CURVE && !on_curve(m, h))) return 0;
+    if (m->kinds[gone] >= CORNER || (m->kinds[gone] == ON_CURVE && !on_curve(m, h))) return 0;
     if (!may_close(m, h) || (g >= 0 && !may_close(m, g)) || !keeps_topology(m, h)) return 0;
-    if (m->kinds[gone] == ON_CURVE && !keeps_curve(m, h, l->off)) return 0;
+    if (m->kinds[gone] == ON_CURVE && !m->plain && !keeps_curve(m, h, l->off)) return 0;
     return keeps_triangles(m, gone, end_of(m, h), l);
 }
 
@@ -339,6 +346,27 @@ static void collapse(Mesh *m, whole h)
     turn_back(m, k);
     turn_back(m, c);
     if (d >= 0) turn_back(m, d);
+    m->kinds[k] = kind_of(m, k);
+    m->kinds[c] = kind_of(m, c);
+    if (d >= 0) m->kinds[d] = kind_of(m, d);
+}
+
+/* Whether each label has triangles left without those beside half edge h, of `left` by label. */
+static int keeps_labels(const Mesh *m, whole h, const whole *left)
+{
+    const whole own = m->label_of[h / 3], other = m->twins[h] < 0 ? -1 : m->label_of[m->twins[h] / 3];
+    return left[own] > 1 + (other == own) && (other < 0 || left[other] > 1 + (other == own));
+}
+
+/* The numbers of triangles by labels, to be freed; NULL without memory. */
+static whole *triangles_left(const Mesh *m)
+{
+    whole most = 0;
+    for (whole t = 0; t < m->triangles; t++)
+        if (m->label_of[t] > most) most = m->label_of[t];
+    whole *left = calloc(most + 1, sizeof(whole));
+    for (whole t = 0; left && t < m->triangles; t++) left[m->label_of[t]]++;
+    return left;
 }
 
 /* Collapse half edges, or else their twins, one after the other, none next to another one of this pass; `done` says how
@@ -347,16 +375,18 @@ int pas_mesh_collapse(Mesh *m, whole count, const whole *halves, const double *l
 {
     const Limits l = {limits[0], limits[1], limits[2], limits[3], {limits[4], limits[5], limits[6]}};
     char *blocked = calloc(m->vertices + 1, 1);
-    if (!blocked) return -1;
+    whole *left = triangles_left(m);
     *done = 0;
-    for (whole i = 0; i < count; i++) {
+    for (whole i = 0; blocked && left && i < count; i++) {
         const whole h = halves[i], a = m->corners[h], b = a < 0 ? -1 : end_of(m, h), g = m->twins[h];
-        if (a < 0 || blocked[a] || blocked[b]) continue;
+        if (a < 0 || blocked[a] || blocked[b] || !keeps_labels(m, h, left)) continue;
         whole chosen = may_collapse(m, h, &l) ? h : -1;
         if (chosen < 0 && g >= 0 && may_collapse(m, g, &l)) chosen = g;
         if (chosen < 0) continue;
         const whole k = end_of(m, chosen);
         blocked[m->corners[chosen]] = 1;
+        left[m->label_of[h / 3]]--;
+        if (g >= 0) left[m->label_of[g / 3]]--;
         collapse(m, chosen);
         ++*done;
         blocked[k] = m->fresh[k] = 1;
@@ -366,6 +396,8 @@ int pas_mesh_collapse(Mesh *m, whole count, const whole *halves, const double *l
             for (int x = 0; x < 2; x++) blocked[ends[x]] = m->fresh[ends[x]] = 1;
         }
     }
+    const int state = blocked && left ? 0 : -1;
     free(blocked);
-    return 0;
+    free(left);
+    return state;
 }

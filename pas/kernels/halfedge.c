@@ -80,6 +80,14 @@ int pas_fans(whole count, const whole *corners, whole size, const whole *twins, 
     return 0;
 }
 
+/* The kinds of all vertices, of which some are pinned. */
+int pas_mesh_classify(Mesh *m)
+{
+    for (whole v = 0; v < m->vertices; v++)
+        if (m->outgoing[v] >= 0) m->kinds[v] = kind_of(m, v);
+    return 0;
+}
+
 /* New numbers of the vertices, wedges and triangles that are left, -1 of others. */
 static void numbers_left(Mesh *m, whole *vertex, whole *wedge, whole *triangle)
 {
@@ -123,6 +131,7 @@ static void pack_vertices(Mesh *m, const whole *vertex, const whole *wedge, cons
         if (to < 0) continue;
         memmove(m->points + 3 * to, m->points + 3 * v, 3 * sizeof(double));
         m->sizes[to] = m->sizes[v];
+        m->caps[to] = m->caps[v];
         m->kinds[to] = m->kinds[v];
         m->fresh[to] = m->fresh[v];
         m->outgoing[to] = 3 * triangle[out / 3] + out % 3;

@@ -12,14 +12,14 @@
 #include "kernel.h"
 #include "vectors.h"
 
-enum { INSIDE, ON_CURVE, CORNER };      /* kinds of vertices: a corner stays */
+enum { INSIDE, ON_CURVE, CORNER, PINNED }; /* kinds of vertices: corners stay, and others that are given */
 enum { BENT, RULED, PLANE };            /* kinds of faces, by label: ruled ones have straight lines with one normal */
 
 struct Mesh {
     whole vertices, triangles, wedges, stamp;
     double fine, coarse;                /* sags allowed: beside ruled faces, and of curves of others, which are cut later */
     whole plain;                        /* whether lengths are compared with `sizes` alone, whatever the faces */
-    double *points, *sizes;             /* of vertices: places (3), and how long edges should be */
+    double *points, *sizes, *caps;      /* of vertices: places (3), how long edges should be, and may be at most */
     double *normals, *bends;            /* of wedges: unit normals (3), and the larger curvatures */
     whole *corners, *twins, *wedge_of;  /* of half edges: the vertex and the wedge where each begins */
     whole *label_of;                    /* of triangles */
@@ -109,6 +109,26 @@ static inline whole between(const Mesh *m, whole a, whole b)
         if (apex_of(m, h) == b && m->twins[previous(h)] < 0) return previous(h);
     }
     return -1;
+}
+
+/* A vertex is a corner where three labels meet, curves end or cross, or two boundary curves meet. */
+static inline char kind_of(const Mesh *m, whole v)
+{
+    const whole first = m->outgoing[v];
+    whole curves = 0, one = m->label_of[first / 3], other = -1, last = first;
+    int corner = m->kinds[v] == PINNED;
+    AROUND(m, v, h)
+    {
+        const whole label = m->label_of[h / 3];
+        curves += on_curve(m, h);
+        if (label != one && other < 0) other = label;
+        corner |= label != one && label != other;
+        last = previous(h);
+    }
+    curves += m->twins[last] < 0;
+    corner |= m->twins[last] < 0 && m->twins[last] != m->twins[first];
+    if (!curves) return INSIDE;
+    return m->kinds[v] == PINNED ? PINNED : corner || curves != 2 ? CORNER : ON_CURVE;
 }
 
 #endif

@@ -65,10 +65,11 @@ static void grow(Mesh *m, double grade)
         }
 }
 
-/* Sizes for a sag on faces that are not ruled, and at most `bent` times the radius of curvature; `fine` is the sag on
-   ruled ones. */
-int pas_mesh_sizes(Mesh *m, double tolerance, double fine, double longest, double bent, double grade)
+/* Sizes for the sag `fine` after a cut into parts, so that they may have a larger sag before on faces that are not ruled;
+   at most `bent` times the radius of curvature. */
+int pas_mesh_sizes(Mesh *m, double parts, double fine, double longest, double bent, double grade)
 {
+    const double tolerance = parts * parts * fine;
     m->coarse = tolerance;
     m->fine = fine;
     m->plain = 0;
@@ -79,6 +80,7 @@ int pas_mesh_sizes(Mesh *m, double tolerance, double fine, double longest, doubl
         if (m->faces[m->face_of[w]] == BENT && length < *size) *size = length;
     }
     if (sizes_on_curves(m, bent)) return -1;
+    for (whole v = 0; v < m->vertices; v++) m->sizes[v] = fmin(m->sizes[v], parts * m->caps[v]);
     grow(m, grade);
     return 0;
 }

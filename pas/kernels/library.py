@@ -82,16 +82,14 @@ def declared(name: str) -> Callable[..., Any]:
 
     Raises `MissingLibraryError` where the library is missing, or of another version.
     """
-    try:
-        function = getattr(library(), name)
-        signature = signatures()[name]
-    except (AttributeError, KeyError) as error:
-        raise _missing(error) from None
+    signature, function = signatures().get(name), getattr(library(), name, None)
+    if signature is None or function is None:
+        raise _missing(f"{PLACE.name if function is None else HEADER.name} has no {name}")
     function.argtypes, function.restype = signature.arguments, signature.result
     return function
 
 
-def _missing(error: Exception) -> MissingLibraryError:
+def _missing(error: object) -> MissingLibraryError:
     return MissingLibraryError(
         f"the compiled library of pas cannot be used ({error}); installing the package anew makes it: in its folder "
         "`pip install .`, or `pip install --editable .`"

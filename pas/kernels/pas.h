@@ -62,6 +62,7 @@ int pas_located(const whole *sizes, const double *maps, const whole *piece_of, c
 /* halfedge.c */
 int pas_twins(whole count, const whole *corners, whole size, whole *twins);
 int pas_fans(whole count, const whole *corners, whole size, const whole *twins, whole *fans);
+int pas_mesh_classify(Mesh *m);
 int pas_mesh_pack(Mesh *m);
 int pas_mesh_labels_about(const Mesh *m, whole count, const whole *chosen, whole width, whole *labels);
 int pas_mesh_middles(const Mesh *m, whole count, const whole *rows, double *centres, whole some, const whole *halves,
@@ -76,19 +77,6 @@ int pas_mixed(whole pieces, whole count, const whole *degrees, const whole *star
 /* keys.c */
 int pas_numbered(whole count, const whole *keys, whole wanted, whole *distinct, whole *inverse, whole *number);
 
-/* labelled.c */
-int pas_labelled_edges(whole count, const whole *triangles, const whole *labels, whole size, whole *room, whole *edges,
-                       whole *both);
-int pas_labelled_pairs(whole count, const whole *triangles, const whole *labels, whole size, whole span, whole *room,
-                       whole *keys, whole *rows, whole *number);
-int pas_cosines(whole number, const whole *chosen, const whole *triangles, const whole *corners, const double *points,
-                const double *normals, double *cosines);
-int pas_sizes(whole number, const whole *edges, const double *lengths, const char *seams, whole size, whole *room,
-              double *total, double *sizes);
-int pas_flipped_faces(whole count, whole *triangles, whole *corners, const whole *labels, whole size, whole *room,
-                      const double *points, const double *normals, double *facing, const char *lines, whole lined,
-                      double limit, char *near, whole bounded, whole passes, whole *flipped);
-
 /* lattice.c */
 int pas_eighths(whole count, whole m, whole means, const whole *halves, const whole *taken, const whole *corners,
                 double rounding, const whole *keys, const double *points, const double *forms, whole *new_keys,
@@ -98,7 +86,7 @@ int pas_risings(whole count, whole m, whole lower, const whole *up, const double
 
 /* lengths.c */
 int pas_mesh_bends(Mesh *m);
-int pas_mesh_sizes(Mesh *m, double tolerance, double fine, double longest, double bent, double grade);
+int pas_mesh_sizes(Mesh *m, double parts, double fine, double longest, double bent, double grade);
 int pas_mesh_mean_sizes(Mesh *m);
 int pas_mesh_ratios(const Mesh *m, double *ratios);
 
@@ -106,24 +94,10 @@ int pas_mesh_ratios(const Mesh *m, double *ratios);
 int pas_levels(whole n, whole rays, const double *profiles, whole samples, const double *shares, double band,
                whole *ray_of, double *share_of, double *slope_of, whole *number);
 
-/* merges.c */
-int pas_merged_faces(whole count, const whole *triangles, const whole *corners, const whole *labels, whole size,
-                     const double *points, const double *normals, whole number, const whole *edges,
-                     const whole *label_count, whole some, const whole *removed, const whole *kept, const double *most,
-                     whole straight, const double *slenderest, whole span, double upright, double held, double turned,
-                     whole most_rounds, char *chosen);
-
 /* octree.c */
 int pas_tetrahedra(whole levels, const whole *halved, const whole *halved_ends, const whole *missed,
                    const whole *missed_ends, const whole *counts, whole *found);
 int pas_tetrahedra_taken(whole count, whole place, whole *corners);
-
-/* places.c */
-int pas_better_places(whole count, const whole *vertices, const whole *starts, const whole *first, const whole *second,
-                      const double *points, const double *normals, const double *before, const double *weights,
-                      const double *floors, const double *limits, whole steps, const double *shares, whole turns,
-                      const double *turned, double *places, double *was, double *left);
-int pas_sines(whole count, const whole *triangles, const double *points, double *found);
 
 /* radial.c */
 int pas_met(const whole *sizes, const double *maps, const whole *piece_of, whole parts, const whole *degrees,
@@ -163,12 +137,6 @@ int pas_mesh_stars(const Mesh *m, whole count, const whole *vertices, whole room
                    whole *number);
 int pas_mesh_move(Mesh *m, whole count, const whole *vertices, const double *places, const double *normals,
                   const char *good, double aim, double held, whole *moved);
-
-/* splits.c */
-int pas_marked(whole count, const whole *triangles, whole size, const char *ends, whole edges, const whole *keys,
-               whole *marks, whole *numbers);
-int pas_split(whole count, const whole *triangles, whole size, const whole *marks, const whole *numbers, whole *parts,
-              whole *parents);
 
 /* windings.c */
 int pas_crossed(whole count, const whole *triangles, const double *points, const double *origin, whole ends,

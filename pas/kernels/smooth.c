@@ -13,7 +13,7 @@ static void centred(const Mesh *m, double *sums)
         double n[3];
         across(m, v[0], v[1], v[2], n);
         const double size = (m->sizes[v[0]] + m->sizes[v[1]] + m->sizes[v[2]]) / 3;
-        const double weight = sqrt(dot(n, n)) / (size * size);
+        const double weight = m->plain ? 1 : sqrt(dot(n, n)) / (size * size); /* folded ones have small areas */
         for (int i = 0; i < 3; i++) {
             const double share =
                 (m->points[3 * v[0] + i] + m->points[3 * v[1] + i] + m->points[3 * v[2] + i]) / 3 * weight;

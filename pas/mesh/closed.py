@@ -14,35 +14,33 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.errors import MeshError
-from pas.limits import checkpoint
-from pas.mesh.collapse import RINGS, untangle
-from pas.mesh.deviation import Deviation, edge_distances
-from pas.mesh.field import FaceField, Floats, Integers, Wall
-from pas.mesh.first import FOLD, first_lattice, first_mesh, unsound
+from pas.mesh.cleaning import FOLD
+from pas.mesh.face_ground import FaceGround
+from pas.mesh.field import FaceField, Floats, Wall
+from pas.mesh.first import first_lattice, first_mesh, unsound
+from pas.mesh.grading import Settings
 from pas.mesh.hollowed import mesh_hollowed, too_thick
 from pas.mesh.kissing import mesh_touching
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.octree import Octree
-from pas.mesh.polish import polished
+from pas.mesh.projection import pair_normals
 from pas.mesh.quality import Quality
-from pas.mesh.refine import AIM, far_edges, not_reached, require_room, split
-from pas.mesh.remesh import flip, pair_normals, project, smooth
-from pas.mesh.rows import any_of
+from pas.mesh.refine import LARGEST, not_reached, too_many
+from pas.mesh.remesher import Failure, Remesher
 from pas.mesh.shells import mesh_apart, together
-from pas.mesh.straight import coarser, straightened
 from pas.mesh.trouble import find_trouble
 
-LATER_SMOOTHINGS, REFINEMENTS, LAST_REFINEMENTS = 1, 40, 4
 THIN = 0.3
 """Share of the cubes of the first lattice that do not show one sheet, above which surfaces are meshed one by one."""
 
-FEW, SMOOTHED = 0.01, 1
-"""Share of the edges that must be split for all of the mesh to be smoothed again; where fewer are, edges are flipped
-about the new vertices alone, and so many rings of vertices about these are smoothed."""
+LONGER = 2.5
+"""Edges over those of the first mesh, which are a quarter of what the tolerance and the room between sheets allow."""
+
+UPRIGHT = 0.3
+"""Cosine with the normals below which triangles are untangled before they are cut."""
 
 
 @dataclass(frozen=True)
@@ -154,106 +152,31 @@ def _triangulated(
 
 
 def _made(field: FaceField, tolerance: float, octree: Octree | None, quality: Quality) -> tuple[Labelled, float]:
-    """The same of one field; where long triangles do not come out, without them."""
-    first, plain = first_mesh(field, tolerance, octree, quality is Quality.ANGLES), field.without_lines()
-    try:
-        return _refined(first, plain if quality is Quality.ANGLES else field, tolerance, quality)
-    except MeshError:
-        if plain is field or quality is Quality.ANGLES:
-            raise
-        return _refined(first, plain, tolerance, quality)
+    """The mesh of one field and its measured distance."""
+    return _refined(first_mesh(field, tolerance, octree, quality is Quality.ANGLES), field, tolerance, quality)
 
 
 def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> tuple[Labelled, float]:
-    mesh = _with_fine_curves(first, field, tolerance)
-    aim = AIM * tolerance
-    mesh = coarser(mesh, field, np.full(len(mesh.points), tolerance), aim, quality)
-    near, known = None, None
-    for _ in range(REFINEMENTS):
-        checkpoint(f"refining the mesh ({len(mesh.triangles)} triangles)")
-        mesh = untangle(mesh, field, FOLD, aim, near)
-        known = Deviation.of(mesh, field, known)
-        if known.worst <= tolerance:
-            return _finished(known, field, tolerance, quality)
-        far = _far(known, tolerance)
-        mesh, near = _halved(known, field, tolerance, far)
-    found = find_trouble(field, mesh.points[far].mean(axis=1), float(mesh.lengths.max()))
-    why = "a face may have a singular point" if found is None else found.sentence
-    raise not_reached(field, len(mesh.triangles), tolerance, known.worst if known else np.inf, f": {why}")
-
-
-def _far(known: Deviation, tolerance: float) -> Integers:
-    """The edges (E, 2) that are to be halved."""
-    mesh, inside = known.mesh, known.inside.copy()
-    rows = np.flatnonzero(inside > AIM * tolerance)
-    inside[rows[any_of(known.edges[_edges_of(mesh, rows)] > AIM * tolerance)]] = 0.0  # those are halved anyhow
-    return far_edges(mesh.points, mesh.triangles, mesh.topology.edges, (known.edges, inside), tolerance)
-
-
-def _halved(
-    known: Deviation, field: FaceField, tolerance: float, far: Integers
-) -> tuple[Labelled, NDArray[np.bool_] | None]:
-    """The mesh with edges halved and others about them flipped; about which vertices (N,), if not about all."""
-    mesh, share = known.mesh, len(far) / len(known.edges)
-    require_room(field, len(mesh.triangles), share, tolerance, known.worst)
-    old, mesh = len(mesh.points), _split(mesh, field, far)
-    aim, near = AIM * tolerance, None
-    if share > FEW:
-        for _ in range(LATER_SMOOTHINGS):
-            mesh = smooth(flip(mesh, field, 2, aim), field)
-    else:
-        new = np.arange(old, len(mesh.points))
-        near = mesh.topology.around(new, RINGS)
-        mesh = smooth(flip(mesh, field, 2, aim, near), field, mesh.topology.around(new, SMOOTHED))
-    return flip(mesh, field, limit=aim, near=near), near
-
-
-def _finished(known: Deviation, field: FaceField, tolerance: float, quality: Quality) -> tuple[Labelled, float]:
-    """The mesh without what refining left on straight lines, where that is as near and as sound; and how near.
-
-    Raises `MeshError` where the mesh itself is not sound.
-    """
-    aim, mesh = AIM * tolerance, known.mesh
-    longer = straightened(mesh, field, np.full(len(mesh.points), aim), aim, quality)
-    further = None
-    for _ in range(LAST_REFINEMENTS if longer is not mesh else 0):
-        further = Deviation.of(longer, field, further)
-        if further.worst > tolerance:
-            longer = _halved(further, field, tolerance, _far(further, tolerance))[0]
-            continue
-        longer, worst = polished(longer, field, further.worst, tolerance)
-        if unsound(longer, field, tolerance)[0]:
-            break
-        return longer, worst
-    mesh, worst = polished(mesh, field, known.worst, tolerance)
-    reason, _ = unsound(mesh, field, tolerance)
+    """A first mesh remeshed, and its measured distance.  Raises `MeshError` where it is not sound."""
+    ground = FaceGround(field, int(first.labels.max()) + 1, long=quality is not Quality.ANGLES)
+    remesher = Remesher(ground, tolerance, Settings(folded=FOLD, flat=quality.flat))
+    mesh = remesher.begun(first)
+    mesh.caps[:] = LONGER * first.sizes  # so that sheets that the lattice keeps apart do not touch
+    remesher.graded(mesh, remesher.parts)
+    remesher.untangle(mesh, UPRIGHT)
+    found = remesher.refined(mesh)
+    if isinstance(found, Failure):
+        raise _refusal(found, field, tolerance)
+    reason, _ = unsound(found.mesh, field, tolerance)
     if reason:
         raise MeshError(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
-    return mesh, worst
+    return found.mesh, found.deviation
 
 
-def _with_fine_curves(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
-    """The mesh with the edges along the curves around faces with lines halved until they are near enough to these."""
-    for _ in range(REFINEMENTS):
-        around = np.flatnonzero(mesh.topology.seam_mask & field.lines(mesh.topology.edge_table[1]).any(axis=1))
-        distances = edge_distances(field, mesh, around)
-        far = around[distances > AIM * tolerance]
-        if not len(far):
-            break
-        require_room(field, len(mesh.triangles), len(far) / len(mesh.topology.edges), tolerance, float(distances.max()))
-        checkpoint(f"refining curves ({len(mesh.triangles)} triangles)")
-        mesh = flip(_split(mesh, field, mesh.topology.edges[far]), field, limit=AIM * tolerance)
-    return mesh
-
-
-def _split(mesh: Labelled, field: FaceField, edges: Integers) -> Labelled:
-    points, triangles, parents = split(mesh.points, mesh.triangles, edges)
-    finer = Labelled.of(points, triangles, mesh.labels[parents], mesh.topology.pinned)
-    return project(finer, field, finer.sizes, np.arange(len(mesh.points), len(points)))
-
-
-def _edges_of(mesh: Labelled, rows: Integers) -> Integers:
-    """The rows of the edges (K, 3) of triangles in given rows."""
-    ends = np.sort(np.stack([mesh.triangles[rows], mesh.triangles[rows][:, [1, 2, 0]]], axis=2), axis=2)
-    weights = np.array([mesh.topology.size, 1])
-    return np.searchsorted(mesh.topology.edges @ weights, ends @ weights)
+def _refusal(found: Failure, field: FaceField, tolerance: float) -> MeshError:
+    """Why a mesh did not come out, in words."""
+    if found.crowded:
+        return too_many(field, found.triangles, LARGEST, tolerance, found.reached)
+    trouble = find_trouble(field, found.place[None], found.size)
+    why = "a face may have a singular point" if trouble is None else trouble.sentence
+    return not_reached(field, found.triangles, tolerance, found.reached, f": {why}")

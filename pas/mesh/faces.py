@@ -23,7 +23,7 @@ from pas.mesh.contour import crossings, knotted, oriented, snapped
 from pas.mesh.field import FaceField, Floats, Integers
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import NOWHERE, Known, Nodes, contracted, find_nodes
-from pas.mesh.remesh import least_norm, newton, placing
+from pas.mesh.projection import least_norm, newton, placing
 from pas.mesh.rows import cross, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import edge_table, pinched

@@ -10,18 +10,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.errors import MeshError
-from pas.limits import checkpoint
-from pas.mesh.collapse import coarsen, collapse, untangle
+from pas.mesh.cleaning import FOLD, cleaned
 from pas.mesh.faces import Crossings
-from pas.mesh.field import FaceField, Floats, Integers, place_of
+from pas.mesh.field import FaceField, Floats, place_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import Known
 from pas.mesh.octree import DEEPEST, NOWHERE, QUIET, Octree
-from pas.mesh.remesh import cosines, flip, least_norm, pair_normals, placing, project, smooth
-from pas.mesh.rows import any_of, dots, norms
+from pas.mesh.projection import cosines, least_norm, placing
+from pas.mesh.rows import norms
 from pas.mesh.trouble import Trouble, find_trouble
 
 FIRST_PARTS, OTHER_PARTS, HALVINGS, COMPARED = 25, 27, 9, 3
@@ -47,18 +45,6 @@ time than more cubes."""
 
 ROOM, TIMES = 30_000, 3
 """Cubes, and times the first lattice's, that all lattices together may have in which the boundary does not come out."""
-
-SHORT = 0.55
-"""Edges below this share of the mean length about both their ends are collapsed."""
-
-SMOOTHINGS = 3
-"""How often vertices are averaged."""
-
-MORE_THAN_ENOUGH = 0.25
-"""Share of the length that the tolerance allows below which edges go."""
-
-FOLD = 0.2
-"""Cosine of a triangle's normal and its face's below which it counts as folded."""
 
 ON_FACE = 1e-7
 """Distance from its faces, over the length of its edges, up to which a vertex counts as placed."""
@@ -103,7 +89,7 @@ def _first_mesh(field: FaceField, tolerance: float, octree: Octree, even: bool) 
             elif not all(first.shows_faces_of(other.crossings) for other in ahead[1:]):
                 reason = "its faces are too small"
             elif len(first.edges):
-                mesh = _improved(raw, field, tolerance, even)
+                mesh = cleaned(raw, field, tolerance, even)
                 reason, places = unsound(mesh, field, tolerance)
                 if not reason:
                     return mesh
@@ -194,68 +180,6 @@ class _Lattice:
     @cached_property
     def crossings(self) -> Crossings:
         return Crossings(self.field, *self.octree.tetrahedra(), self.known)
-
-
-def _improved(mesh: Labelled, field: FaceField, tolerance: float, even: bool) -> Labelled:
-    mesh = _with_special_points(mesh, field)
-    mesh = project(mesh, field, mesh.sizes / 2)
-    mesh = mesh if even else _coarsened(mesh, field, tolerance)
-
-    def short(m: Labelled, edges: Integers) -> NDArray[np.bool_]:
-        return np.asarray(m.lengths < SHORT * m.sizes[edges].min(axis=1))
-
-    for _ in range(SMOOTHINGS):
-        checkpoint(f"improving the mesh ({len(mesh.triangles)} triangles)")
-        mesh = collapse(mesh, field, short)
-        mesh = flip(mesh, field)
-        mesh = smooth(mesh, field)
-    mesh = flip(collapse(mesh, field, short), field)
-    return untangle(mesh, field, FOLD)
-
-
-def _coarsened(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
-    """Without the vertices that are far more than the tolerance needs, such as those in the middle of a plane."""
-    aim = np.minimum(tolerance, mesh.sizes / 4)  # so that sheets that the lattice keeps apart do not touch
-    longest = MORE_THAN_ENOUGH * np.sqrt(8 * aim / np.maximum(_bend(mesh, field), 1e-9))
-
-    def spare(m: Labelled, numbers: Integers, fresh: NDArray[np.bool_]) -> Integers:
-        edges = m.topology.edges
-        return np.flatnonzero((m.lengths < longest[numbers][edges].min(axis=1)) & any_of(fresh[edges]))
-
-    return coarsen(mesh, field, spare)
-
-
-def _bend(mesh: Labelled, field: FaceField) -> Floats:
-    """The largest curvature of faces and curves at each vertex (N,), from its edges."""
-    topology, points = mesh.topology, mesh.points
-    normals = pair_normals(mesh, field)
-    result = np.zeros(topology.size)
-    for i, j in ((0, 1), (1, 2), (2, 0)):
-        a, b = mesh.triangles[:, i], mesh.triangles[:, j]
-        turn = normals[topology.corner_pairs[:, i]] - normals[topology.corner_pairs[:, j]]
-        along = points[a] - points[b]
-        bend = np.sqrt(dots(turn, turn) / np.maximum(dots(along, along), 1e-300))
-        np.maximum.at(result, a, bend)
-        np.maximum.at(result, b, bend)
-    ends = np.concatenate([topology.seams, topology.seams[:, ::-1]])
-    along = points[ends[:, 1]] - points[ends[:, 0]]
-    length = norms(along)
-    units = along / np.maximum(length, 1e-300)[:, None]
-    turns: Floats = np.stack([np.bincount(ends[:, 0], u, minlength=topology.size) for u in units.T], axis=1)
-    span = np.bincount(ends[:, 0], length, minlength=topology.size)
-    bent = norms(turns) / np.maximum(span / 2, 1e-300)
-    return np.maximum(result, np.where(topology.fixed, 0.0, bent))
-
-
-def _with_special_points(mesh: Labelled, field: FaceField) -> Labelled:
-    """The vertex nearest to each special point moved there."""
-    points = mesh.points.copy()
-    for special in field.special_points:
-        square = ((points - special) ** 2).sum(axis=1)
-        nearest = int(square.argmin())
-        if square[nearest] < (2 * mesh.sizes[nearest]) ** 2:
-            points[nearest] = special
-    return mesh.moved(points)
 
 
 def unsound(mesh: Labelled, field: FaceField, tolerance: float) -> tuple[str, Floats]:

@@ -14,10 +14,13 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.ground import Ground
-from pas.mesh.halfedges import TURNED, HalfEdges, following
+from pas.mesh.halfedges import TURNED, HalfEdges, Kind, following
 from pas.mesh.labelled import Labelled
 from pas.mesh.refine import LARGEST
-from pas.mesh.rows import dots
+from pas.mesh.rows import dots, norms
+
+KEPT = 0.35
+"""Cosine with the normals below which triangles about folded ones are not made."""
 
 NOWHERE = np.empty(0, dtype=np.intp)
 
@@ -51,6 +54,10 @@ class Settings:
     good: float = 0.5
     """Sine of the angle below which a triangle away from curves is mended."""
 
+    flat: tuple[float, float, float] = (0.025, 0.025, 0.1)
+    """The least height over the longest side of long triangles: where a vertex on a curve goes, one inside, and one
+    inside a plane."""
+
     most: int = LARGEST
     """Triangles at most."""
 
@@ -79,27 +86,26 @@ class Grading:
         return max(1, int(np.sqrt(self.settings.coarse * self.ground.reach / self.tolerance) + self.settings.more))
 
     def graded(self, mesh: HalfEdges, parts: int, thin: bool = True) -> None:
-        """Give the edges the lengths for a tolerance of `parts` squared times the one aimed at."""
-        tolerance = self.fine * parts**2
+        """Give the edges the lengths for the tolerance after a cut into so many parts."""
         if thin:
-            self._thin(mesh, tolerance)
+            self._thin(mesh, parts)
         if self.ruled:
-            self._grow_curves(mesh, tolerance)
-        self._grow(mesh, tolerance)
+            self._grow_curves(mesh, parts)
+        self._grow(mesh, parts)
         if self.ruled:
-            self._straighten(mesh, tolerance)
+            self._straighten(mesh, parts)
 
-    def _sizes(self, mesh: HalfEdges, tolerance: float) -> None:
+    def _sizes(self, mesh: HalfEdges, parts: float) -> None:
         if not self.ground.knows_bends:
             mesh.bend()
         s = self.settings
-        mesh.size(tolerance, self.fine, s.longest * self.ground.reach, s.bent, s.grade)
+        mesh.size(parts, self.fine, s.longest * self.ground.reach, s.bent, s.grade)
 
-    def _thin(self, mesh: HalfEdges, tolerance: float) -> None:
+    def _thin(self, mesh: HalfEdges, parts: float) -> None:
         """Collapse edges that are shorter than they may be, smoothing now and then, until few vertices go."""
         for step in range(self.THINNINGS):
             checkpoint(f"coarsening the first triangles ({len(mesh.labels)})")
-            self._sizes(mesh, tolerance)
+            self._sizes(mesh, parts)
             few = self._collapse(mesh) <= 0.02 * len(mesh.points)
             if few or step % 6 == 5:
                 self._relax(mesh)
@@ -117,14 +123,14 @@ class Grading:
         order, straight = ratios[rows], np.flatnonzero(ratios[rows] <= 0.05)
         order[straight] = 1e-3 * mesh.lengths(rows[straight])  # along lines of ruled faces
         rows = rows[np.argsort(order, kind="stable")]
-        return mesh.collapse(rows, self.settings.longer, TURNED, 1.0)
+        return mesh.collapse(rows, self.settings.longer, TURNED, 1.0, self.settings.flat)
 
-    def _grow(self, mesh: HalfEdges, tolerance: float) -> None:
+    def _grow(self, mesh: HalfEdges, parts: float) -> None:
         """Split edges that are longer than they may be, and smooth, until none is after some smoothings."""
         smoothed = 0
         for _ in range(self.SPLITTINGS):
             checkpoint(f"making the first triangles ({len(mesh.labels)})")
-            self._sizes(mesh, tolerance)
+            self._sizes(mesh, parts)
             long, size = self._longest(mesh), len(mesh.points)
             if len(long):
                 self._split(mesh, long, careful=True)
@@ -134,14 +140,14 @@ class Grading:
                     return
             self._relax(mesh)
 
-    def _grow_curves(self, mesh: HalfEdges, tolerance: float) -> None:
+    def _grow_curves(self, mesh: HalfEdges, parts: float) -> None:
         """Split edges on curves that are longer than they may be, so that ruled faces get their corners there."""
         for _ in range(self.SPLITTINGS):
-            self._sizes(mesh, tolerance)
-            long = self._long_curves(mesh)
-            if not len(long):
+            self._sizes(mesh, parts)
+            long, size = self._long_curves(mesh), len(mesh.points)
+            self._split(mesh, long, careful=True)
+            if len(mesh.points) == size:
                 return
-            self._split(mesh, long)
             mesh.flip(self.fine)
 
     @staticmethod
@@ -165,19 +171,20 @@ class Grading:
         """Split half edges, the new vertices on the surface.
 
         If `careful`, not those whose middles are nearer to another side of it, as around a thin arm, so that the normal
-        there is turned away from one at an end.
+        there is turned away from one at an end, or to another part of a curve, at more than half their length.
         """
         size, twins = len(mesh.points), mesh.twins[halves]
         own = mesh.labels[halves // 3]
         other = np.where(twins < 0, -1, mesh.labels[twins // 3])
         labels = np.stack([np.where(other < 0, own, np.minimum(own, other)), np.maximum(own, other)], axis=1)
         labels[other == own, 1] = labels[other < 0, 1] = -1
-        middles = mesh.middles(NOWHERE, halves)[1]
-        places = self.ground.placed(middles, labels, np.where(twins < 0, -1 - twins, -1), mesh.lengths(halves))
+        middles, lengths = mesh.middles(NOWHERE, halves)[1], mesh.lengths(halves)
+        places = self.ground.placed(middles, labels, np.where(twins < 0, -1 - twins, -1), lengths)
         if careful:
             normals = self.ground.looked(places, own)[0]
             ends = mesh.normals[mesh.wedge_of[halves]], mesh.normals[mesh.wedge_of[following(halves)]]
             good = (dots(normals, ends[0]) > 0) & (dots(normals, ends[1]) > 0)
+            good &= 2 * norms(places - middles) < lengths
             halves, places = halves[good], places[good]
         mesh.split(halves)
         mesh.points[size:] = places
@@ -188,17 +195,14 @@ class Grading:
         mesh.normals[wedges] = normals
         mesh.bends[wedges] = 0.0 if bends is None else bends
 
-    def _relax(self, mesh: HalfEdges, turned: float = TURNED, about: NDArray[np.bool_] | None = None) -> None:
-        """Flip edges and smooth once, all vertices or those `about` (V,)."""
+    def _relax(self, mesh: HalfEdges) -> None:
+        """Flip edges and smooth once."""
         mesh.flip(self.fine)
-        to = mesh.targets
-        if about is not None:
-            to[~about] = mesh.points[~about]
-        mesh.settle(*self.ground.drawn(mesh, to), turned)
+        mesh.settle(*self.ground.drawn(mesh, mesh.targets))
 
-    def _straighten(self, mesh: HalfEdges, tolerance: float) -> None:
+    def _straighten(self, mesh: HalfEdges, parts: float) -> None:
         """Leave out vertices on the lines of ruled faces."""
-        self._sizes(mesh, tolerance)
+        self._sizes(mesh, parts)
         mesh.fresh[:] = True
         only_fresh = False
         while True:
@@ -210,7 +214,7 @@ class Grading:
             if gone < 0.005 * size:
                 return
 
-    def untangle(self, mesh: HalfEdges, folded: float = 0.2) -> bool:
+    def untangle(self, mesh: HalfEdges, folded: float) -> bool:
         """Collapse edges of folded triangles and smooth about them, as far as that goes; whether there were some."""
         for number in range(self.UNTANGLINGS):
             bad = np.flatnonzero(mesh.cosines < folded)
@@ -222,17 +226,28 @@ class Grading:
                 (marked[mesh.corners] | marked[mesh.ends]) & (mesh.twins < np.arange(len(mesh.corners)))
             )
             rows = rows[np.argsort(mesh.lengths(rows), kind="stable")]
-            mesh.plain = True
-            mesh.collapse(rows, 0.0, 0.35, 1e9)
+            mesh.size_plainly()
+            mesh.collapse(rows, 0.0, KEPT, 1.0, self.settings.flat)
             self._relax_about(mesh, np.flatnonzero(mesh.cosines < folded))
             mesh.plain = False
             mesh.flip(self.fine)
         return True
 
     def _relax_about(self, mesh: HalfEdges, rows: Integers) -> None:
-        """Smooth vertices of triangles in given rows, and those next to them."""
-        if len(rows):
-            about = np.zeros(len(mesh.points), dtype=bool)
-            about[mesh.triangles[rows]] = True
-            about[mesh.triangles[about[mesh.triangles].any(axis=1)]] = True
-            self._relax(mesh, -2.0, about)
+        """Smooth vertices of triangles in given rows, and those next to them, and project them."""
+        if not len(rows):
+            return
+        about = np.zeros(len(mesh.points), dtype=bool)
+        about[mesh.triangles[rows]] = True
+        about[mesh.triangles[about[mesh.triangles].any(axis=1)]] = True
+        mesh.flip(self.fine)
+        self._smooth(mesh, about)
+
+    def _smooth(self, mesh: HalfEdges, about: NDArray[np.bool_]) -> None:
+        """Move chosen vertices (V,) to the middles of their triangles, or along curves, and project them."""
+        to, rows = mesh.targets, np.flatnonzero(about & (mesh.kinds < Kind.CORNER))
+        labels, reach = mesh.labels_about(rows), mesh.sizes[rows] / 4
+        mesh.points[rows] = self.ground.placed(to[rows], labels, mesh.rim_of[rows], reach)
+        moved = np.zeros(len(mesh.points), dtype=bool)
+        moved[rows] = True
+        self._look(mesh, np.flatnonzero(moved[mesh.vertex_of]))

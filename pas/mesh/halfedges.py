@@ -11,6 +11,7 @@ topology, labels and curves.  Not guaranteed: that triangles do not cross one an
 from __future__ import annotations
 
 import ctypes
+from dataclasses import replace
 from enum import IntEnum
 from typing import Any
 
@@ -26,19 +27,20 @@ from pas.mesh.topology import numbered, twins_of
 TURNED = 0.5
 """Cosine between a triangle and the normals at its corners that flips keep, or do not make worse."""
 
+HELD = 0.8
+"""Cosine between triangles on ruled faces, which may be long, and the normals, below which a collapse makes none."""
+
 PASSES = 12
 """Flips at most, over the number of triangles."""
 
-FLAT = (0.025, 0.025, 0.1)
-"""The least height over the longest side of long triangles: see `pas.mesh.quality`."""
-
 
 class Kind(IntEnum):
-    """Where a vertex is: inside a face, on a curve, or in a corner, where it stays."""
+    """Where a vertex is: inside a face, on a curve, or in a corner, where it stays as those do that are pinned."""
 
     INSIDE = 0
     CURVE = 1
     CORNER = 2
+    PINNED = 3
 
 
 def following(halves: Integers) -> Integers:
@@ -64,6 +66,7 @@ class HalfEdges:
 
     points = _Array(np.float64, "vertices", 3)
     sizes = _Array(np.float64, "vertices")
+    caps = _Array(np.float64, "vertices")
     normals = _Array(np.float64, "wedges", 3)
     bends = _Array(np.float64, "wedges")
     corners = _Array(np.intp, "triangles", times=3)
@@ -96,25 +99,14 @@ class HalfEdges:
         self.wedge_of[:], self.vertex_of[:], self.face_of[:] = wedge_of, pairs // span, pairs % span
         rims = np.zeros(len(twins), dtype=np.intp) if first.rims is None else first.rims.ravel()
         self.twins[:] = np.where(twins < 0, -1 - np.maximum(rims, 0), twins)
-        self.marks[:], self.fresh[:], self.normals[:] = 0, True, 0.0
+        self.marks[:], self.fresh[:], self.normals[:], self.caps[:] = 0, True, 0.0, np.inf
         self.outgoing[:] = -1
         self.outgoing[self.corners] = np.arange(len(twins))
         open_ = np.flatnonzero(twins < 0)
         self.outgoing[self.corners[open_]] = open_
-        self._classify(first.topology.pinned)
-
-    def _classify(self, pinned: Integers) -> None:
-        """Vertices are corners where three labels meet, curves end or cross, or boundary curves meet, or if pinned."""
-        size, rows = len(self.points), np.flatnonzero(self.on_curves)
-        ends = np.concatenate([self.corners[rows], self.ends[rows]])
-        degree = np.bincount(ends, np.repeat(np.where(self.twins[rows] < 0, 1.0, 0.5), 2), minlength=size)
-        before, after = np.full((2, size), -1)
-        rim = rows[self.twins[rows] < 0]
-        after[self.corners[rim]] = self.twins[rim]
-        before[self.ends[rim]] = self.twins[rim]
-        corner = (degree != 2) | (np.bincount(self.vertex_of, minlength=size) > 2) | (before != after)
-        corner[pinned] = True
-        self.kinds[:] = np.where(degree == 0, Kind.INSIDE, np.where(corner, Kind.CORNER, Kind.CURVE))
+        self.kinds[:] = Kind.INSIDE
+        self.kinds[first.topology.pinned] = Kind.PINNED
+        self._call("pas_mesh_classify")
 
     def count(self, of: str) -> int:
         """How many vertices, triangles or wedges there are."""
@@ -211,9 +203,9 @@ class HalfEdges:
         """Find the curvatures of wedges from the turn of normals along edges."""
         self._call("pas_mesh_bends")
 
-    def size(self, tolerance: float, fine: float, longest: float, bent: float, grade: float) -> None:
-        """Find how long edges should be for a tolerance, a `fine` one on ruled faces, and other limits."""
-        self._call("pas_mesh_sizes", tolerance, fine, longest, bent, grade)
+    def size(self, parts: float, fine: float, longest: float, bent: float, grade: float) -> None:
+        """Find how long edges should be for a tolerance that is `fine` after a cut into parts, and other limits."""
+        self._call("pas_mesh_sizes", parts, fine, longest, bent, grade)
 
     def size_plainly(self) -> None:
         """Take the mean lengths of edges at vertices for what these should be, on all faces."""
@@ -238,13 +230,21 @@ class HalfEdges:
         """Flip edges, of all or at fresh vertices, towards Delaunay's criterion, on ruled faces towards the face."""
         self._call("pas_mesh_flip", TURNED, float(limit), int(only_fresh), PASSES)
 
-    def collapse(self, halves: Integers, longer: float, kept: float, off: float, held: float = 0.8) -> int:
+    def collapse(
+        self,
+        halves: Integers,
+        longer: float,
+        kept: float,
+        off: float,
+        flat: tuple[float, float, float],
+        held: float = 0.8,
+    ) -> int:
         """Collapse half edges (K,) in this order, or their twins, where the mesh stays good; how many.
 
         See `Limits` in `pas/kernels/edits.c`.
         """
         done = np.empty(1, dtype=np.intp)
-        self._call("pas_mesh_collapse", len(halves), halves, np.array([longer, kept, held, off, *FLAT]), done)
+        self._call("pas_mesh_collapse", len(halves), halves, np.array([longer, kept, HELD, off, *flat]), done)
         if done[0]:
             self._call("pas_mesh_pack")
         return int(done[0])
@@ -297,7 +297,7 @@ class HalfEdges:
         points, labels = np.empty((counts[0], 3)), np.empty(counts[1], dtype=np.intp)
         triangles, codes = np.empty((2, counts[1], 3), dtype=np.intp)
         self._call("pas_mesh_cut", parts, base, points, triangles, codes, labels)
-        pinned = np.flatnonzero(self.kinds == Kind.CORNER)
+        pinned = np.flatnonzero(self.kinds >= Kind.CORNER)
         rims = None if codes.max(initial=-1) == codes.min(initial=-1) == -1 else -1 - codes
         return HalfEdges(Labelled.of(points, triangles, labels, pinned, rims), self.faces)
 
@@ -307,12 +307,20 @@ class HalfEdges:
         rows, curves = self.boundary
         rims = np.full(len(self.corners), -1)
         rims[rows] = curves
-        pinned = np.flatnonzero(self.kinds == Kind.CORNER)
+        pinned = np.flatnonzero(self.kinds >= Kind.CORNER)
         given = self.points.copy(), self.triangles.copy(), self.labels.copy(), pinned
         mesh = Labelled.of(*given, rims.reshape(-1, 3) if len(rows) else None)
         span = int(self.labels.max(initial=0)) + 1
         order = np.argsort(self.vertex_of * span + self.face_of, kind="stable")  # that of the rows of `pairs`
         return Labelled(mesh.points, mesh.topology, self.normals[order])
+
+
+def halved(mesh: Labelled, rows: Integers) -> Labelled:
+    """A mesh with the edges of given rows of its table halved, the longest first; the new vertices are the last."""
+    halves = HalfEdges(mesh, np.zeros(int(mesh.labels.max()) + 1, dtype=np.int8))
+    halves.split(mesh.topology.halves[rows[np.argsort(-mesh.lengths[rows], kind="stable")]])
+    points, topology = halves.value.points, halves.value.topology
+    return Labelled(points, replace(topology, pinned=mesh.topology.pinned))
 
 
 _ARRAYS = {name: array for name, array in vars(HalfEdges).items() if isinstance(array, _Array)}

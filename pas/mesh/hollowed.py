@@ -24,7 +24,7 @@ from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers, Wall, place_of
 from pas.mesh.first import unsound
 from pas.mesh.labelled import Labelled
-from pas.mesh.remesh import newton, pair_normals, project
+from pas.mesh.projection import newton, pair_normals, project
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import is_closed_manifold
 

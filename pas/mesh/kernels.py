@@ -1,7 +1,6 @@
 """The compiled functions that make triangles good ones, called with arrays.
 
-Those of `pas.mesh.contour`, `lattice`, `octree`, `places`, `refine` and `topology`; those for meshes with labels are in
-`pas.mesh.labelled_calls`, those for half edges in `pas.mesh.halfedges`.
+Those of `pas.mesh.contour`, `lattice`, `octree` and `topology`; those for half edges are in `pas.mesh.halfedges`.
 """
 
 from __future__ import annotations
@@ -14,11 +13,13 @@ from numpy.typing import NDArray
 from pas.bernstein.subdivision import Means
 from pas.kernels.library import Functions
 from pas.mesh.field import Floats, Integers
-from pas.mesh.labelled_calls import LabelledCalls
 
 
-class CompiledTriangles(LabelledCalls):
+class CompiledTriangles:
     """The functions of the compiled library; arrays are contiguous, numbers as large as pointers."""
+
+    def __init__(self, functions: Functions) -> None:
+        self._call = functions.call
 
     def crossings(self, tetrahedra: Integers, negative: NDArray[np.bool_]) -> Integers:
         """The keys of crossed edges at the corners of triangles (3 T,); see `pas.mesh.contour.crossings`."""
@@ -44,18 +45,6 @@ class CompiledTriangles(LabelledCalls):
         self._call("pas_tetrahedra_taken", *found.tolist(), result)
         return result
 
-    def split(self, triangles: Integers, ends: NDArray[np.bool_], keys: Integers) -> tuple[Integers, Integers]:
-        """The triangles cut at edges with sorted keys, whose `ends` (N,) are marked, and those that they are parts of.
-
-        See `pas.mesh.refine.split`.
-        """
-        count, marks, numbers = len(triangles), np.empty((len(triangles), 3), dtype=np.intp), np.empty(4, dtype=np.intp)
-        self._call("pas_marked", count, triangles, len(ends), ends, len(keys), keys, marks, numbers)
-        total = int(numbers @ np.arange(1, 5))
-        parts, parents = np.empty((total, 3), dtype=np.intp), np.empty(total, dtype=np.intp)
-        self._call("pas_split", count, triangles, len(ends), marks, numbers, parts, parents)
-        return parts, parents
-
     def eighths(
         self, corners: Integers, parts: Means, rounding: float, keys: Integers, points: Floats, forms: Floats
     ) -> tuple[Integers, Floats, Floats]:
@@ -75,40 +64,6 @@ class CompiledTriangles(LabelledCalls):
         given = (len(forms), forms.shape[1], len(up), up, forms, points)
         self._call("pas_risings", *given, means, least, sizes)
         return means, least, sizes
-
-    def sines(self, points: Floats, triangles: Integers) -> Floats:
-        """See `pas.mesh.places.sines`; of triangles (T, 3) alone, (T,)."""
-        result = np.empty(len(triangles))
-        self._call("pas_sines", len(triangles), triangles, points, result)
-        return result
-
-    def better_places(
-        self,
-        stars: tuple[Integers, Integers, Integers, Integers],
-        points: Floats,
-        normals: Floats,
-        values: tuple[Floats, Floats, Floats],
-        limits: tuple[float, float, float, float],
-        ways: tuple[Floats, Floats],
-    ) -> tuple[Floats, Floats, Floats]:
-        """See `pas.mesh.places.better_places`; `ways` are the shares (k,) and turns (m, 2) that are tried."""
-        (vertices, starts, first, second), (before, weights, floors) = stars, values
-        count, (shares, turns) = len(vertices), ways
-        result = np.empty((count, 3)), np.empty(count), np.empty(count)
-        given = (count, vertices, np.append(starts, len(first)), first, second, points, normals, before)
-        self._call(
-            "pas_better_places",
-            *given,
-            weights,
-            floors,
-            np.array(limits),
-            len(shares),
-            shares,
-            len(turns),
-            turns,
-            *result,
-        )
-        return result
 
     def twins(self, triangles: Integers, size: int) -> Integers:
         """See `pas.mesh.topology.twins_of`."""

@@ -11,14 +11,14 @@ from collections.abc import Callable, Sequence
 from itertools import permutations, product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.limits import checkpoint
-from pas.mesh.collapse import RINGS
-from pas.mesh.deviation import Deviation
+from pas.mesh.face_ground import FaceGround, deviation
 from pas.mesh.field import FaceField, Floats
 from pas.mesh.first import unsound
+from pas.mesh.halfedges import HalfEdges
 from pas.mesh.labelled import Labelled
-from pas.mesh.remesh import flip
 from pas.mesh.rows import cross
 from pas.mesh.shells import together
 
@@ -26,12 +26,18 @@ SHARES = (1 / 4, 1 / 16)
 """Of the tolerance, to which one of the surfaces after the other is meshed until they do not cross: where two bend the
 same way, chords of the outer one pass through the inner one if they are long beside those."""
 
+LEFT = 0.7
+"""Share of the tolerance to which surfaces are meshed: a vertex that moves into a point of contact takes the rest."""
+
 NEAR = 0.3
 """Distance from a vertex, over its size, up to which a point of contact is that vertex."""
 
 ON = 1e-9
 """Share of a volume of six lengths, or of an area, up to which rounding leaves open on which side of a triangle or of
 its edge something is."""
+
+RINGS = 2
+"""Of triangles about a point of contact, in which edges are flipped."""
 
 TABLE = 1 << 18
 """Pairs of edges and triangles that are looked at together."""
@@ -50,7 +56,7 @@ def mesh_touching(
     finer = [(-1, 1.0), *product(range(len(surfaces)), SHARES)]
     for number, share in sorted(finer, key=lambda pair: -pair[1]):
         checkpoint("meshing surfaces that touch")
-        keys = [(i, tolerance * (share if i == number else 1.0)) for i in range(len(surfaces))]
+        keys = [(i, LEFT * tolerance * (share if i == number else 1.0)) for i in range(len(surfaces))]
         for i, aim in keys:
             if (i, aim) not in known:
                 known[i, aim] = _with_contacts(mesh(surfaces[i], aim)[0], surfaces[i], aim)
@@ -72,10 +78,20 @@ def _with_contacts(mesh: Labelled, surface: FaceField, aim: float) -> tuple[Labe
             mesh = mesh.moved(points)
         else:
             mesh, nearest = _inserted(mesh, point), len(mesh.points)
-        mesh = flip(mesh, surface, limit=aim, near=mesh.topology.around(np.array([nearest]), RINGS))
+        mesh = _flipped(mesh, surface, aim, mesh.topology.around(np.array([nearest]), RINGS))
     if unsound(mesh, surface, aim)[0]:
         return mesh, np.inf
-    return mesh, Deviation.of(mesh, surface).worst
+    return mesh, deviation(mesh, surface)
+
+
+def _flipped(mesh: Labelled, surface: FaceField, aim: float, near: NDArray[np.bool_]) -> Labelled:
+    """The mesh with edges at vertices `near` (N,) flipped where that is better."""
+    ground = FaceGround(surface, int(mesh.labels.max()) + 1)
+    halves = HalfEdges(mesh, ground.faces)
+    halves.normals[:] = ground.looked(halves.points[halves.vertex_of], halves.face_of)[0]
+    halves.fresh[:] = near
+    halves.flip(aim, only_fresh=True)
+    return halves.value
 
 
 def _inserted(mesh: Labelled, point: Floats) -> Labelled:

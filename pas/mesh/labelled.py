@@ -15,20 +15,10 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from pas.mesh.field import Floats, Integers
-from pas.mesh.kernels import compiled
 from pas.mesh.rows import any_of, norms
+from pas.mesh.topology import numbered, twins_of
 
 NONE = np.empty(0, dtype=np.intp)
-
-BITS = 21
-"""Of a vertex number, of which three make the key of a triangle: two million vertices, more than meshes may have."""
-
-
-def triangle_keys(triangles: Integers) -> Integers:
-    """The same number (T,) for the same three vertices (T, 3), in whatever order."""
-    a, b, c = triangles.T
-    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
-    return np.asarray((low << BITS | (a + b + c - low - high)) << BITS | high)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +39,7 @@ class Topology:
     @cached_property
     def _paired(self) -> tuple[Integers, Integers]:
         """The distinct keys of (vertex, label) pairs (P,), sorted, and which one each corner has (3 T,)."""
-        return compiled().labelled_pairs(self.triangles, self.labels, self.size, self._span)
+        return numbered((self.triangles * self._span + self.labels[:, None]).ravel())
 
     @cached_property
     def pairs(self) -> Integers:
@@ -76,9 +66,21 @@ class Topology:
         return np.bincount(self.pairs[:, 0], minlength=self.size)
 
     @cached_property
+    def halves(self) -> Integers:
+        """A half edge (E,) of each edge: 3 t + k leads from corner k of triangle t to the next."""
+        twins = twins_of(self.triangles, self.size)
+        halves = np.flatnonzero(twins < np.arange(len(twins)))
+        corners, ends = self.triangles.ravel()[halves], self.triangles[:, [1, 2, 0]].ravel()[halves]
+        return halves[np.argsort(np.minimum(corners, ends) * self.size + np.maximum(corners, ends), kind="stable")]
+
+    @cached_property
     def edge_table(self) -> tuple[Integers, Integers]:
         """The edges (E, 2), the lower vertex first, sorted, and the two labels of each (E, 2), ascending."""
-        return compiled().labelled_edges(self.triangles, self.labels, self.size)
+        halves, twins = self.halves, twins_of(self.triangles, self.size)[self.halves]
+        corners, ends = self.triangles.ravel()[halves], self.triangles[:, [1, 2, 0]].ravel()[halves]
+        own, other = self.labels[halves // 3], self.labels[np.where(twins < 0, halves, twins) // 3]
+        both = np.stack([corners, ends], axis=1), np.stack([own, other], axis=1)
+        return np.sort(both[0], axis=1), np.sort(both[1], axis=1)
 
     @property
     def edges(self) -> Integers:
@@ -179,8 +181,13 @@ class Labelled:
     @cached_property
     def sizes(self) -> Floats:
         """The mean length (N,) of the edges at each vertex; on a curve, of those along it."""
-        topology = self.topology
-        return compiled().sizes(topology.edges, self.lengths, topology.seam_mask, topology.size)
+        edges, seams, count = self.topology.edges, self.topology.seam_mask, len(self.points)
+        on_curve, total, times = self.topology.label_count > 1, np.zeros(count), np.zeros(count)
+        for ends in edges.T:
+            counted = seams | ~on_curve[ends]
+            total += np.bincount(ends[counted], self.lengths[counted], minlength=count)
+            times += np.bincount(ends[counted], minlength=count)
+        return np.asarray(total / np.maximum(times, 1))
 
     @property
     def rims(self) -> Integers | None:

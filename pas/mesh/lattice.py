@@ -15,12 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import homogeneous_exponents
+from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.bernstein.subdivision import Means, means, raised
 from pas.limits import checkpoint
 from pas.mesh.field import CellField, Floats, Integers
 from pas.mesh.kernels import compiled
 from pas.mesh.rows import all_of, any_of
 from pas.mesh.topology import MOST, first_with
+from pas.verdicts import Status
 
 TINY = 1e-300
 """What stands for a value of 0 at a node."""
@@ -29,8 +31,16 @@ ROUNDING = 1e-13
 """Over the largest coefficient on a cell: below this a coefficient's sign is not known."""
 
 
-LOOKS, LOOKED_AT = 5, 2000
-"""Halvings of tetrahedra that may hide a component, and how many are looked at together."""
+LOOKS = Limits(depth=5, cells=2000)
+"""Of tetrahedra that may hide a component: how often they are halved, and how many are looked at together."""
+
+
+@dataclass(frozen=True)
+class _Tetrahedra(Cells):
+    """Tetrahedra by their forms (T, m) and corners (T, 4, 3)."""
+
+    forms: Floats
+    points: Floats
 
 
 @dataclass(frozen=True)
@@ -93,18 +103,21 @@ class Subdivision:
 
         Parts in which the function rises along one direction are not looked into: they hold no component.
         """
-        forms = forms * np.where((forms[:, self._ends] >= -ROUNDING).all(axis=1), 1.0, -1.0)[:, None]
-        for _ in range(LOOKS):
-            if not len(forms) or len(forms) > LOOKED_AT:
-                break
-            _, points, forms = _cut(self.field.degree, np.zeros((len(forms), 4), dtype=np.intp), points, forms)
-            if (forms[:, self._ends] < -ROUNDING).any():
-                return True
-            kept = forms.min(axis=1) <= ROUNDING
-            forms, points = forms[kept], points[kept]
-            bent = _turning(self.field.degree, forms, points)[0]
-            forms, points = forms[bent], points[bent]
-        return False
+        ends, degree = self._ends, self.field.degree
+
+        def judge(cells: _Tetrahedra, _: int) -> Fates:
+            settled = (cells.forms.min(axis=1) > ROUNDING) | ~_turning(degree, cells.forms, cells.points)[0]
+            fates = np.where(settled, Fate.SETTLED, Fate.SPLIT)
+            fates[(cells.forms[:, ends] < -ROUNDING).any(axis=1)] = Fate.REFUTE
+            return fates
+
+        def split(cells: _Tetrahedra) -> _Tetrahedra:
+            _, points, forms = _cut(degree, np.zeros((len(cells), 4), dtype=np.intp), cells.points, cells.forms)
+            return _Tetrahedra(forms, points)
+
+        forms = forms * np.where((forms[:, ends] >= -ROUNDING).all(axis=1), 1.0, -1.0)[:, None]
+        found = search(_Tetrahedra(forms, points), judge, split, LOOKS, "looking for hidden components")
+        return found.status is Status.REFUTED
 
     @property
     def lattice(self) -> Lattice:

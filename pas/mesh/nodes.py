@@ -26,7 +26,7 @@ from pas.errors import MeshError
 from pas.mesh.changes import Changes
 from pas.mesh.field import FaceField, Floats, Integers, place_of
 from pas.mesh.hull import icosphere
-from pas.mesh.remesh import least_norm, newton
+from pas.mesh.projection import least_norm, newton
 from pas.mesh.rows import norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.stars import Stars

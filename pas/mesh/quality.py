@@ -7,7 +7,6 @@ from enum import Enum
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
@@ -38,14 +37,11 @@ class Quality(Enum):
             names = ", ".join(repr(q.value) for q in cls)
             raise ValueError(f"quality must be one of {names}, not {shown(given)}") from None
 
-    def slenderest(self, planes: NDArray[np.bool_]) -> Floats:
-        """The least height over the longest side of triangles that are made long, on planes or other faces (N,).
-
-        For those that are made by taking away vertices on curves, and vertices inside faces (2, N).
-        """
-        if self is Quality.COUNT:
-            return np.full((2, len(planes)), SLENDER)
-        return np.stack([np.full(len(planes), PRINTABLE), np.where(planes, FLAT, PRINTABLE)])
+    @property
+    def flat(self) -> tuple[float, float, float]:
+        """The least height over the longest side of triangles that are made long: by taking away vertices on curves,
+        vertices inside faces, and inside planes."""
+        return (SLENDER,) * 3 if self is Quality.COUNT else (PRINTABLE, PRINTABLE, FLAT)
 
     @property
     def aims(self) -> tuple[float, ...]:

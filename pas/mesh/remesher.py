@@ -34,6 +34,8 @@ class Failure:
     reached: float = np.inf
     triangles: int = 0
     crowded: bool = False
+    size: float = 0.0
+    """The length of the longest edge."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,10 @@ class Remesher(Grading):
         while True:
             cut = mesh.cut(parts) if parts > 1 else mesh
             cut.points[:], cut.normals[:] = self.ground.projected(cut)
+            if self.ruled:
+                cut.flip(self.fine)
+            if not self.ground.knows_bends:
+                self.untangle(cut, self.settings.folded)
             if parts == 1 or cut.cosines.min() >= self.settings.folded:
                 break
             parts = max(1, parts // 4)  # next to curves that are close to one another finer triangles fold
@@ -108,7 +114,7 @@ class Remesher(Grading):
         before, worst, last = None, np.inf, np.inf
         for step in range(self.REFINEMENTS):
             checkpoint(f"measuring the mesh ({len(mesh.labels)} triangles)")
-            if not self.ground.knows_bends and self.untangle(mesh):
+            if not self.ground.knows_bends and self.untangle(mesh, self.settings.folded):
                 before = None
             inside, along = self.measured(mesh, before)
             worst = float(max(inside.max(), along.max()))
@@ -123,7 +129,8 @@ class Remesher(Grading):
                 return Failure("too many triangles", mesh.points[0], worst, len(mesh.labels), True)
             before = self._halved(mesh, halves, step, inside, along)
         far = int(np.argmax(np.maximum(inside, along.reshape(-1, 3).max(axis=1))))
-        return Failure("the tolerance was not reached", self._middle(mesh, far), worst, len(mesh.labels))
+        size = float(mesh.lengths(np.arange(len(mesh.corners))).max())
+        return Failure("the tolerance was not reached", self._middle(mesh, far), worst, len(mesh.labels), size=size)
 
     def _far(self, mesh: HalfEdges, inside: Floats, along: Floats) -> Integers:
         """The half edges to halve, the longest first: those too far, and the longest of triangles too far inside."""
@@ -152,9 +159,10 @@ class Remesher(Grading):
         if mend:
             worst = max(worst, self.mended(mesh))
         cosines = mesh.cosines
-        least = 0.2 if not self.ground.knows_bends else self.settings.folded
-        if not cosines.min() >= least:
-            return Failure("some triangles are folded", self._middle(mesh, int(np.argmin(cosines))))
+        if not cosines.min() >= self.settings.folded:
+            size = float(mesh.lengths(np.arange(len(mesh.corners))).max())
+            place = self._middle(mesh, int(np.argmin(cosines)))
+            return Failure("some triangles are folded", place, worst, len(mesh.labels), size=size)
         return Remeshed(mesh.value, worst)
 
     @staticmethod

@@ -22,8 +22,13 @@ def unit_rows(vectors: Floats) -> Floats:
 
 def uprightness(points: Floats, triangles: Integers, normals: Floats) -> Floats:
     """The cosines (T,) between triangles (T, 3) and the sums of the normals (N, 3) at their corners."""
-    a, b, c = points[triangles].transpose(1, 0, 2)
-    across, about = unit_rows(cross(b - a, c - a)), unit_rows(normals[triangles].sum(axis=1))
+    return uprightness_at(points[triangles], normals[triangles])
+
+
+def uprightness_at(corners: Floats, normals: Floats) -> Floats:
+    """The cosines (T,) between triangles of corners (T, 3, 3) and the sums of normals (T, 3, 3)."""
+    a, b, c = corners.transpose(1, 0, 2)
+    across, about = unit_rows(cross(b - a, c - a)), unit_rows(normals.sum(axis=1))
     return np.asarray((across * about).sum(axis=1))
 
 

@@ -15,8 +15,8 @@ from scipy.sparse.csgraph import connected_components
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats
 from pas.mesh.labelled import Labelled
+from pas.mesh.projection import newton
 from pas.mesh.refine import inner_points
-from pas.mesh.remesh import newton
 from pas.mesh.shading import unit_rows
 
 ROOM = 3.0

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers, place_of
-from pas.mesh.remesh import least_norm
+from pas.mesh.projection import least_norm
 from pas.mesh.rows import cross, norms
 from pas.mesh.shading import unit_rows
 

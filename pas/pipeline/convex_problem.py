@@ -26,8 +26,10 @@ if TYPE_CHECKING:
 class ConvexProblem:
     """The choice of one member of a solution space by a quadratic energy, in the language of cvxpy.
 
-        problem = space.problem(energy=pas.ThinPlate())
-        blend = problem.solve([problem.values([p]) == problem.values([q])])
+        corner = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1), pas.Pipe((0, 0, 1), "2/5", 1)]
+        problem = pas.solutions(corner, 1, 4).problem()
+        values = problem.values([("1/4", "1/4", "1/4"), ("-3/10", "-3/10", "-3/10")])
+        blend = problem.solve([values[0] == values[1]])
 
     `variable` (m,) holds the coordinates in the space's working basis; `energy` is the expression that is made small,
     in the user's units; `constraints` are the normalisation, the points and handles that are wished for, and

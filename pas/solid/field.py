@@ -57,6 +57,7 @@ class SolidField:
         self._seams = Seams(self.evaluator, given)
         self.box = self.evaluator.local(box)
         self.special_points = self.evaluator.local(special_points)
+        self._ruled = True
         self._made_of = tree, box, tuple(seams), special_points
 
     def shells(self) -> list[SolidField]:
@@ -185,7 +186,7 @@ class SolidField:
 
     def lines(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether labels' functions (N,) are planes, cylinders or cones: quadrics without a determinant (N,)."""
-        return self._lines[labels // 2]
+        return self._lines[labels // 2] & self._ruled
 
     def planes(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether labels' functions (N,) are planes (N,)."""
@@ -197,10 +198,10 @@ class SolidField:
 
     def without_lines(self) -> SolidField:
         """The boundary with none of its faces said to have straight lines; itself if none has."""
-        if not self._lines.any():
+        if not (self._ruled and self._lines.any()):
             return self
         result = copy(self)
-        result.__dict__["_lines"] = np.zeros_like(self._lines)
+        result._ruled = False
         return result
 
     @cached_property

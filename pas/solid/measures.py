@@ -7,9 +7,10 @@ import numpy as np
 from pas.limits import checkpoint
 from pas.mesh.closed import FaceMesh
 from pas.mesh.field import FaceField
+from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
-from pas.mesh.refine import LARGEST, split
-from pas.mesh.remesh import newton, pair_normals, placing, project
+from pas.mesh.projection import newton, pair_normals, placing, project
+from pas.mesh.refine import LARGEST
 
 _GAUSS = np.array(
     [
@@ -82,7 +83,6 @@ def _cut(found: FaceMesh, field: FaceField) -> Labelled:
         if not (off > most).any() or len(mesh.triangles) > LARGEST / 4:
             break
         checkpoint(f"cutting long triangles ({len(mesh.triangles)} triangles)")
-        points, triangles, parents = split(mesh.points, mesh.triangles, edges[off > most])
-        finer = Labelled.of(points, triangles, mesh.labels[parents], mesh.topology.pinned)
-        mesh = project(finer, field, finer.sizes, np.arange(len(mesh.points), len(points)))
+        finer = halved(mesh, np.flatnonzero(off > most))
+        mesh = project(finer, field, finer.sizes, np.arange(len(mesh.points), len(finer.points)))
     return mesh

@@ -25,9 +25,9 @@ from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.mesh.closed import FaceMesh
 from pas.mesh.field import FaceField, Integers
+from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
-from pas.mesh.refine import split
-from pas.mesh.remesh import least_norm, project
+from pas.mesh.projection import least_norm, project
 from pas.mesh.rows import cross
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
@@ -233,8 +233,7 @@ def _subdivided(mesh: Labelled, field: FaceField, longest: float) -> Labelled:
     """The mesh with edges of at most a given length."""
     while (long := mesh.lengths > longest).any():
         checkpoint(f"subdividing the mesh ({len(mesh.triangles)} triangles)")
-        points, triangles, parents = split(mesh.points, mesh.triangles, mesh.topology.edges[long])
-        finer = Labelled.of(points, triangles, mesh.labels[parents], mesh.topology.pinned)
+        finer = halved(mesh, np.flatnonzero(long))
         mesh = project(finer, field, finer.sizes)
     return mesh
 

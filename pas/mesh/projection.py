@@ -1,23 +1,16 @@
-"""Improving a closed mesh whose triangles carry labels, with the curves between labels kept.
-
-Edges inside a face are flipped to Delaunay's criterion,
-vertices are averaged inside their face or along their curve and projected back by Newton's method.
-"""
+"""Points projected onto the faces of a solid, their curves and corners, by Newton's method with the shortest steps."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.kernels import compiled
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import cross, dots, norms
-from pas.mesh.shading import unit_rows
+from pas.mesh.shading import unit_rows, uprightness_at
 
 NEWTON_STEPS = 16
 NEARBY = 8
@@ -59,24 +52,28 @@ def pair_normals(mesh: Labelled, field: FaceField) -> Floats:
 
 
 def project(mesh: Labelled, field: FaceField, reach: Floats, chosen: Integers | None = None) -> Labelled:
-    """Vertices, or chosen ones, moved onto their faces, curves and corners; none further than `reach` (N,) a step.
+    """Vertices, or chosen ones, moved onto their faces, curves and corners; none further than `reach` (N,) a step."""
+    points = mesh.points.copy()
+    chosen = np.arange(len(points)) if chosen is None else chosen
+    points[chosen] = onto_faces(points[chosen], mesh.topology.vertex_labels[chosen], field, reach[chosen])
+    return mesh.moved(points)
+
+
+def onto_faces(points: Floats, labels: Integers, field: FaceField, reach: Floats) -> Floats:
+    """Points (N, 3) moved to where faces of labels (N, k), filled up with -1, meet; none further than `reach` a step.
 
     A corner of faces that have no point in common nearby stays: they come closer than the mesh shows.
     """
-    points = mesh.points.copy()
-    corner = mesh.topology.label_count > 2
-    chosen = np.arange(len(points)) if chosen is None else chosen
-    for rows, functions in placing(field, mesh.topology.vertex_labels[chosen]):
-        vertices = chosen[rows]
-        start = points[vertices]
-        most = reach[vertices]
+    points, corner = points.copy(), (labels >= 0).sum(axis=1) > 2
+    for rows, functions in placing(field, labels):
+        start, most = points[rows], reach[rows]
         end = newton(start, field, functions, most)
-        at = np.flatnonzero(corner[vertices])
+        at = np.flatnonzero(corner[rows])
         rest = norms(least_norm(field, functions[at], end[at]))
         lost = at[(rest > 1e-9 * most[at]) | (norms(end[at] - start[at]) > NEARBY * most[at])]
         end[lost] = start[lost]
-        points[vertices] = end
-    return mesh.moved(points)
+        points[rows] = end
+    return points
 
 
 def newton(points: Floats, field: FaceField, functions: Integers, reach: Floats) -> Floats:
@@ -134,78 +131,8 @@ def _pseudo_inverse(matrix: Floats, values: Floats) -> Floats:
     return np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=PARALLEL), values)
 
 
-def smooth(mesh: Labelled, field: FaceField, near: NDArray[np.bool_] | None = None) -> Labelled:
-    """Vertices, or those `near` (N,), moved to the mean of their triangles' centres, or along curves, and projected."""
-    points, topology = mesh.points, mesh.topology
-    size = topology.size
-    move = to_centres(points, topology.triangles)
-    inner = topology.label_count[topology.pairs[:, 0]] == 1
-    vertices = topology.pairs[inner, 0]
-    normal = pair_normals(mesh, field)[inner]
-    move[vertices] -= dots(move[vertices], normal)[:, None] * normal
-    move[vertices[~normal.any(axis=1)]] = 0.0  # an apex stays
-    both = np.concatenate([topology.seams, topology.seams[:, ::-1]])
-    along = np.stack([np.bincount(both[:, 0], points[both[:, 1], i], minlength=size) for i in range(3)], axis=1)
-    on_curve = topology.label_count > 1
-    move[on_curve] = along[on_curve] / 4 - points[on_curve] / 2
-    move[topology.fixed] = 0.0
-    chosen = None if near is None else np.flatnonzero(near)
-    if near is not None:
-        move[~near] = 0.0
-    return project(mesh.moved(points + move), field, mesh.sizes / 4, chosen)
-
-
-def to_centres(points: Floats, triangles: Integers) -> Floats:
-    """The way (N, 3) from each vertex to the mean of its triangles' centres."""
-    corners = triangles.ravel()
-    times = np.bincount(corners, minlength=len(points))
-    a, b, c = (points[column] for column in triangles.T)
-    centres = np.repeat((a + b + c) / 3, 3, axis=0)
-    total = np.stack([np.bincount(corners, c, minlength=len(points)) for c in centres.T], axis=1)
-    return np.asarray(total / np.maximum(times, 1)[:, None] - points)
-
-
-def flip(
-    mesh: Labelled,
-    field: FaceField,
-    passes: int = 4,
-    limit: float | None = None,
-    near: NDArray[np.bool_] | None = None,
-) -> Labelled:
-    """Edges inside faces flipped, in independent sets, until Delaunay's criterion holds (or passes end).
-
-    On faces with straight lines, edges that are further from the face than `limit` give way to those that are nearer.
-    With `near` (N,), only edges about these vertices.
-    """
-    known = pair_normals(mesh, field)
-    tables = mesh.triangles, mesh.topology.corner_pairs, mesh.labels
-    lines = None if limit is None else (field.lines(mesh.labels), limit)
-    triangles = compiled().flipped_faces(mesh.points, tables, known, lines, near, passes)
-    topology = mesh.topology if triangles is None else replace(mesh.topology, triangles=triangles)
-    return Labelled(mesh.points, topology, known)  # flips leave each vertex on its faces
-
-
-def sags(points: Floats, normals: Floats, edges: Integers, rows: Integers) -> Floats:
-    """How far the middles of edges (E, 2) are from a face, to second order, by its normals at the ends.
-
-    `rows` (E, 2) are those of the ends in `normals`.  Straight lines of a face have 0, whatever their length.
-    """
-    along = points[edges[:, 1]] - points[edges[:, 0]]
-    turn = normals[rows[:, 1]] - normals[rows[:, 0]]
-    return np.asarray(np.abs(dots(along, turn)) / 8)
-
-
-def edge_sags(mesh: Labelled, field: FaceField, chosen: NDArray[np.bool_]) -> Floats:
-    """The same of chosen edges (E,) of a mesh, of both their faces; infinite for the others (E,)."""
-    result, normals = np.full(len(chosen), np.inf), pair_normals(mesh, field)
-    edges, labels = (table[chosen] for table in mesh.topology.edge_table)
-    both = [sags(mesh.points, normals, edges, mesh.topology.rows(edges, column[:, None])) for column in labels.T]
-    result[chosen] = np.maximum(*both)
-    return result
-
-
 def cosines(mesh: Labelled, field: FaceField, chosen: Integers | None = None) -> Floats:
     """The cosine between each chosen triangle's normal and the sum of its face's at the corners (T,)."""
     chosen = np.arange(len(mesh.triangles)) if chosen is None else chosen
-    rows, normals = mesh.topology.corner_pairs, pair_normals(mesh, field)
-    return compiled().cosines(mesh.points, mesh.triangles, rows, normals, chosen)
+    normals = pair_normals(mesh, field)[mesh.topology.corner_pairs[chosen]]
+    return uprightness_at(mesh.points[mesh.triangles[chosen]], normals)
