@@ -235,6 +235,16 @@ def test_the_last_proved_member_is_found_by_longer_and_longer_steps(number):
         assert solver.proofs <= 1 + number.bit_length()
 
 
+def test_a_member_that_is_not_proved_is_not_taken(space):
+    """Inside and outside are exchanged here."""
+    wishes = pas.Wishes(energy=pas.ThinPlate())
+    solver = FitSolver(space.prepared, wishes)
+    first = solver.started(RayConditions(space.prepared, 16, 1.0, 0.5))
+    wrong = replace(first, member=-first.member)
+    assert solver.proved(wrong, 1.0) is None
+    assert FitSolver(space.prepared, wishes.changed(prove=False)).proved(wrong, 1.0) is not None
+
+
 def test_the_lowest_degree_and_other_limits():
     lowest = pas.blend(pipes(EQUAL), 1, "lowest")
     assert lowest.surface.degree == 3 < fair(EQUAL, 1).surface.degree
