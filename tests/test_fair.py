@@ -16,7 +16,7 @@ from conftest import AXES, ELBOW, EQUAL, ROOT, UNEQUAL, fair, pipes
 import pas
 from pas.fairing.excess import CurvatureExcess, _hull
 from pas.fairing.objective import SurfaceObjective
-from pas.fairing.solver import Conditions, FitSolver
+from pas.fairing.solver import FitSolver, RayConditions
 from pas.fairing.surface_points import QUANTITIES, differences
 from pas.pipeline.search import SearchSettings
 from pas.surface.fairness import spiral
@@ -35,7 +35,7 @@ def space():
 def objective_of(space, energy, limits=STRICT):
     """The objective from the first clean member of a space, and that member."""
     solver = FitSolver(space.prepared, pas.Wishes(energy=energy, limits=limits))
-    first = solver.started(Conditions(space.prepared, 16, 1.0, 0.5))
+    first = solver.started(RayConditions(space.prepared, 16, 1.0, 0.5))
     return first.objective, first.member
 
 
@@ -233,6 +233,16 @@ def test_the_last_proved_member_is_found_by_longer_and_longer_steps(number):
         assert found == start and (found is None) == (proved == 0)
         assert not proved or 2 * (number - found) <= 4 * (number - proved + 1)
         assert solver.proofs <= 1 + number.bit_length()
+
+
+def test_a_member_that_is_not_proved_is_not_taken(space):
+    """Inside and outside are exchanged here."""
+    wishes = pas.Wishes(energy=pas.ThinPlate())
+    solver = FitSolver(space.prepared, wishes)
+    first = solver.started(RayConditions(space.prepared, 16, 1.0, 0.5))
+    wrong = replace(first, member=-first.member)
+    assert solver.proved(wrong, 1.0) is None
+    assert FitSolver(space.prepared, wishes.changed(prove=False)).proved(wrong, 1.0) is not None
 
 
 def test_the_lowest_degree_and_other_limits():

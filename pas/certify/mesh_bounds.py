@@ -153,20 +153,20 @@ def _slack(sizes: Floats, error: float, loose: Floats) -> Floats:
     return np.asarray(3 * error + loose * (sizes + 3 * error))
 
 
-def along_walls(mesh: FramedMesh, rims: list[tuple[Floats, np.ndarray]]) -> tuple[Floats, Integers]:
+def along_walls(mesh: FramedMesh, borders: list[tuple[Floats, np.ndarray]]) -> tuple[Floats, Integers]:
     """How steeply f rises across triangles along walls or edges, where the mesh ends on them: the least of each, (K,),
     and the triangles (K,).
 
-    `rims` are orthonormal directions (k, 3) at right angles to which it counts, and the vertices (N,) there.
+    `borders` are orthonormal directions (k, 3) at right angles to which it counts, and the vertices (N,) there.
     """
-    if not rims:
+    if not borders:
         return np.empty(0), np.empty(0, dtype=np.intp)
-    ends = mesh.triangles[some := np.flatnonzero(any_of(np.any([v for _, v in rims], axis=0)[mesh.triangles]))]
-    rows = [some[any_of(vertices[ends])] for _, vertices in rims]
-    owner, rim = np.concatenate(rows), np.repeat(np.arange(len(rims)), [len(own) for own in rows])
-    marks = np.concatenate([vertices[mesh.triangles[own]] for (_, vertices), own in zip(rims, rows, strict=True)])
+    ends = mesh.triangles[some := np.flatnonzero(any_of(np.any([v for _, v in borders], axis=0)[mesh.triangles]))]
+    rows = [some[any_of(vertices[ends])] for _, vertices in borders]
+    owner, rim = np.concatenate(rows), np.repeat(np.arange(len(borders)), [len(own) for own in rows])
+    marks = np.concatenate([vertices[mesh.triangles[own]] for (_, vertices), own in zip(borders, rows, strict=True)])
     normals = [mesh.normals[own] for own in rows]
-    ways = [n - (n @ across.T) @ across for n, (across, _) in zip(normals, rims, strict=True)]
+    ways = [n - (n @ across.T) @ across for n, (across, _) in zip(normals, borders, strict=True)]
     along, loose, corners = np.concatenate(ways), mesh.loose[owner], mesh.corners[owner]
     found: list[tuple[Floats, Integers]] = []
 

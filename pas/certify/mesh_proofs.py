@@ -73,9 +73,9 @@ def certify_mesh(
         verdicts = (*certify_graph(mesh, edges, promised), _vertices(mesh), near)
         places = tuple(v.witness for v in verdicts if v.witness is not None)
         return MeshCertificate(verdicts, partly_measured=True, distance=distance, places=places)
-    chain, rims = _border(mesh, edges)
+    chain, borders = _border(mesh, edges)
     if chain.proved:
-        topology, places = _topology(mesh, found, rims)
+        topology, places = _topology(mesh, found, borders)
     else:
         topology = Verdict(Status.UNDECIDED, CLAIM, "the mesh does not end on the walls")
         places = () if chain.witness is None else (chain.witness,)
@@ -123,10 +123,10 @@ def _border(mesh: FramedMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats,
         place = points[used[touches[used]][0]]
         return Verdict(Status.UNDECIDED, claim, "the mesh touches a wall from inside", local.point(place)), []
     how = f"with {len(edges.rim)} edges on the walls" if len(edges.rim) else "closed"
-    return Verdict(Status.PROVED, claim, f"every inner edge has two triangles; {how}"), _rims(mesh, edges, wall)
+    return Verdict(Status.PROVED, claim, f"every inner edge has two triangles; {how}"), _borders(mesh, edges, wall)
 
 
-def _rims(mesh: FramedMesh, edges: Edges, wall: Integers) -> list[tuple[Floats, np.ndarray]]:
+def _borders(mesh: FramedMesh, edges: Edges, wall: Integers) -> list[tuple[Floats, np.ndarray]]:
     """For each wall its normal and the vertices of edges on it; the same for pairs of walls with common vertices."""
     on, local = {}, mesh.local
     for number in np.unique(wall).tolist():
@@ -141,7 +141,7 @@ def _rims(mesh: FramedMesh, edges: Edges, wall: Integers) -> list[tuple[Floats, 
 
 
 def _topology(
-    mesh: FramedMesh, found: TriangleBounds, rims: list[tuple[Floats, np.ndarray]]
+    mesh: FramedMesh, found: TriangleBounds, borders: list[tuple[Floats, np.ndarray]]
 ) -> tuple[Verdict, tuple[Point, ...]]:
     local = mesh.local
 
@@ -157,7 +157,7 @@ def _topology(
     if flat.any():
         places = mesh.corners[flat].mean(axis=1)
         return undecided(f"{int(flat.sum())} triangles may be turned from the gradient", places)
-    steep, numbers = along_walls(mesh, rims)
+    steep, numbers = along_walls(mesh, borders)
     if not (steep > 0).all():
         places = mesh.corners[numbers[~(steep > 0)]].mean(axis=1)
         return undecided("the surface may be tangential to a wall", places)

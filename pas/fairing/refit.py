@@ -14,7 +14,7 @@ from pas.fairing.basis import to_doubles
 from pas.fairing.fit_settings import LIVE, SETTINGS
 from pas.fairing.prepared import PreparedSpace
 from pas.fairing.sampled import Inequalities
-from pas.fairing.solver import Conditions, FitSolver, FittedMember, Iterate, coordinates
+from pas.fairing.solver import FitSolver, FittedMember, Iterate, RayConditions, coordinates
 from pas.fairing.wishes import Wishes
 from pas.piecewise import PiecewiseSurface
 
@@ -55,7 +55,7 @@ def _stepped(
         return solver.rounded(Iterate(member, rows, 0.0), _share(fitted))
     s = solver.settings
     first = _seen(solver, surface, fitted, live)
-    *_, last = first, *solver.descent(first, Conditions(space, s.lattices[0], _share(fitted), s.clean), steps)
+    *_, last = first, *solver.descent(first, RayConditions(space, s.lattices[0], _share(fitted), s.clean), steps)
     if last is first and not solver.programme.holds(last.member):
         raise InfeasibleError("one step does not reach what is wished")
     found = solver.rounded(last, _share(fitted))
@@ -94,7 +94,7 @@ def _rows(space: PreparedSpace, fitted: FittedMember | None) -> Inequalities:
     """The inequalities under which a surface was chosen, or those to begin with."""
     if fitted is not None:
         return fitted.rows
-    return Conditions(space, SETTINGS.lattices[0], _share(None), SETTINGS.clean).first
+    return RayConditions(space, SETTINGS.lattices[0], _share(None), SETTINGS.clean).first
 
 
 def _member(space: PreparedSpace, surface: PiecewiseSurface, fitted: FittedMember | None) -> Floats:

@@ -36,7 +36,7 @@ from pas.piecewise import PiecewiseSurface
 
 
 @dataclass(frozen=True)
-class Conditions:
+class RayConditions:
     """What members are asked along the rays to one lattice, at a share of the usual margins."""
 
     space: PreparedSpace
@@ -152,7 +152,7 @@ class FitSolver:
         best: FittedMember | None = None
         start: Iterate | None = None
         for subdivisions in self.settings.lattices:
-            conditions = Conditions(self.space, subdivisions, share, self.settings.clean)
+            conditions = RayConditions(self.space, subdivisions, share, self.settings.clean)
             if start is None:
                 start = self.started(conditions)
             if start is None:
@@ -179,7 +179,7 @@ class FitSolver:
                 return None, None
             back = min(2 * back + 1, len(way) - 1)
 
-    def started(self, conditions: Conditions) -> Iterate | None:
+    def started(self, conditions: RayConditions) -> Iterate | None:
         """The member of the least quadratic form that is clean, by constraint generation; None where none is found or
         it is not seen along all rays.  Raises `_ContradictionError` where there is none."""
         rows = conditions.first
@@ -204,7 +204,7 @@ class FitSolver:
             return None
         return Iterate(member, rows, self.settings.damping, objective, objective.first)
 
-    def closer(self, at: Iterate, conditions: Conditions) -> Iterator[Iterate]:
+    def closer(self, at: Iterate, conditions: RayConditions) -> Iterator[Iterate]:
         """The way on, with rays where curvature is beyond the limits between those that there are."""
         for _ in range(self.settings.closer):
             if at.objective is None or at.value is None or at.value.beyond > self.settings.hopeless * at.value.energy:
@@ -219,7 +219,7 @@ class FitSolver:
 
     # --- steps
 
-    def descent(self, at: Iterate, conditions: Conditions, steps: int | None = None) -> Iterator[Iterate]:
+    def descent(self, at: Iterate, conditions: RayConditions, steps: int | None = None) -> Iterator[Iterate]:
         """Clean members of less and less Phi, until one is as good as settled."""
         if not self.programme.quadratic:
             return
@@ -235,7 +235,7 @@ class FitSolver:
                 return
             at = new
 
-    def step(self, at: Iterate, conditions: Conditions) -> Iterate | None:
+    def step(self, at: Iterate, conditions: RayConditions) -> Iterate | None:
         """A clean member of less Phi; None where there is none, or none that is worth a step.
 
         Where a user's constraint does not hold yet, the first step is to where it does, whatever Phi is there.

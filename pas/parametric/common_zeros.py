@@ -38,7 +38,7 @@ from pas.verdicts import Status
 HALF = Fraction(1, 2)
 Place = tuple[fmpq, fmpq]
 
-HALVINGS, WORN = 40, 2.0**-27
+HALVINGS, WORN = 40, 2.0**-12
 """Coefficients are worked out afresh after so many halvings, or where they are off by this share of a polynomial's."""
 
 DEPTH = 200

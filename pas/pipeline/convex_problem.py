@@ -14,7 +14,7 @@ from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import as_energy
 from pas.fairing.fit_settings import SETTINGS
 from pas.fairing.sampled import Inequalities
-from pas.fairing.solver import Conditions, FitSolver, Iterate
+from pas.fairing.solver import FitSolver, Iterate, RayConditions
 from pas.fairing.wishes import PointsLike, UnitCoefficients, Wishes, exact_points
 from pas.limits import checkpoint
 from pas.pipeline.result import Blend
@@ -26,8 +26,10 @@ if TYPE_CHECKING:
 class ConvexProblem:
     """The choice of one member of a solution space by a quadratic energy, in the language of cvxpy.
 
-        problem = space.problem(energy=pas.ThinPlate())
-        blend = problem.solve([problem.values([p]) == problem.values([q])])
+        corner = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1), pas.Pipe((0, 0, 1), "2/5", 1)]
+        problem = pas.solutions(corner, 1, 4).problem()
+        values = problem.values([("1/4", "1/4", "1/4"), ("-3/10", "-3/10", "-3/10")])
+        blend = problem.solve([values[0] == values[1]])
 
     `variable` (m,) holds the coordinates in the space's working basis; `energy` is the expression that is made small,
     in the user's units; `constraints` are the normalisation, the points and handles that are wished for, and
@@ -48,7 +50,7 @@ class ConvexProblem:
         check_wishes(wishes, space.placed)
         self.space, self.wishes = space, wishes
         self._solver = FitSolver(space.prepared, wishes)
-        self._conditions = Conditions(space.prepared, SETTINGS.lattices[0], SETTINGS.margins[-1], SETTINGS.clean)
+        self._conditions = RayConditions(space.prepared, SETTINGS.lattices[0], SETTINGS.margins[-1], SETTINGS.clean)
         cvxpy: Any = import_module("cvxpy")
         programme = self._solver.programme
         if programme.exact is None:

@@ -150,8 +150,9 @@ def _factor(one: Polynomial, other: Polynomial) -> fmpq | None:
 class Session:
     """Blends that are kept while it is open, at most so many of the last ones.
 
-        with pas.Session():
-            nodes = [pas.blend(contacts, 1) for contacts in lattice]  # the same node elsewhere is moved, not solved
+        elbow = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/3", 1)]
+        with pas.Session():  # the second and the third are moved, not solved
+            blends = [pas.blend([pipe.translate((3 * i, 0, 0)) for pipe in elbow], 1) for i in range(3)]
 
     What is recognised is exact, see `pas.pipeline.session`, and takes some ten milliseconds in place of seconds.  The
     last session that was opened in a thread serves its blends; one session may be open in several threads.  Raises

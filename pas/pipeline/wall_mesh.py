@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pas.algebra.monomials import Floats
+from pas.certify.local_mesh import OFF
 from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
 from pas.mesh.soundness import manifold
@@ -25,9 +26,6 @@ from pas.verdicts import Findings, Status, Verdict, Verdicts
 
 if TYPE_CHECKING:
     from pas.piecewise import PiecewiseSurface
-
-OFF = 1e-9
-"""Over the region's size: how far vertices may be from an end."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -26,7 +26,7 @@ from pas.fairing.functionals import b_coefficient
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.refit import compliance
 from pas.fairing.sampled import Inequalities
-from pas.fairing.solver import Conditions
+from pas.fairing.solver import RayConditions
 from pas.fairing.wishes import Handle, Wishes
 from pas.pipeline.result import Blend
 from pas.studio.controls import Control
@@ -188,7 +188,7 @@ def _members(blend: Blend) -> dict[str, Any]:
     wide = [WIDE * max(abs(value), size) for value, size in zip(coefficients_of(blend), sizes, strict=True)]
     wishes = blend.wishes.without(list(blend.wishes.hard()))
     prepared = blend.space.prepared
-    slim = Conditions(prepared, SETTINGS.lattices[0], SETTINGS.margins[-1], SETTINGS.clean)
+    slim = RayConditions(prepared, SETTINGS.lattices[0], SETTINGS.margins[-1], SETTINGS.clean)
     rows = slim.first if wishes.guard else Inequalities.none(blend.dimension)
     equations = MemberProgramme(prepared, wishes).equations
     among = {"A_ub": -rows.rows, "b_ub": -rows.at_least, "A_eq": equations[:, :-1], "b_eq": equations[:, -1]}
