@@ -9,7 +9,7 @@ from conftest import EQUAL, solved
 import pas
 from pas.mesh.edges import Edges
 from pas.mesh.grading import Settings
-from pas.mesh.halfedges import HalfEdges, Kind, following
+from pas.mesh.halfedges import HalfEdges, VertexKind, following
 from pas.mesh.labelled import Labelled
 from pas.mesh.quality import smallest_angles
 from pas.mesh.remesher import Remesher
@@ -95,7 +95,7 @@ def test_splits_keep_the_mesh(make):
 def test_flips_make_angles_larger(make):
     mesh = make()
     rng = np.random.default_rng(4)
-    inner = mesh.kinds == Kind.INSIDE
+    inner = mesh.kinds == VertexKind.INSIDE
     mesh.points[inner] += 0.02 * rng.normal(size=(inner.sum(), 3))
     before, curves = np.percentile(smallest_angles(mesh.points[mesh.triangles]), 5), mesh.on_curves.sum()
     triangles = mesh.triangles.copy()
@@ -109,7 +109,11 @@ def test_flips_make_angles_larger(make):
 @pytest.mark.parametrize("make", [torus, opened])
 def test_collapses_keep_topology_and_curves(make):
     mesh = make()
-    size, euler, corners = len(mesh.points), euler_characteristic(mesh.triangles), (mesh.kinds >= Kind.CORNER).sum()
+    size, euler, corners = (
+        len(mesh.points),
+        euler_characteristic(mesh.triangles),
+        (mesh.kinds >= VertexKind.CORNER).sum(),
+    )
     labels, boundary = set(mesh.labels.tolist()), set((-1 - mesh.twins[mesh.twins < 0]).tolist())
     for seed in range(6):
         mesh.sizes[:], mesh.plain = 10.0, True
@@ -119,7 +123,7 @@ def test_collapses_keep_topology_and_curves(make):
     assert euler_characteristic(mesh.triangles) == euler
     assert set(mesh.labels.tolist()) == labels
     assert set((-1 - mesh.twins[mesh.twins < 0]).tolist()) == boundary
-    assert (mesh.kinds >= Kind.CORNER).sum() == corners
+    assert (mesh.kinds >= VertexKind.CORNER).sum() == corners
 
 
 @pytest.mark.parametrize("faces", [4, 8])
@@ -203,7 +207,7 @@ def test_vertices_go_to_the_centres_around_or_along_curves():
         np.add.at(share, triangles[:, i], weights)
     way = total / share[:, None] - mesh.points
     way -= (way * mesh.normals).sum(axis=1)[:, None] * mesh.normals
-    inside, to = mesh.kinds == Kind.INSIDE, mesh.targets
+    inside, to = mesh.kinds == VertexKind.INSIDE, mesh.targets
     assert to[inside] == pytest.approx((mesh.points + way)[inside], abs=1e-12)
     for a, b in Edges(triangles, len(mesh.points)).rim.tolist():
         c = next(e for s, e in Edges(triangles, len(mesh.points)).rim.tolist() if s == b)

@@ -13,7 +13,7 @@ from pas.limits import checkpoint
 from pas.mesh.face_ground import FaceGround
 from pas.mesh.field import FaceField, Floats
 from pas.mesh.grading import KEPT, Grading, Settings
-from pas.mesh.halfedges import HalfEdges, Kind
+from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import onto_faces, project
 from pas.mesh.rows import norms
@@ -55,9 +55,11 @@ class Cleaning(Grading):
             self._collapse_short(mesh)
             mesh.size_plainly()
             self._smooth(mesh, np.ones(len(mesh.points), dtype=bool))
-            rows = np.flatnonzero(mesh.kinds >= Kind.CORNER)  # which may be found now that edges about them are longer
+            rows = np.flatnonzero(
+                mesh.kinds >= VertexKind.CORNER
+            )  # which may be found now that edges about them are longer
             mesh.points[rows] = onto_faces(mesh.points[rows], mesh.labels_about(rows), self.field, mesh.sizes[rows] / 4)
-            self._look(mesh, np.flatnonzero(mesh.kinds[mesh.vertex_of] >= Kind.CORNER))
+            self._look(mesh, np.flatnonzero(mesh.kinds[mesh.vertex_of] >= VertexKind.CORNER))
         self._collapse_short(mesh)
         self.untangle(mesh, FOLD)
         return mesh.value
@@ -77,7 +79,7 @@ class Cleaning(Grading):
     def _collapse_below(self, mesh: HalfEdges, limit: float) -> int:
         """Collapse edges that are shorter than a share of the sizes at both ends, or along which a curve turns back,
         the shortest first; how many."""
-        back = (mesh.kinds == Kind.CURVE) & ((_turns(mesh)[0] ** 2).sum(axis=1) > 2)
+        back = (mesh.kinds == VertexKind.CURVE) & ((_turns(mesh)[0] ** 2).sum(axis=1) > 2)
         chosen = mesh.on_curves & (back[mesh.corners] | back[mesh.ends])
         rows = np.flatnonzero(((mesh.ratios < limit) | chosen) & (mesh.twins < np.arange(len(mesh.twins))))
         rows = rows[np.argsort(mesh.lengths(rows), kind="stable")]
@@ -108,7 +110,7 @@ def _bend(mesh: HalfEdges) -> Floats:
     np.maximum.at(result, mesh.vertex_of, mesh.bends)
     turns, span = _turns(mesh)
     bent = norms(turns) / np.maximum(span / 2, 1e-300)
-    return np.maximum(result, np.where(mesh.kinds >= Kind.CORNER, 0.0, bent))
+    return np.maximum(result, np.where(mesh.kinds >= VertexKind.CORNER, 0.0, bent))
 
 
 def _with_special_points(mesh: Labelled, field: FaceField) -> Labelled:

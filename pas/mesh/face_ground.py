@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.halfedges import HalfEdges, Kind
+from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import least_norm, newton, placing
 from pas.mesh.refine import farthest_inside, inner_points
@@ -36,10 +36,10 @@ class FaceGround:
     def drawn(self, mesh: HalfEdges, to: Floats) -> tuple[Floats, Floats, None]:
         """Places for vertices that move, one step towards their faces, or two towards curves; and normals."""
         move = np.flatnonzero((to != mesh.points).any(axis=1))
-        points, inside = mesh.points.copy(), move[mesh.kinds[move] == Kind.INSIDE]
+        points, inside = mesh.points.copy(), move[mesh.kinds[move] == VertexKind.INSIDE]
         steps = least_norm(self.field, mesh.label_of[inside][:, None], to[inside])
         points[inside] = to[inside] - self._capped(steps)
-        on = move[mesh.kinds[move] != Kind.INSIDE]
+        on = move[mesh.kinds[move] != VertexKind.INSIDE]
         points[on] = to[on]
         for rows, functions in placing(self.field, mesh.labels_about(on)):
             for _ in range(2):
@@ -58,7 +58,7 @@ class FaceGround:
 
     def projected(self, mesh: HalfEdges) -> tuple[Floats, Floats]:
         """All vertices but corners projected onto faces and curves, and the normals there."""
-        rows, points = np.flatnonzero(mesh.kinds < Kind.CORNER), mesh.points.copy()
+        rows, points = np.flatnonzero(mesh.kinds < VertexKind.CORNER), mesh.points.copy()
         reach = np.full(len(rows), NEAR * self.reach)
         points[rows] = self.placed(mesh.points[rows], mesh.labels_about(rows), rows, reach)
         return points, self.looked(points[mesh.vertex_of], mesh.face_of)[0]

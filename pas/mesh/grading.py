@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.field import Integers
 from pas.mesh.ground import Ground
-from pas.mesh.halfedges import TURNED, HalfEdges, Kind, following
+from pas.mesh.halfedges import TURNED, HalfEdges, VertexKind, following
 from pas.mesh.labelled import Labelled
 from pas.mesh.refine import LARGEST
 from pas.mesh.rows import dots, norms
@@ -245,7 +245,7 @@ class Grading:
 
     def _smooth(self, mesh: HalfEdges, about: NDArray[np.bool_]) -> None:
         """Move chosen vertices (V,) to the middles of their triangles, or along curves, and project them."""
-        to, rows = mesh.targets, np.flatnonzero(about & (mesh.kinds < Kind.CORNER))
+        to, rows = mesh.targets, np.flatnonzero(about & (mesh.kinds < VertexKind.CORNER))
         labels, reach = mesh.labels_about(rows), mesh.sizes[rows] / 4
         mesh.points[rows] = self.ground.placed(to[rows], labels, mesh.rim_of[rows], reach)
         moved = np.zeros(len(mesh.points), dtype=bool)

@@ -34,7 +34,7 @@ PASSES = 12
 """Flips at most, over the number of triangles."""
 
 
-class Kind(IntEnum):
+class VertexKind(IntEnum):
     """Where a vertex is: inside a face, on a curve, or in a corner, where it stays as those do that are pinned."""
 
     INSIDE = 0
@@ -104,8 +104,8 @@ class HalfEdges:
         self.outgoing[self.corners] = np.arange(len(twins))
         open_ = np.flatnonzero(twins < 0)
         self.outgoing[self.corners[open_]] = open_
-        self.kinds[:] = Kind.INSIDE
-        self.kinds[first.topology.pinned] = Kind.PINNED
+        self.kinds[:] = VertexKind.INSIDE
+        self.kinds[first.topology.pinned] = VertexKind.PINNED
         self._call("pas_mesh_classify")
 
     def count(self, of: str) -> int:
@@ -297,7 +297,7 @@ class HalfEdges:
         points, labels = np.empty((counts[0], 3)), np.empty(counts[1], dtype=np.intp)
         triangles, codes = np.empty((2, counts[1], 3), dtype=np.intp)
         self._call("pas_mesh_cut", parts, base, points, triangles, codes, labels)
-        pinned = np.flatnonzero(self.kinds >= Kind.CORNER)
+        pinned = np.flatnonzero(self.kinds >= VertexKind.CORNER)
         rims = None if codes.max(initial=-1) == codes.min(initial=-1) == -1 else -1 - codes
         return HalfEdges(Labelled.of(points, triangles, labels, pinned, rims), self.faces)
 
@@ -307,7 +307,7 @@ class HalfEdges:
         rows, curves = self.boundary
         rims = np.full(len(self.corners), -1)
         rims[rows] = curves
-        pinned = np.flatnonzero(self.kinds >= Kind.CORNER)
+        pinned = np.flatnonzero(self.kinds >= VertexKind.CORNER)
         given = self.points.copy(), self.triangles.copy(), self.labels.copy(), pinned
         mesh = Labelled.of(*given, rims.reshape(-1, 3) if len(rows) else None)
         span = int(self.labels.max(initial=0)) + 1

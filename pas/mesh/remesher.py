@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.field import Floats, Integers
 from pas.mesh.grading import Grading
-from pas.mesh.halfedges import HalfEdges, Kind
+from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
 
 
@@ -193,7 +193,7 @@ class Remesher(Grading):
     @staticmethod
     def _free(mesh: HalfEdges) -> NDArray[np.bool_]:
         """The vertices (V,) inside faces, not beside the boundary, so that no move takes one out of the region."""
-        result, edge = mesh.kinds == Kind.INSIDE, mesh.rim_of >= 0
+        result, edge = mesh.kinds == VertexKind.INSIDE, mesh.rim_of >= 0
         result[mesh.triangles[edge[mesh.triangles].any(axis=1)]] = False
         return result
 

@@ -9,7 +9,7 @@ import numpy as np
 from pas.mesh.edges import Edges
 from pas.mesh.field import Floats, Integers, SheetField
 from pas.mesh.grading import Settings
-from pas.mesh.halfedges import HalfEdges, Kind
+from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.refine import too_many
@@ -62,7 +62,7 @@ def remeshed(
             "some triangles are folded", mesh.points[mesh.triangles[np.argmin(mesh.cosines)]].mean(axis=0)
         )
     if accept is not None:
-        accept(mesh.points[mesh.kinds == Kind.INSIDE])
+        accept(mesh.points[mesh.kinds == VertexKind.INSIDE])
     return _given(field, remesher.refined(mesh), tolerance, settings)
 
 
@@ -104,10 +104,10 @@ class SurfaceGround:
 
     def drawn(self, mesh: HalfEdges, to: Floats) -> tuple[Floats, Floats, Floats]:
         """Places for vertices drawn towards the surface, and normals and curvatures there."""
-        to, on = to.copy(), np.flatnonzero(mesh.kinds == Kind.CURVE)
+        to, on = to.copy(), np.flatnonzero(mesh.kinds == VertexKind.CURVE)
         if len(on):
             to[on] = self.field.on_rims(to[on], mesh.rim_of[on])
-        points, gradients, bends = self.field.drawn(to, mesh.kinds != Kind.INSIDE)
+        points, gradients, bends = self.field.drawn(to, mesh.kinds != VertexKind.INSIDE)
         return points, unit_rows(gradients)[mesh.vertex_of], bends[mesh.vertex_of]
 
     def placed(self, points: Floats, labels: Integers, rims: Integers, reach: Floats) -> Floats:
@@ -122,11 +122,11 @@ class SurfaceGround:
     def projected(self, mesh: HalfEdges) -> tuple[Floats, Floats]:
         """All vertices on the surface or its boundary curves, and the normals there."""
         points, gradients = mesh.points.copy(), np.empty_like(mesh.points)
-        inside, on = np.flatnonzero(mesh.kinds == Kind.INSIDE), np.flatnonzero(mesh.kinds == Kind.CURVE)
+        inside, on = np.flatnonzero(mesh.kinds == VertexKind.INSIDE), np.flatnonzero(mesh.kinds == VertexKind.CURVE)
         points[inside], gradients[inside] = self.field.closed(points[inside])
         if len(on):
             points[on] = self.field.on_rims(points[on], mesh.rim_of[on])
-        rest = np.flatnonzero(mesh.kinds != Kind.INSIDE)
+        rest = np.flatnonzero(mesh.kinds != VertexKind.INSIDE)
         gradients[rest] = self.field.gradients(points[rest])
         return points, unit_rows(gradients)[mesh.vertex_of]
 
