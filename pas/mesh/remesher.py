@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.limits import checkpoint
-from pas.mesh.field import Floats, Integers
 from pas.mesh.grading import Grading
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
+from pas.mesh.rows import Floats, Integers
 
 
 @dataclass(frozen=True)
