@@ -21,9 +21,9 @@ from pas.certify.proofs import certify
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError, MeshError
 from pas.limits import Report, limited
-from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh, SmoothMesh
 from pas.mesh.quality import Quality
+from pas.mesh.rows import Integers
 from pas.partition.boxes import SingleCell
 from pas.partition.cells import Partition
 from pas.shape import Shape

@@ -190,3 +190,17 @@ def test_manifold_check_can_fail():
     assert not bow_tie.is_manifold
     book = Mesh.smooth(np.zeros((5, 3)), np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4]]), np.zeros((5, 3)))
     assert not book.is_manifold
+
+
+def test_a_surface_that_is_singular_along_a_curve_is_meshed():
+    """The heart: its gradient vanishes where it crosses z = 0, and its normals turn at once at both cusps."""
+    text, half = "(x^2 + 9/4*y^2 + z^2 - 1)^3 - x^2*z^3 - 9/80*y^2*z^3", 1.5
+    mesh = pas.Polynomial(text).surface(("-3/2",) * 3, ("3/2",) * 3).mesh(3e-3)
+    assert mesh.is_closed
+    assert mesh.euler_characteristic == 2
+    assert mesh.components == 1
+    steps = (np.arange(120) + 0.5) / 120 * 2 * half - half
+    x, y, z = np.meshgrid(steps, steps, steps, sparse=True)
+    inside = (x**2 + 9 / 4 * y**2 + z**2 - 1) ** 3 - x**2 * z**3 - 9 / 80 * y**2 * z**3 < 0
+    assert mesh.volume == pytest.approx(inside.mean() * (2 * half) ** 3, rel=0.01)
+    assert not mesh.certificate.proved  # that its topology is right is not claimed

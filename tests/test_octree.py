@@ -8,7 +8,7 @@ import pytest
 import pas
 from pas import solid
 from pas.errors import MeshError
-from pas.mesh.faces import Crossings
+from pas.mesh.faces import BoundaryCrossings
 from pas.mesh.octree import BASE, QUIET, Octree
 from pas.mesh.projection import cosines
 from pas.mesh.topology import is_closed_manifold
@@ -29,10 +29,10 @@ def test_tetrahedra_fit_together_wherever_cubes_are_halved(seed):
     rng = np.random.default_rng(seed)
     shape = (BALL, CUP, solid.box((0, 0, 0), (1, 2, "1/3")))[seed % 3]
     lattice = octree(shape)
-    crossings = Crossings(shape.field, *lattice.tetrahedra())
+    crossings = BoundaryCrossings(shape.field, *lattice.tetrahedra())
     for _ in range(4):
         lattice = lattice.refined(crossings.nodes[crossings.edges[rng.integers(len(crossings.edges), size=3), 0]])
-        crossings = Crossings(shape.field, *lattice.tetrahedra())
+        crossings = BoundaryCrossings(shape.field, *lattice.tetrahedra())
         assert is_closed_manifold(crossings.triangles)
         assert crossings.shape == (1, 2)
     points, tets = lattice.tetrahedra()
@@ -165,7 +165,7 @@ def test_merging_crossings_keeps_the_topology_and_most_merge(parts):
     ring = solid.torus((0, 0, 0), (0, 0, 1), 1, "1/20")  # such lattices show it as beads
     plate = solid.box((-1, -1, "-1/20"), (1, 1, "1/20")) - solid.cylinder((0, 0, -1), (0, 0, 1), "1/20")
     for shape in (ring, plate):
-        crossings = Crossings(shape.field, *octree(shape, parts).tetrahedra())
+        crossings = BoundaryCrossings(shape.field, *octree(shape, parts).tetrahedra())
         points, triangles, _ = crossings._merged()
         assert is_closed_manifold(triangles)
         assert len(points) - len(triangles) // 2 == crossings.shape[1]

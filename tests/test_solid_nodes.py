@@ -12,7 +12,7 @@ import pytest
 import pas
 from pas import solid
 from pas.errors import MeshError
-from pas.mesh.faces import Crossings
+from pas.mesh.faces import BoundaryCrossings
 from pas.mesh.nodes import Nodes, contracted, find_nodes
 from pas.mesh.octree import Octree
 from pas.mesh.topology import is_closed_manifold
@@ -133,7 +133,7 @@ def test_what_is_drawn_into_a_node_is_a_disc_of_its_faces():
     shape = solid.box((0, 0, 0), (1, 1, 1))
     field, mesh = shape.field, shape.face_mesh(1e-2).mesh
     corner = field.evaluator.local(np.array([[1.0, 1.0, 1.0]]))[0]
-    crossings = Crossings(field, *Octree(field, 0.2).tetrahedra())
+    crossings = BoundaryCrossings(field, *Octree(field, 0.2).tetrahedra())
     points, triangles, source = crossings._merged()
     place = np.linalg.norm(points[triangles].mean(axis=1) - corner, axis=1).argmin()
     nodes = find_nodes(field, points, triangles, crossings.crossed[1][source], np.array([place]), NOTHING)

@@ -24,8 +24,7 @@ from pas.certify.certificate import Certificate
 from pas.certify.local_mesh import OFF, FramedMesh
 from pas.kernels.library import compiled
 from pas.mesh.edges import Edges
-from pas.mesh.field import Integers
-from pas.mesh.rows import cross, dots, norms
+from pas.mesh.rows import Integers, cross, dots, norms
 from pas.surface.boundary_loops import BoundaryLoop
 from pas.verdicts import Point, Status, Verdict
 

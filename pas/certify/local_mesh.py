@@ -22,8 +22,7 @@ from pas.bernstein.simplices import Simplices, at_vertices
 from pas.certify.critical_points import isolated
 from pas.certify.proofs import face_verdict
 from pas.certify.triangle_forms import TriangleForms
-from pas.mesh.field import Integers
-from pas.mesh.rows import cross, dots
+from pas.mesh.rows import Integers, cross, dots
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Point
 

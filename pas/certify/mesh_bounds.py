@@ -14,8 +14,7 @@ from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.certify.local_mesh import LARGER, ROUNDINGS, FramedMesh, FramedSurface
 from pas.certify.triangle_forms import on_corners
-from pas.mesh.field import Integers
-from pas.mesh.rows import any_of, cross, dots
+from pas.mesh.rows import Integers, any_of, cross, dots
 
 CUTS = 6
 """How often triangles are cut into four where bounds on them do not do."""

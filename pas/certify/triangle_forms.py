@@ -25,7 +25,7 @@ from pas.algebra.rational import to_float
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.kernels.library import compiled
 from pas.limits import checkpoint
-from pas.mesh.field import Integers
+from pas.mesh.rows import Integers
 
 ELEVATED = 3
 """Values are bounded by B-coefficients of a degree so many times as high, which are nearer."""

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from pas.exchange.formats import Content, Request
-from pas.mesh.field import Floats, Integers
 from pas.mesh.mesh import Mesh
+from pas.mesh.rows import Floats, Integers
 from pas.parametric.patches import RationalPatch
 from pas.settings import MeshSettings, given
 from pas.shape import Shape, kind_of

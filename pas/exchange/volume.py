@@ -26,8 +26,8 @@ from pas.exchange.parts import Piece, face_names, parts_of
 from pas.exchange.tetwild import require_library, tetrahedralize
 from pas.exchange.write import write
 from pas.limits import Report, limited
-from pas.mesh.field import Floats, Integers
 from pas.mesh.mesh import Mesh
+from pas.mesh.rows import Floats, Integers
 from pas.mesh.topology import is_closed_manifold
 from pas.settings import MeshSettings
 from pas.solid.assembly import Assembly

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pas.errors import GeometryError, MissingLibraryError
-from pas.mesh.field import Floats, Integers
+from pas.mesh.rows import Floats, Integers
 
 
 class Triangles(NamedTuple):

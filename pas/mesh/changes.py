@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.rows import dots
+from pas.mesh.field import FaceField
+from pas.mesh.rows import Floats, Integers, dots
 
 ROOT_STEPS, ROOT_STILL = 24, 1e-10
 """Of Newton's method along a lattice edge, and the step, over the edge's length, where it ends."""

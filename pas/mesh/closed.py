@@ -18,7 +18,7 @@ import numpy as np
 from pas.errors import MeshError
 from pas.mesh.cleaning import FOLD
 from pas.mesh.face_ground import FaceGround
-from pas.mesh.field import FaceField, Floats, Wall
+from pas.mesh.field import FaceField, ShellWall
 from pas.mesh.first import first_lattice, first_mesh, unsound
 from pas.mesh.grading import Settings
 from pas.mesh.hollowed import mesh_hollowed, too_thick
@@ -30,6 +30,7 @@ from pas.mesh.projection import pair_normals
 from pas.mesh.quality import Quality
 from pas.mesh.refine import LARGEST, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
+from pas.mesh.rows import Floats
 from pas.mesh.shells import mesh_apart, together
 from pas.mesh.trouble import find_trouble
 
@@ -95,7 +96,7 @@ def triangulate_faces(field: FaceField, tolerance: float, quality: Quality = Qua
     return FaceMesh(mesh, pair_normals(mesh, field), reached)
 
 
-def _hollowed(wall: Wall, field: FaceField, tolerance: float, quality: Quality) -> tuple[Labelled, float]:
+def _hollowed(wall: ShellWall, field: FaceField, tolerance: float, quality: Quality) -> tuple[Labelled, float]:
     """The mesh of a shell and its measured distance: both sides by one mesh, or from a lattice that shows the wall."""
 
     def of_solid(solid: FaceField, aim: float) -> Labelled:

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.limits import checkpoint
-from pas.mesh.field import Floats, Integers
 from pas.mesh.kernels import compiled
+from pas.mesh.rows import Floats, Integers
 from pas.mesh.topology import distinct, numbered
 
 

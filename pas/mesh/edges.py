@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pas.mesh.field import Integers
+from pas.mesh.rows import Integers
 from pas.mesh.topology import twins_of
 
 

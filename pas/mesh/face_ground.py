@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from pas.mesh.field import FaceField, Floats, Integers
+from pas.mesh.field import FaceField
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import least_norm, newton, placing
 from pas.mesh.refine import farthest_inside, inner_points
-from pas.mesh.rows import norms
+from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.shading import unit_rows
 
 STEP = 0.1

@@ -20,11 +20,11 @@ from scipy.sparse.csgraph import connected_components
 from pas.limits import checkpoint
 from pas.mesh.changes import Changes, node_numbers, side_changes
 from pas.mesh.contour import crossings, knotted, oriented, snapped
-from pas.mesh.field import FaceField, Floats, Integers
+from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import NOWHERE, Known, Nodes, contracted, find_nodes
 from pas.mesh.projection import least_norm, newton, placing
-from pas.mesh.rows import cross, norms
+from pas.mesh.rows import Floats, Integers, cross, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import edge_table, pinched
 
@@ -41,7 +41,7 @@ where there are more, the lattice is too coarse."""
 _CORNERS = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
-class Crossings:
+class BoundaryCrossings:
     """Where the boundary crosses a lattice: a closed mesh, with a vertex on each crossed edge.
 
     `edges` (E, 2) are the crossed ones, as rows of `nodes` (N, 3); `triangles` (T, 3) are rows of these.  What is
@@ -86,10 +86,10 @@ class Crossings:
         return where, label
 
     def _changes(self, rows: Integers | slice) -> tuple[Floats, Integers]:
-        """The same for edges in some rows."""
+        """Where edges in some rows cross the boundary (K, 3), and the labels (K,) there."""
         return side_changes(self.field, self.nodes, self.edges[rows], self._signs, self._inside)
 
-    def shows_faces_of(self, finer: Crossings) -> bool:
+    def shows_faces_of(self, finer: BoundaryCrossings) -> bool:
         """Whether a finer lattice, which has this one's nodes as well, crosses no other faces."""
         known, new = (node_numbers(c.nodes) for c in (self, finer))
         rows = np.flatnonzero((~np.isin(new, known))[finer.edges].any(axis=1))

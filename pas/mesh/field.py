@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from pas.mesh.labelled import Labelled
-    from pas.mesh.triangulate import Beginnings
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.intp]
-
+from pas.mesh.labelled import Labelled
+from pas.mesh.rows import Floats, Integers
 
 VISIBLE = 1e-7
 """Coordinates below this share of the largest ones of a box are shown as 0."""
@@ -135,6 +130,21 @@ class RayField(SheetField, Protocol):
         """Whether rays through points (N, 3) meet it once, as sampled."""
 
 
+@dataclass(frozen=True)
+class Beginning:
+    """The first mesh on a lattice, or why there is none; and where the surface may be singular, in words."""
+
+    found: Labelled | ArithmeticError
+    trouble: str
+
+    @property
+    def mesh(self) -> Labelled:
+        """The mesh; raises `ArithmeticError` where it is no good."""
+        if isinstance(self.found, ArithmeticError):
+            raise self.found
+        return self.found
+
+
 class CellField(SheetField, Protocol):
     """A polynomial on each of the tetrahedra of a region, whose zeros end on curves in the region's walls.
 
@@ -142,7 +152,7 @@ class CellField(SheetField, Protocol):
     """
 
     @property
-    def beginnings(self) -> Beginnings:
+    def beginnings(self) -> Iterable[Beginning]:
         """Its first meshes, kept."""
 
     @property
@@ -186,7 +196,7 @@ class CellField(SheetField, Protocol):
 
 
 @dataclass(frozen=True)
-class Wall:
+class ShellWall:
     """What a shell is the wall of: a `solid`, hollowed out up to a thickness.
 
     For each label of the solid, its label in the shell, `outer` (L,), and that of the inner face which follows it,
@@ -244,7 +254,7 @@ class FaceField(Field, Protocol):
     def shells(self) -> Sequence[FaceField]:
         """The surfaces of the boundary that are proved to be apart, each as the boundary of a set; itself if one."""
 
-    def wall(self) -> Wall | None:
+    def wall(self) -> ShellWall | None:
         """What this is the wall of; None if it is no shell."""
 
     def touching(self) -> Sequence[FaceField]:
@@ -254,7 +264,7 @@ class FaceField(Field, Protocol):
         """
 
     def needed(self) -> FaceField:
-        """The same boundary without functions that others are proved to imply; itself if there are none."""
+        """The field of this boundary without functions that others are proved to imply; itself if there are none."""
 
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
         """The labels here of labels (N,) of one of these."""
@@ -270,9 +280,6 @@ class FaceField(Field, Protocol):
 
     def walls(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether given labels (N,) are no faces, but only bound regions (N,)."""
-
-    def without_lines(self) -> FaceField:
-        """The same, none of whose faces is said to have straight lines; itself if none has."""
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         """The labels whose functions' common zeros are where faces of given labels meet."""

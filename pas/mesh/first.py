@@ -13,13 +13,13 @@ import numpy as np
 
 from pas.errors import MeshError
 from pas.mesh.cleaning import FOLD, cleaned
-from pas.mesh.faces import Crossings
-from pas.mesh.field import FaceField, Floats, place_of
+from pas.mesh.faces import BoundaryCrossings
+from pas.mesh.field import FaceField, place_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import Known
 from pas.mesh.octree import DEEPEST, NOWHERE, QUIET, Octree
 from pas.mesh.projection import cosines, least_norm, placing
-from pas.mesh.rows import norms
+from pas.mesh.rows import Floats, norms
 from pas.mesh.trouble import Trouble, find_trouble
 
 FIRST_PARTS, OTHER_PARTS, HALVINGS, COMPARED = 25, 27, 9, 3
@@ -178,8 +178,8 @@ class _Lattice:
     known: Known
 
     @cached_property
-    def crossings(self) -> Crossings:
-        return Crossings(self.field, *self.octree.tetrahedra(), self.known)
+    def crossings(self) -> BoundaryCrossings:
+        return BoundaryCrossings(self.field, *self.octree.tetrahedra(), self.known)
 
 
 def unsound(mesh: Labelled, field: FaceField, tolerance: float) -> tuple[str, Floats]:

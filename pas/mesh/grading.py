@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.limits import checkpoint
-from pas.mesh.field import Integers
 from pas.mesh.ground import Ground
 from pas.mesh.halfedges import TURNED, HalfEdges, VertexKind, following
 from pas.mesh.labelled import Labelled
 from pas.mesh.refine import LARGEST
-from pas.mesh.rows import dots, norms
+from pas.mesh.rows import Integers, dots, norms
 
 KEPT = 0.35
 """Cosine with the normals below which triangles about folded ones are not made."""

@@ -7,8 +7,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.mesh.field import Floats, Integers
 from pas.mesh.halfedges import HalfEdges
+from pas.mesh.rows import Floats, Integers
 
 
 class Ground(Protocol):

@@ -19,9 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.kernels.library import address_of, compiled
-from pas.mesh.field import Floats, Integers
 from pas.mesh.labelled import Labelled
-from pas.mesh.rows import norms
+from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.topology import numbered, twins_of
 
 TURNED = 0.5

@@ -21,10 +21,11 @@ import numpy as np
 
 from pas.errors import MeshError
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, Floats, Integers, Wall, place_of
+from pas.mesh.field import FaceField, ShellWall, place_of
 from pas.mesh.first import unsound
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton, pair_normals, project
+from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import is_closed_manifold
 
@@ -48,7 +49,7 @@ Refiner = Callable[[Labelled, FaceField, float], tuple[Labelled, float]]
 
 
 def mesh_hollowed(
-    field: FaceField, wall: Wall, tolerance: float, mesh: Mesher, refined: Refiner
+    field: FaceField, wall: ShellWall, tolerance: float, mesh: Mesher, refined: Refiner
 ) -> tuple[Labelled, float] | None:
     """The mesh of a shell and how near it is, from that of the solid by `mesh(solid, tolerance)`, `refined`.
 
@@ -73,7 +74,7 @@ class Doubled:
     one of a vertex for each set of labels that places it.
     """
 
-    def __init__(self, mesh: Labelled, wall: Wall) -> None:
+    def __init__(self, mesh: Labelled, wall: ShellWall) -> None:
         self.mesh, self.wall = mesh, wall
         vertices, labels = mesh.topology.pairs.T
         self._around: dict[int, list[int]] = defaultdict(list)
@@ -225,7 +226,7 @@ def _changes(mesh: Labelled, field: FaceField, thickness: float) -> bool:
     return bool((field.inside(field.signs(at - step)) & ~field.inside(field.signs(at + step))).all())
 
 
-def too_thick(mesh: Labelled, wall: Wall) -> str:
+def too_thick(mesh: Labelled, wall: ShellWall) -> str:
     """That a wall is thicker than a radius of curvature of a face that is kept, and where; "" if it is not.
 
     `mesh` is that of the solid, at whose vertices curvatures are looked at.

@@ -16,8 +16,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
 from pas.mesh.edges import Edges
-from pas.mesh.field import Floats, Integers, RayField, RingCurve
-from pas.mesh.rows import cross, dots
+from pas.mesh.field import RayField, RingCurve
+from pas.mesh.rows import Floats, Integers, cross, dots
 from pas.mesh.shading import unit_rows
 
 AROUND = 12

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pas.bernstein.subdivision import Means
 from pas.kernels.library import Functions
-from pas.mesh.field import Floats, Integers
+from pas.mesh.rows import Floats, Integers
 
 
 class CompiledTriangles:

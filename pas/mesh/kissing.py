@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.face_ground import FaceGround, deviation
-from pas.mesh.field import FaceField, Floats
+from pas.mesh.field import FaceField
 from pas.mesh.first import unsound
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.labelled import Labelled
-from pas.mesh.rows import cross
+from pas.mesh.rows import Floats, cross
 from pas.mesh.shells import together
 
 SHARES = (1 / 4, 1 / 16)

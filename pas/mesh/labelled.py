@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from pas.mesh.field import Floats, Integers
-from pas.mesh.rows import any_of, norms
+from pas.mesh.rows import Floats, Integers, any_of, norms
 from pas.mesh.topology import numbered, twins_of
 
 NONE = np.empty(0, dtype=np.intp)
@@ -195,5 +194,5 @@ class Labelled:
         return self.topology.rims
 
     def moved(self, points: Floats) -> Labelled:
-        """The same triangles on other points."""
+        """These triangles on other points (N, 3), without normals."""
         return Labelled(points, self.topology)

@@ -18,9 +18,9 @@ from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.bernstein.subdivision import Means, means, raised
 from pas.limits import checkpoint
-from pas.mesh.field import CellField, Floats, Integers
+from pas.mesh.field import CellField
 from pas.mesh.kernels import compiled
-from pas.mesh.rows import all_of, any_of
+from pas.mesh.rows import Floats, Integers, all_of, any_of
 from pas.mesh.topology import MOST, first_with
 from pas.verdicts import Status
 

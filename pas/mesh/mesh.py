@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from pas.errors import GeometryError
 from pas.mesh.booleans import Triangles, boolean
-from pas.mesh.field import Floats, Integers
 from pas.mesh.quality import Quality
+from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
 from pas.mesh.soundness import soundness
 from pas.mesh.topology import edge_table, euler_characteristic, is_closed_manifold, is_manifold, piece_count, seams
@@ -224,12 +224,12 @@ class Mesh(Shape):
 
     @property
     def smoothed(self) -> Mesh:
-        """The same triangles with each point's mean normal at all its corners, so that no vertex is doubled."""
+        """A mesh of these triangles with each point's mean normal at all its corners, so that no vertex is doubled."""
         return replace(self, normals=self.point_normals[self.triangles])
 
     @property
     def flipped(self) -> Mesh:
-        """The same mesh seen from its other side."""
+        """This mesh seen from its other side: triangles and normals are turned round."""
         return replace(self, triangles=self.triangles[:, ::-1], normals=-self.normals[:, ::-1])
 
     def to_pyvista(self) -> pyvista.PolyData:

@@ -24,10 +24,10 @@ from scipy.spatial import ConvexHull, cKDTree
 
 from pas.errors import MeshError
 from pas.mesh.changes import Changes
-from pas.mesh.field import FaceField, Floats, Integers, place_of
+from pas.mesh.field import FaceField, place_of
 from pas.mesh.hull import icosphere
 from pas.mesh.projection import least_norm, newton
-from pas.mesh.rows import norms
+from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.stars import Stars
 from pas.mesh.topology import edge_table, numbered
@@ -151,7 +151,7 @@ def _systems(tree: cKDTree, centers: Floats, size: Floats, columns: Integers) ->
 def _known_zeros(
     field: FaceField, starts: Floats, systems: list[tuple[int, ...]], reach: Floats, known: Known
 ) -> Floats:
-    """The same as `_solved`, with what is known."""
+    """The zeros (K, 3) that `_solved` finds, those that are known looked up."""
     keys = [(s, p.tobytes(), r) for s, p, r in zip(systems, starts, reach.tolist(), strict=True)]
     new = [row for row, key in enumerate(keys) if key not in known.zeros]
     found = _solved(field, starts[new], [systems[row] for row in new], reach[new])

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, Floats, Integers
+from pas.mesh.field import FaceField
 from pas.mesh.kernels import compiled
+from pas.mesh.rows import Floats, Integers
 from pas.mesh.topology import numbered
 
 SHIFT = np.array([0.381966, 0.267949, 0.414214])
@@ -111,7 +112,7 @@ class Octree:
 
     @property
     def finest(self) -> str:
-        """The same over the longest side of the box, in words."""
+        """The edge of the smallest cubes over the longest side of the box, in words."""
         return f"1/{round(float(np.ptp(self.field.box, axis=0).max()) / self.spacing)} of its bounding box"
 
     @property

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, Floats, Integers
+from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
-from pas.mesh.rows import cross, dots, norms
+from pas.mesh.rows import Floats, Integers, cross, dots, norms
 from pas.mesh.shading import unit_rows, uprightness_at
 
 NEWTON_STEPS = 16

@@ -4,15 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import Protocol, TypeVar
 
 import numpy as np
 
 from pas.algebra.inputs import shown
-from pas.algebra.monomials import Floats
+from pas.mesh.rows import Floats, Integers
 
-if TYPE_CHECKING:
-    from pas.mesh.mesh import Mesh
+
+class Triangulated(Protocol):
+    """What has triangles."""
+
+    @property
+    def points(self) -> Floats:
+        """The vertices (N, 3)."""
+
+    @property
+    def triangles(self) -> Integers:
+        """Their numbers (T, 3)."""
+
+
+AnyMesh = TypeVar("AnyMesh", bound=Triangulated)
 
 
 class Quality(Enum):
@@ -51,7 +63,7 @@ class Quality(Enum):
         """
         return AIMS[self]
 
-    def best(self, meshes: Sequence[Mesh]) -> Mesh:
+    def best(self, meshes: Sequence[AnyMesh]) -> AnyMesh:
         """The one of some meshes that has the largest smallest angle, or the fewest triangles; the first of equals."""
         if self is Quality.ANGLES:
             return max(meshes, key=lambda mesh: smallest_angles(mesh.points[mesh.triangles]).min(initial=np.pi))

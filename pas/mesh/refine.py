@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from pas.errors import MeshError
-from pas.mesh.field import Field, Floats
+from pas.mesh.field import Field
+from pas.mesh.rows import Floats
 
 LARGEST = 4_000_000
 """Triangles; more would not fit into the memory of a small machine."""

@@ -2,8 +2,9 @@
 
 One driver for open meshes of a surface and closed ones of a solid.  Edges are made as long as the curvature lets them
 be at q^2 times the tolerance (see `pas.mesh.grading`).  Each edge is then cut into q parts, the new vertices are
-projected onto the faces, and what is measured to be too far is halved.  Ruled faces are not cut.  At last slender
-triangles are mended.
+projected onto the faces, and what is measured to be too far is halved.  Ruled faces are not cut.  Triangles that one of
+these steps folds are untangled, as where a surface is singular and its normals turn at once; at last slender triangles
+are mended.
 
 The topology stays.  That no triangle is folded, and how far edges and triangles are from the surface at all points that
 are looked at, is measured on the result.
@@ -17,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.limits import checkpoint
-from pas.mesh.field import Floats, Integers
 from pas.mesh.grading import Grading
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
+from pas.mesh.rows import Floats, Integers
 
 
 @dataclass(frozen=True)
@@ -66,8 +67,7 @@ class Remesher(Grading):
             cut.points[:], cut.normals[:] = self.ground.projected(cut)
             if self.ruled:
                 cut.flip(self.fine)
-            if not self.ground.knows_bends:
-                self.untangle(cut, self.settings.folded)
+            self.untangle(cut, self.settings.folded)
             if parts == 1 or cut.cosines.min() >= self.settings.folded:
                 break
             parts = max(1, parts // 4)  # next to curves that are close to one another finer triangles fold
@@ -114,7 +114,7 @@ class Remesher(Grading):
         before, worst, last = None, np.inf, np.inf
         for step in range(self.REFINEMENTS):
             checkpoint(f"measuring the mesh ({len(mesh.labels)} triangles)")
-            if not self.ground.knows_bends and self.untangle(mesh, self.settings.folded):
+            if self.untangle(mesh, self.settings.folded):
                 before = None
             inside, along = self.measured(mesh, before)
             worst = float(max(inside.max(), along.max()))

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pas.mesh.field import Floats, Integers
-from pas.mesh.rows import cross
+from pas.mesh.rows import Floats, Integers, cross
 
 SMOOTH_COSINE = 0.9
 """Normals of a vertex's faces closer than this are one, so that smooth joints are shaded smoothly."""

@@ -7,13 +7,14 @@ from collections.abc import Callable
 import numpy as np
 
 from pas.mesh.edges import Edges
-from pas.mesh.field import Floats, Integers, SheetField
+from pas.mesh.field import SheetField
 from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.refine import too_many
 from pas.mesh.remesher import Failure, Remeshed, Remesher
+from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
 
 

@@ -13,10 +13,11 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, Floats
+from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton
 from pas.mesh.refine import inner_points
+from pas.mesh.rows import Floats
 from pas.mesh.shading import unit_rows
 
 ROOM = 3.0

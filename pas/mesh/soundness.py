@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pas.mesh.field import Floats, Integers
+from pas.mesh.rows import Floats, Integers
 from pas.mesh.topology import is_closed_manifold, is_manifold
 from pas.verdicts import Findings, Status, Verdict
 

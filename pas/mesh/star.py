@@ -10,14 +10,14 @@ import numpy as np
 
 from pas.limits import checkpoint
 from pas.mesh.edges import Edges
-from pas.mesh.field import Floats, Integers, RayField
+from pas.mesh.field import RayField
 from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.hull import hull, icosphere, seen
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import AIM
-from pas.mesh.rows import dots
+from pas.mesh.rows import Floats, Integers, dots
 from pas.mesh.shading import unit_rows
 from pas.mesh.sheet import open_mesh, remeshed
 

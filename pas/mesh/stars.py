@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.mesh.field import Integers
+from pas.mesh.rows import Integers
 from pas.mesh.topology import edge_table, pinched
 
 

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from pas.mesh.field import Floats, Integers
 from pas.mesh.kernels import compiled
+from pas.mesh.rows import Floats, Integers
 
 
 def twins_of(triangles: Integers, size: int) -> Integers:
@@ -46,7 +46,10 @@ def same_places(points: Floats) -> tuple[Integers, Integers]:
 
 
 def first_with(keys: Integers, points: Floats) -> tuple[Integers, Integers]:
-    """The same of points with equal keys (N,), none of them negative, where they are equal."""
+    """Where distinct ones of points (N, 3) stand first, and which of these each is (N,).
+
+    Equal points have equal keys (N,), none of them negative, and others mostly have not.
+    """
     found, inverse = numbered(keys)
     first = np.empty(len(found), dtype=np.intp)
     first[inverse[::-1]] = np.arange(len(inverse))[::-1]  # the last to be written is the first there is

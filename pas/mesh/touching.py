@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, Floats, Integers
-from pas.mesh.rows import cross
+from pas.mesh.field import FaceField
+from pas.mesh.rows import Floats, Integers, cross
 from pas.mesh.shading import unit_rows
 
 STEPS, STILL = 24, 1e-15

@@ -10,7 +10,7 @@ and shows all curves on which it must end.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -19,12 +19,13 @@ from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
 from pas.mesh.edges import Edges
-from pas.mesh.field import VISIBLE, CellField, Floats, Integers
+from pas.mesh.field import VISIBLE, Beginning, CellField
 from pas.mesh.grading import Settings
 from pas.mesh.labelled import Labelled
 from pas.mesh.lattice import Lattice, Subdivision
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import AIM
+from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows, uprightness
 from pas.mesh.sheet import BadMeshError, open_mesh, remeshed
 from pas.mesh.topology import euler_characteristic, is_manifold, piece_count
@@ -77,21 +78,6 @@ def triangulate(field: CellField, tolerance: float, most: int | None = None, aim
 
 class FoldedError(MeshError):
     """No good mesh was found, at any tolerance."""
-
-
-@dataclass(frozen=True)
-class Beginning:
-    """The first mesh on a lattice, or why there is none; and where the surface may be singular, in words."""
-
-    found: Labelled | ArithmeticError
-    trouble: str
-
-    @property
-    def mesh(self) -> Labelled:
-        """The mesh; raises `ArithmeticError` where it is no good."""
-        if isinstance(self.found, ArithmeticError):
-            raise self.found
-        return self.found
 
 
 class Beginnings:

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, Floats, Integers, place_of
+from pas.mesh.field import FaceField, place_of
 from pas.mesh.projection import least_norm
-from pas.mesh.rows import cross, norms
+from pas.mesh.rows import Floats, Integers, cross, norms
 from pas.mesh.shading import unit_rows
 
 PLACES = 10

@@ -9,8 +9,8 @@ import numpy as np
 
 from pas.algebra.polynomial import Polynomial
 from pas.errors import MeshError
-from pas.mesh.field import Floats, Integers
 from pas.mesh.mesh import Mesh
+from pas.mesh.rows import Floats, Integers
 
 
 @dataclass(frozen=True)

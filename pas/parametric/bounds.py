@@ -18,7 +18,7 @@ from pas.algebra.rational import to_float
 from pas.bernstein.boxes import product
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.limits import checkpoint
-from pas.mesh.field import Integers
+from pas.mesh.rows import Integers
 from pas.parametric.maps import ParametricMap
 from pas.parametric.nets import SMALLEST, Framed, Nets, bernstein_at
 from pas.parametric.tiling import GRID, Placing

@@ -30,7 +30,7 @@ from pas.algebra.rational_function import GENERATORS, ONE
 from pas.bernstein.boxes import box_form
 from pas.bernstein.forms import UNIT_ROUNDOFF, rounded
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
-from pas.mesh.field import Integers
+from pas.mesh.rows import Integers
 from pas.parametric.domain import Ends, ExactDomain
 from pas.parametric.nets import Nets
 from pas.verdicts import Status

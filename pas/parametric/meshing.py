@@ -29,9 +29,9 @@ from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
-from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.mesh.rows import Integers
 from pas.parametric.bounds import Examination, NetPoints, bounded, measured, surface_points
 from pas.parametric.domain import DomainLike
 from pas.parametric.maps import ParametricMap

@@ -13,7 +13,7 @@ import numpy as np
 
 from pas.algebra.lengths import lengths, scaled, unit
 from pas.algebra.monomials import Floats
-from pas.mesh.field import Integers
+from pas.mesh.rows import Integers
 from pas.mesh.topology import edge_table
 from pas.parametric.maps import ParametricMap
 

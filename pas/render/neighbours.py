@@ -8,8 +8,8 @@ from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.contacts.contact import Contact
-from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
+from pas.mesh.rows import Integers
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.frames import connectivity
 from pas.parametric.surface import ParametricSurface

@@ -15,8 +15,8 @@ from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
-from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
+from pas.mesh.rows import Integers
 from pas.piecewise import PiecewiseSurface
 from pas.render.neighbours import contact_rim
 from pas.render.scene import Comb

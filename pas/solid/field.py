@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
 from functools import cached_property
 from itertools import combinations
 
@@ -14,7 +13,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
 from pas.errors import GeometryError
-from pas.mesh.field import FaceField, Wall
+from pas.mesh.field import FaceField, ShellWall
 from pas.solid.evaluator import TreeEvaluator, called
 from pas.solid.functions import followed_by
 from pas.solid.implied import PlanesInside, needed
@@ -57,7 +56,6 @@ class SolidField:
         self._seams = Seams(self.evaluator, given)
         self.box = self.evaluator.local(box)
         self.special_points = self.evaluator.local(special_points)
-        self._ruled = True
         self._made_of = tree, box, tuple(seams), special_points
 
     def shells(self) -> list[SolidField]:
@@ -72,7 +70,7 @@ class SolidField:
                 return [shell for found in fields for shell in found.shells()]
         return [self]
 
-    def wall(self) -> Wall | None:
+    def wall(self) -> ShellWall | None:
         """The solid that this is a shell of, and which inner face follows each of its faces; None if it is none."""
         tree, box, seams, special = self._made_of
         found = followed_by(tree)
@@ -86,7 +84,7 @@ class SolidField:
         for distance, follows in walls:
             number = next(i for i, c in enumerate(self.evaluator.columns) if c.function is distance)
             inner[np.repeat([c.face in follows.faces for c in solid.evaluator.columns[: len(columns)]], 2)] = 2 * number
-        return Wall(solid, walls[0][1].thickness / self.scale, outer, inner)
+        return ShellWall(solid, walls[0][1].thickness / self.scale, outer, inner)
 
     def touching(self) -> list[SolidField]:
         """The surfaces of the boundary that meet in points at most, at which both have a special point."""
@@ -186,7 +184,7 @@ class SolidField:
 
     def lines(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether labels' functions (N,) are planes, cylinders or cones: quadrics without a determinant (N,)."""
-        return self._lines[labels // 2] & self._ruled
+        return self._lines[labels // 2]
 
     def planes(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether labels' functions (N,) are planes (N,)."""
@@ -195,14 +193,6 @@ class SolidField:
     def walls(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether labels' functions (N,) have no face (N,)."""
         return self.evaluator.walls[labels // 2]
-
-    def without_lines(self) -> SolidField:
-        """The boundary with none of its faces said to have straight lines; itself if none has."""
-        if not (self._ruled and self._lines.any()):
-            return self
-        result = copy(self)
-        result._ruled = False
-        return result
 
     @cached_property
     def _lines(self) -> NDArray[np.bool_]:

@@ -24,11 +24,11 @@ from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.mesh.closed import FaceMesh
-from pas.mesh.field import FaceField, Integers
+from pas.mesh.field import FaceField
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import least_norm, project
-from pas.mesh.rows import cross
+from pas.mesh.rows import Integers, cross
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.functions import Distance, Followed

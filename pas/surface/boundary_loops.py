@@ -18,8 +18,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.contacts.cones import first_met, nappe_rays
 from pas.contacts.joins import Join
 from pas.kernels.library import compiled
-from pas.mesh.field import Integers
-from pas.mesh.rows import dots
+from pas.mesh.rows import Integers, dots
 from pas.surface.geometry import derivative_batch
 
 STEPS = 40

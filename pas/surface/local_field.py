@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.kernels.library import compiled
-from pas.mesh.field import Integers
-from pas.mesh.rows import cross, dots, norms
+from pas.mesh.rows import Integers, cross, dots, norms
 from pas.mesh.triangulate import Beginnings
 from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_fraction
 from pas.kernels.library import compiled
-from pas.mesh.field import Integers
+from pas.mesh.rows import Integers
 from pas.surface.function import PiecewisePolynomial
 
 CLOSING, CLOSE = 6, 1e-11

@@ -12,7 +12,7 @@ import numpy as np
 
 from pas.exchange.formats import Format, Request
 from pas.exchange.parts import TRIANGLES, Piece, joined
-from pas.mesh.field import Floats, Integers
+from pas.mesh.rows import Floats, Integers
 
 
 def write_stl(parts: Sequence[Piece], path: Path, request: Request) -> None:

@@ -30,7 +30,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import exact, rational, to_float, to_fraction
 from pas.algebra.rational_function import RationalFunction, total
 from pas.limits import checkpoint
-from pas.mesh.field import Integers
+from pas.mesh.rows import Integers
 from pas.parametric.maps import ParametricMap
 from pas.parametric.regularity import positive_on_unit_square
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from pas.algebra.lengths import exponent, lengths, unit
 from pas.algebra.monomials import Floats
-from pas.mesh.field import Integers
+from pas.mesh.rows import Integers
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.paths import value_at
 from pas.parametric.generatrix.shape import GeneratrixShape, ShapeFunction

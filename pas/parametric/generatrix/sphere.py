@@ -24,9 +24,9 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, VectorLike, plain, rational, to_float, to_floats, vector
 from pas.errors import GeometryError, MeshError
 from pas.limits import Report, checkpoint, limited
-from pas.mesh.field import Integers
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.mesh.rows import Integers
 from pas.parametric.generatrix.blend import GeneratrixBlend, generatrix_blend
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.checks import refuse_both
