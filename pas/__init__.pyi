@@ -150,14 +150,14 @@ from .partition.splits import AlfeldSplit as AlfeldSplit
 from .partition.splits import WorseyFarinSplit as WorseyFarinSplit
 from .piecewise import PiecewiseSurface as PiecewiseSurface
 from .pipeline.blend import blend as blend
-from .pipeline.convex_problem import ConvexProblem as ConvexProblem
-from .pipeline.hollow import HollowBlend as HollowBlend
 from .pipeline.node import node as node
 from .pipeline.node import struts as struts
 from .pipeline.result import Blend as Blend
+from .pipeline.result import ConvexProblem as ConvexProblem
+from .pipeline.result import HollowBlend as HollowBlend
+from .pipeline.result import SolutionSpace as SolutionSpace
 from .pipeline.session import Session as Session
 from .pipeline.session import keep_blends as keep_blends
-from .pipeline.space import SolutionSpace as SolutionSpace
 from .pipeline.space import solutions as solutions
 from .render.animate import animate as animate
 from .render.picture import draw as draw

@@ -48,7 +48,7 @@ def test_dimensions_and_regular_ranks_of_the_published_corner(facts, case):
 
 def _space(clips, radii, order, degree):
     from pas.blending.solving import solve
-    from pas.pipeline.space import SolutionSpace
+    from pas.pipeline.result import SolutionSpace
     from pas.surface.placed import PlacedContacts
 
     contacts = [p.contact for p in pipes(tuple(radii), tuple(clips))]

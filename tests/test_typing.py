@@ -35,9 +35,13 @@ MAY_BE_ANY = {
     "Fairness.to_record": TABLE,
     "KuhnCube.to_record": TABLE,
     "Layout.to_record": TABLE,
+    "Membrane.from_record": TABLE,
+    "Membrane.to_record": TABLE,
     "Partition.to_record": TABLE,
     "SingleCell.to_record": TABLE,
     "SixTetrahedra.to_record": TABLE,
+    "ThinPlate.from_record": TABLE,
+    "ThinPlate.to_record": TABLE,
     "Verdict.from_record": TABLE,
     "Verdict.to_record": TABLE,
     "Verdicts.to_record": TABLE,
@@ -94,11 +98,22 @@ def annotations(function: ast.FunctionDef) -> list[ast.expr | None]:
 
 
 def parts(name: str, thing: object) -> Iterator[tuple[str, list[ast.expr | None]]]:
-    """What is public of a name, with its annotations: a function, or the methods and fields of a class."""
-    (node,) = ast.parse(textwrap.dedent(inspect.getsource(inspect.unwrap(thing)))).body
-    if isinstance(node, ast.FunctionDef):
-        yield name, annotations(node)
+    """What is public of a name, with its annotations: a function, or the methods and fields of a class and of bases
+    in its room that have no public name; the class's own are the last."""
+    if inspect.isclass(thing):
+        room = thing.__module__.split(".")[:2]
+        for base in reversed(thing.__mro__):
+            if base is thing or (base.__module__.split(".")[:2] == room and base.__name__ not in NAMED):
+                yield from members(name, base)
         return
+    (node,) = ast.parse(textwrap.dedent(inspect.getsource(inspect.unwrap(thing)))).body
+    assert isinstance(node, ast.FunctionDef)
+    yield name, annotations(node)
+
+
+def members(name: str, owner: type) -> Iterator[tuple[str, list[ast.expr | None]]]:
+    """The methods and fields that stand in a class itself, under a name of their own."""
+    (node,) = ast.parse(textwrap.dedent(inspect.getsource(owner))).body
     assert isinstance(node, ast.ClassDef)
     for item in node.body:
         if isinstance(item, ast.FunctionDef) and (not item.name.startswith("_") or item.name.endswith("__")):
@@ -107,6 +122,7 @@ def parts(name: str, thing: object) -> Iterator[tuple[str, list[ast.expr | None]
             yield f"{name}.{item.target.id}", [item.annotation]
 
 
+NAMED = {*pas.__all__, *solid.__all__}
 PUBLIC = {name: hints for home, thing in exported() for name, hints in parts(home, thing)}
 
 

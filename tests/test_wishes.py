@@ -19,7 +19,7 @@ def refused(monkeypatch, **wishes):
     def never(*_):
         raise AssertionError("a degree was solved before the wishes were looked at")
 
-    monkeypatch.setattr("pas.pipeline.blend.solve", never)
+    monkeypatch.setattr("pas.pipeline.search.solve", never)
     with pytest.raises(pas.InfeasibleError) as caught:
         pas.blend(pipes(UNEQUAL), 2, **wishes)
     return caught.value

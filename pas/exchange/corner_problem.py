@@ -59,7 +59,8 @@ from pas.exchange.tables import TableReader
 from pas.fairing.energy import ENERGIES, read_energy
 from pas.fairing.wishes import PointOptions, Wishes, tensed
 from pas.layouts.kinds import partition_keys, read_partition_like
-from pas.pipeline.blend import blend, check_wanted_degree
+from pas.pipeline.blend import blend
+from pas.pipeline.find import check_wanted_degree
 from pas.pipeline.result import Blend
 from pas.registry import constructor_keys, keys_of
 from pas.settings import MeshSettings

@@ -47,9 +47,9 @@ from pas.fairing.wishes import Wishes, check_member
 from pas.partition.layout import Layout
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import body
-from pas.pipeline.hollow import HollowBlend, check_sides
-from pas.pipeline.result import Attempt, Blend
-from pas.pipeline.space import SolutionSpace
+from pas.pipeline.chosen import Attempt
+from pas.pipeline.hollow import check_sides
+from pas.pipeline.result import Blend, HollowBlend, SolutionSpace
 from pas.render.layout import layers as layout_layers
 from pas.render.parts import solid_layers
 from pas.render.piecewise import layers

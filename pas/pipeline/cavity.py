@@ -34,7 +34,7 @@ from pas.partition.cells import Partition
 from pas.partition.layout import Layout
 from pas.partition.regions import Region
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.result import Blend
+from pas.pipeline.chosen import B, ChosenBlend
 from pas.pipeline.search import excess
 from pas.surface.depth import Depth
 
@@ -61,7 +61,7 @@ class Cavity:
     """What is wished of the inner side of an `outer` blend: to end in `contacts`, with a wall of some `thickness`; None
     where that is whatever it is between the contacts."""
 
-    outer: Blend
+    outer: ChosenBlend
     contacts: Sequence[Contact]
     thickness: fmpq | None
 
@@ -102,7 +102,7 @@ class Cavity:
         options: Any = {"energy": energy if evenness else wishes.energy, "limits": wishes.limits}
         return Wishes(**options)
 
-    def plain(self, found: Blend) -> Blend:
+    def plain(self, found: B) -> B:
         """An inner blend without what it was chosen by besides the outer one's energy, which files do not keep."""
         choice = found.choice
         if self.evenness is None or choice is None:
@@ -140,7 +140,7 @@ class Cavity:
         """What to try where all these have nothing that is proved."""
         yield from ((None, region) for region in self._regions)
 
-    def serves(self, inner: Blend) -> bool:
+    def serves(self, inner: ChosenBlend) -> bool:
         """Whether an inner blend that is proved and whose wall is even is fair enough to look for no other.
 
         Beside outer sides that are not fair, as some of cones and spheres are, none was found that is.

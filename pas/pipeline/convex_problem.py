@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any, Generic
 
 import numpy as np
 
@@ -17,28 +17,13 @@ from pas.fairing.sampled import Inequalities
 from pas.fairing.solver import FitSolver, Iterate, RayConditions
 from pas.fairing.wishes import PointsLike, UnitCoefficients, Wishes, exact_points
 from pas.limits import checkpoint
-from pas.pipeline.result import Blend
-
-if TYPE_CHECKING:
-    from pas.pipeline.space import SolutionSpace
+from pas.pipeline.chosen import B, FitSpace
 
 
-class ConvexProblem:
-    """The choice of one member of a solution space by a quadratic energy, in the language of cvxpy.
+class MemberProblem(Generic[B]):
+    """The choice of one member of a space by a quadratic energy, in the language of cvxpy; see `pas.ConvexProblem`."""
 
-        corner = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1), pas.Pipe((0, 0, 1), "2/5", 1)]
-        problem = pas.solutions(corner, 1, 4).problem()
-        values = problem.values([("1/4", "1/4", "1/4"), ("-3/10", "-3/10", "-3/10")])
-        blend = problem.solve([values[0] == values[1]])
-
-    `variable` (m,) holds the coordinates in the space's working basis; `energy` is the expression that is made small,
-    in the user's units; `constraints` are the normalisation, the points and handles that are wished for, and
-    inequalities at samples that ask for clean walls, clip faces and a centre inside.  That the surface is one sheet
-    cannot be said beforehand: `missed` gives what a solution lacks of it, and `solve` goes on until nothing is missed.
-    Made by `SolutionSpace.problem`.
-    """
-
-    def __init__(self, space: SolutionSpace, wishes: Wishes) -> None:
+    def __init__(self, space: FitSpace[B], wishes: Wishes) -> None:
         if space.dimension == 0:
             raise NoSolutionError(f"the solution space of degree {space.degree} is empty", {space.degree: 0})
         wishes = wishes.changed(energy=as_energy(wishes.energy))
@@ -74,16 +59,16 @@ class ConvexProblem:
         rows = self._conditions.missed(self._found) if self.wishes.guard else Inequalities.none(self.space.dimension)
         return self._stated(rows)
 
-    def member(self) -> Blend:
+    def member(self) -> B:
         """The blend of the solution, rounded so that exact equations hold exactly; it is proved when first asked.
 
         Raises `ValueError` before there is a solution, `InfeasibleError` where rounding moves a wished point across.
         """
         iterate = Iterate(self._found, self._conditions.first, SETTINGS.damping)
         fitted = self._solver.rounded(iterate, self._conditions.share)
-        return Blend.of(self.space, fitted, self.wishes, {}, ())
+        return self.space.blend(fitted, self.wishes, {}, ())
 
-    def solve(self, constraints: Sequence[Any] = (), *, term: Any = 0.0, rounds: int = SETTINGS.rounds) -> Blend:
+    def solve(self, constraints: Sequence[Any] = (), *, term: Any = 0.0, rounds: int = SETTINGS.rounds) -> B:
         """The member of least energy, and of a convex `term` added to it, under one's own constraints too.
 
         Constraints of one sheet are added where they are missed, for so many rounds.  Raises `InfeasibleError` where

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
 
 from pas.errors import NoSolutionError, NotProvedError
 from pas.fairing.contradictions import check_wishes
 from pas.fairing.solver import FitSolver
 from pas.fairing.wishes import Wishes
-from pas.pipeline.result import Attempt, Blend
+from pas.pipeline.chosen import Attempt, B, FitSpace
 from pas.pipeline.stages import Stages
 
-if TYPE_CHECKING:
-    from pas.pipeline.space import SolutionSpace
 
-
-def fit(space: SolutionSpace, wishes: Wishes, stages: Stages) -> Blend:
+def fit(space: FitSpace[B], wishes: Wishes, stages: Stages) -> B:
     """Choose the member of a space that meets the wishes best.
 
     Raises `NoSolutionError` for an empty space, `InfeasibleError` for wishes that contradict, `NotProvedError`.
@@ -27,7 +23,7 @@ def fit(space: SolutionSpace, wishes: Wishes, stages: Stages) -> Blend:
     return choose(space, wishes.settled(space.placed), stages)
 
 
-def choose(space: SolutionSpace, wishes: Wishes, stages: Stages) -> Blend:
+def choose(space: FitSpace[B], wishes: Wishes, stages: Stages) -> B:
     """The member for wishes that are settled and known not to contradict by themselves."""
     began = time.perf_counter()
     if wishes.basis is not None:
@@ -38,7 +34,7 @@ def choose(space: SolutionSpace, wishes: Wishes, stages: Stages) -> Blend:
     certificate = fitted.surface.certificate if wishes.prove else None
     outcome = "fitted" if certificate is None else "proved"
     attempt = Attempt(space.degree, space.dimension, outcome, time.perf_counter() - began, space.partition.title)
-    result = Blend.of(space, fitted, wishes, stages.seconds, (attempt,))
+    result = space.blend(fitted, wishes, stages.seconds, (attempt,))
     if certificate is not None and not certificate.proved:
         failed = next(v for v in certificate.verdicts if not v.proved)
         raise NotProvedError(f"the surface of degree {space.degree} is not proved: {failed}", result)

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 from flint import fmpq
@@ -30,11 +30,12 @@ from pas.limits import Report, limited
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, least_distance, wall_mesh
 from pas.piecewise import DEFAULT_TOLERANCE, PiecewiseSurface
-from pas.pipeline.blend import blend
 from pas.pipeline.bodies import hollow_body
 from pas.pipeline.cavity import Cavity
-from pas.pipeline.result import Blend
+from pas.pipeline.chosen import ChosenBlend, FitSpace
+from pas.pipeline.find import find
 from pas.pipeline.search import excess
+from pas.pipeline.stages import Stages
 from pas.pipeline.wall_mesh import WallMesh
 from pas.shape import Shape
 from pas.solid.solid import Solid
@@ -66,17 +67,12 @@ class Wall:
 
 
 @dataclass(frozen=True, eq=False)
-class HollowBlend(Shape):
-    """A blend with a cavity: what is between an `outer` and an `inner` blend of the same contacts' two sides.
+class BlendWall(Shape):
+    """The wall between an `outer` and an `inner` blend of the same contacts' two sides; see `pas.HollowBlend`."""
 
-    `thickness` is that of the wall at the contacts, in the model's units; None where the inner contacts were given.
-    Made by `Blend.hollow`.
-    """
-
-    outer: Blend
-    inner: Blend
+    outer: ChosenBlend
+    inner: ChosenBlend
     thickness: fmpq | None = None
-    kind = "hollow blend"
 
     @cached_property
     def certificate(self) -> Findings:
@@ -161,15 +157,23 @@ class HollowBlend(Shape):
         return f"<HollowBlend GC^{self.outer.surface.order}, {degrees}, {word}>"
 
 
+W = TypeVar("W", bound=BlendWall)
+
+
 def hollow(
-    outer: Blend, thickness: Exact | None = None, inner: Sequence[ContactLike] | None = None, prove: bool = True
-) -> HollowBlend:
-    """The hollow blend whose outer side is given; see `Blend.hollow`."""
+    walls: type[W],
+    spaces: type[FitSpace[ChosenBlend]],
+    outer: ChosenBlend,
+    thickness: Exact | None,
+    inner: Sequence[ContactLike] | None,
+    prove: bool,
+) -> W:
+    """The wall whose outer side is given, its inner side chosen from spaces of that class; see `pas.Blend.hollow`."""
     if (thickness is None) == (inner is None):
         raise ValueError("thickness or inner must be given, and not both: how thick the wall is, or what it ends in")
     size = None if thickness is None else rational(thickness, "thickness")
     cavity = Cavity(outer, _inner_contacts(outer, size, inner), size)
-    best = _best(cavity)
+    best = _best(walls, spaces, cavity)
     if prove and not best.certificate.proved:
         failed = next(v for v in best.certificate.verdicts if not v.proved)
         advice = "inner contacts farther inside" if size is None else "a thinner wall"
@@ -177,7 +181,7 @@ def hollow(
     return best
 
 
-def check_sides(outer: Blend, inner: Blend, thickness: fmpq | None) -> None:
+def check_sides(outer: ChosenBlend, inner: ChosenBlend, thickness: fmpq | None) -> None:
     """Raises `ValueError` or `GeometryError` unless two blends are the sides of a wall with this thickness at its ends.
 
     Their orders are one, and the inner contacts are those a thickness inside, or without one fit the outer ones.
@@ -202,12 +206,12 @@ def _same(one: Contact, other: Contact) -> bool:
     return rounded and one.clip.primitive() in (other.clip.primitive(), (-other.clip).primitive())
 
 
-def _best(cavity: Cavity) -> HollowBlend:
+def _best(walls: type[W], spaces: type[FitSpace[ChosenBlend]], cavity: Cavity) -> W:
     """The first way's hollow blend that is proved, even and fair, or the best of all; one whose ends cross is the last.
 
     Raises `NotProvedError` where no way has an inner surface.
     """
-    best: HollowBlend | None = None
+    best: W | None = None
     least: Rank | None = None
     failure: Exception | None = None
     ways = chain(((way, False) for way in cavity.ways()), ((way, True) for way in cavity.last_ways()))
@@ -215,11 +219,12 @@ def _best(cavity: Cavity) -> HollowBlend:
         if last and least is not None and not least[0]:
             break
         try:
-            found = blend(cavity.contacts, cavity.outer.surface.order, degree, partition, wishes=cavity.wishes)
+            order = cavity.outer.surface.order
+            found = find(spaces, cavity.contacts, order, degree, partition, cavity.wishes, Stages())
         except (NoSolutionError, NotProvedError, InfeasibleError) as error:
             failure = error
             continue
-        made = HollowBlend(cavity.outer, cavity.plain(found), cavity.thickness)
+        made = walls(cavity.outer, cavity.plain(found), cavity.thickness)
         rank = not made.certificate.proved, cavity.unevenness(found.surface), excess(made.inner)
         if least is None or rank < least:
             best, least = made, rank
@@ -230,7 +235,7 @@ def _best(cavity: Cavity) -> HollowBlend:
     return best
 
 
-def _inner_contacts(outer: Blend, size: fmpq | None, given: Sequence[ContactLike] | None) -> list[Contact]:
+def _inner_contacts(outer: ChosenBlend, size: fmpq | None, given: Sequence[ContactLike] | None) -> list[Contact]:
     """The inner contacts: those given, or those a thickness inside."""
     contacts = outer.surface.contacts
     if given is None:

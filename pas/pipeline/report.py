@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from pas.algebra.polynomial import Polynomial
 from pas.blending.generators import Generator
-from pas.pipeline.space import SolutionSpace
+from pas.pipeline.result import SolutionSpace
 
 
 def report(space: SolutionSpace, form: str = "text", *, module: bool = False) -> str:

@@ -1,66 +1,56 @@
-"""What comes of a choice: the surface, how it was found, and the solid that it bounds."""
+"""What scripts hold: a solution space, the blend chosen from it, its hollow blend, and the choice as a convex problem.
+
+They stand together, since each gives the next: `SolutionSpace.fit` and `.problem` give a `Blend`, whose `space` is the
+`SolutionSpace`, and `Blend.hollow` a `HollowBlend` of two of them.  The work is done below.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Unpack, cast
-
-from flint import fmpq, fmpq_mat
+from functools import cache, cached_property
+from typing import Unpack
 
 from pas.algebra.inputs import check_flag, whole
-from pas.algebra.rational import Exact, to_fraction
-from pas.blending.space import Member
-from pas.certify.certificate import Certificate
+from pas.algebra.rational import Exact, rational, to_fraction
+from pas.blending.generators import Generator, generators
+from pas.blending.multipliers import Consistency, Multipliers, consistency
+from pas.blending.regularity import TrivialPart, is_regular, trivial_part
+from pas.blending.shaping import LeastSquares, Optimum, determining_set, least_squares, optimum
+from pas.blending.solving import solve
 from pas.contacts.contact import ContactLike
-from pas.errors import GeometryError
-from pas.fairing.basis import BasisChange
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.refit import refitted
 from pas.fairing.solver import FittedMember
-from pas.fairing.wishes import Sliders, Wishes, check_point_options
+from pas.fairing.wishes import (
+    Handle,
+    Options,
+    PointOptions,
+    PointsLike,
+    Sliders,
+    Wishes,
+    as_wishes,
+    check_point_options,
+    exact_points,
+)
 from pas.limits import Report, limited
-from pas.mesh.mesh import Mesh
-from pas.mesh.quality import Quality
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import body
+from pas.pipeline.chosen import Attempt, ChosenBlend, FitSpace
+from pas.pipeline.convex_problem import MemberProblem
+from pas.pipeline.fit import fit
+from pas.pipeline.hollow import BlendWall, hollow
+from pas.pipeline.stages import OnStage, Stages
 from pas.pipeline.summary import summary
-from pas.registry import loaded
-from pas.settings import MeshSettings
-from pas.shape import Shape
 from pas.solid.solid import Solid
-from pas.surface.fairness import Fairness
-from pas.surface.fairness_limits import FairnessLimits
-from pas.verdicts import Status
-
-if TYPE_CHECKING:
-    from pas.pipeline.hollow import HollowBlend
-    from pas.pipeline.space import SolutionSpace
-
 
 MOST_STEPS = 1000
 """Steps of a slider that may be asked for at once."""
 
-HOLLOW = "pas.pipeline.hollow:hollow"
-"""Where the cavity of a blend is made, which is a blend itself."""
 
-
-@dataclass(frozen=True)
-class Attempt:
-    """One degree that was tried: the dimension of its space, what came of it, the seconds it took, and on which
-    `partition`, by its title."""
-
-    degree: int
-    dimension: int
-    outcome: str
-    seconds: float = 0.0
-    partition: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class Blend(Shape):
+@dataclass(frozen=True, eq=False, repr=False)
+class Blend(ChosenBlend):
     """One chosen surface with everything known about it.
 
     `space` and `coefficients` say how it was chosen, `dimension` out of
@@ -73,94 +63,13 @@ class Blend(Shape):
     that was loaded `energy`, `timings` and `attempts` are what its file tells as well; all else is found anew.
     """
 
-    surface: PiecewiseSurface
-    find_coefficients: Callable[[], Sequence[fmpq]]
-    energy: float
-    timings: dict[str, float]
-    attempts: tuple[Attempt, ...]
-    wishes: Wishes
     find_space: Callable[[], SolutionSpace]
-    basis: tuple[Member, ...] | None = None
-    choice: FittedMember | None = None
-    stored: Certificate | None = None
-    found_dimension: int | None = None
     kind = "blend"
-
-    @classmethod
-    def of(
-        cls,
-        space: SolutionSpace,
-        choice: FittedMember,
-        wishes: Wishes,
-        timings: dict[str, float],
-        attempts: Sequence[Attempt],
-    ) -> Blend:
-        """The blend of a choice in a solution space."""
-        return cls(
-            surface=choice.surface,
-            find_coefficients=partial(_entries, choice.working, space.prepared.basis.change),
-            energy=choice.energy,
-            timings=timings,
-            attempts=tuple(attempts),
-            wishes=wishes,
-            find_space=lambda: space,
-            basis=space.given_basis,
-            choice=choice,
-            found_dimension=space.dimension,
-        )
-
-    @property
-    def dimension(self) -> int:
-        """That of the solution space."""
-        return self.space.dimension if self.found_dimension is None else self.found_dimension
-
-    @cached_property
-    def coefficients(self) -> tuple[Fraction, ...]:
-        """The member's coefficients in `space.basis`, exact; worked out when first asked for."""
-        return tuple(map(to_fraction, self.find_coefficients()))
 
     @cached_property
     def space(self) -> SolutionSpace:
         """The solution space it was chosen from (solved again after loading from a file)."""
         return self.find_space()
-
-    @property
-    def constraints(self) -> Wishes:
-        """The points and the normalisation among the wishes."""
-        return self.wishes.changed(energy=None, prove=True, guard=True, basis=None)
-
-    @property
-    def plate(self) -> Energy:
-        """The energy that was made small: that of the wishes."""
-        return as_energy(self.wishes.energy)
-
-    @cached_property
-    def fairness(self) -> Fairness | None:
-        """How fair the surface is, measured; None where that cannot be seen from a centre."""
-        try:
-            return self.surface.fairness()
-        except GeometryError:
-            return None
-
-    @property
-    def limits(self) -> FairnessLimits:
-        """Up to what it counts as fair: what was wished, or the usual ones of its order."""
-        return self.wishes.limits_at(self.surface.placed)
-
-    @property
-    def standing(self) -> str:
-        """What is known of its proof, without working on it: "proved", "not proved yet", "refuted" or "undecided"."""
-        if not self.surface.looked_into:
-            return "not proved yet"
-        certificate = self.certificate
-        if certificate.proved:
-            return "proved"
-        return "refuted" if any(v.status is Status.REFUTED for v in certificate.verdicts) else "undecided"
-
-    @property
-    def certificate(self) -> Certificate:
-        """The verdicts on the surface, proved in this process, when first asked for."""
-        return self.surface.certificate
 
     @limited("choosing another member", "fewer steps")
     def refit(
@@ -186,7 +95,7 @@ class Blend(Shape):
             whole(steps, "steps", 1, MOST_STEPS, "or None to settle")
         wishes = self.wishes.changed(**options)
         chosen = refitted(self.space.prepared, self.surface, self.choice, wishes, steps)
-        return Blend.of(self.space, chosen, wishes, {}, self.attempts)
+        return self.space.blend(chosen, wishes, {}, self.attempts)
 
     def solid(self, length: Exact | None = None, names: Sequence[str] | None = None) -> Solid:
         """The solid inside the surface, with its neighbours continued by `length` and capped.
@@ -228,25 +137,7 @@ class Blend(Shape):
         surface, `NotProvedError` where the inner blend is not proved or not inside (with the `HollowBlend`),
         `ValueError` and `TypeError` for wrong arguments.
         """
-        return cast("HollowBlend", loaded(HOLLOW)(self, thickness, inner, check_flag(prove, "prove")))
-
-    @limited("meshing a surface", "a coarser tolerance")
-    def mesh(
-        self,
-        tolerance: float | None = None,
-        *,
-        max_triangles: int | None = None,
-        quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
-    ) -> Mesh:
-        """The surface's mesh; see `PiecewiseSurface.mesh`."""
-        return self.surface.mesh(tolerance, max_triangles=max_triangles, quality=quality)
-
-    def meshed(self, settings: MeshSettings) -> Mesh:
-        """The surface's mesh by settings."""
-        mesh: Mesh = self.surface.meshed(settings)
-        return mesh
+        return hollow(HollowBlend, SolutionSpace, self, thickness, inner, check_flag(prove, "prove"))
 
     @property
     def description(self) -> str:
@@ -258,12 +149,190 @@ class Blend(Shape):
         proved = sum(v.proved for v in verdicts)
         return f"{self.description}\n\n{proved} of {len(verdicts)} verdicts proved\n{self.certificate}"
 
-    def __repr__(self) -> str:
-        s = self.surface
-        dimension = "" if self.found_dimension is None else f", dimension {self.found_dimension}"
-        return f"<Blend GC^{s.order}, degree {s.degree}{dimension}, {self.standing}>"
+
+class SolutionSpace(FitSpace[Blend]):
+    """All piecewise polynomials of one degree that satisfy every contact and face condition.
+
+    `partition`, `contacts`, `order` and `degree` are the problem's; `patches[p]` holds the exact
+    coefficients of the basis on piece p, in local coordinates, one member a row.  `given_basis`
+    is None for a basis that follows from the problem.  `degrees_tried` maps the degrees that
+    were looked at to the dimensions found.
+    """
+
+    @cached_property
+    def regular(self) -> bool:
+        """Whether some member meets every contact with alpha not identically zero on its curve."""
+        return is_regular(self)
+
+    @cached_property
+    def trivial_part(self) -> TrivialPart:
+        """The members of little use: singular along a contact, products of the data, reducible."""
+        return trivial_part(self)
+
+    @cached_property
+    def generators(self) -> tuple[Generator, ...]:
+        """Generators of all solutions of any degree, by ascending degree.
+
+        For a single cell the reduced graded Groebner basis of the ideal that they form; for
+        several pieces generators of the module over Q[x, y, z].
+        """
+        return generators(self)
+
+    @cached_property
+    def multipliers(self) -> tuple[Multipliers, ...]:
+        """The multipliers of each basis member, by exact lifting (user's coordinates).
+
+        At contact i the piece is `gamma[i] f + beta[i] h^(k+1)`, across interior face j
+        `second = first + alpha[j] plane^(k+1)`, with gamma reduced modulo h^(k+1).
+        """
+        return tuple(self.consistency.multipliers(member) for member in self.basis)
+
+    @cached_property
+    def consistency(self) -> Consistency:
+        """The system of equations that multipliers satisfy (Xu, Chen and Deng)."""
+        return consistency(self.placed)
+
+    def energy_matrix(self, energy: Energy | None = None) -> list[list[Fraction]]:
+        """The exact matrix K (dimension, dimension) of the basis: `E = 1/2 a^T K a` for coefficients a.
+
+        `energy` is `pas.ThinPlate()` by default.  Raises `ValueError` for one that has no exact form.
+        """
+        return [[to_fraction(v) for v in row] for row in as_energy(energy).products(self).tolist()]
+
+    def blend(
+        self, choice: FittedMember, wishes: Wishes, timings: dict[str, float], attempts: Sequence[Attempt]
+    ) -> Blend:
+        """The blend of a member of this space that was chosen by wishes."""
+        return Blend.of(self, choice, wishes, timings, attempts)
+
+    @classmethod
+    def blend_with(
+        cls,
+        surface: PiecewiseSurface,
+        dimension: int,
+        *,
+        energy: float,
+        wishes: Wishes,
+        timings: dict[str, float],
+        attempts: Sequence[Attempt],
+    ) -> Blend:
+        """The blend with a surface known to be a member of its space of that dimension, which is solved when asked."""
+
+        @cache
+        def space() -> SolutionSpace:
+            return cls.of(solve(surface.placed, surface.degree))
+
+        return Blend(
+            surface=surface,
+            find_coefficients=lambda: [rational(c) for c in space().coordinates(surface.polynomials)],
+            energy=energy,
+            timings=timings,
+            attempts=tuple(attempts),
+            wishes=wishes,
+            find_space=space,
+            found_dimension=dimension,
+        )
+
+    @limited("choosing a surface", "a lower degree")
+    def fit(
+        self,
+        wishes: Wishes | None = None,
+        *,
+        on_stage: OnStage | None = None,
+        seconds: float | None = None,
+        progress: Report | None = None,
+        **options: Unpack[Options],
+    ) -> Blend:
+        """Choose one member by wishes, or by these with some options changed (see `pas.Wishes`).
+
+        `on_stage` is told the name and the seconds of each stage at its end.  Raises
+        `NoSolutionError` for an empty space, `InfeasibleError` for wishes that contradict,
+        `NotProvedError` where the choice does not pass the proofs that were wished for.
+        """
+        return fit(self, as_wishes(wishes).changed(**options), Stages(on_stage))
+
+    def problem(self, wishes: Wishes | None = None, **options: Unpack[Options]) -> ConvexProblem:
+        """The choice by a quadratic energy (`pas.ThinPlate()` by default) as a convex programme of cvxpy.
+
+        Constraints and terms of one's own are added to it; see `pas.ConvexProblem`.  Raises `NoSolutionError` for an
+        empty space, `InfeasibleError` for wishes that contradict, `ValueError` for an energy of the surface.
+        """
+        return ConvexProblem(self, as_wishes(wishes).changed(**options))
+
+    @limited("finding the optimum", "a lower degree")
+    def optimum(
+        self,
+        energy: Energy | None = None,
+        *,
+        seconds: float | None = None,
+        progress: Report | None = None,
+        **options: Unpack[PointOptions],
+    ) -> Optimum:
+        """The exact member of least energy, with its certificate of optimality.
+
+        `options` are those of `fit` that are linear: `inside`, `outside` (`margin` 0 by default),
+        `through`, `near`, `near_weight`, `handles`, `coefficients`, and `normalize`: the sum of coefficients
+        is 1 by default, unless a handle or a coefficient with a value other than 0 fixes the scale.  No condition of
+        a clean sheet is asked.
+
+        Raises `InfeasibleError` for constraints that contradict, `NoSolutionError` for an empty space.
+        """
+        return optimum(self, energy, **options)
+
+    def determining_set(self, prefer: Sequence[Handle] = ()) -> tuple[Handle, ...]:
+        """B-coefficients that can be set freely and determine the member: `dimension` many.
+
+        Each is (cell, multi-index of the cell's corners); those in `prefer` come first, as far as
+        they are independent.  Set some of them with `optimum(handles=...)` or `fit(handles=...)`,
+        and the rest follow.
+        """
+        return determining_set(self, prefer)
+
+    def least_squares(
+        self, points: PointsLike, weights: Sequence[Exact] | None = None, *, by_gradient: bool = False
+    ) -> LeastSquares:
+        """The member with the least `sum w_i f(p_i)^2 / |f|^2`, |f| the length of its coefficients.
+
+        With `by_gradient` the divisor is `sum w_i |grad f(p_i)|^2` instead: the quotient is then a mean
+        squared distance to first order, whatever the place and size of the figure (Taubin 1991).  Of f and -f, which
+        have the same quotient, it is the one that is negative at the centre of the partition, or has alpha > 0 on the
+        contacts' curves where there is no centre.
+
+        `points` are three numbers each (floats as the exact rationals they are).  For members through
+        other points take `space.through(...)` first; with energy, inside or outside points use
+        `fit(near=..., normalize=pas.UnitCoefficients())`.
+
+        Raises `ValueError` for fewer points than dimensions less one.
+        """
+        return least_squares(self, exact_points(points, "points"), weights, by_gradient=by_gradient)
 
 
-def _entries(row: fmpq_mat, change: BasisChange) -> list[fmpq]:
-    """The entries of a changed row, as a function that can be called later."""
-    return list((row * change.matrix).entries())
+class ConvexProblem(MemberProblem[Blend]):
+    """The choice of one member of a solution space by a quadratic energy, in the language of cvxpy.
+
+        corner = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1), pas.Pipe((0, 0, 1), "2/5", 1)]
+        problem = pas.solutions(corner, 1, 4).problem()
+        values = problem.values([("1/4", "1/4", "1/4"), ("-3/10", "-3/10", "-3/10")])
+        blend = problem.solve([values[0] == values[1]])
+
+    `variable` (m,) holds the coordinates in the space's working basis; `energy` is the expression that is made small,
+    in the user's units; `constraints` are the normalisation, the points and handles that are wished for, and
+    inequalities at samples that ask for clean walls, clip faces and a centre inside.  That the surface is one sheet
+    cannot be said beforehand: `missed` gives what a solution lacks of it, and `solve` goes on until nothing is missed.
+    Made by `SolutionSpace.problem`.
+    """
+
+    space: SolutionSpace
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HollowBlend(BlendWall):
+    """A blend with a cavity: what is between an `outer` and an `inner` blend of the same contacts' two sides.
+
+    `thickness` is that of the wall at the contacts, in the model's units; None where the inner contacts were given.
+    Made by `Blend.hollow`.
+    """
+
+    outer: Blend
+    inner: Blend
+    kind = "hollow blend"

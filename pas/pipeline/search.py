@@ -10,14 +10,15 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from typing import Generic
 
 from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
+from pas.blending.regularity import is_regular
 from pas.blending.solving import solve
 from pas.errors import InfeasibleError, NotProvedError
 from pas.fairing.wishes import Wishes
+from pas.pipeline.chosen import Attempt, B, ChosenBlend, FitSpace
 from pas.pipeline.fit import choose
-from pas.pipeline.result import Attempt, Blend
-from pas.pipeline.space import SolutionSpace
 from pas.pipeline.stages import Stages
 from pas.surface.placed import PlacedContacts
 
@@ -53,7 +54,7 @@ class SearchSettings:
     """What is beyond limits by less than the first, in units of the measures, is settled once more under limits that
     lie so many times as far inside: the limits are soft on the way, and give a little."""
 
-    def is_stiff(self, space: SolutionSpace) -> bool:
+    def is_stiff(self, space: FitSpace[ChosenBlend]) -> bool:
         """Whether a space has few unknowns for its pieces."""
         return space.dimension < max(self.few, self.stiff * len(space.partition.pieces))
 
@@ -84,13 +85,14 @@ class Remembered:
 
 
 @dataclass
-class Search:
+class Search(Generic[B]):
     """What was tried.
 
-    `degree` is the only one to try, or None; `order` that of contact; `raised` says whether degrees are tried for
-    fairness too.
+    `spaces` is the class of the spaces that are solved for; `degree` is the only one to try, or None; `order` that of
+    contact; `raised` says whether degrees are tried for fairness too.
     """
 
+    spaces: type[FitSpace[B]]
     wishes: Wishes
     degree: int | None
     order: int
@@ -99,12 +101,12 @@ class Search:
     attempts: list[Attempt] = field(default_factory=list)
     failure: InfeasibleError | NotProvedError | None = None
 
-    def on_layout(self, regions: Iterable[PlacedContacts], settings: SearchSettings) -> Blend | None:
+    def on_layout(self, regions: Iterable[PlacedContacts], settings: SearchSettings) -> B | None:
         """The fairest blend that was found on one layout, of which `regions` are regions; None where none was.
 
         Each degree is tried on one region after the other, and where a surface was found on that one from then on.
         """
-        best: Blend | None = None
+        best: B | None = None
         tried, highest, counts = 0, HIGHEST_DEGREE, False
         for degree in range(1, HIGHEST_DEGREE + 1) if self.degree is None else [check_degree(self.degree)]:
             if degree > highest or (tried >= settings.degrees and degree > settings.per_order * self.order):
@@ -132,12 +134,12 @@ class Search:
                 break
         return self._with_attempts(best)
 
-    def _space(self, placed: PlacedContacts, degree: int, settings: SearchSettings) -> SolutionSpace | None:
+    def _space(self, placed: PlacedContacts, degree: int, settings: SearchSettings) -> FitSpace[B] | None:
         """The solution space, where it has regular members and unknowns enough; else that is noted."""
         with self.stages.stage("solve", f" (degree {degree})"):
-            space = SolutionSpace.of(solve(placed, degree))
+            space = self.spaces.of(solve(placed, degree))
             small = 0 < space.dimension < settings.fewest
-            if not small and space.regular:
+            if not small and is_regular(space):
                 return space
         if space.dimension == 0:
             self._note(space, "no solution")
@@ -146,7 +148,7 @@ class Search:
             self._note(space, reason if small else "all members have alpha = 0 on a contact curve")
         return None
 
-    def _fitted(self, space: SolutionSpace, settings: SearchSettings) -> Blend | None:
+    def _fitted(self, space: FitSpace[B], settings: SearchSettings) -> B | None:
         """The blend of a space, measured where that is of use; None where none is proved."""
         began = time.perf_counter()
         try:
@@ -165,7 +167,7 @@ class Search:
         self.attempts.append(replace(found.attempts[-1], outcome=outcome))
         return found
 
-    def _pressed(self, space: SolutionSpace, found: Blend, further: float) -> Blend:
+    def _pressed(self, space: FitSpace[B], found: B, further: float) -> B:
         """The surface settled once more under limits further inside, where that makes it fairer."""
         inner = found.surface.fairness().inside(found.limits, further)
         try:
@@ -175,13 +177,13 @@ class Search:
         moved = replace(moved, wishes=found.wishes)
         return moved if excess(moved) < excess(found) else found
 
-    def _with_attempts(self, found: Blend | None) -> Blend | None:
+    def _with_attempts(self, found: B | None) -> B | None:
         return found and replace(found, attempts=tuple(self.attempts))
 
-    def _note(self, space: SolutionSpace, outcome: str, seconds: float = 0.0) -> None:
+    def _note(self, space: FitSpace[B], outcome: str, seconds: float = 0.0) -> None:
         self.attempts.append(Attempt(space.degree, space.dimension, outcome, seconds, space.partition.title))
 
 
-def excess(found: Blend) -> float:
+def excess(found: ChosenBlend) -> float:
     """How far beyond its limits of fairness a blend is, in all: 0 within them."""
     return found.surface.fairness().excess(found.limits)

@@ -22,7 +22,6 @@ from collections import OrderedDict
 from collections.abc import Hashable, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
-from functools import cache
 from threading import Lock
 from typing import Self
 
@@ -31,17 +30,15 @@ from flint import fmpq
 from pas.algebra.affine import IDENTITY, ORIGIN, Affine
 from pas.algebra.inputs import whole
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
-from pas.algebra.rational import Vector, rational
-from pas.blending.solving import solve
+from pas.algebra.rational import Vector
 from pas.certify.certificate import Certificate
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
 from pas.fairing.energies.curvature_variation import CurvatureVariation
 from pas.fairing.wishes import MeanAlpha, Wishes
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.result import Attempt, Blend
+from pas.pipeline.chosen import Attempt, B, ChosenBlend, FitSpace
 from pas.pipeline.similarities import Anchor, similarities
-from pas.pipeline.space import SolutionSpace
 
 USUAL, MOST = 64, 10_000
 """Blends that are kept if nothing else is said, a few hundred kilobytes each, and that may be asked for."""
@@ -60,7 +57,7 @@ class Found:
     wishes: Wishes
 
     @classmethod
-    def of(cls, blend: Blend) -> Found:
+    def of(cls, blend: ChosenBlend) -> Found:
         """That of a proved blend; raises `GeometryError` where a contact has no plane curve."""
         s = blend.surface
         own = PiecewiseSurface(s.partition.moved(Affine(IDENTITY, ORIGIN)), s.contacts, s.order, s.patches, s.degree)
@@ -91,8 +88,8 @@ class Match:
     numbers: tuple[int, ...]
     contacts: tuple[Contact, ...]
 
-    def blend(self, timings: dict[str, float]) -> Blend:
-        """The blend of these contacts, with what was proved."""
+    def blend(self, spaces: type[FitSpace[B]], timings: dict[str, float]) -> B:
+        """The blend of these contacts, in a space of that class, with what was proved."""
         old = self.found.surface
         partition = old.partition.moved(self.map_)
         back, frame, scale = self.map_.inverse, partition.frame, old.partition.frame.scale
@@ -104,19 +101,9 @@ class Match:
         surface = PiecewiseSurface(partition, self.contacts, old.order, patches, old.degree)
         surface.certificate = self.certificate  # carried over, see above
 
-        @cache
-        def space() -> SolutionSpace:
-            return SolutionSpace.of(solve(surface.placed, surface.degree))
-
-        return Blend(
-            surface=surface,
-            find_coefficients=lambda: [rational(c) for c in space().coordinates(surface.polynomials)],
-            energy=self.found.energy,
-            timings=timings,
-            attempts=self.found.attempts,
-            wishes=self.found.wishes,
-            find_space=space,
-            found_dimension=self.found.dimension,
+        found = self.found
+        return spaces.blend_with(
+            surface, found.dimension, energy=found.energy, wishes=found.wishes, timings=timings, attempts=found.attempts
         )
 
     @property
@@ -197,7 +184,7 @@ class Session:
                 return match
         return None
 
-    def keep(self, blend: Blend, key: Hashable) -> None:
+    def keep(self, blend: ChosenBlend, key: Hashable) -> None:
         """Keep a blend that is proved and was chosen by the usual energy; another is not kept."""
         if not self.most or not blend.surface.looked_into or not blend.certificate.proved or not _usual(blend):
             return
@@ -212,7 +199,7 @@ class Session:
                 self._kept.popitem(last=False)
 
 
-def _usual(blend: Blend) -> bool:
+def _usual(blend: ChosenBlend) -> bool:
     """Whether the energy that it was chosen by has no unit."""
     return type(blend.plate) is CurvatureVariation
 

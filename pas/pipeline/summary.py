@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from pas.algebra.rational import plain
 from pas.contacts.contact import Contact
 from pas.piecewise import PiecewiseSurface
-
-if TYPE_CHECKING:
-    from pas.pipeline.result import Blend
+from pas.pipeline.chosen import ChosenBlend
 
 MEASURABLE = 0.0005
 """Seconds below which nothing is said of a stage: they would be printed as none."""
 
 
-def summary(blend: Blend) -> str:
+def summary(blend: ChosenBlend) -> str:
     """A table of what was asked and what was found."""
     surface = blend.surface
     rows = [(f"contact {i}", f"{c}{_from_center(surface, c)}") for i, c in enumerate(surface.contacts, start=1)]
@@ -38,7 +34,7 @@ def summary(blend: Blend) -> str:
     return "\n".join(f"{name:<{width}}  {value}" for name, value in rows)
 
 
-def _told(blend: Blend) -> str:
+def _told(blend: ChosenBlend) -> str:
     """What follows that which is believed of a file: nothing of it is found anew."""
     return "" if blend.stored is None else ", as its file tells"
 
@@ -65,12 +61,12 @@ def _from_center(surface: PiecewiseSurface, contact: Contact) -> str:
     return f", {abs(float(clip.at(center))) / slope:.4g} from the centre"
 
 
-def _tried(blend: Blend) -> str:
+def _tried(blend: ChosenBlend) -> str:
     others = [f"{a.degree} (dimension {a.dimension})" for a in blend.attempts if a.degree != blend.surface.degree]
     return f"; tried as well: {', '.join(others)}{_told(blend)}" if others else ""
 
 
-def _fairness(blend: Blend) -> list[tuple[str, str]]:
+def _fairness(blend: ChosenBlend) -> list[tuple[str, str]]:
     """What was measured, and why a degree was not enough."""
     several = len({a.partition for a in blend.attempts}) > 1
     rows = [
