@@ -29,7 +29,7 @@ HIDDEN = ignore_patterns(".*", "__pycache__", "*.so", "*.egg-info", "tests", "ex
 
 def test_the_library_stands_beside_its_sources_and_no_cache_is_kept():
     assert library()._name == str(ROOT / "pas" / "kernels" / "_library.so")
-    sources = "".join(path.read_text() for path in (ROOT / "pas").rglob("*.py"))
+    sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "pas").rglob("*.py"))
     assert not re.search(r"XDG_CACHE|\.cache\b.*pas|\[.cc.,", sources)
 
 

@@ -135,7 +135,7 @@ KINDS: tuple[Callable[[Fraction], Made], ...] = (
     on_generatrix, rays,
 )  # fmt: skip
 
-TIES = 0.05
+TIES = 0.1
 """Share by which numbers of triangles may differ, where coefficients round otherwise and ties are cut otherwise."""
 
 

@@ -69,6 +69,9 @@ _TUBE = Table({"curve": list_of(TEXT, 3), "interval": list_of(NUMBER, 2), "radiu
 _DATA = {"pas.solid.tube.Tube": _TUBE, "pas.solid.tube.End": Table({"tube": _TUBE, "side": WHOLE})}
 """The data of functions by class, where it is known."""
 
+STORED = {"pas.solid.tube.TubeEnd": "pas.solid.tube.End"}
+"""Classes of functions whose names in files are those that they had first."""
+
 Class = TypeVar("Class", bound=type)
 
 _named: dict[str, type] = {}
@@ -194,14 +197,16 @@ def read_function(record: dict[str, Any]) -> Function:
 
 
 def _name(kind: type) -> str:
-    return f"{kind.__module__}.{kind.__qualname__}"
+    name = f"{kind.__module__}.{kind.__qualname__}"
+    return STORED.get(name, name)
 
 
 def _class_named(name: str) -> type | None:
     """The class of a name, where it may be used; nothing outside `pas.solid` is imported for a file."""
     if name in _named:
         return _named[name]
-    module, _, title = name.rpartition(".")
+    now = {stored: full for full, stored in STORED.items()}
+    module, _, title = now.get(name, name).rpartition(".")
     if not re.fullmatch(r"pas\.solid\.[a-z_]+", module):
         return None
     try:

@@ -49,7 +49,7 @@ class Location:
         and pieces, the planes with the table of pieces, and for each piece where its walls begin, and these."""
         maps, piece_of = np.ascontiguousarray(self.partition.barycentric_maps), np.array(self.partition.piece_of)
         normals, table = self._planes or (np.empty((0, 3)), np.empty(0, dtype=np.intp))
-        walls = [np.empty((0, 3)) if own is None else own for own in self._walls if self._planes]
+        walls = [np.empty((0, 3)) if own is None else own for own in (self._walls if self._planes else ())]
         starts = np.cumsum([0, *map(len, walls)])
         sizes = np.array([len(maps), len(normals) if self._planes else -1])
         return sizes, maps, piece_of, normals, table, starts, np.concatenate([np.empty((0, 3)), *walls])

@@ -278,7 +278,10 @@ class Solid(Shape):
         key = self._tolerance(tolerance), quality
         if key not in self._cache:
             self.field.refuse_coincident()
-            self._cache[key] = triangulate_faces(self.field, key[0] / self.field.scale, quality)
+            made = triangulate_faces(self.field, key[0] / self.field.scale, quality)
+            if quality is Quality.COUNT:  # long triangles may need more of them on coarse meshes
+                made = min(made, self.face_mesh(tolerance), key=lambda found: len(found.mesh.triangles))
+            self._cache[key] = made
         return self._cache[key]
 
     def _tolerance(self, tolerance: float | None) -> float:

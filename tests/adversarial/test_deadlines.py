@@ -30,13 +30,15 @@ from pas.render.parts import draw_parts
 SENTENCE = re.compile(r"gave up after \d[\d.e+-]* s while [^;\n]+; allow more seconds( or [^;\n]+)?")
 
 SHORT = {
+    "Shape.meshed",
+    "VolumeMesh.write",
     "Layout.mesh",
     "ParametricBlend.all_polynomial_solutions",
     "Submodule.contains",
     "Submodule.normal_form",
     "pas.write_cells",
 }
-"""Calls of long ones on what is small, and of other functions of the same name."""
+"""Calls of long ones on what is small, under limits of the caller, and of other functions of the same name."""
 
 COMMON = {"write"}
 """Names that methods of other things have too: they count where a function is called by them."""
