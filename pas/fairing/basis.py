@@ -50,7 +50,7 @@ class BasisChange:
 
     @cached_property
     def matrix(self) -> fmpq_mat:
-        """The same as rationals."""
+        """The change of basis as a matrix of rationals."""
         return fmpq_mat(self.numerators) * _power(-self.shift)
 
 

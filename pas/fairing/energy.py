@@ -81,7 +81,7 @@ class Energy(Serialisable):
         return type(self).residuals is not Energy.residuals
 
     def products(self, members: Members) -> fmpq_mat:
-        """The same for a basis of members, exact: (dimension, dimension).
+        """The energy's matrix over a basis of members, exact: (dimension, dimension).
 
         Raises `ValueError` for an energy that has no exact form.
         """

@@ -187,7 +187,7 @@ class Jacobian:
     steepness: Floats
 
     def some(self, chosen: NDArray[np.intp]) -> Jacobian:
-        """The same for some of the points, by rising numbers."""
+        """What is known at some of the points (their numbers rising), in their order."""
         frames = tuple(frame[chosen] for frame in self.frames)
         t, by_jet, along, steepness = (
             array[chosen] for array in (self.distances, self.by_jet, self.jets_along, self.steepness)

@@ -132,7 +132,7 @@ class SurfaceObjective:
         return self._look(view, [view, view, seen])
 
     def of(self, energy: Energy, look: ObjectiveValue) -> tuple[SurfaceObjective, ObjectiveValue]:
-        """The same rays for another energy, and what is seen of a member there."""
+        """An objective of another energy on these rays, and its value at a member."""
         if energy == self.energy:
             return self, look
         other = copy(self)
@@ -177,7 +177,7 @@ class SurfaceObjective:
         return normal, gradient
 
     def closer(self, look: ObjectiveValue) -> tuple[SurfaceObjective, ObjectiveValue] | None:
-        """The same with rays where curvature is beyond limits between those that there are; None where it is not."""
+        """An objective with more rays, between these where curvature is beyond limits; None where it is not."""
         member = look.view.member
         columns = [member @ coefficients for coefficients in self.basis.coefficients]
         rays = Directions.of(self.placed, columns, self.basis.degree, CLOSE_RAYS, deepest=CLOSE_DEEPEST)

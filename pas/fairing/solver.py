@@ -24,7 +24,7 @@ import numpy as np
 from flint import fmpq_mat
 
 from pas.algebra.monomials import Floats, monomial_values
-from pas.errors import InfeasibleError
+from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.fit_settings import SETTINGS, FitSettings
 from pas.fairing.objective import ObjectiveValue, SurfaceObjective
 from pas.fairing.prepared import PreparedSpace
@@ -248,7 +248,11 @@ class FitSolver:
         rows, damping, cuts = at.rows, at.damping, 0
         for _ in range(s.trials):
             matrix = normal + damping * unit
-            new = self.programme.step(matrix, slope - matrix @ at.member, rows)
+            try:
+                new = self.programme.step(matrix, slope - matrix @ at.member, rows)
+            except NotSolvedError:  # rounding spoils the optimum: a shorter step is better conditioned
+                rows, damping = at.rows, damping * s.slower
+                continue
             if new is None:
                 return None
             step = new - at.member

@@ -59,7 +59,7 @@ class SurfacePoints:
         return np.concatenate([self.points, self.normals, self.gradients[:, None], self.shape, self.variation], axis=1)
 
     def with_quantities(self, quantities: Floats) -> SurfacePoints:
-        """The same points with other quantities (N, 14), in the same frame."""
+        """These points with other quantities (N, 14), in the same frame."""
         q = quantities
         return replace(
             self, points=q[:, :3], normals=q[:, 3:6], gradients=q[:, 6], shape=q[:, 7:10], variation=q[:, 10:14]

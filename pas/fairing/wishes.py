@@ -198,18 +198,18 @@ class Wishes:
             raise ValueError("prove=True needs guard=True: without guard rows a proof would pass by luck only")
 
     def changed(self, **options: Unpack[Options]) -> Wishes:
-        """The same wishes with some options changed."""
+        """These wishes with some options changed."""
         own: Any = {f.name: getattr(self, f.name) for f in fields(self)}
         return Wishes(**(own | options))
 
     @property
     def plain(self) -> Wishes:
-        """The same wishes without points, handles and coefficients."""
+        """These wishes without points, handles and coefficients."""
         asked: Any = dict.fromkeys((*KINDS, "near"), ())
         return self.changed(**asked, near_weight=DEFAULT_NEAR_WEIGHT, margin=None)
 
     def settled(self, placed: PlacedContacts) -> Wishes:
-        """The same wishes with the energy that is made small in a place where none is given."""
+        """These wishes with the energy that is made small in a place where none is given."""
         if self.energy is not None:
             return self
         seen = placed.partition.center is not None and placed.partition.cells and placed.joins
@@ -238,7 +238,7 @@ class Wishes:
                 yield kind, index
 
     def without(self, dropped: Sequence[tuple[str, int]]) -> Wishes:
-        """The same wishes less some points."""
+        """These wishes less some points."""
 
         def kept(kind: str) -> Any:
             return tuple(p for i, p in enumerate(getattr(self, kind)) if (kind, i) not in dropped)

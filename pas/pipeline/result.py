@@ -80,7 +80,7 @@ class Blend(ChosenBlend):
         progress: Report | None = None,
         **options: Unpack[Sliders],
     ) -> Blend:
-        """The same problem with other points, weights, tension or normalisation, without new proofs: for sliders.
+        """The blend for other points, weights, tension or normalisation, without new proofs: for sliders.
 
         `options` are `inside`, `outside`, `through`, `near`, `near_weight`, `handles`, `coefficients`, `margin`,
         `normalize`, `tension`.  An energy of the surface is followed for so many Gauss-Newton `steps` from this blend,

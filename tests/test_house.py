@@ -1,0 +1,121 @@
+"""The house in numbers: one of everything, no circles, and no more lines, files and constants than there are now.
+
+The limits are those that were reached; a change that needs more says why where it raises one.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+import networkx
+from conftest import ROOT
+
+PACKAGE = ROOT / "pas"
+TREES = {path: ast.parse(path.read_text(encoding="utf-8")) for path in sorted(PACKAGE.rglob("*.py"))}
+
+MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 56_700, 375, 3_700, 870
+
+RETRIES, WRITES = 6, 3
+"""Handlers of `MeshError` inside the mesher and writes through `vars()` that are left: none is to come."""
+
+
+def module(path: Path) -> str:
+    """The dotted name of a file's module."""
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+
+
+MODULES = {module(path): tree for path, tree in TREES.items()}
+
+
+def imported(name: str) -> Iterator[str]:
+    """The modules of `pas` that one imports: for types and inside functions, too."""
+    for node in ast.walk(MODULES[name]):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            inner = [f"{node.module}.{alias.name}" for alias in node.names]
+            yield from (full if full in MODULES else node.module for full in inner)
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+
+
+def test_no_modules_import_one_another_in_a_circle():
+    graph = networkx.DiGraph()
+    for name in MODULES:
+        inner = (other for other in imported(name) if other in MODULES and other not in (name, "pas"))
+        graph.add_edges_from((name, other) for other in inner if not name.startswith(f"{other}."))
+    circles = [sorted(part) for part in networkx.strongly_connected_components(graph) if len(part) > 1]
+    assert not circles, circles
+
+
+def test_no_two_classes_share_a_name():
+    names = Counter(n.name for tree in TREES.values() for n in tree.body if isinstance(n, ast.ClassDef))
+    assert not [name for name, times in names.items() if times > 1]
+
+
+def test_docstrings_say_what_things_are_by_themselves():
+    found = [
+        f"{module(path)}: {getattr(node, 'name', '')}"
+        for path, tree in TREES.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef | ast.ClassDef | ast.Module)
+        and (ast.get_docstring(node) or "").startswith("The same")
+    ]
+    assert not found, found
+
+
+def test_no_object_is_changed_behind_its_reader():
+    """Nothing is written through `vars()`."""
+    found = [
+        module(path)
+        for path, tree in TREES.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Assign)
+        for target in node.targets
+        if isinstance(target, ast.Subscript)
+        and isinstance(target.value, ast.Call)
+        and getattr(target.value.func, "id", "") == "vars"
+    ]
+    assert len(found) <= WRITES, found
+
+
+def test_the_mesher_does_not_try_again_after_an_error():
+    found = [
+        module(path)
+        for path, tree in TREES.items()
+        if module(path).startswith("pas.mesh")
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ExceptHandler) and node.type is not None and "MeshError" in ast.unparse(node.type)
+    ]
+    assert len(found) <= RETRIES, found
+
+
+def numbers(value: ast.expr) -> int:
+    """How many numbers an assigned value spells out: 1 for a number or a formula of such, all of a tuple's."""
+    if isinstance(value, ast.Tuple | ast.List):
+        return sum(map(numbers, value.elts))
+    parts = ast.walk(value) if isinstance(value, ast.UnaryOp | ast.BinOp) else [value]
+    constants = [n.value for n in parts if isinstance(n, ast.Constant)]
+    return int(any(isinstance(c, int | float) and not isinstance(c, bool) for c in constants))
+
+
+def constants(tree: ast.Module) -> int:
+    """The numbers that stand at the level of a module under names in capitals."""
+    found = 0
+    for node in tree.body:
+        if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            names = [n for target in targets for n in ast.walk(target) if isinstance(n, ast.Name)]
+            found += numbers(node.value) if names and all(n.id.isupper() for n in names) else 0
+    return found
+
+
+def test_the_house_does_not_grow():
+    lines = sum(len(path.read_text(encoding="utf-8").splitlines()) for path in TREES)
+    c_lines = sum(len(p.read_text(encoding="utf-8").splitlines()) for p in PACKAGE.rglob("*.[ch]"))
+    tuned = sum(map(constants, TREES.values()))
+    assert lines <= MOST_LINES
+    assert len(TREES) <= MOST_FILES
+    assert c_lines <= MOST_C_LINES
+    assert tuned <= MOST_CONSTANTS
