@@ -58,7 +58,8 @@ def test_the_other_nappe_of_a_cone_is_no_part_of_a_body(bent):
     assert pas.blend(tapering(), 1).solid(5).proved
 
 
-@pytest.mark.parametrize("length", ["1/2", pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("length", ["1/2", 1])
 def test_a_hollow_body_asks_no_more_of_its_cavity_than_of_its_outside(bent, length):
     """The cavity's tube is narrower, and goes on little beyond the caps."""
     wall = bent.hollow("1/8").solid(length)
@@ -67,6 +68,7 @@ def test_a_hollow_body_asks_no_more_of_its_cavity_than_of_its_outside(bent, leng
     assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, -2)
 
 
+@pytest.mark.slow
 def test_a_cavity_that_comes_back_is_named_with_a_length_that_works():
     hollow = pas.blend(tapering(), 1).hollow("1/8")
     assert hollow.solid(4).proved

@@ -67,7 +67,8 @@ class Remesher(Grading):
             cut.points[:], cut.normals[:] = self.ground.projected(cut)
             if self.ruled:
                 cut.flip(self.fine)
-            self.untangle(cut, self.settings.folded)
+            if not self.ground.knows_bends or parts == 1:  # else fewer parts are tried before
+                self.untangle(cut, self.settings.folded)
             if parts == 1 or cut.cosines.min() >= self.settings.folded:
                 break
             parts = max(1, parts // 4)  # next to curves that are close to one another finer triangles fold

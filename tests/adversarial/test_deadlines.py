@@ -47,13 +47,18 @@ FOREVER, AT_ENTRY = 1e9, 0.5
 """Seconds of a clock that moves on by one at each look; the second look is at the entry of a call."""
 
 
+BELOW = ("pas.pipeline.chosen", "pas.pipeline.hollow")
+"""Modules whose classes public ones are built on."""
+
+
 def functions() -> Iterator[tuple[str, FunctionType]]:
     """All public functions and methods of the package, by the names that users read."""
     for home in (pas, solid):
         for name in home.__all__:
             thing = getattr(home, name)
             if inspect.isclass(thing):
-                for attribute, value in vars(thing).items():
+                bases = [base for base in thing.__mro__ if base is thing or base.__module__ in BELOW]
+                for attribute, value in (item for base in bases for item in vars(base).items()):
                     function = getattr(value, "__func__", value)  # of class methods
                     if isinstance(function, FunctionType) and not attribute.startswith("_"):
                         yield f"{thing.__name__}.{attribute}", function
