@@ -57,4 +57,4 @@ class FitSettings:
 
 SETTINGS = FitSettings()
 LIVE = FitSettings(lattices=(16,), margins=(0.1,), enough=0.0, loss=0.01, faster=1 / 3)
-"""For single steps of sliders; the damping shrinks as Nielsen has it, so that what a slider hardly moves goes slowly."""
+"""For single steps of sliders: damping shrinks as in Nielsen's rule, so that what they hardly move goes slowly."""
