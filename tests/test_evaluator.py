@@ -251,7 +251,7 @@ def test_parameters_beyond_doubles_are_infinite_or_zero(power):
         assert found.parameters == pytest.approx(expected, rel=1e-15)
 
 
-@pytest.mark.parametrize("power", [10, 30, 45, 46, 60, 200, pytest.param(1000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("power", [10, 20, 30, 40, 45, 46, 52, 60, 200, pytest.param(1000, marks=pytest.mark.slow)])
 def test_rays_from_far_away(power):
     far = 2.0**power
     for surface in (SPHERE, box(SPHERE)):
@@ -363,7 +363,7 @@ def test_doubles_and_exact_arithmetic_find_the_same_crossings(name):
     known, points = evaluator(name), sample(evaluator(name), 300)
     local = LocalRays.of(known.target, 3 * points, -points)
     (rays, lengths, sides), undecided = known.target.in_doubles(local, False)
-    assert undecided.sum() < 20
+    assert undecided.sum() <= 3
     for ray in np.flatnonzero(~undecided).tolist():
         expected = exact_crossings(known.target, 3 * points[ray], -points[ray], fmpq(2) ** -int(local.exponents[ray]))
         assert sides[rays == ray].tolist() == [side for _, side in expected]
