@@ -18,6 +18,7 @@ import pas
 from pas.algebra.evaluation import evaluate
 from pas.algebra.monomials import count
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import to_floats
 from pas.surface.exact_crossings import exact_crossings
 from pas.surface.rays import HIGHEST, LocalRays, interpolation
 
@@ -144,6 +145,20 @@ def assert_located(partition: pas.Partition) -> None:
     found = local.location.pieces(points.T, 1e-12)
     assert np.array_equal(found[clear], expected[clear])
     assert (expected[clear] >= 0).any() and (expected[clear] < 0).any()
+
+
+def test_points_on_the_ray_of_many_planes_are_in_a_piece_that_has_it():
+    """There rounding makes signs that no piece has; the first piece is on the other side."""
+    top, bottom = (fmpq(1, 3), fmpq(1, 7), fmpq(1)), (fmpq(0), fmpq(0), fmpq(-1))
+    ring = [(1, 0, 0), (fmpq(1, 3), 1, 0), (-1, fmpq(2, 3), 0), (fmpq(-2, 3), -1, 0), (fmpq(1, 2), -1, 0)]
+    cells = [(0, end, 3 + i, 3 + (i + 1) % 5) for end in (1, 2) for i in range(5)]
+    partition = pas.Partition([(0, 0, 0), bottom, top, *ring], cells, (0, 0, 0)).local
+    ray = np.array(to_floats(partition.vertices[2]))
+    points = np.linspace(0, 1, 501)[1:, None] * ray
+    found = partition.location.pieces(np.ascontiguousarray(points.T), 1e-12)
+    assert set(found.tolist()) <= set(range(5, 10))
+    table = partition.location._planes[1]
+    assert (table < 0).any()
 
 
 def test_points_on_faces_and_the_centre_are_inside():
@@ -346,6 +361,17 @@ def test_rays_of_high_degree_and_in_all_of_space(degree, bounded):
     decided = ~known.target.in_doubles(LocalRays.of(known.target, origins, directions), False)[1]
     assert decided.all() or degree > 6
     assert not decided.any() or degree <= HIGHEST
+
+
+@pytest.mark.parametrize("gap", ["1/10^18", "1/10^20", "1/10^24"])
+@pytest.mark.parametrize("factor", ["1", "(3 + x + y)", "(7 + y - z)"])
+def test_a_function_that_rises_within_rounding_only_may_have_several_zeros(factor, gap):
+    """In the middle of the way it goes down again, by less than the rounding of forms."""
+    known = pas.Evaluator(f"((x - 1)^3 - {gap}*(x - 1))*{factor}")
+    origins = np.column_stack([np.full(20, -1.0), np.random.default_rng(0).uniform(-1, 1, (20, 2))])
+    found = known.rays(origins, [[1, 0, 0]])
+    for ray in range(20):
+        assert found.sides[found.rays == ray].tolist()[:3] == [1, -1, 1]
 
 
 def test_crossings_far_away_are_right_to_rounding():
