@@ -348,6 +348,16 @@ def test_rays_of_high_degree_and_in_all_of_space(degree, bounded):
     assert not decided.any() or degree <= HIGHEST
 
 
+def test_crossings_far_away_are_right_to_rounding():
+    """The Bernstein form on an endless stretch has the second one to two digits only."""
+    known = pas.Evaluator("10*x^2*z + 69/100*z^3 - 100000000000000*x - 6800000")
+    origin, way = np.array([-0.25, -2.25, 0.015625]), np.array([2.0**-12, -(2.0**-10), 2.0**-10])
+    assert not known.target.in_doubles(LocalRays.of(known.target, origin[None], way[None]), False)[1].any()
+    expected = exact_crossings(known.target, origin, way)
+    assert len(expected) == 2 and expected[1][0] > 1e9
+    assert np.array(along(known, origin, way)) == pytest.approx(np.array(expected), rel=1e-12)
+
+
 @pytest.mark.parametrize("name", ["corner", "torus in a box", "torus anywhere"])
 def test_doubles_and_exact_arithmetic_find_the_same_crossings(name):
     known, points = evaluator(name), sample(evaluator(name), 300)

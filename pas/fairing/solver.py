@@ -257,7 +257,7 @@ class FitSolver:
                 return None
             step = new - at.member
             expected = -float(2 * slope @ step + step @ normal @ step)
-            if met and damping <= s.damping and expected < s.enough * now:
+            if met and damping <= s.damping and expected < (s.enough - s.loss * (cuts > 0)) * now:
                 return None
             value = at.seen(new)
             if (value is None and at.value is not None) or not self.phi(new, value) < most:
