@@ -250,6 +250,12 @@ def test_booleans_of_meshes():
         _ = opened | b
     with pytest.raises(pas.GeometryError, match="inside out"):
         solid.SolidMesh.from_triangles(a.points, a.triangles[:, ::-1])
+    for corner in (-1, -(10**9), len(a.points), 10**9):
+        triangles = np.concatenate([a.triangles[1:], [[0, 1, corner]]])
+        with pytest.raises(pas.GeometryError, match=f"corners are not numbers of its {len(a.points)} points"):
+            solid.SolidMesh.from_triangles(a.points, triangles)
+    with pytest.raises(ValueError, match="triangles must be numbers of points"):
+        _ = pas.Mesh.smooth(np.zeros((3, 3)), np.array([[0, 1, -5]]), np.zeros((3, 3))).is_closed
     far = solid.ball((9, 0, 0), 1).mesh(1e-2)
     with pytest.raises(pas.GeometryError, match="empty"):
         _ = a & far
