@@ -367,10 +367,10 @@ def test_an_uneven_wall_has_slopes():
     assert wanted(points + step)[0] - wanted(points - step)[0] == pytest.approx(2 * gradients @ step, abs=1e-11)
     energy = EvenWall(Depth(bend().surface), wanted)
     inner = made("elbow", 1).inner
-    view = seen(inner).view.points
-    check_residuals(energy, view, Sizes(0.9, 2.0))
+    points = seen(inner).sampled.points
+    check_residuals(energy, points, Sizes(0.9, 2.0))
     with pytest.raises(ValueError, match="disagree"):
-        check_residuals(Upwards(energy.depth, wanted), view, Sizes(0.9, 2.0))
+        check_residuals(Upwards(energy.depth, wanted), points, Sizes(0.9, 2.0))
 
 
 class Upwards(EvenWall):

@@ -13,7 +13,11 @@ from pas.mesh.rows import Floats, Integers
 
 def twins_of(triangles: Integers, size: int) -> Integers:
     """The twins (3 T,) of half edges 3 t + k, from corner k of triangle t to the next, of triangles (T, 3) on so many
-    vertices: -1 on the boundary, -2 where an edge has more than two triangles, or two that are not turned alike."""
+    vertices: -1 on the boundary, -2 where an edge has more than two triangles, or two that are not turned alike.
+
+    Raises `ValueError` where corners are not numbers of vertices."""
+    if triangles.min(initial=0) < 0 or triangles.max(initial=-1) >= size:
+        raise ValueError("triangles must be numbers of points")
     return compiled().twins(triangles, size)
 
 
