@@ -61,9 +61,9 @@ def find(
     raised = degree is None and wished.energy is not None and wished.energy.on_surface
     search = Search(spaces, wished, given, order, raised, stages)
     corner = isinstance(placed.partition, SixTetrahedra)
-    several = raised and not corner and not isinstance(partition, Partition)
-    usual = raised and not isinstance(partition, Partition) and wished.limits is None
-    ways = [CHOSEN] if several else [CORNER, GIVEN] if usual else [GIVEN]
+    free = raised and not isinstance(partition, Partition)
+    several = free and not corner
+    ways = [CHOSEN] if several else [CORNER, GIVEN] if free and wished.limits is None else [GIVEN]
 
     def layout_of(place: PlacedContacts) -> Any:
         return place.partition.layout if several else place
