@@ -62,7 +62,8 @@ def find(
     search = Search(spaces, wished, given, order, raised, stages)
     corner = isinstance(placed.partition, SixTetrahedra)
     several = raised and not corner and not isinstance(partition, Partition)
-    ways = [CHOSEN] if several else [CORNER, GIVEN] if raised and not isinstance(partition, Partition) else [GIVEN]
+    usual = raised and not isinstance(partition, Partition) and wished.limits is None
+    ways = [CHOSEN] if several else [CORNER, GIVEN] if usual else [GIVEN]
 
     def layout_of(place: PlacedContacts) -> Any:
         return place.partition.layout if several else place

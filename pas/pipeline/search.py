@@ -63,7 +63,7 @@ GIVEN = SearchSettings(degrees=4, above=2, fewest=1)
 """On one partition; corners of order up to 4 needed at most three degrees."""
 
 CORNER = replace(GIVEN, above=1, fewest=12)
-"""On six tetrahedra that the program chose, before all."""
+"""On six tetrahedra that the program chose, within the usual limits of fairness, before all."""
 
 CHOSEN = SearchSettings(degrees=2, above=1, fewest=15)
 """On layouts that the program chose, of which the first that has a proved surface is kept: more half-planes made no
