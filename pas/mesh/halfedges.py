@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pas.kernels.library import address_of, compiled
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import Floats, Integers, norms
-from pas.mesh.topology import numbered, twins_of
+from pas.mesh.topology import numbered
 
 TURNED = 0.5
 """Cosine between a triangle and the normals at its corners that flips keep, or do not make worse."""
@@ -86,7 +86,7 @@ class HalfEdges:
         self.faces = np.ascontiguousarray(faces, dtype=np.int8)
         self._struct = _Struct()
         self.arrays: dict[str, NDArray[Any]] = {}
-        twins = twins_of(triangles, len(first.points))
+        twins = first.topology.twins
         if twins.min(initial=0) < -1:
             raise ArithmeticError("some edge does not have one or two triangles")
         span = int(labels.max(initial=0)) + 1

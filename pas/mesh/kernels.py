@@ -1,6 +1,6 @@
 """The compiled functions that make triangles good ones, called with arrays.
 
-Those of `pas.mesh.contour`, `lattice`, `octree` and `topology`; those for half edges are in `pas.mesh.halfedges`.
+Those of `pas.mesh.contour`, `lattice` and `octree`; those for half edges are in `pas.mesh.halfedges`.
 """
 
 from __future__ import annotations
@@ -64,25 +64,6 @@ class CompiledTriangles:
         given = (len(forms), forms.shape[1], len(up), up, forms, points)
         self._call("pas_risings", *given, means, least, sizes)
         return means, least, sizes
-
-    def twins(self, triangles: Integers, size: int) -> Integers:
-        """See `pas.mesh.topology.twins_of`."""
-        result = np.empty(triangles.size, dtype=np.intp)
-        self._call("pas_twins", len(triangles), triangles, size, result)
-        return result
-
-    def fans(self, triangles: Integers, size: int, twins: Integers) -> Integers:
-        """See `pas.mesh.topology.fans_of`."""
-        result = np.empty(size, dtype=np.intp)
-        self._call("pas_fans", len(triangles), triangles, size, twins, result)
-        return result
-
-    def numbered(self, keys: Integers, placed: bool) -> tuple[Integers, Integers]:
-        """The distinct ones of numbers (N,) that are not negative, sorted, and where each stands (N,), if `placed`."""
-        distinct, number = np.empty(len(keys), dtype=np.intp), np.empty(1, dtype=np.intp)
-        inverse = np.empty(len(keys) if placed else 0, dtype=np.intp)
-        self._call("pas_numbered", len(keys), keys, placed, distinct, inverse, number)
-        return distinct[: number[0]].copy(), inverse
 
 
 @cache

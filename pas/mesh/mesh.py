@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from pas.errors import GeometryError
 from pas.mesh.booleans import Triangles, boolean
-from pas.mesh.quality import Quality
+from pas.mesh.quality import Quality, smallest_angles
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
 from pas.mesh.soundness import soundness
@@ -197,13 +197,7 @@ class Mesh(Shape):
     @property
     def smallest_angles(self) -> Floats:
         """The smallest angle of each triangle, in degrees (T,)."""
-        p = self.points[self.triangles]
-        angles = []
-        for i in range(3):
-            a, b = p[:, (i + 1) % 3] - p[:, i], p[:, (i + 2) % 3] - p[:, i]
-            cosine = (a * b).sum(1) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-300)
-            angles.append(np.degrees(np.arccos(np.clip(cosine, -1, 1))))
-        return np.min(angles, axis=0)
+        return np.asarray(np.degrees(smallest_angles(self.points[self.triangles])))
 
     @cached_property
     def point_normals(self) -> Floats:
