@@ -26,10 +26,11 @@ from pas.bernstein.forms import (
     rounded,
     rounded_forms,
 )
-from pas.bernstein.search import Limits
+from pas.bernstein.search import Boxes, Fate, Limits, search
 from pas.bernstein.signs import prove_apart, prove_positive, prove_positive_inside
-from pas.bernstein.simplices import rounding_bound
+from pas.bernstein.simplices import Simplices, rounding_bound
 from pas.bernstein.subdivision import bisection, edges, halved, halves
+from pas.certify.critical_points import critical_parts, isolated
 
 TETRAHEDRON = [vector(v) for v in (("1/4", "-1/3", "1/5"), ("3/2", 0, "1/3"), (1, 2, 0), ("-1/2", 1, 2))]
 fractions = st.fractions(min_value=-9, max_value=9, max_denominator=12)
@@ -378,6 +379,44 @@ def test_every_simplex_counts(cell):
         assert set(result.sources) == {cell}
         if result.witness is not None:
             assert np.abs(result.witness - corners[cell].mean(axis=0)).max() <= 0.5
+
+
+def test_cells_that_wait_stay_open():
+    """One of eight waits while the others are split, and in the end nothing else is open."""
+    whole = Boxes.of(np.array([[0.0, 0, 0], [1, 1, 1]]))
+
+    def judge(cells, depth):
+        fates = np.full(len(cells), Fate.SETTLED if depth == 3 else Fate.SPLIT)
+        fates[(cells.centers < 0.3).all(axis=1) & (cells.halves[:, 0] == 0.25)] = Fate.WAIT
+        return fates.astype(np.intp)
+
+    found = search(whole, judge, Boxes.eighths, Limits(), "testing")
+    assert found.status is Status.UNDECIDED
+    assert found.open.centers.tolist() == [[0.25] * 3]
+    assert found.examined == 1 + 8 + 7 * 8 + 7 * 64
+
+
+def test_the_bound_is_that_of_the_highest_degree():
+    forms = [np.full((1, size), 0.5) for size in (3, 21, 6)]
+    cells = Simplices.of(forms, np.eye(3)[None]).halved().halved()
+    assert cells.degrees == (1, 5, 2)
+    assert cells.bound == rounding_bound(5, 2) > rounding_bound(1, 2)
+
+
+def test_critical_parts_are_free_of_what_must_not_be_in_them():
+    """Parts are cut until they are free, and told how far the function is from 0 for certain."""
+    bowl, middle = "(x - 1/3)^2 + (y - 1/4)^2 + (z - 1/5)^2 + 1/10", np.array([1 / 3, 1 / 4, 1 / 5])
+    tetrahedron = [vector(v) for v in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))]
+    form = rounded_forms(Polynomial(bowl).raw, [tetrahedron])
+    corners = np.array([[to_floats(v) for v in tetrahedron]])
+    parts = critical_parts(isolated(form, corners), lambda _, some: np.ptp(some, axis=1).max(axis=1) < 0.05)
+    assert not len(parts.open) and (parts.signs == 1).all()
+    assert (np.ptp(parts.simplices, axis=1) < 0.05).all()
+    low, high = parts.simplices.min(axis=1), parts.simplices.max(axis=1)
+    assert ((low <= middle) & (middle <= high)).all(axis=1).any()
+    told = []
+    critical_parts(isolated(np.full((1, 10), -0.5), corners, 1e-4), lambda least, some: told.append(least) or least > 0)
+    assert len(told) == 1 and 0.49 < told[0][0] <= 0.5 - 1e-4
 
 
 @pytest.mark.parametrize("root", ["1/3", "2/3", "1/1000", "999/1000"])

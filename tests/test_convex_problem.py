@@ -60,8 +60,59 @@ def test_users_may_solve_it_themselves(space):
 def test_what_cannot_be_is_said(space):
     with pytest.raises(ValueError, match="quadratic form"):
         space.problem(energy=pas.CurvatureVariation())
-    problem = space.problem()
-    with pytest.raises(pas.InfeasibleError, match="cvxpy says of the constraints in degree 4: infeasible"):
-        problem.solve([problem.values([LOW]) >= 1, problem.values([LOW]) <= 0])
     with pytest.raises(pas.NoSolutionError):
         pas.solutions(pipes(EQUAL), 3, 3).problem()
+
+
+def test_constraints_that_contradict_are_named(space):
+    """Among themselves, with what the problem asks, and those of the problem alone: others are not blamed."""
+    problem = space.problem()
+    low, high, size = problem.values([LOW])[0], problem.values([HIGH])[0], cvxpy.norm(problem.variable)
+    with pytest.raises(
+        pas.InfeasibleError, match=r"constraints\[0\] and constraints\[2\] contradict one another; "
+    ) as two:
+        problem.solve([low >= 1, high <= 1, low <= 0])
+    assert two.value.conflict == ("constraints[0]", "constraints[2]")
+    with pytest.raises(
+        pas.InfeasibleError, match=r"\[1\] cannot be met beside what the problem itself asks in degree 4"
+    ):
+        problem.solve([high <= 1, size <= 1e-3])
+    with pytest.raises(pas.InfeasibleError, match=r"constraints\[0\] cannot be met; without constraints of your own"):
+        problem.solve([size <= -1])
+    apart = space.problem(outside=[("1/10", "1/10", "1/10")])
+    with pytest.raises(pas.InfeasibleError, match="the constraint outside") as own:
+        apart.solve([problem.values([LOW]) <= 1])
+    assert own.value.conflict and "constraints[" not in str(own.value)
+    with pytest.raises(ValueError, match="no solution yet"):
+        apart.member()
+    with pytest.raises(pas.NotSolvedError, match="no least value that cvxpy finds: it says unbounded"):
+        problem.solve(term=cvxpy.Variable())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "sentence"),
+    [
+        (
+            lambda p: {"constraints": "x"},
+            TypeError,
+            "constraints must be a list of constraints of cvxpy, .*'x'",
+        ),
+        (lambda p: {"constraints": 1}, TypeError, "constraints must be a list of constraints of cvxpy"),
+        (lambda p: {"constraints": p.energy <= 1}, TypeError, "constraints must be a list of constraints of cvxpy"),
+        (
+            lambda p: {"constraints": [True, 1]},
+            TypeError,
+            r"s\[1\] must be a constraint of cvxpy, .*, not 1",
+        ),
+        (lambda p: {"constraints": [p.energy >= 1]}, ValueError, r"constraints\[0\] must be convex by cvxpy's rules"),
+        (lambda p: {"term": "x"}, TypeError, "term must be a number or a convex expression of cvxpy .*, not 'x'"),
+        (lambda p: {"term": -p.energy}, ValueError, "term must be a number or a convex expression"),
+        (lambda p: {"term": p.variable}, ValueError, "term must be a number or a convex expression"),
+        (lambda p: {"rounds": 0}, ValueError, "rounds must be a whole number from 1"),
+    ],
+)
+def test_misuse_is_one_sentence(space, arguments, error, sentence):
+    problem = space.problem()
+    with pytest.raises(error, match=sentence) as caught:
+        problem.solve(**arguments(problem))
+    assert "\n" not in str(caught.value)

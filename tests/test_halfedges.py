@@ -275,3 +275,5 @@ def test_edges_with_three_triangles_and_turned_ones_are_no_manifold():
             HalfEdges(Labelled.of(np.zeros((5, 3)), triangles, np.zeros(len(triangles), dtype=np.intp)), BENT)
     with pytest.raises(ValueError, match="numbers of points"):
         HalfEdges(Labelled.of(np.zeros((3, 3)), np.array([(0, 1, 3)]), np.zeros(1, dtype=np.intp)), BENT)
+    with pytest.raises(ValueError, match="numbers of faces"):
+        HalfEdges(Labelled.of(np.zeros((3, 3)), np.array([(0, 1, 2)]), np.array([len(BENT)])), BENT)

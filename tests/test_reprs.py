@@ -177,7 +177,7 @@ def seen():
     space = pas.solutions(pipes(), 1, 4)
     solver = FitSolver(space.prepared, pas.Wishes(prove=False).settled(space.placed))
     found = solver.fitted()
-    return solver.iterate(to_doubles(found.working)[0], found.rows).value.view.points
+    return solver.iterate(to_doubles(found.working)[0], found.rows).value.sampled.points
 
 
 def public_classes():

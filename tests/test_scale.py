@@ -135,8 +135,11 @@ KINDS: tuple[Callable[[Fraction], Made], ...] = (
     on_generatrix, rays,
 )  # fmt: skip
 
-TIES = 0.1
+TIES = 0.05
 """Share by which numbers of triangles may differ, where coefficients round otherwise and ties are cut otherwise."""
+
+FEW = 4
+"""Triangles by which they may differ besides, for meshes of a hundred: those of two edges that are collapsed or not."""
 
 
 @cache
@@ -152,7 +155,7 @@ def test_a_positive_factor_changes_nothing(kind, factor):
     verdicts, count, same = plain(kind)
     found = kind(FACTORS[factor])
     assert found[0] == verdicts
-    assert abs(found[1] - count) <= TIES * count
+    assert abs(found[1] - count) <= TIES * count + FEW
     if factor in BINARY:
         assert found[1:] == (count, same)
 

@@ -161,8 +161,9 @@ def test_walls_through_corners_of_a_gear_do_no_harm():
         flanks = [solid.half_space(side, f"side {2 * k + i}") for i, side in enumerate(sides[1:3])]
         wedges.append(solid.intersection([*flanks, solid.patch("", sides[0]), solid.patch("", sides[3])]))
     mesh = (solid.union(wedges) & solid.half_space("-z") & solid.half_space(f"z - {height}")).mesh(1e-3)
-    assert mesh.is_closed and len(mesh.triangles) <= 200  # 156 would do
-    assert mesh.smallest_angles.min() > 8  # what is folded in few triangles is mended: no finer lattice is needed
+    assert mesh.is_closed and len(mesh.triangles) <= 160  # 156 would do
+    # what is folded in few triangles is mended: no finer lattice is needed; 9 is what 20 teeth allow
+    assert mesh.smallest_angles.min() > 8.9
 
 
 STACKED = {

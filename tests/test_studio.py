@@ -314,7 +314,7 @@ def test_a_moved_slider_sends_coefficients_alone(session):
     assert (one.head["kind"], two.head["kind"]) == ("picture", "moved")
     assert two.head["scene"] == one.head["scene"] == first.head["scene"]
     assert len(two.packed()) < 3000
-    assert 0 < np.abs(two.arrays["coefficients"] - one.arrays["coefficients"]).max() < 0.2
+    assert 0 < np.abs(two.arrays["coefficients"] - one.arrays["coefficients"]).max() < 0.1
     mesh = made.move(changed(tension="5.6"), one.head["scene"], mesh=True).arrays
     local = made.seen.surface.local
     values = [
@@ -515,7 +515,7 @@ def with_radius(document, radius):
     [
         (CORNER, r""),
         (changed(degree=3, pipes=[{**p, "radius": "1/3"} for p in CORNER["problem"]["pipes"]]),
-         r"sharpness 1\.0\d above 1\.02; bulge 0\.\d+ above 0\.05.*"),
+         r"sharpness 1\.0\d above 1\.02; bulge 0\.\d+ above 0\.05"),
         (with_radius(GALLERY["T joint"], "1.4"), r"9\.\d* times as sharp as its sharpest neighbour, .* no room .*"),
     ],
 )  # fmt: skip

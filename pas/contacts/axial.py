@@ -47,6 +47,11 @@ class Axial(Movable):
         return f"clipped at {plain(self.end)}"
 
     @property
+    def position(self) -> str:
+        """Its axis and point, in words."""
+        return f"along ({listed(self.axis)}) through ({listed(self.point)})"
+
+    @property
     def along(self) -> fmpq_mpoly:
         """The coordinate along the axis, 0 at the point and 1 at the tip of the axis."""
         return self.part(self.axis)
@@ -83,21 +88,21 @@ def perpendicular(values: Any, name: str, number: int, to: Vector | None = None)
     """
     if isinstance(values, str) or not isinstance(values, Sequence) or len(values) != number:
         raise ValueError(f"{name} must be {number} vectors across one another, not {shown(values)}")
-    vectors = tuple(vector(v, f"{name}[{i}]") for i, v in enumerate(values))
-    for i, v in enumerate(vectors):
+    found = tuple(vector(v, f"{name}[{i}]") for i, v in enumerate(values))
+    for i, v in enumerate(found):
         if all(c == 0 for c in v):
             raise ValueError(f"{name}[{i}] must not be the zero vector")
         if to is not None and dot(v, to) != 0:
             raise ValueError(f"{name}[{i}] must be perpendicular to ({listed(to)}), and ({listed(v)}) is not")
-    for (i, a), (j, b) in combinations(enumerate(vectors), 2):
+    for (i, a), (j, b) in combinations(enumerate(found), 2):
         if dot(a, b) != 0:
             raise ValueError(f"{name} must be perpendicular to one another, and number {i + 1} and {j + 1} are not")
-    return vectors
+    return found
 
 
-def longest(vectors: Sequence[Vector]) -> float:
+def longest(values: Sequence[Vector]) -> float:
     """The largest length."""
-    return max(to_float(dot(v, v)) for v in vectors) ** 0.5
+    return max(to_float(dot(v, v)) for v in values) ** 0.5
 
 
 def positive(value: fmpq, name: str) -> None:
@@ -109,3 +114,8 @@ def positive(value: fmpq, name: str) -> None:
 def listed(values: Vector) -> str:
     """Three numbers as a sentence has them."""
     return ", ".join(map(plain, values))
+
+
+def vectors(values: Sequence[Vector]) -> str:
+    """Vectors as a sentence has them."""
+    return " and ".join(f"({listed(v)})" for v in values)

@@ -11,7 +11,7 @@ from flint import fmpq
 
 from pas.algebra.brief import brief
 from pas.algebra.rational import Exact, Vector, VectorLike
-from pas.contacts.axial import listed, longest, perpendicular
+from pas.contacts.axial import longest, perpendicular, vectors
 from pas.contacts.contact import Contact
 from pas.contacts.endless import Endless
 
@@ -53,8 +53,4 @@ class EllipticPipe(Endless):
         return longest(self.semiaxes)
 
     def __str__(self) -> str:
-        semiaxes = " and ".join(f"({listed(a)})" for a in self.semiaxes)
-        return (
-            f"elliptic pipe along ({listed(self.axis)}) through ({listed(self.point)}) with semi-axes {semiaxes}, "
-            f"{self.ending}"
-        )
+        return f"elliptic pipe {self.position} with semi-axes {vectors(self.semiaxes)}, {self.ending}"

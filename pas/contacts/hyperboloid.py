@@ -12,7 +12,7 @@ from flint import fmpq
 
 from pas.algebra.brief import brief
 from pas.algebra.rational import Exact, Vector, VectorLike, plain, to_float
-from pas.contacts.axial import listed, longest, perpendicular, positive
+from pas.contacts.axial import longest, perpendicular, positive, vectors
 from pas.contacts.contact import Contact
 from pas.contacts.endless import Endless
 
@@ -62,8 +62,5 @@ class Hyperboloid(Endless):
         return longest(self.semiaxes) * hypot(1, clip / to_float(self.conjugate))
 
     def __str__(self) -> str:
-        semiaxes = " and ".join(f"({listed(a)})" for a in self.semiaxes)
-        return (
-            f"hyperboloid along ({listed(self.axis)}) through ({listed(self.point)}) with semi-axes {semiaxes}, "
-            f"conjugate semi-axis {plain(self.conjugate)}, {self.ending}"
-        )
+        curves = f"semi-axes {vectors(self.semiaxes)}, conjugate semi-axis {plain(self.conjugate)}"
+        return f"hyperboloid {self.position} with {curves}, {self.ending}"

@@ -11,7 +11,7 @@ from flint import fmpq
 
 from pas.algebra.brief import brief
 from pas.algebra.rational import Exact, Vector, VectorLike
-from pas.contacts.axial import Axial, listed, perpendicular
+from pas.contacts.axial import Axial, perpendicular, vectors
 from pas.contacts.contact import Contact
 
 
@@ -51,8 +51,4 @@ class Paraboloid(Axial):
         return self.ended(self.squares(self.semiaxes) - self.along * (1 / self.clip))
 
     def __str__(self) -> str:
-        semiaxes = " and ".join(f"({listed(a)})" for a in self.semiaxes)
-        return (
-            f"paraboloid along ({listed(self.axis)}) through ({listed(self.point)}) with semi-axes {semiaxes}, "
-            f"{self.ending}"
-        )
+        return f"paraboloid {self.position} with semi-axes {vectors(self.semiaxes)}, {self.ending}"

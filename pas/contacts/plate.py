@@ -12,7 +12,7 @@ from flint import fmpq
 from pas.algebra.brief import brief
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, Vector, VectorLike, dot, rational
-from pas.contacts.axial import Axial, listed, perpendicular, positive
+from pas.contacts.axial import Axial, listed, perpendicular, positive, vectors
 from pas.contacts.contact import Contact
 from pas.contacts.parallels import root
 from pas.contacts.principal_axes import ORIGIN, slope_at
@@ -82,6 +82,6 @@ class Plate(Axial):
         return f + Polynomial(thickness * root(dot(slope, slope)))
 
     def __str__(self) -> str:
-        semiaxes = " and ".join(f"({listed(a)})" for a in self.semiaxes or ())
+        semiaxes = vectors(self.semiaxes or ())
         curve = f"an ellipse with semi-axes {semiaxes}" if self.radius is None else f"a circle of radius {self.radius}"
         return f"plate with the normal ({listed(self.axis)}) and {curve} around ({listed(self.point)})"

@@ -1,4 +1,4 @@
-"""All members of a space along fixed rays: what is to be seen of their surfaces, and how it changes with the member.
+"""All members of a space along fixed rays: the geometry of their surfaces there, and how it changes with the member.
 
 A member moves the points of its surface along the rays, `dt = -df / (grad f . d)`, so that the domain over
 which an energy is summed never changes, and the sum is a true function of the member.  All derivatives
@@ -31,7 +31,7 @@ FEW = 256
 """Points whose derivatives are worked out together; of more, those of each piece: large tables leave the caches."""
 
 GRAZING = 1e-3
-"""The least cosine between ray and normal at which a surface is looked at."""
+"""The least cosine between ray and normal at which a surface is sampled."""
 
 BY_ORDER = ((slice(0, 3), slice(1, 4)), (slice(3, 8), slice(4, 10)), (slice(8, COLUMNS), slice(10, len(JETS))))
 """Where derivatives of first, second and third order stand in a framed jet and in a jet."""
@@ -41,7 +41,7 @@ AREA = QUANTITIES
 
 
 @dataclass(frozen=True)
-class Evaluation:
+class SampledGeometry:
     """A member as its rays meet it: `distances` (N,), local, `jets` (N, 20) there and their `geometry`, also local, the
     `points`, and the `areas` (N,) that they stand for."""
 
@@ -54,7 +54,7 @@ class Evaluation:
 
 
 class RaySamples:
-    """The rays, and all members along them; lengths are local, what is seen is in the user's units.
+    """The rays, and all members along them; lengths are local, `SurfacePoints` and areas in the user's units.
 
     `scale` is the user's length of a local unit, `center` the user's point at local 0, `slope` the mean of
     |grad f|, by the user's coordinates, on the contact curves.
@@ -75,8 +75,8 @@ class RaySamples:
         result *= factors.ravel()
         return result.reshape(-1, *factors.shape)
 
-    def view(self, member: Floats, near: Floats) -> Evaluation | None:
-        """What is to be seen of a member, found from distances near by; None where a ray misses or grazes it."""
+    def sample(self, member: Floats, near: Floats) -> SampledGeometry | None:
+        """The geometry of a member, found from distances (N,) near by; None where a ray misses or grazes it."""
         t = self._distances(member, near)
         if t is None:
             return None
@@ -86,7 +86,7 @@ class RaySamples:
         if not bool((cosines > GRAZING).all()):
             return None
         areas = self.rays.solid_angles * t * t / cosines * self.scale**2
-        return Evaluation(member, t, found, geometry, self._seen(geometry, t), areas)
+        return SampledGeometry(member, t, found, geometry, self._points(geometry, t), areas)
 
     def _distances(self, member: Floats, start: Floats) -> Floats | None:
         profile = np.empty((self.basis.degree + 1, len(start)))
@@ -132,7 +132,7 @@ class RaySamples:
             np.multiply(below, t, out=power)
         return powers[self.degrees]
 
-    def _seen(self, geometry: MovingGeometry, t: Floats) -> SurfacePoints:
+    def _points(self, geometry: MovingGeometry, t: Floats) -> SurfacePoints:
         s = self.scale
         shape, variation = geometry.shape, geometry.variation / s**2
         return SurfacePoints(
@@ -144,11 +144,11 @@ class RaySamples:
             np.ascontiguousarray(geometry.frame[:, :, :2]),
         )
 
-    def change(self, view: Evaluation, chosen: NDArray[np.intp] | None = None) -> Jacobian:
-        """How what is seen changes with the member; at some points, by rising numbers, or at all."""
-        points = np.arange(len(view.distances)) if chosen is None else chosen
-        geometry = view.geometry if chosen is None else MovingGeometry(view.jets[chosen])
-        t, directions = view.distances[points], self.rays.directions[points].T
+    def change(self, sampled: SampledGeometry, chosen: NDArray[np.intp] | None = None) -> Jacobian:
+        """How the geometry changes with the member; at some points, by rising numbers, or at all."""
+        points = np.arange(len(sampled.distances)) if chosen is None else chosen
+        geometry = sampled.geometry if chosen is None else MovingGeometry(sampled.jets[chosen])
+        t, directions = sampled.distances[points], self.rays.directions[points].T
         normal, shape, variation = geometry.changes()
         inner = (geometry.axes * directions).sum(axis=1)
         steepness = geometry.length * inner[2]
@@ -161,7 +161,7 @@ class RaySamples:
         last[10:14, :COLUMNS] = variation / self.scale**2
         last[AREA, :2] = -inner[:2] / steepness
         last[AREA, COLUMNS] = 2 / t
-        along = self._jets_along(view.member, view.distances)[points]
+        along = self._jets_along(sampled.member, sampled.distances)[points]
         frames = tuple(map(_points_first, geometry.frame_to_jet()))
         return Jacobian(self, points, t, by_jet, frames, along, steepness)
 
@@ -172,13 +172,13 @@ def _points_first(table: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Jacobian:
-    """The derivatives of what is seen at some points (K,) by the member, as products multiplied out when needed.
+    """The derivatives of the geometry at some points (K,) by the member, as products multiplied out when needed.
 
     `by_jet` (K, 15, 13): quantities and log of area by framed jets and by the movement along the ray; `frames`: the
     framed jets by the derivatives of first, second and third order, (K, 3, 3), (K, 5, 6) and (K, 4, 10).
     """
 
-    sight: RaySamples
+    samples: RaySamples
     points: NDArray[np.intp]
     distances: Floats
     by_jet: Floats
@@ -192,17 +192,17 @@ class Jacobian:
         t, by_jet, along, steepness = (
             array[chosen] for array in (self.distances, self.by_jet, self.jets_along, self.steepness)
         )
-        return Jacobian(self.sight, self.points[chosen], t, by_jet, frames, along, steepness)
+        return Jacobian(self.samples, self.points[chosen], t, by_jet, frames, along, steepness)
 
     def normal_equations(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
-        """`J^T J` (m, m) and `J^T r` (m,) for residuals r with `values` (K, R) and `slopes` (K, R, 15) by what is seen.
+        """`J^T J` (m, m) and `J^T r` (m,) for residuals r with `values` (K, R) and `slopes` (K, R, 15) by quantity.
 
         By the members, and not by the coefficients of each piece: these are large where a piece is narrow, and cancel.
         """
-        basis = self.sight.basis
+        basis = self.samples.basis
         gram, gradient = np.zeros((basis.size, basis.size)), np.zeros(basis.size)
         ends = [
-            (p, *np.searchsorted(self.points, (here.start, here.stop)).tolist()) for p, here in self.sight.rays.slices
+            (p, *np.searchsorted(self.points, (here.start, here.stop)).tolist()) for p, here in self.samples.rays.slices
         ]
         parts = [part for part in ends if part[2] > part[1]]
         for group in [parts] if len(self.points) < FEW else [[part] for part in parts]:
@@ -225,7 +225,7 @@ class Jacobian:
         by_jet[:, :, 0] -= moved / self.steepness[here, None]
         distances = self.distances[here]
         by_jet *= (distances[:, None] ** -ORDERS.astype(float))[:, None, :]
-        all_points = len(self.points) == len(self.sight.jets)
-        by_coefficient = np.matmul(by_jet, self.sight.jets[here if all_points else self.points[here]])
-        by_coefficient *= self.sight.power_table(distances).T[:, None, :]
+        all_points = len(self.points) == len(self.samples.jets)
+        by_coefficient = np.matmul(by_jet, self.samples.jets[here if all_points else self.points[here]])
+        by_coefficient *= self.samples.power_table(distances).T[:, None, :]
         return by_coefficient

@@ -17,7 +17,7 @@ from scipy.spatial import ConvexHull
 
 from pas.algebra.monomials import Floats
 from pas.fairing.basis import WorkingBasis
-from pas.fairing.evaluation import AREA, Evaluation
+from pas.fairing.evaluation import AREA, SampledGeometry
 from pas.fairing.surface_points import SurfacePoints
 from pas.surface.directions import AROUND, Directions, circle, planes, runs
 from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG
@@ -47,7 +47,7 @@ TURNED = 0.2
 
 @dataclass(frozen=True)
 class Excess:
-    """Residuals at some points of a view: `chosen` (K,), `values` (K,), and `slopes` (K, 15) by what is seen."""
+    """Residuals at some of the points: their numbers `chosen` (K,), `values` (K,), `slopes` (K, 15) by quantity."""
 
     chosen: NDArray[np.intp]
     values: Floats
@@ -79,12 +79,12 @@ class CurvatureExcess:
             hollow = self.limits.hollowness - MARGIN
             yield (-shape[:, 2] * self.arc - hollow) / HOLLOW, 9, -self.arc / HOLLOW
 
-    def values(self, view: Evaluation) -> Iterator[Excess]:
+    def values(self, sampled: SampledGeometry) -> Iterator[Excess]:
         """What is beyond each limit, where it is."""
-        for over, quantity, by in self.over(view.points.shape):
+        for over, quantity, by in self.over(sampled.points.shape):
             slope = np.zeros((1, AREA + 1))
             slope[0, quantity] = by
-            yield from weighted(view, over, slope, self.radius)
+            yield from weighted(sampled, over, slope, self.radius)
 
 
 class BulgeExcess:
@@ -96,20 +96,20 @@ class BulgeExcess:
         self.widest = widest(neighbours)
         self.normals, self.offsets = _hull(rays.directions, neighbours, self.widest)
 
-    def values(self, view: Evaluation) -> Iterator[Excess]:
+    def values(self, sampled: SampledGeometry) -> Iterator[Excess]:
         """What is beyond the limit, where it is."""
         slopes = np.zeros((len(self.normals), AREA + 1))
         slopes[:, :3] = self.normals / (BULGE * self.widest)
-        far = ((view.points.points - self.center) * self.normals).sum(axis=1) + self.offsets
-        yield from weighted(view, (far / self.widest - self.limits.bulge / 2) / BULGE, slopes, self.radius)
+        far = ((sampled.points.points - self.center) * self.normals).sum(axis=1) + self.offsets
+        yield from weighted(sampled, (far / self.widest - self.limits.bulge / 2) / BULGE, slopes, self.radius)
 
 
-def weighted(view: Evaluation, over: Floats, slopes: Floats, radius: float) -> Iterator[Excess]:
+def weighted(sampled: SampledGeometry, over: Floats, slopes: Floats, radius: float) -> Iterator[Excess]:
     """Residuals where a limit is passed, by the areas that the points stand for; a single row of slopes serves all."""
     chosen = np.flatnonzero(over > 0)
     if not len(chosen):
         return
-    root = np.sqrt(PRESS * view.areas[chosen]) / radius
+    root = np.sqrt(PRESS * sampled.areas[chosen]) / radius
     values = root * over[chosen]
     by = root[:, None] * (slopes[chosen] if len(slopes) > 1 else slopes)
     by[:, AREA] += values / 2
@@ -144,9 +144,9 @@ class SectionExcess:
         self.runs = [place[a:b] for a, b in pairwise(starts)]
         self.signs = np.zeros(len(order))
 
-    def settle_signs(self, view: Evaluation) -> None:
+    def settle_signs(self, sampled: SampledGeometry) -> None:
         """See which way each part of a section turns: that depends on its ends alone, not on the member."""
-        normals = view.points.normals
+        normals = sampled.points.normals
         for run in self.runs:
             tangents = np.cross(self.across[run], normals[run])
             turns = np.arctan2(
@@ -156,9 +156,9 @@ class SectionExcess:
             turned = float(turns.sum())
             self.signs[run] = np.sign(turned) if abs(turned) > TURNED else 0.0
 
-    def values(self, view: Evaluation) -> Iterator[Excess]:
+    def values(self, sampled: SampledGeometry) -> Iterator[Excess]:
         """What is beyond the limit, where it is."""
-        curvature, slopes = section_curvatures(view.points, self.across)
+        curvature, slopes = section_curvatures(sampled.points, self.across)
         over = (-self.signs * curvature * self.widest - self.limits.wrong_sign / 2) / WRONG
         chosen = np.flatnonzero((over > 0) & (self.signs != 0))
         if not len(chosen):

@@ -52,9 +52,9 @@ class FitSettings:
 
     loss: float = 0.0
     """The share of Phi that a step may lose to constraints that it adds (single steps of sliders only: they ask for a
-    margin that the member itself has not, so that it would stay where it is, after all trials)."""
+    margin that the member itself has not, so that it would stay where it is)."""
 
 
 SETTINGS = FitSettings()
-LIVE = FitSettings(lattices=(16,), margins=(0.1,), enough=0.0, loss=0.01)
-"""For single steps of sliders."""
+LIVE = FitSettings(lattices=(16,), margins=(0.1,), enough=0.0, loss=0.01, faster=1 / 3)
+"""For single steps of sliders: damping shrinks as in Nielsen's rule, so that what they hardly move goes slowly."""

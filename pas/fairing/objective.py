@@ -17,7 +17,7 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float, to_floats
 from pas.fairing.energy import Energy, terms_of
-from pas.fairing.evaluation import AREA, Evaluation, RaySamples
+from pas.fairing.evaluation import AREA, RaySamples, SampledGeometry
 from pas.fairing.excess import BulgeExcess, CurvatureExcess, Excess, SectionExcess
 from pas.fairing.prepared import PreparedSpace
 from pas.fairing.surface_points import NAMES, Sizes, SurfacePoints, differences
@@ -32,12 +32,12 @@ SETTLED, LIVE = (3, 6), (2, 3)
 """How often the outer faces and triangles on the contact curves are quartered for rays, to settle and for sliders."""
 
 CLOSE_RAYS, CLOSE_DEEPEST, MOST_CLOSE = 4000, 7, 300
-"""Rays for a closer look, how often triangles on the contact curves are quartered for them, and how many of them are
-followed from then on, at the most."""
+"""Rays of the finer sampling, how often triangles on the contact curves are quartered for them, and how many of them
+are followed from then on, at the most."""
 
 HIDDEN, CLOSE, TIE = 0.3, 1.0, 1e-6
-"""Units beyond a soft limit that make a closer look worth while, those below one for rays to be followed, and those by
-which rays differ that are not each other's mirror images: of such, all are followed or none."""
+"""Units beyond a soft limit that make a finer sampling worth while, those below one for rays to be followed, and those
+by which rays differ that are not each other's mirror images: of such, all are followed or none."""
 
 CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
 """Points at which a class's own slopes are held against differences, how far they may be off, and at how many."""
@@ -47,19 +47,19 @@ CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
 class ObjectiveValue:
     """A member as the rays meet it, its energy, and the objective: that with the squares of what is beyond limits.
 
-    `residuals` (N, R) are the energy's at each point; `views` are what each term of what is beyond limits looks at, and
-    `excesses` what it finds there.
+    `residuals` (N, R) are the energy's at each point; `by_term` has the geometry along the rays of each term of
+    what is beyond limits, `excesses` what is beyond them there.
     """
 
-    view: Evaluation
+    sampled: SampledGeometry
     residuals: Floats
-    views: tuple[Evaluation, ...]
+    by_term: tuple[SampledGeometry, ...]
     excesses: tuple[tuple[Excess, ...], ...]
 
     @cached_property
     def energy(self) -> float:
         """The integral of the squared residuals."""
-        return float(self.view.areas @ (self.residuals * self.residuals).sum(axis=1))
+        return float(self.sampled.areas @ (self.residuals * self.residuals).sum(axis=1))
 
     @cached_property
     def beyond(self) -> float:
@@ -75,7 +75,7 @@ class ObjectiveValue:
 class Beyond(Protocol):
     """What is beyond one of the limits."""
 
-    def values(self, view: Evaluation) -> Iterator[Excess]:
+    def values(self, sampled: SampledGeometry) -> Iterator[Excess]:
         """Residuals where it is."""
 
 
@@ -83,7 +83,7 @@ class Beyond(Protocol):
 class Term:
     """What is beyond limits, along rays of its own or along those of the surface."""
 
-    sight: RaySamples
+    samples: RaySamples
     beyond: Beyond
 
 
@@ -108,77 +108,77 @@ class SurfaceObjective:
         neighbours = [neighbour(join, scale) for join in placed.joins]
         radii, distances = zip(*((n.radius, n.distance) for n in neighbours), strict=True)
         self.sizes = Sizes(float(np.mean(radii)), float(np.mean(distances)))
-        self.sight = RaySamples(basis, directions, self.center, self.slope)
+        self.samples = RaySamples(basis, directions, self.center, self.slope)
         self.curvature = CurvatureExcess.of(neighbours, limits)
         self.terms = [
-            Term(self.sight, self.curvature),
-            Term(self.sight, BulgeExcess(directions, neighbours, limits, self.center)),
+            Term(self.samples, self.curvature),
+            Term(self.samples, BulgeExcess(directions, neighbours, limits, self.center)),
         ]
         self.first = self._first(start, columns, neighbours)
 
     def _first(self, start: Floats, columns: list[Floats], neighbours: list[Neighbour]) -> ObjectiveValue | None:
-        """The start as it is seen; None where it cannot be seen along all rays."""
-        view = self.sight.view(start, self.sight.rays.distances)
-        if view is None:
+        """The value at the start; None where rays miss or graze its surface."""
+        sampled = self.samples.sample(start, self.samples.rays.distances)
+        if sampled is None:
             return None
         sections = SectionExcess(self.basis, self.placed, columns, neighbours, self.limits)
         across = RaySamples(self.basis, sections.rays, self.center, self.slope)
-        seen = across.view(start, sections.rays.distances)
-        if seen is None:
+        own = across.sample(start, sections.rays.distances)
+        if own is None:
             return None
-        sections.settle_signs(seen)
+        sections.settle_signs(own)
         self.terms.append(Term(across, sections))
-        self._check(view)
-        return self._look(view, [view, view, seen])
+        self._check(sampled)
+        return self._value(sampled, [sampled, sampled, own])
 
-    def of(self, energy: Energy, look: ObjectiveValue) -> tuple[SurfaceObjective, ObjectiveValue]:
+    def of(self, energy: Energy, value: ObjectiveValue) -> tuple[SurfaceObjective, ObjectiveValue]:
         """An objective of another energy on these rays, and its value at a member."""
         if energy == self.energy:
-            return self, look
+            return self, value
         other = copy(self)
         other.energy = energy
-        return other, replace(look, residuals=other._residuals(look.view))
+        return other, replace(value, residuals=other._residuals(value.sampled))
 
-    def look(self, member: Floats, near: ObjectiveValue) -> ObjectiveValue | None:
-        """Another member, found from one near by; None where it cannot be seen along all rays."""
-        view = self.sight.view(member, near.view.distances)
-        if view is None:
+    def value(self, member: Floats, near: ObjectiveValue) -> ObjectiveValue | None:
+        """The value at another member, found from one near by; None where rays miss or graze its surface."""
+        sampled = self.samples.sample(member, near.sampled.distances)
+        if sampled is None:
             return None
-        views = []
-        for term, before in zip(self.terms, near.views, strict=True):
-            seen = view if term.sight is self.sight else term.sight.view(member, before.distances)
-            if seen is None:
+        by_term = []
+        for term, before in zip(self.terms, near.by_term, strict=True):
+            own = sampled if term.samples is self.samples else term.samples.sample(member, before.distances)
+            if own is None:
                 return None
-            views.append(seen)
-        return self._look(view, views)
+            by_term.append(own)
+        return self._value(sampled, by_term)
 
-    def _look(self, view: Evaluation, views: Sequence[Evaluation]) -> ObjectiveValue:
-        found = tuple(tuple(term.beyond.values(seen)) for term, seen in zip(self.terms, views, strict=True))
-        return ObjectiveValue(view, self._residuals(view), tuple(views), found)
+    def _value(self, sampled: SampledGeometry, by_term: Sequence[SampledGeometry]) -> ObjectiveValue:
+        found = tuple(tuple(term.beyond.values(own)) for term, own in zip(self.terms, by_term, strict=True))
+        return ObjectiveValue(sampled, self._residuals(sampled), tuple(by_term), found)
 
-    def _residuals(self, view: Evaluation) -> Floats:
-        return np.asarray(self.energy.residuals(view.points, self.sizes))
+    def _residuals(self, sampled: SampledGeometry) -> Floats:
+        return np.asarray(self.energy.residuals(sampled.points, self.sizes))
 
-    def linearised(self, look: ObjectiveValue) -> tuple[Floats, Floats]:
+    def linearised(self, value: ObjectiveValue) -> tuple[Floats, Floats]:
         """`J^T J` (m, m) and `J^T r` (m,) for the residuals r, whose squares add up to the objective, and their
         derivatives J by the member."""
-        view, r = look.view, look.residuals
-        root = np.sqrt(view.areas)[:, None]
+        sampled, r = value.sampled, value.residuals
+        root = np.sqrt(sampled.areas)[:, None]
         slopes = np.empty((*r.shape, AREA + 1))
-        slopes[:, :, :AREA] = root[:, :, None] * self.energy.slopes(view.points, self.sizes)
+        slopes[:, :, :AREA] = root[:, :, None] * self.energy.slopes(sampled.points, self.sizes)
         slopes[:, :, AREA] = root * r / 2
-        change = self.sight.change(view)
+        change = self.samples.change(sampled)
         normal, gradient = change.normal_equations(root * r, slopes)
-        for term, seen, found in zip(self.terms, look.views, look.excesses, strict=True):
+        for term, own, found in zip(self.terms, value.by_term, value.excesses, strict=True):
             for excess in found:
-                at = change.some(excess.chosen) if seen is view else term.sight.change(seen, excess.chosen)
+                at = change.some(excess.chosen) if own is sampled else term.samples.change(own, excess.chosen)
                 more = at.normal_equations(excess.values[:, None], excess.slopes[:, None])
                 normal, gradient = normal + more[0], gradient + more[1]
         return normal, gradient
 
-    def closer(self, look: ObjectiveValue) -> tuple[SurfaceObjective, ObjectiveValue] | None:
+    def closer(self, value: ObjectiveValue) -> tuple[SurfaceObjective, ObjectiveValue] | None:
         """An objective with more rays, between these where curvature is beyond limits; None where it is not."""
-        member = look.view.member
+        member = value.sampled.member
         columns = [member @ coefficients for coefficients in self.basis.coefficients]
         rays = Directions.of(self.placed, columns, self.basis.degree, CLOSE_RAYS, deepest=CLOSE_DEEPEST)
         local = rays.directions * rays.distances[:, None]
@@ -189,19 +189,19 @@ class SurfaceObjective:
         hidden = np.flatnonzero(over > least)
         if not len(hidden) or over.max() <= HIDDEN:
             return None
-        share = len(rays.directions) / len(self.sight.rays.directions)  # each counts like a ray of the first ones
-        sight = RaySamples(self.basis, rays.some(hidden, share), self.center, self.slope)
-        seen = sight.view(member, sight.rays.distances)
-        if seen is None:
+        share = len(rays.directions) / len(self.samples.rays.directions)  # each counts like a ray of the first ones
+        samples = RaySamples(self.basis, rays.some(hidden, share), self.center, self.slope)
+        own = samples.sample(member, samples.rays.distances)
+        if own is None:
             return None
         other = copy(self)
-        other.terms = [*self.terms, Term(sight, self.curvature)]
-        more = (*look.excesses, tuple(self.curvature.values(seen)))
-        return other, replace(look, views=(*look.views, seen), excesses=more)
+        other.terms = [*self.terms, Term(samples, self.curvature)]
+        more = (*value.excesses, tuple(self.curvature.values(own)))
+        return other, replace(value, by_term=(*value.by_term, own), excesses=more)
 
-    def _check(self, view: Evaluation) -> None:
+    def _check(self, sampled: SampledGeometry) -> None:
         """That residuals and slopes have their shapes, are finite and agree, at some points."""
-        points = view.points[:: max(1, len(view.points) // CHECKED)]
+        points = sampled.points[:: max(1, len(sampled.points) // CHECKED)]
         for _, energy in terms_of(self.energy):
             if energy.on_surface:
                 check_residuals(energy, points, self.sizes)

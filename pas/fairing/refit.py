@@ -44,7 +44,7 @@ def refitted(
 def _stepped(
     space: PreparedSpace, surface: PiecewiseSurface, fitted: FittedMember | None, wishes: Wishes, steps: int | None
 ) -> FittedMember:
-    """That by steps alone; raises `InfeasibleError` where these lose the surface from sight."""
+    """That by steps alone; raises `InfeasibleError` where rays from the centre miss the surface."""
     live = steps is not None
     solver = FitSolver(space, wishes, LIVE if live else SETTINGS)
     if not solver.energy.on_surface:
@@ -54,7 +54,7 @@ def _stepped(
             raise solver.programme.conflict(rows)
         return solver.rounded(Iterate(member, rows, 0.0), _share(fitted))
     s = solver.settings
-    first = _seen(solver, surface, fitted, live)
+    first = _sampled(solver, surface, fitted, live)
     *_, last = first, *solver.descent(first, RayConditions(space, s.lattices[0], _share(fitted), s.clean), steps)
     if last is first and not solver.programme.holds(last.member):
         raise InfeasibleError("one step does not reach what is wished")
@@ -68,11 +68,11 @@ def compliance(space: PreparedSpace, surface: PiecewiseSurface, fitted: FittedMe
     Where a linear form r of the coefficients is held at a value that is 1 more, another form v changes by
     `v C r / r C r`: C is the inverse of the objective's second derivatives as Gauss and Newton have them, among the
     members for which the wishes' equations hold, and the inequalities on which the member is.  Raises
-    `InfeasibleError` where the surface is not seen.
+    `InfeasibleError` where rays from the centre miss or graze the surface.
     """
     solver = FitSolver(space, wishes, LIVE)
     if solver.energy.on_surface:
-        at = _seen(solver, surface, fitted, True)
+        at = _sampled(solver, surface, fitted, True)
     else:
         at = Iterate(_member(space, surface, fitted), _rows(space, fitted), 0.0)
     matrix, _ = solver.linearised(at)
@@ -101,8 +101,8 @@ def _member(space: PreparedSpace, surface: PiecewiseSurface, fitted: FittedMembe
     return coordinates(space, surface) if fitted is None else to_doubles(fitted.working)[0]
 
 
-def _seen(solver: FitSolver, surface: PiecewiseSurface, fitted: FittedMember | None, live: bool) -> Iterate:
-    """The surface as it is seen: as the last step left it, or anew."""
+def _sampled(solver: FitSolver, surface: PiecewiseSurface, fitted: FittedMember | None, live: bool) -> Iterate:
+    """The surface with its geometry along rays: as the last step left it, or anew."""
     before = fitted.iterate if fitted is not None and live else None
     if before is not None and before.objective is not None and before.value is not None:
         objective, value = before.objective.of(solver.energy, before.value)

@@ -65,9 +65,9 @@ class RayConditions:
 
 @dataclass(frozen=True)
 class Iterate:
-    """A member as it is seen along rays, the inequalities under which it was found, and the damping to go on with.
+    """A member with its geometry along rays, the inequalities under which it was found, and the damping to go on with.
 
-    Where the energy is a quadratic form there is nothing to see, and so no `objective` and no `value`.
+    Where the energy is a quadratic form no rays are needed, and so there is no `objective` and no `value`.
     """
 
     member: Floats
@@ -76,11 +76,11 @@ class Iterate:
     objective: SurfaceObjective | None = None
     value: ObjectiveValue | None = None
 
-    def seen(self, member: Floats) -> ObjectiveValue | None:
-        """Another member near by as the rays see it; None where they do not."""
+    def value_of(self, member: Floats) -> ObjectiveValue | None:
+        """The value at another member near by; None where rays miss or graze its surface."""
         if self.objective is None or self.value is None:
             return None
-        return self.objective.look(member, self.value)
+        return self.objective.value(member, self.value)
 
 
 @dataclass(frozen=True)
@@ -181,7 +181,7 @@ class FitSolver:
 
     def started(self, conditions: RayConditions) -> Iterate | None:
         """The member of the least quadratic form that is clean, by constraint generation; None where none is found or
-        it is not seen along all rays.  Raises `_ContradictionError` where there is none."""
+        rays miss or graze its surface.  Raises `_ContradictionError` where there is none."""
         rows = conditions.first
         for _ in range(self.settings.rounds):
             checkpoint(f"choosing a member of degree {self.space.degree}")
@@ -195,7 +195,7 @@ class FitSolver:
         return None
 
     def iterate(self, member: Floats, rows: Inequalities, live: bool = False) -> Iterate | None:
-        """A member as rays that are laid for it see it; None where they do not see all of it."""
+        """A member with rays that are laid for it; None where these miss or graze its surface."""
         if not self.energy.on_surface:
             return Iterate(member, rows, self.settings.damping)
         limits = self.wishes.limits_at(self.space.placed)
@@ -257,9 +257,9 @@ class FitSolver:
                 return None
             step = new - at.member
             expected = -float(2 * slope @ step + step @ normal @ step)
-            if met and damping <= s.damping and expected < s.enough * now:
+            if met and damping <= s.damping and expected < (s.enough - s.loss * (cuts > 0)) * now:
                 return None
-            value = at.seen(new)
+            value = at.value_of(new)
             if (value is None and at.value is not None) or not self.phi(new, value) < most:
                 rows, damping = at.rows, damping * s.slower
                 continue
@@ -278,8 +278,8 @@ class FitSolver:
 
     def phi(self, member: Floats, value: ObjectiveValue | None) -> float:
         """What is minimised."""
-        seen = 0.0 if value is None else value.objective
-        return seen + float(member @ self.programme.quadratic_part @ member) / 2
+        of_surface = 0.0 if value is None else value.objective
+        return of_surface + float(member @ self.programme.quadratic_part @ member) / 2
 
     def linearised(self, at: Iterate) -> tuple[Floats, Floats]:
         """The matrix `J^T J` (m, m) and the slope `J^T r` (m,) of half of Phi at a member."""

@@ -256,13 +256,31 @@ static int keeps_curve(const Mesh *m, whole h, double off)
     return sqrt(dot(n, n) / fmax(dot(chord, chord), 1e-300)) <= off * (ruled ? m->fine : m->coarse);
 }
 
+/* Into how many parts half edge h will be cut: more than one only beside a face that is not ruled. */
+static inline double parts_of(const Mesh *m, whole h)
+{
+    const whole g = m->twins[h];
+    return g >= 0 && face_at(m, g) == BENT ? sqrt(m->coarse / m->fine) : 1;
+}
+
+/* The height over the longest side that triangles of a ruled face have after the cut, of that at half edge e if it had
+   corner k instead of where e begins; beside the triangles that this takes away their other sides count. */
+static double height_when_cut(const Mesh *m, whole e, whole k)
+{
+    const whole before = m->twins[e], after = m->twins[previous(e)];
+    const whole first = before >= 0 && apex_of(m, before) == k ? previous(before) : e;
+    const whole last = after >= 0 && apex_of(m, after) == k ? next(after) : previous(e);
+    const double parts = fmax(parts_of(m, first), fmax(parts_of(m, next(e)), parts_of(m, last)));
+    return height(m, k, end_of(m, e), apex_of(m, e)) / parts;
+}
+
 /* Whether a triangle with corner k, instead of the one at half edge e, is good on a ruled face. */
 static int lies_flat(const Mesh *m, whole e, whole k, whole w, const Limits *l, double flattest)
 {
     const whole a = end_of(m, e), b = apex_of(m, e), wa = m->wedge_of[next(e)], wb = m->wedge_of[previous(e)];
     const char face = face_at(m, e);
     const double most = l->off * m->fine, flat = l->flat[m->kinds[m->corners[e]] == INSIDE ? face : 0];
-    if (height(m, k, a, b) < fmin(flattest, flat)) return 0;
+    if (height_when_cut(m, e, k) < fmin(flattest, flat)) return 0;
     if (face == RULED && (sag(m, k, a, w, wa) > most || sag(m, k, b, w, wb) > most)) return 0;
     double n[3];
     across(m, k, a, b, n);
@@ -283,7 +301,7 @@ static int short_enough(const Mesh *m, whole k, whole a, whole w, whole wa, doub
 static int keeps_triangles(const Mesh *m, whole gone, whole k, const Limits *l)
 {
     double flattest = INFINITY;
-    AROUND(m, gone, e) if (face_at(m, e)) flattest = fmin(flattest, height(m, gone, end_of(m, e), apex_of(m, e)));
+    AROUND(m, gone, e) if (face_at(m, e)) flattest = fmin(flattest, height_when_cut(m, e, gone));
     AROUND(m, gone, e)
     {
         const whole a = end_of(m, e), b = apex_of(m, e);

@@ -100,9 +100,6 @@ int pas_tetrahedra(whole levels, const whole *halved, const whole *halved_ends, 
 int pas_tetrahedra_taken(whole count, whole place, whole *corners);
 
 /* radial.c */
-int pas_met(const whole *sizes, const double *maps, const whole *piece_of, whole parts, const whole *degrees,
-            const whole *starts, const double *tables, whole count, const double *points, whole steps, double settled,
-            double *result);
 int pas_around(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
                const double *tables, whole rings, const double *middles, const double *squares, whole count,
                const double *points, whole steps, double settled, double most, double away, double *result);

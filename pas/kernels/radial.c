@@ -34,10 +34,11 @@ static double root_along(whole degree, const double *profile, whole stride, doub
     return share;
 }
 
-/* Points (count, 3) moved along rays from 0 to where these meet the surface; `polynomials` are the parts of each degree. */
-int pas_met(const whole *sizes, const double *maps, const whole *piece_of, whole parts, const whole *degrees,
-            const whole *starts, const double *tables, whole count, const double *points, whole steps, double settled,
-            double *result)
+/* Points (count, 3) moved along rays from 0 to where these meet the surface, whose polynomials are given by the parts of
+   each degree. */
+static int met(const whole *sizes, const double *maps, const whole *piece_of, whole parts, const whole *degrees,
+               const whole *starts, const double *tables, whole count, const double *points, whole steps, double settled,
+               double *result)
 {
     const Field field = {sizes, maps, piece_of, degrees, starts, tables};
     double *profiles = malloc((parts * count + 1) * sizeof(double)), *leave = malloc((count + 1) * sizeof(double));
@@ -143,8 +144,7 @@ int pas_near(const whole *sizes, const double *maps, const whole *piece_of, whol
     whole *own = malloc((count + 1) * sizeof(whole));
     int state = jets && leave && own ? 0 : -1;
     if (state == 0)
-        state = pas_met(sizes, maps, piece_of, parts, degrees, starts, tables, count, points, steps, settled,
-                        result);
+        state = met(sizes, maps, piece_of, parts, degrees, starts, tables, count, points, steps, settled, result);
     if (state == 0) state = values_at(&field, JETS, count, result, leave, own, jets);
     for (whole p = 0; state == 0 && p < count; p++) {
         const double g[3] = {jets[count + p], jets[2 * count + p], jets[3 * count + p]}, *place = result + 3 * p;

@@ -16,7 +16,7 @@
 #define WIDE 4     /* of them in a register: of wider ones compilers make none where the machine has none */
 #define DEEPEST 40 /* halvings of a part */
 #define STEPS 60   /* of Newton's method */
-#define CLOSE 1e-6 /* the last of them over the part: the next, on the polynomial itself, is about its square */
+#define CLOSE 1e-6 /* a step over the part, or over the way: the next, on the polynomial itself, is about its square */
 #define UNDECIDED 4.0
 #define UNIT 0x1p-53
 #define MARGIN 0.125
@@ -235,19 +235,24 @@ static double root_of(const Scene *s, const double *form)
     return share;
 }
 
-/* A step of Newton's method on the polynomial itself, within the part, and within the cell. */
+/* Newton's method on the polynomial itself, within the part, and within the cell: one step but where the form's rounding
+   has spoilt the root, which may be far away on an endless stretch. */
 static double polished(const Scene *s, const Span *span, const double *o, const double *d, double low, double width,
                        double share, int rising)
 {
     const whole n = s->degree, count = (n + 1) * (n + 2) * (n + 3) / 6;
-    const double t = at_share(s, span, low + width * share);
+    const double *jets = s->jets + 4 * count * s->piece_of[span->cell];
     const double begin = at_share(s, span, low), end = at_share(s, span, low + width);
-    double jet[4];
-    four_at(n, s->jets + 4 * count * s->piece_of[span->cell], o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2], jet);
-    const double slope = jet[1] * d[0] + jet[2] * d[1] + jet[3] * d[2];
-    double better = t - jet[0] / slope;
-    if (!isfinite(better) || (slope > 0) != rising) better = t;
-    better = better < begin ? begin : better > end ? end : better;
+    double better = at_share(s, span, low + width * share), jet[4];
+    for (int step = 0; step < STEPS; step++) {
+        const double t = better;
+        four_at(n, jets, o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2], jet);
+        const double slope = jet[1] * d[0] + jet[2] * d[1] + jet[3] * d[2];
+        better = t - jet[0] / slope;
+        if (!isfinite(better) || (slope > 0) != rising) better = t;
+        better = better < begin ? begin : better > end ? end : better;
+        if (!(fabs(better - t) > CLOSE * (t + span->length))) break;
+    }
     return better < span->first ? span->first : better > span->last ? span->last : better;
 }
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.kernels.library import compiled
 from pas.limits import checkpoint
-from pas.mesh.kernels import compiled
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.topology import distinct, numbered
 
@@ -61,8 +61,10 @@ def crossings(negative: NDArray[np.bool_], tets: Integers) -> tuple[Integers, In
 
     `negative` (N,) says on which side each node is, `tets` (M, 4) are node numbers.
     """
-    size = len(negative)
-    unique, inverse = numbered(compiled().crossings(tets, negative))
+    size, number = len(negative), np.empty(1, dtype=np.intp)
+    keys = np.empty(6 * len(tets), dtype=np.intp)
+    compiled().call("pas_crossings", len(tets), tets, size, negative, keys, number)
+    unique, inverse = numbered(keys[: 3 * number[0]])
     return np.stack([unique // size, unique % size], axis=1), inverse.reshape(-1, 3)
 
 
@@ -75,7 +77,9 @@ def oriented(
     negative to the positive ends of the edges through its corners; moving a corner along its edge
     does not change the side.
     """
-    return compiled().oriented(triangles, points, edges, nodes, negative)
+    result = triangles.copy()
+    compiled().call("pas_oriented", len(result), result, points, edges, nodes, negative)
+    return result
 
 
 def _without_doubles(triangles: Integers) -> Integers:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pas.kernels.library import address_of, compiled
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import Floats, Integers, norms
-from pas.mesh.topology import numbered, twins_of
+from pas.mesh.topology import numbered
 
 TURNED = 0.5
 """Cosine between a triangle and the normals at its corners that flips keep, or do not make worse."""
@@ -81,12 +81,12 @@ class HalfEdges:
 
     def __init__(self, first: Labelled, faces: NDArray[np.int8]) -> None:
         triangles, labels = first.triangles, first.labels
-        if triangles.min(initial=0) < 0 or triangles.max(initial=0) >= len(first.points):
-            raise ValueError("triangles must be numbers of points")
+        if labels.min(initial=0) < 0 or labels.max(initial=-1) >= len(faces):
+            raise ValueError("labels must be numbers of faces")
         self.faces = np.ascontiguousarray(faces, dtype=np.int8)
         self._struct = _Struct()
         self.arrays: dict[str, NDArray[Any]] = {}
-        twins = twins_of(triangles, len(first.points))
+        twins = first.topology.twins
         if twins.min(initial=0) < -1:
             raise ArithmeticError("some edge does not have one or two triangles")
         span = int(labels.max(initial=0)) + 1
@@ -230,13 +230,7 @@ class HalfEdges:
         self._call("pas_mesh_flip", TURNED, float(limit), int(only_fresh), PASSES)
 
     def collapse(
-        self,
-        halves: Integers,
-        longer: float,
-        kept: float,
-        off: float,
-        flat: tuple[float, float, float],
-        held: float = 0.8,
+        self, halves: Integers, longer: float, kept: float, off: float, flat: tuple[float, float, float]
     ) -> int:
         """Collapse half edges (K,) in this order, or their twins, where the mesh stays good; how many.
 

@@ -65,17 +65,21 @@ class Topology:
         return np.bincount(self.pairs[:, 0], minlength=self.size)
 
     @cached_property
+    def twins(self) -> Integers:
+        """The twins (3 T,) of half edges: 3 t + k leads from corner k of triangle t to the next; see `twins_of`."""
+        return twins_of(self.triangles, self.size)
+
+    @cached_property
     def halves(self) -> Integers:
-        """A half edge (E,) of each edge: 3 t + k leads from corner k of triangle t to the next."""
-        twins = twins_of(self.triangles, self.size)
-        halves = np.flatnonzero(twins < np.arange(len(twins)))
+        """A half edge (E,) of each edge."""
+        halves = np.flatnonzero(self.twins < np.arange(len(self.twins)))
         corners, ends = self.triangles.ravel()[halves], self.triangles[:, [1, 2, 0]].ravel()[halves]
         return halves[np.argsort(np.minimum(corners, ends) * self.size + np.maximum(corners, ends), kind="stable")]
 
     @cached_property
     def edge_table(self) -> tuple[Integers, Integers]:
         """The edges (E, 2), the lower vertex first, sorted, and the two labels of each (E, 2), ascending."""
-        halves, twins = self.halves, twins_of(self.triangles, self.size)[self.halves]
+        halves, twins = self.halves, self.twins[self.halves]
         corners, ends = self.triangles.ravel()[halves], self.triangles[:, [1, 2, 0]].ravel()[halves]
         own, other = self.labels[halves // 3], self.labels[np.where(twins < 0, halves, twins) // 3]
         both = np.stack([corners, ends], axis=1), np.stack([own, other], axis=1)

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.bernstein.subdivision import Means, means, raised
+from pas.kernels.library import compiled
 from pas.limits import checkpoint
 from pas.mesh.field import CellField
-from pas.mesh.kernels import compiled
 from pas.mesh.rows import Floats, Integers, all_of, any_of
 from pas.mesh.topology import MOST, first_with
 from pas.verdicts import Status
@@ -146,7 +146,13 @@ def _kept(forms: Floats) -> NDArray[np.bool_]:
 def _cut(degree: int, keys: Integers, points: Floats, forms: Floats) -> tuple[Integers, Floats, Floats]:
     """The eighths that may hold zeros of tetrahedra with keys (T, 4), corners (T, 4, 3) and forms (T, m)."""
     corners, parts = eighths(degree)
-    return compiled().eighths(corners, parts, ROUNDING, keys, points, forms)
+    count, m, number = 8 * len(forms), forms.shape[1], np.empty(1, dtype=np.intp)
+    new_keys, new_points = np.empty((count, 4), dtype=np.intp), np.empty((count, 4, 3))
+    new_forms = np.empty((count, m))
+    tables = (len(parts.halves), parts.halves, parts.taken, corners, ROUNDING, keys, points, forms)
+    compiled().call("pas_eighths", len(forms), m, *tables, new_keys, new_points, new_forms, number)
+    found = int(number[0])
+    return new_keys[:found], new_points[:found], new_forms[:found]
 
 
 def _turning(degree: int, forms: Floats, points: Floats) -> tuple[NDArray[np.bool_], Floats]:
@@ -158,7 +164,10 @@ def _turning(degree: int, forms: Floats, points: Floats) -> tuple[NDArray[np.boo
 def risings(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats, Floats]:
     """Of functions on tetrahedra (T, 4, 3) the mean (T, 3) of the gradient's B-coefficients, up to a positive factor,
     their least product with that (T,), and the largest of their squared sizes (T,)."""
-    return compiled().risings(raised(degree, 4), forms, corners)
+    up = raised(degree, 4)
+    mean, least, size = np.empty((len(forms), 3)), np.empty(len(forms)), np.empty(len(forms))
+    compiled().call("pas_risings", len(forms), forms.shape[1], len(up), up, forms, corners, mean, least, size)
+    return mean, least, size
 
 
 @cache

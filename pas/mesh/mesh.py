@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from pas.errors import GeometryError
 from pas.mesh.booleans import Triangles, boolean
-from pas.mesh.quality import Quality
+from pas.mesh.quality import Quality, smallest_angles
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
 from pas.mesh.soundness import soundness
@@ -77,13 +77,16 @@ class Mesh(Shape):
     def from_triangles(cls, points: ArrayLike, triangles: ArrayLike, name: str = "mesh") -> Mesh:
         """A closed mesh of one face from arrays (N, 3) and (T, 3), say of a file.
 
-        Raises `GeometryError` where it is not a closed manifold, or inside out.
+        Raises `GeometryError` where triangles have corners that are no points, and where the mesh is not a closed
+        manifold, or inside out.
         """
         p, t = np.asarray(points, dtype=float), np.asarray(triangles, dtype=np.intp)
         if p.ndim != 2 or p.shape[1] != 3 or t.ndim != 2 or t.shape[1] != 3:
             raise ValueError(f"points and triangles must have shapes (N, 3) and (T, 3), not {p.shape} and {t.shape}")
         if not np.isfinite(p).all():
             raise GeometryError("the mesh has points that are not finite")
+        if t.min(initial=0) < 0 or t.max(initial=-1) >= len(p):
+            raise GeometryError(f"the mesh has triangles whose corners are not numbers of its {len(p)} points")
         mesh = cls(p, t, np.zeros(len(t), dtype=np.intp), (name,), flat_normals(p, t))
         mesh.require_closed()
         if mesh.volume <= 0:
@@ -194,13 +197,7 @@ class Mesh(Shape):
     @property
     def smallest_angles(self) -> Floats:
         """The smallest angle of each triangle, in degrees (T,)."""
-        p = self.points[self.triangles]
-        angles = []
-        for i in range(3):
-            a, b = p[:, (i + 1) % 3] - p[:, i], p[:, (i + 2) % 3] - p[:, i]
-            cosine = (a * b).sum(1) / np.maximum(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), 1e-300)
-            angles.append(np.degrees(np.arccos(np.clip(cosine, -1, 1))))
-        return np.min(angles, axis=0)
+        return np.asarray(np.degrees(smallest_angles(self.points[self.triangles])))
 
     @cached_property
     def point_normals(self) -> Floats:

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.errors import GeometryError, MeshError
+from pas.kernels.library import compiled
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField
-from pas.mesh.kernels import compiled
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.topology import numbered
 
@@ -175,8 +175,12 @@ class Octree:
 
     def tetrahedra(self) -> tuple[Floats, Integers]:
         """Nodes (N, 3), and tetrahedra (T, 4) that hold all of the boundary and fit together."""
-        halved = [cubes @ _WEIGHTS for cubes in self._halved]
-        corners = compiled().tetrahedra(halved, self._missed[: self.levels + 1], self._counts)
+        halved, missed = [cubes @ _WEIGHTS for cubes in self._halved], self._missed[: self.levels + 1]
+        tables = [(np.concatenate(level), np.cumsum([0, *map(len, level)])) for level in (halved, missed)]
+        found = np.empty(2, dtype=np.intp)  # how many, and where they are until they are taken
+        compiled().call("pas_tetrahedra", len(halved), *tables[0], *tables[1], self._counts, found)
+        corners = np.empty((found[0], 4), dtype=np.intp)
+        compiled().call("pas_tetrahedra_taken", *found.tolist(), corners)
         checkpoint()
         numbers, inverse = numbered(corners.ravel())
         return self.origin + _coordinates(numbers) * (self.size / 2**self.levels), inverse.reshape(-1, 4)

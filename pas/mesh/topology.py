@@ -7,20 +7,27 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from pas.mesh.kernels import compiled
+from pas.kernels.library import compiled
 from pas.mesh.rows import Floats, Integers
 
 
 def twins_of(triangles: Integers, size: int) -> Integers:
     """The twins (3 T,) of half edges 3 t + k, from corner k of triangle t to the next, of triangles (T, 3) on so many
-    vertices: -1 on the boundary, -2 where an edge has more than two triangles, or two that are not turned alike."""
-    return compiled().twins(triangles, size)
+    vertices: -1 on the boundary, -2 where an edge has more than two triangles, or two that are not turned alike.
+
+    Raises `ValueError` where corners are not numbers of vertices."""
+    if triangles.min(initial=0) < 0 or triangles.max(initial=-1) >= size:
+        raise ValueError("triangles must be numbers of points")
+    result = np.empty(triangles.size, dtype=np.intp)
+    compiled().call("pas_twins", len(triangles), triangles, size, result)
+    return result
 
 
 def fans_of(triangles: Integers, size: int) -> tuple[Integers, Integers]:
     """The twins (3 T,) of half edges, and the number of fans (N,) that the triangles at each vertex are."""
-    twins = twins_of(triangles, size)
-    return twins, compiled().fans(triangles, size, twins)
+    twins, fans = twins_of(triangles, size), np.empty(size, dtype=np.intp)
+    compiled().call("pas_fans", len(triangles), triangles, size, twins, fans)
+    return twins, fans
 
 
 MOST = (1 << 62) - 1
@@ -29,12 +36,19 @@ MOST = (1 << 62) - 1
 
 def numbered(keys: Integers) -> tuple[Integers, Integers]:
     """The distinct ones of numbers (N,), none of them negative, sorted, and where each of them stands (N,)."""
-    return compiled().numbered(keys, True)
+    return _numbered(keys, True)
 
 
 def distinct(keys: Integers) -> Integers:
     """The distinct ones of numbers, none of them negative, sorted (several times faster than `np.unique`)."""
-    return compiled().numbered(keys.ravel(), False)[0]
+    return _numbered(keys.ravel(), False)[0]
+
+
+def _numbered(keys: Integers, placed: bool) -> tuple[Integers, Integers]:
+    found, number = np.empty(len(keys), dtype=np.intp), np.empty(1, dtype=np.intp)
+    inverse = np.empty(len(keys) if placed else 0, dtype=np.intp)
+    compiled().call("pas_numbered", len(keys), keys, placed, found, inverse, number)
+    return found[: number[0]].copy(), inverse
 
 
 def same_places(points: Floats) -> tuple[Integers, Integers]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib import import_module
 from typing import Any, Generic
 
 import numpy as np
 
+from pas.algebra.inputs import short, shown, whole
 from pas.algebra.monomials import Floats
-from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
+from pas.errors import InfeasibleError, NoSolutionError, NotProvedError, NotSolvedError
 from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import as_energy
 from pas.fairing.fit_settings import SETTINGS
@@ -18,6 +19,12 @@ from pas.fairing.solver import FitSolver, Iterate, RayConditions
 from pas.fairing.wishes import PointsLike, UnitCoefficients, Wishes, exact_points
 from pas.limits import checkpoint
 from pas.pipeline.chosen import B, FitSpace
+
+SOLVED, INFEASIBLE = ("optimal", "optimal_inaccurate"), ("infeasible", "infeasible_inaccurate")
+"""What cvxpy says of programmes."""
+
+MOST_ROUNDS = 1000
+"""Rounds that may be asked for."""
 
 
 class MemberProblem(Generic[B]):
@@ -56,8 +63,7 @@ class MemberProblem(Generic[B]):
     def missed(self) -> list[Any]:
         """Constraints that the solution misses along rays from the centre, where it crosses them less than once
         clearly; none where it is one sheet as far as these see.  Raises `ValueError` before there is a solution."""
-        rows = self._conditions.missed(self._found) if self.wishes.guard else Inequalities.none(self.space.dimension)
-        return self._stated(rows)
+        return self._stated(self._missed_rows())
 
     def member(self) -> B:
         """The blend of the solution, rounded so that exact equations hold exactly; it is proved when first asked.
@@ -72,25 +78,62 @@ class MemberProblem(Generic[B]):
         """The member of least energy, and of a convex `term` added to it, under one's own constraints too.
 
         Constraints of one sheet are added where they are missed, for so many rounds.  Raises `InfeasibleError` where
-        cvxpy finds no solution, `NotProvedError` where proofs are wished for and the surface found does not pass them.
+        constraints contradict, naming those of one's own that do, `NotSolvedError` where there is no least member or
+        cvxpy's solver fails, `NotProvedError` where proofs are wished for and the surface found does not pass them,
+        and `TypeError` or `ValueError` for what is no convex constraint or term.
         """
-        cvxpy: Any = import_module("cvxpy")
-        asked = [*self.constraints, *constraints]
-        for _ in range(rounds):
+        given, term = check_constraints(constraints), check_term(term)
+        rows = Inequalities.none(self.space.dimension)
+        for _ in range(whole(rounds, "rounds", 1, MOST_ROUNDS)):
             checkpoint(f"solving a convex problem of degree {self.space.degree}")
-            problem = cvxpy.Problem(cvxpy.Minimize(self.energy + term), asked)
-            problem.solve(solver=cvxpy.CLARABEL)
-            if problem.status not in (cvxpy.OPTIMAL, cvxpy.OPTIMAL_INACCURATE):
-                raise InfeasibleError(f"cvxpy says of the constraints in degree {self.space.degree}: {problem.status}")
-            missed = self.missed()
-            if not missed:
+            status = self._status(self.energy + term, [*self.constraints, *given, *self._stated(rows)])
+            if status in INFEASIBLE:
+                error = self._conflict(given, rows)
+                self.variable.value = None  # that of the last probe for the conflict is no solution
+                raise error
+            if status not in SOLVED:
+                raise NotSolvedError(f"the energy with the term has no least value that cvxpy finds: it says {status}")
+            missed = self._missed_rows()
+            if not len(missed):
                 break
-            asked += missed
+            rows += missed
         found = self.member()
         if self.wishes.prove and not found.certificate.proved:
             failed = next(v for v in found.certificate.verdicts if not v.proved)
             raise NotProvedError(f"the surface of degree {self.space.degree} is not proved: {failed}", found)
         return found
+
+    def _status(self, objective: Any, constraints: Sequence[Any]) -> str:
+        """What cvxpy says of a programme; raises `NotSolvedError` where its solver fails."""
+        cvxpy: Any = import_module("cvxpy")
+        problem = cvxpy.Problem(cvxpy.Minimize(objective), list(constraints))
+        try:
+            problem.solve(solver=cvxpy.CLARABEL)
+        except cvxpy.SolverError as error:
+            raise NotSolvedError(f"cvxpy's solver failed in degree {self.space.degree}: {error}") from None
+        return str(problem.status)
+
+    def _conflict(self, given: Sequence[Any], rows: Inequalities) -> InfeasibleError:
+        """An error naming an irreducible set of the user's constraints that contradict, or those of the problem itself
+        where these cannot be met without any others (deletion filter)."""
+        own, degree = [*self.constraints, *self._stated(rows)], self.space.degree
+        if not given or self._status(0.0, own) in INFEASIBLE:
+            first = self._conditions.first if self.wishes.guard else Inequalities.none(self.space.dimension)
+            return self._solver.programme.conflict(first + rows)
+        kept = dict(enumerate(given))
+        for number in range(len(given)):
+            others = {n: constraint for n, constraint in kept.items() if n != number}
+            if self._status(0.0, [*own, *others.values()]) in INFEASIBLE:
+                kept = others
+        names = [f"constraints[{number}]" for number in kept]
+        text = f"{names[0]} cannot be met" if len(names) == 1 else f"{' and '.join(names)} contradict one another"
+        if self._status(0.0, list(kept.values())) not in INFEASIBLE:
+            text += f" beside what the problem itself asks in degree {degree}"
+        return InfeasibleError(f"{text}; without constraints of your own there is a solution", names)
+
+    def _missed_rows(self) -> Inequalities:
+        """What the solution misses of one sheet."""
+        return self._conditions.missed(self._found) if self.wishes.guard else Inequalities.none(self.space.dimension)
 
     @property
     def _found(self) -> Floats:
@@ -108,3 +151,32 @@ class MemberProblem(Generic[B]):
 
     def __repr__(self) -> str:
         return f"<ConvexProblem of degree {self.space.degree}, {self.space.dimension} variables>"
+
+
+def check_constraints(constraints: Any) -> list[Any]:
+    """One's own constraints as a list; raises `TypeError` for what are no constraints of cvxpy, and `ValueError` for
+    those that are not convex by its rules."""
+    cvxpy: Any = import_module("cvxpy")
+    right = "of cvxpy, such as problem.values([point]) <= 0"
+    if isinstance(constraints, str | cvxpy.Constraint) or not isinstance(constraints, Iterable):
+        raise TypeError(f"constraints must be a list of constraints {right}, not {shown(constraints)}")
+    found = list(constraints)
+    for number, constraint in enumerate(found):
+        if not isinstance(constraint, cvxpy.Constraint | bool):
+            raise TypeError(f"constraints[{number}] must be a constraint {right}, not {shown(constraint)}")
+        if not isinstance(constraint, bool) and not constraint.is_dcp():
+            raise ValueError(f"constraints[{number}] must be convex by cvxpy's rules; {short(str(constraint))} is not")
+    return found
+
+
+def check_term(term: Any) -> Any:
+    """What is added to the energy; raises `TypeError` for what is neither a number nor an expression of cvxpy, and
+    `ValueError` for one that is not a single convex value."""
+    cvxpy: Any = import_module("cvxpy")
+    right = "a number or a convex expression of cvxpy with a single value"
+    if not isinstance(term, int | float | np.number | cvxpy.Expression):
+        raise TypeError(f"term must be {right}, not {shown(term)}")
+    expression = cvxpy.Constant(term) if not isinstance(term, cvxpy.Expression) else term
+    if expression.size != 1 or not expression.is_convex():
+        raise ValueError(f"term must be {right}; {short(str(term))} is not")
+    return term

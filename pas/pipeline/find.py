@@ -7,7 +7,7 @@ layouts where that fails; what was tried is said in the blend's summary.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import chain, groupby
+from itertools import chain, groupby, tee
 from typing import Any, Literal, cast
 
 from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
@@ -21,7 +21,7 @@ from pas.fairing.wishes import Wishes
 from pas.partition.cells import Partition
 from pas.partition.six_tetrahedra import SixTetrahedra
 from pas.pipeline.chosen import Attempt, B, FitSpace
-from pas.pipeline.search import CHOSEN, CORNER, GIVEN, Remembered, Search
+from pas.pipeline.search import CHOSEN, CORNER, GIVEN, Search
 from pas.pipeline.session import key_of, open_session
 from pas.pipeline.stages import Stages
 from pas.surface.placed import PlacedContacts
@@ -61,15 +61,16 @@ def find(
     raised = degree is None and wished.energy is not None and wished.energy.on_surface
     search = Search(spaces, wished, given, order, raised, stages)
     corner = isinstance(placed.partition, SixTetrahedra)
-    several = raised and not corner and not isinstance(partition, Partition)
-    ways = [CHOSEN] if several else [CORNER, GIVEN] if raised and not isinstance(partition, Partition) else [GIVEN]
+    free = raised and not isinstance(partition, Partition)
+    several = free and not corner
+    ways = [CHOSEN] if several else [CORNER, GIVEN] if free and wished.limits is None else [GIVEN]
 
     def layout_of(place: PlacedContacts) -> Any:
         return place.partition.layout if several else place
 
     for _, regions in groupby(chain([placed], candidates), layout_of):
-        here = Remembered(regions)
-        found = next(filter(None, (search.on_layout(here, settings) for settings in ways)), None)
+        each = zip(tee(regions, len(ways)), ways, strict=True)
+        found = next(filter(None, (search.on_layout(here, settings) for here, settings in each)), None)
         if found is not None:
             if session is not None:
                 session.keep(found, key)

@@ -8,8 +8,9 @@ not count as that.  Where none is proved in so many degrees, the next layout is 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from itertools import tee
 from typing import Generic
 
 from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
@@ -63,25 +64,11 @@ GIVEN = SearchSettings(degrees=4, above=2, fewest=1)
 """On one partition; corners of order up to 4 needed at most three degrees."""
 
 CORNER = replace(GIVEN, above=1, fewest=12)
-"""On six tetrahedra that the program chose, before all."""
+"""On six tetrahedra that the program chose, within the usual limits of fairness, before all."""
 
 CHOSEN = SearchSettings(degrees=2, above=1, fewest=15)
 """On layouts that the program chose, of which the first that has a proved surface is kept: more half-planes made no
 shape fairer that another degree did not."""
-
-
-class Remembered:
-    """What an iterator has, to be gone through as often as one likes, each thing fetched when it is first needed."""
-
-    def __init__(self, source: Iterable[PlacedContacts]) -> None:
-        self._known: list[PlacedContacts] = []
-        self._source = iter(source)
-
-    def __iter__(self) -> Iterator[PlacedContacts]:
-        yield from self._known
-        for place in self._source:
-            self._known.append(place)
-            yield place
 
 
 @dataclass
@@ -112,7 +99,8 @@ class Search(Generic[B]):
             if degree > highest or (tried >= settings.degrees and degree > settings.per_order * self.order):
                 break
             tried += 1
-            for number, placed in enumerate(regions):
+            regions, here = tee(regions)
+            for number, placed in enumerate(here):
                 space = self._space(placed, degree, settings)
                 if space is None:  # which spaces are of use does not hang on the region
                     tried -= not number

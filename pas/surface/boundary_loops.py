@@ -13,6 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from pas.algebra.evaluation import PolynomialBatch
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.contacts.cones import first_met, nappe_rays
@@ -121,9 +122,13 @@ class PlaneLoop:
     def _alone(self) -> Loops:
         return Loops([self])
 
+    @cached_property
+    def _function(self) -> PolynomialBatch:
+        return derivative_batch([self.column], (0, 1))
+
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4) of its function at points (N, 3)."""
-        return self._alone.jets(points, np.zeros(len(points), dtype=np.intp))
+        return self._function(points, np.zeros(len(points), dtype=np.intp))
 
     def at(self, points: Floats) -> Floats:
         """Where the rays from the middle through points (N, 3) near the plane meet the curve."""
@@ -172,10 +177,6 @@ class Loops:
         self._middles = np.array([loop.middle for loop in loops]).reshape(-1, 3)
         self._normals = np.array([loop.normal for loop in loops]).reshape(-1, 3)
         self._batch = derivative_batch([loop.column for loop in loops], (0, 1))
-
-    def jets(self, points: Floats, numbers: Integers) -> Floats:
-        """Values and gradients (N, 4) of the functions of curves of given numbers (N,) at points (N, 3)."""
-        return self._batch(points, numbers)
 
     def at(self, points: Floats, numbers: Integers) -> Floats:
         """Where rays from the middles of curves of given numbers (N,) through points (N, 3) meet these."""

@@ -1,8 +1,9 @@
 """How deep points lie inside a surface: their distances from it, along straight lines that meet it at right angles.
 
 A point's foot begins at the nearest of some thousand points of the surface, and goes on by Newton's method on the
-polynomial of the piece that this one lies in.  With the depth d of a point below its foot and the shape operator S
-there, a foot that moves by u along the surface moves what lies d below it by `u - d S u`.
+polynomial of the piece that this one lies in, and then of the piece that it came into.  With the depth d of a point
+below its foot and the shape operator S there, a foot that moves by u along the surface moves what lies d below it by
+`u - d S u`.
 
 Beyond a clip the contact's own surface takes its place.
 
@@ -48,6 +49,7 @@ class Depth:
         rays = Directions.of(surface.placed, columns, surface.degree, SAMPLES)
         self._samples = rays.directions * rays.distances[:, None]
         self._numbers = np.concatenate([np.full(here.stop - here.start, piece) for piece, here in rays.slices])
+        self._location, self._tolerance = surface.local.location, surface.evaluator.tolerance
         self._joins = surface.joins
         ends = [join.contact.surface for join in surface.joins]
         self._batch = derivative_batch([*columns, *(end.dense(end.degree) for end in ends)], (0, 1, 2))
@@ -73,6 +75,9 @@ class Depth:
         numbers, starts = self._numbers[nearest], self._samples[nearest]
         reach = np.linalg.norm(local - starts, axis=1)
         feet, normals = self._feet(local, starts, numbers)
+        pieces = self._location.pieces(np.ascontiguousarray(feet.T), self._tolerance)
+        other = np.flatnonzero((pieces >= 0) & (pieces != numbers))  # their feet crossed into a neighbour
+        feet[other], normals[other] = self._feet(local[other], feet[other], pieces[other])
         first = len(self._batch.degrees) - len(self._joins)
         for number, join in enumerate(self._joins, start=first):
             here = np.flatnonzero(np.isin(numbers, join.pieces))

@@ -58,16 +58,8 @@ class EvenWall(Energy):
 
     def shares(self, points: Floats) -> Floats:
         """The wall's thickness at points (N, 3) of the inner surface over what it is to be there (N,)."""
-        share: Floats = self._depths(points)[0] / self.thickness(points)[0]
+        share: Floats = self.depth(points)[0] / self.thickness(points)[0]
         return share
-
-    def _depths(self, points: Floats) -> tuple[Floats, Floats]:
-        """The depths and normals, kept for the last points: slopes are asked for where residuals were."""
-        known = vars(self).get("_known")
-        if known is None or known[0] is not points:
-            known = points, self.depth(points)
-            vars(self)["_known"] = known
-        return known[1]
 
     def residuals(self, points: SurfacePoints, sizes: Sizes) -> Floats:
         """What is squared and integrated over the surface, (N, 1)."""
@@ -75,7 +67,7 @@ class EvenWall(Energy):
 
     def slopes(self, points: SurfacePoints, sizes: Sizes) -> Floats:
         """The derivatives of the residuals (N, 1, 14)."""
-        depths, normals = self._depths(points.points)
+        depths, normals = self.depth(points.points)
         wanted, gradients = self.thickness(points.points)
         slopes = np.zeros((len(points), 1, QUANTITIES))
         by_place = -normals / wanted[:, None] - (depths / wanted**2)[:, None] * gradients
