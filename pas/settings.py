@@ -14,7 +14,7 @@ from dataclasses import Field, dataclass, field, fields
 from enum import Enum
 from typing import Any
 
-from pas.algebra.inputs import check_tolerance
+from pas.algebra.inputs import check_limit, check_tolerance, shown
 
 
 def option(
@@ -43,12 +43,24 @@ def given(settings: Any) -> dict[str, Any]:
     return {name: value for name, (value, usual) in values.items() if value is not usual and value != usual}
 
 
+QUALITIES = ("angles", "balanced", "count")
+"""The names of `pas.Quality`."""
+
+
+def check_quality(given: Any) -> str:
+    """The name of a quality of meshes, given by that or as a `pas.Quality`; raises `ValueError` for any other."""
+    name = given.value if isinstance(given, Enum) else given
+    if name not in QUALITIES:
+        raise ValueError(f"quality must be one of {', '.join(map(repr, QUALITIES))}, not {shown(given)}")
+    return str(name)
+
+
 @dataclass(frozen=True)
 class MeshSettings:
     """How a shape is meshed; `Shape.mesh` of each kind takes those as keywords that mean something to it.
 
     `tolerance` is in the model's units, None for the shape's own; `domain` that of a surface with parameters.  Raises
-    `TypeError` and `ValueError` for a tolerance that is none.
+    `TypeError` and `ValueError` for a tolerance, a quality or a number of triangles that is none.
     """
 
     tolerance: float | None = option(
@@ -63,3 +75,5 @@ class MeshSettings:
     def __post_init__(self) -> None:
         if self.tolerance is not None:
             object.__setattr__(self, "tolerance", check_tolerance(self.tolerance))
+        check_quality(self.quality)
+        check_limit(self.max_triangles)

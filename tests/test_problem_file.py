@@ -8,6 +8,8 @@ import pytest
 from conftest import ROOT
 
 import pas
+from pas.mesh.quality import Quality
+from pas.settings import QUALITIES
 
 PROBLEM = """\
 order = 2
@@ -130,3 +132,19 @@ def test_files_that_cannot_be_read(tmp_path):
     (tmp_path / "b.toml").write_bytes(b"\xff\xfe")
     with pytest.raises(pas.ProblemFileError, match="UTF-8"):
         pas.read_problem(tmp_path / "b.toml")
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ('quality = "good"', "quality must be one of 'angles', 'balanced', 'count', not 'good'"),
+        ("max_triangles = 0", "max_triangles must be at least 1, not 0"),
+    ],
+)
+def test_settings_of_meshes_are_checked_before_anything_is_solved(tmp_path, line, said):
+    with pytest.raises(pas.ProblemFileError, match=rf"line \d+: {said}"):
+        read(tmp_path, f"{PROBLEM}\n[mesh]\n{line}\n")
+
+
+def test_qualities_have_the_names_that_settings_know():
+    assert tuple(quality.value for quality in Quality) == QUALITIES

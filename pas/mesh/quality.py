@@ -8,8 +8,8 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from pas.algebra.inputs import shown
 from pas.mesh.rows import Floats, Integers
+from pas.settings import check_quality
 
 
 class Triangulated(Protocol):
@@ -43,11 +43,7 @@ class Quality(Enum):
     @classmethod
     def of(cls, given: Quality | str) -> Quality:
         """The one that is meant, by itself or by name.  Raises `ValueError` for any other."""
-        try:
-            return cls(given)
-        except ValueError:
-            names = ", ".join(repr(q.value) for q in cls)
-            raise ValueError(f"quality must be one of {names}, not {shown(given)}") from None
+        return cls(check_quality(given))
 
     @property
     def flat(self) -> tuple[float, float, float]:
