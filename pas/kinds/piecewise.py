@@ -15,6 +15,7 @@ from flint import fmpq
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, rational
 from pas.blending.solving import solve
+from pas.blending.space import Space
 from pas.certify.certificate import Certificate
 from pas.exchange.records import (
     CERTIFICATE,
@@ -48,8 +49,8 @@ from pas.partition.layout import Layout
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import body
 from pas.pipeline.chosen import Attempt
-from pas.pipeline.hollow import check_sides
-from pas.pipeline.result import Blend, HollowBlend, SolutionSpace
+from pas.pipeline.hollow import HollowBlend, check_sides
+from pas.pipeline.result import Blend
 from pas.render.layout import layers as layout_layers
 from pas.render.parts import solid_layers
 from pas.render.piecewise import layers
@@ -133,8 +134,8 @@ def _read(content: dict[str, Any]) -> Blend:
     surface, basis = read_surface(content["surface"]), _read_basis(solution["basis"])
 
     @cache
-    def find_space() -> SolutionSpace:
-        space = SolutionSpace.of(solve(surface.placed, surface.degree))
+    def find_space() -> Space:
+        space = solve(surface.placed, surface.degree)
         return space if basis is None else space.restricted(basis)
 
     def find_coefficients() -> list[fmpq]:
@@ -217,7 +218,7 @@ BLEND = Kind(
 )
 
 
-def _hollow_record(hollow: HollowBlend, _: Verdicts | None = None) -> dict[str, Any]:
+def _hollow_record(hollow: HollowBlend[Blend], _: Verdicts | None = None) -> dict[str, Any]:
     """Both blends, each as files keep it, and the thickness."""
     return {
         "outer": _record(hollow.outer),
@@ -226,7 +227,7 @@ def _hollow_record(hollow: HollowBlend, _: Verdicts | None = None) -> dict[str, 
     }
 
 
-def _read_hollow(content: dict[str, Any]) -> HollowBlend:
+def _read_hollow(content: dict[str, Any]) -> HollowBlend[Blend]:
     """The hollow blend of `_hollow_record`; that the one is inside the other is proved again when it is asked for.
 
     The inner contacts must be those that the outer ones and the thickness come to.
