@@ -67,11 +67,11 @@ from .exchange.write import write_mesh as write_mesh
 from .exchange.write import write_solid as write_solid
 from .exchange.write import write_step as write_step
 from .fairing.energies.curvature_variation import CurvatureVariation as CurvatureVariation
-from .fairing.energies.membrane import Membrane as Membrane
-from .fairing.energies.thin_plate import ThinPlate as ThinPlate
+from .fairing.energies.squared_derivatives import Membrane as Membrane
+from .fairing.energies.squared_derivatives import ThinPlate as ThinPlate
 from .fairing.energy import Energy as Energy
 from .fairing.energy import register_energy as register_energy
-from .fairing.quadrature import Box as Box
+from .fairing.functionals import Box as Box
 from .fairing.surface_points import Sizes as Sizes
 from .fairing.surface_points import SurfacePoints as SurfacePoints
 from .fairing.wishes import MeanAlpha as MeanAlpha

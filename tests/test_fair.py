@@ -90,7 +90,9 @@ def test_the_derivatives_of_the_objective(space, energy):
     assert closer is not None
     objective, value = closer
     found = [
-        sum(len(e.chosen) for e in t.beyond.values(v)) for t, v in zip(objective.terms, value.by_term, strict=True)
+        sum(len(residuals.chosen) for residuals in limit.beyond(sampled))
+        for term, sampled in zip(objective.terms, value.geometries, strict=True)
+        for limit in term.limits
     ]
     assert len(found) == 4 and min(found) > 0  # curvature, bulge, sections, and where the closer look was
     normal, slope = objective.linearised(value)

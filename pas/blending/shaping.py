@@ -31,10 +31,9 @@ from pas.certify.free_curves import transversality
 from pas.errors import InfeasibleError, NoSolutionError
 from pas.fairing.basis import orthonormal, to_doubles
 from pas.fairing.energy import Energy, as_energy
-from pas.fairing.functionals import b_coefficient, value_at
+from pas.fairing.functionals import Handle, b_coefficient, value_at
 from pas.fairing.optimum import ExactProgramme, solve_exactly
 from pas.fairing.wishes import (
-    Handle,
     MeanAlpha,
     PointOptions,
     SumOfCoefficients,

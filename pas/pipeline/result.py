@@ -21,10 +21,10 @@ from pas.blending.shaping import LeastSquares, Optimum, determining_set, least_s
 from pas.blending.solving import solve
 from pas.contacts.contact import ContactLike
 from pas.fairing.energy import Energy, as_energy
+from pas.fairing.functionals import Handle
 from pas.fairing.refit import refitted
 from pas.fairing.solver import FittedMember
 from pas.fairing.wishes import (
-    Handle,
     Options,
     PointOptions,
     PointsLike,
