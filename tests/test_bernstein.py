@@ -27,7 +27,7 @@ from pas.bernstein.forms import (
     rounded,
     rounded_forms,
 )
-from pas.bernstein.products import Forms
+from pas.bernstein.products import BoundedForms
 from pas.bernstein.search import Boxes, Fate, Limits, search
 from pas.bernstein.signs import prove_apart, prove_positive, prove_positive_inside
 from pas.bernstein.simplices import Simplices, rounding_bound
@@ -212,7 +212,7 @@ def test_sums_and_products_of_forms_are_as_near_as_they_say(off):
     given = [np.array([to_floats([c * 24 for c in form])]) for form in exact]
     assert all(float(v) == v for form in given for v in form[0])
     p, q = (
-        Forms(form + error * (-1.0) ** np.arange(form.size), degree, np.array([error]))
+        BoundedForms(form + error * (-1.0) ** np.arange(form.size), degree, np.array([error]))
         for form, error, degree in zip(given, off, (3, 2), strict=True)
     )
     for found, wanted in (

@@ -21,7 +21,7 @@ from pas.bernstein.forms import SMALLEST, UNIT_ROUNDOFF
 
 
 @dataclass(frozen=True, eq=False)
-class Forms:
+class BoundedForms:
     """The B-coefficients (N, m) of polynomials on N tetrahedra, those of each off by at most `error` (N,)."""
 
     values: Floats
@@ -33,19 +33,21 @@ class Forms:
         """What no coefficient is larger than, (N,)."""
         return np.asarray(np.abs(self.values).max(axis=1) + self.error)
 
-    def __add__(self, other: Forms) -> Forms:
+    def __add__(self, other: BoundedForms) -> BoundedForms:
         degree = max(self.degree, other.degree)
         first, second = self.raised(degree), other.raised(degree)
         error = first.error + second.error + 2 * UNIT_ROUNDOFF * (first.size + second.size)
-        return Forms(first.values + second.values, degree, error)
+        return BoundedForms(first.values + second.values, degree, error)
 
-    def __sub__(self, other: Forms) -> Forms:
+    def __sub__(self, other: BoundedForms) -> BoundedForms:
         return self + other * -1.0
 
-    def __mul__(self, other: Forms | float) -> Forms:
+    def __mul__(self, other: BoundedForms | float) -> BoundedForms:
         """The product with others, or with a number that is a rounded one."""
-        if not isinstance(other, Forms):
-            return Forms(self.values * other, self.degree, abs(other) * (self.error + 4 * UNIT_ROUNDOFF * self.size))
+        if not isinstance(other, BoundedForms):
+            return BoundedForms(
+                self.values * other, self.degree, abs(other) * (self.error + 4 * UNIT_ROUNDOFF * self.size)
+            )
         if len(other.values[0]) > len(self.values[0]):
             return other * self
         where, weights = _terms(self.degree, other.degree)
@@ -55,14 +57,14 @@ class Forms:
             result[place] += weight[:, None] * first * factor
         rounding = 2 * (len(where) + 7) * UNIT_ROUNDOFF * self.size * other.size
         error = self.size * other.error + self.error * other.size + rounding
-        return Forms(np.ascontiguousarray(result.T), self.degree + other.degree, error)
+        return BoundedForms(np.ascontiguousarray(result.T), self.degree + other.degree, error)
 
-    def raised(self, degree: int) -> Forms:
-        """The same polynomials as of a higher degree."""
+    def raised(self, degree: int) -> BoundedForms:
+        """These polynomials as of a higher degree."""
         if degree == self.degree:
             return self
         one = np.ones((len(self.values), len(homogeneous_exponents(degree - self.degree, 4))))
-        return self * Forms(one, degree - self.degree, np.zeros(len(one)))
+        return self * BoundedForms(one, degree - self.degree, np.zeros(len(one)))
 
     def scaled(self) -> tuple[Floats, float]:
         """Coefficients (N, m) over the largest of each, and by how much one may be off: 1 below `SMALLEST`."""

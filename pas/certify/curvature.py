@@ -34,7 +34,7 @@ from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import cross, dot, plain, to_float
 from pas.bernstein.forms import nearby_forms, polar_forms
-from pas.bernstein.products import Forms
+from pas.bernstein.products import BoundedForms
 from pas.bernstein.search import Limits
 from pas.bernstein.signs import prove_positive
 from pas.certify.certificate import Proposition
@@ -197,7 +197,7 @@ def curvature_below(surface: PiecewisePolynomial, bound: fmpq) -> Verdict:
 
     cells = [local.corners(cell) for cell in local.cells]
     found, off = nearby_forms([surface.patches[piece].raw for piece in pieces], cells, surface.degree)
-    zero, error = Forms(found, surface.degree, np.full(len(found), off)).raised(degree).scaled()
+    zero, error = BoundedForms(found, surface.degree, np.full(len(found), off)).raised(degree).scaled()
     corners = local.points[np.array(local.cells)]
     value, other = values(corners, np.arange(len(cells)))
     result = prove_positive(value, corners, zero, error=max(error, other), anew=values)
@@ -207,22 +207,22 @@ def curvature_below(surface: PiecewisePolynomial, bound: fmpq) -> Verdict:
 
 def _jet(
     patches: Sequence[Polynomial], corners: Floats, degree: int, reach: float
-) -> tuple[list[Forms], list[list[Forms]]]:
+) -> tuple[list[BoundedForms], list[list[BoundedForms]]]:
     """The first and the second derivatives of polynomials, one on each tetrahedron (N, 4, 3), made by halving some
     whose corners are up to `reach` in size."""
     moved = Limits().depth  # each halving rounds the new corner
 
-    def forms(order: int, *along: int) -> Forms:
+    def forms(order: int, *along: int) -> BoundedForms:
         known = {p: reduce(Polynomial.diff, along, p) for p in dict.fromkeys(patches)}
         lower = max(degree - order, 0)
         values, error = polar_forms([known[p] for p in patches], corners, lower, moved, reach)
-        return Forms(values, lower, error)
+        return BoundedForms(values, lower, error)
 
     second = {(i, j): forms(2, i, j) for i in range(3) for j in range(i, 3)}
     return [forms(1, i) for i in range(3)], [[second[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
 
 
-def _difference(g: Sequence[Forms], h: Matrix[Forms], square: float) -> Forms:
+def _difference(g: Sequence[BoundedForms], h: Matrix[BoundedForms], square: float) -> BoundedForms:
     """`K^2 |g|^6 - M^2 + 2 |g|^2 g^T adj(H) g` of first and second derivatives."""
     length = dot(g, g)
     bent = length * (h[0][0] + h[1][1] + h[2][2]) - _form(g, h)
