@@ -55,9 +55,8 @@ class Components:
     def __init__(self, curve: SpaceCurve) -> None:
         self.curve = curve
         self._turns = sorted(set(curve.whole.turns or ()))
-        self._shadows = [
-            Shadow(curve, linear) for linear in islice(linear_forms(), 1 + SHADOWS) if linear != curve.linear
-        ][:SHADOWS]
+        others = (linear for linear in linear_forms() if linear != curve.linear)
+        self._shadows = [Shadow(curve, linear) for linear in islice(others, SHADOWS)]
         self._points: dict[fmpq, list[RealZero]] = {}
         self._parents: dict[tuple[fmpq, int], tuple[fmpq, int]] = {}
 
