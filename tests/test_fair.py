@@ -503,6 +503,19 @@ def test_the_bound_on_curvature_may_be_close(text, most, near):
     assert above.status is pas.Status.REFUTED and np.sqrt(4 * mean**2 - 2 * gauss) > most * (1 - near)
 
 
+def test_the_bound_on_curvature_is_close_for_a_corner_of_degree_6():
+    """Where the slopes' sixth power is some 1e-11 of what it is elsewhere in a cell: halving alone leaves rounding."""
+    surface = fair(UNEQUAL, 2).surface
+    ways = np.random.default_rng(1).normal(size=(100_000, 3))
+    met = surface.intersect_rays(np.zeros(3), ways)[:, None] * ways
+    mean, gauss = surface.curvatures(met[np.isfinite(met[:, 0])]).T
+    most = float(np.sqrt(4 * mean**2 - 2 * gauss).max())
+    assert surface.curvature_below(1.003 * most).proved
+    above = surface.curvature_below(0.997 * most)
+    mean, gauss = surface.curvatures(above.witness)
+    assert above.status is pas.Status.REFUTED and np.sqrt(4 * mean**2 - 2 * gauss) > 0.997 * most
+
+
 def test_limits_can_be_changed_one_by_one():
     assert replace(LIMITS, bulge=0.2) == pas.FairnessLimits(1.02, 1.5, 0.2, 0.2)
 
