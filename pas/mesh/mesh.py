@@ -64,8 +64,13 @@ class Mesh(Shape):
         deviation: float | None = None,
         proved: bool = False,
     ) -> SmoothMesh:
-        """A mesh of one face with a normal (N, 3) at each point, and some of the other fields by name."""
-        faces, corners = np.zeros(len(triangles), dtype=np.intp), normals[triangles]
+        """A mesh of one face with a normal (N, 3) at each point, and some of the other fields by name.
+
+        Raises `ValueError` where triangles are not numbers of points.
+        """
+        if triangles.min(initial=0) < 0 or triangles.max(initial=-1) >= len(points):
+            raise ValueError("triangles must be numbers of points")
+        faces, corners = np.zeros(len(triangles), dtype=np.intp), np.take(normals, triangles, axis=0)
         known = parameters, deviation, proved
         return SmoothMesh(points, triangles, faces, (name,), corners, *known, point_normals=normals)
 
