@@ -205,8 +205,8 @@ def test_spaces_too_small_to_be_fair_are_tried_where_nothing_else_serves(monkeyp
     found = fair(EQUAL, 1)
     notes = [a.outcome for a in found.attempts if a.dimension == 3]
     assert notes == ["not tried: fewer than 12 unknowns"] and found.surface.degree == 4
-    monkeypatch.setattr("pas.pipeline.find.CORNER", SearchSettings(degrees=1, above=0, fewest=10**6))
-    monkeypatch.setattr("pas.pipeline.find.GIVEN", SearchSettings(degrees=1, above=0, fewest=1))
+    monkeypatch.setattr("pas.pipeline.search.CORNER", SearchSettings(degrees=1, above=0, fewest=10**6))
+    monkeypatch.setattr("pas.pipeline.search.GIVEN", SearchSettings(degrees=1, above=0, fewest=1))
     last = pas.blend(pipes(EQUAL), 1)
     assert last.surface.degree == 3 and last.certificate.proved
     assert last.attempts[-1].outcome.startswith("proved, not fair")

@@ -13,7 +13,7 @@ import pas
 from pas import solid
 from pas.algebra.ideal import Ideal
 from pas.mesh.trouble import _Place, find_trouble
-from pas.pipeline.node import struts
+from pas.pipeline.blend import struts
 from pas.solid.seams import seams_of
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)

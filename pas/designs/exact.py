@@ -17,8 +17,8 @@ from pas.fairing.energies.squared_derivatives import ThinPlate
 from pas.fairing.functionals import Box
 from pas.fairing.wishes import ValueAt
 from pas.partition.boxes import SingleCell
+from pas.pipeline.blend import solutions
 from pas.pipeline.result import SolutionSpace
-from pas.pipeline.space import solutions
 
 Point = tuple[Fraction, ...]
 Points = tuple[Point, ...]
