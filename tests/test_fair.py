@@ -502,7 +502,7 @@ def test_the_bound_on_curvature_may_be_close(text, most, near):
 
 
 def test_limits_can_be_changed_one_by_one():
-    assert replace(LIMITS, bulge=0.2) == pas.FairnessLimits(1.02, 1.5, 0.2, 0.2)
+    assert replace(LIMITS, bulge=0.2) == pas.FairnessLimits(1.02, 1.5, 0.2, 0.2, 0.03)
 
 
 def test_a_slider_never_leaves_the_surface_behind():
