@@ -21,7 +21,7 @@ from pas.bernstein.forms import b_form, on_simplex
 from pas.cli import main
 from pas.errors import PasError
 from pas.exchange.container import write
-from pas.exchange.records import read_surface, surface_record
+from pas.exchange.records import SURFACE
 from pas.independent import checker, reading, signs
 from pas.independent.checker import Finding, check_independently
 
@@ -44,14 +44,14 @@ def findings(record, folder) -> dict[str, Finding]:
 def first_statuses(record) -> dict[str, str]:
     """The first implementation's verdicts; a face between two patches may lie in several planes."""
     found = defaultdict(list)
-    for verdict in read_surface(record).certify().verdicts:
+    for verdict in SURFACE.read(record).certify().verdicts:
         found[verdict.claim].append(verdict.status.value)
     return {c: next((s for s in ("refuted", "undecided") if s in found[c]), "proved") for c in found}
 
 
 def both(surface, folder) -> tuple[dict[str, str], dict[str, str]]:
     """Both verdicts on a surface or its record, by claim; they must not contradict one another."""
-    record = surface if isinstance(surface, dict) else surface_record(surface)
+    record = surface if isinstance(surface, dict) else SURFACE.write(surface)
     second = findings(record, folder)
     first = first_statuses(record)
     assert second.keys() == first.keys() | {"region"}
@@ -217,7 +217,7 @@ def test_swapped_patches(good, tmp_path):
 
 
 def test_an_order_too_high(of_order, tmp_path):
-    record = surface_record(of_order) | {"order": of_order.order + 1}
+    record = SURFACE.write(of_order) | {"order": of_order.order + 1}
     first, second = both(record, tmp_path)
     k = of_order.order + 1
     assert refuted(second) == refuted(first) == {c for c in second if c.startswith(("contact", "face"))}
@@ -230,7 +230,7 @@ def test_a_second_sheet(good, place, radius, tmp_path):
     bad = changed(good, lambda _, p: p * bubble)
     first, second = both(bad, tmp_path)
     assert wrong(second) == wrong(first) == {"one sheet"}
-    witness = findings(surface_record(bad), tmp_path)["one sheet"].witness
+    witness = findings(SURFACE.write(bad), tmp_path)["one sheet"].witness
     values = [[p.at(w[:3]) for p in bad.polynomials] for w in witness]
     assert any(a * b < 0 for a, b in zip(*values, strict=True))  # the surface lies in between
     ends = [bubble.at(w[:3]) for w in witness]
@@ -262,7 +262,7 @@ def test_each_outer_face_bitten_alone(good, number, tmp_path):
     """A hole in one wall or clip face is found on it."""
     face = good.partition.outer_faces[number]
     hole = ball(middle(good.partition.corners(face.vertices)), "1/50")
-    surface = reading.Surface(surface_record(changed(good, lambda _, p: p * hole)))
+    surface = reading.Surface(SURFACE.write(changed(good, lambda _, p: p * hole)))
     finding = checker._enclosed(surface, [checker._contact(surface, i) for i in range(len(surface.contacts))])
     assert finding.status == "refuted"
     (witness,) = finding.witness
@@ -274,7 +274,7 @@ def test_each_outer_face_bitten_alone(good, number, tmp_path):
 def test_a_bubble_in_each_cell(good, number, tmp_path):
     cell = good.partition.cells[number]
     bubble = ball(middle(good.partition.corners(cell)), "1/20")
-    surface = reading.Surface(surface_record(changed(good, lambda i, p: p * bubble if i == number else p)))
+    surface = reading.Surface(SURFACE.write(changed(good, lambda i, p: p * bubble if i == number else p)))
     finding = checker._one_sheet(surface, checker._region(surface))
     assert finding.status == "refuted"
     assert min(bubble.at(w[:3]) for w in finding.witness) < 0 < max(bubble.at(w[:3]) for w in finding.witness)
@@ -285,7 +285,7 @@ def test_a_bitten_clip_face(good, tmp_path):
     bad = changed(good, lambda _, p: p * hole)
     first, second = both(bad, tmp_path)
     assert first["enclosed"] == second["enclosed"] == "refuted"
-    (witness,) = findings(surface_record(bad), tmp_path)["enclosed"].witness
+    (witness,) = findings(SURFACE.write(bad), tmp_path)["enclosed"].witness
     assert witness[0] == 1
     assert hole.at(witness[:3]) <= 0
 
@@ -302,7 +302,7 @@ def test_alpha_of_changing_sign(good, tmp_path):
 
 @pytest.mark.parametrize("number", range(3))
 def test_a_reversed_clip(good, number, tmp_path):
-    record = surface_record(good)
+    record = SURFACE.write(good)
     record["contacts"][number]["clip"] = f"-({record['contacts'][number]['clip']})"
     found = findings(record, tmp_path)
     assert wrong({c: f.status for c, f in found.items()}) == {f"contact {number + 1} GC^{good.order}"}
@@ -321,10 +321,10 @@ def test_the_centre_is_outside_the_surface(good, tmp_path):
 
 def as_tetrahedra(surface) -> dict:
     """The record of a surface on the same cells, without the partition's own kind."""
-    record = surface_record(surface)
+    record = SURFACE.write(surface)
     cells = surface.partition.cells
     partition = pas.Partition(surface.partition.vertices, cells, surface.partition.center)
-    record["partition"] = surface_record(
+    record["partition"] = SURFACE.write(
         pas.PiecewiseSurface(partition, surface.contacts, surface.order, surface.patches)
     )["partition"]
     return record
@@ -394,7 +394,7 @@ def test_broken_regions(good, how, tmp_path):
     record = as_tetrahedra(good)
     broken_region(record, how)
     with pytest.raises(PasError):
-        read_surface(record)
+        SURFACE.read(record)
     found = findings(record, tmp_path)
     assert found["region"].status == "refuted"
     assert found["one sheet"].status != "proved"
@@ -454,7 +454,7 @@ def test_curved_and_reducible_clips_are_undecided(tmp_path):
     for clip in ("x - 1 + 3*(y^2 - 1)", "(x - 1)*(2*x - 1)", "(x - 1)^2"):
         contact = pas.Contact("y^2 + z^2 - 1/4", clip)
         surface = pas.PiecewiseSurface.from_polynomials(cell, [contact], 1, ["(y^2 + z^2 - 1/4)*(7/2 - x)"])
-        found = findings(surface_record(surface), tmp_path)
+        found = findings(SURFACE.write(surface), tmp_path)
         assert found["contact 1 GC^1"].status == found["enclosed"].status == "undecided"
 
 
@@ -465,19 +465,19 @@ def test_a_contact_met_in_the_region_only(tmp_path):
     meets = "(y^2 + z^2 - 1/4)*(2 - x) + (x - 1)^2/9"
     for polynomial, status in ((meets, "proved"), (f"{meets} + (x - 1)/10^40", "refuted")):
         surface = pas.PiecewiseSurface.from_polynomials(cell, [contact], 1, [polynomial])
-        assert findings(surface_record(surface), tmp_path)["contact 1 GC^1"].status == status
+        assert findings(SURFACE.write(surface), tmp_path)["contact 1 GC^1"].status == status
 
 
 def test_a_clip_plane_that_comes_into_the_region_again(tmp_path):
     """V3 is pulled beyond the plane of the first clip, where the contact has another part that would be cut."""
-    partition = surface_record(solved(EQUAL, 1).surface)["partition"]
+    partition = SURFACE.write(solved(EQUAL, 1).surface)["partition"]
     cells = pas.SixTetrahedra(partition["center"], partition["legs"])
     vertices = [*cells.vertices[:4], ("3/2", "7/2", "5/2"), *cells.vertices[5:]]
     whole = pas.Partition(vertices, cells.cells, (0, 0, 0), [range(6)])
     for other, status in (("(x - 1)^2 + (y - 21/10)^2 + (z - 16/10)^2 - 1/100", "undecided"), ("x + 9", "proved")):
         contact = pas.Contact(f"(y^2 + z^2 - 1/9)*({other})", "x - 1")
         surface = pas.PiecewiseSurface.from_polynomials(whole, [contact], 1, [contact.surface])
-        assert findings(surface_record(surface), tmp_path)["contact 1 GC^1"].status == status
+        assert findings(SURFACE.write(surface), tmp_path)["contact 1 GC^1"].status == status
 
 
 def test_a_curve_that_crosses_itself_is_not_regular(tmp_path):
@@ -486,14 +486,14 @@ def test_a_curve_that_crosses_itself_is_not_regular(tmp_path):
     for offset, status in (("0", "undecided"), ("1/300", "proved")):
         contact = pas.Contact(f"(y^2 + z^2)^2 - (y^2 - z^2)/4 + {offset}", "x - 1")
         surface = pas.PiecewiseSurface.from_polynomials(cell, [contact], 1, [contact.surface])
-        assert findings(surface_record(surface), tmp_path)["contact 1 GC^1"].status == status
+        assert findings(SURFACE.write(surface), tmp_path)["contact 1 GC^1"].status == status
 
 
 def test_a_curve_that_leaves_its_clip_face(tmp_path):
     cell = pas.SingleCell((-1, -1, -1), (1, 1, 1))
     contact = pas.Contact("y^2 + (z - 3/4)^2 - 1/4", "x - 1")
     surface = pas.PiecewiseSurface.from_polynomials(cell, [contact], 1, [contact.surface])
-    finding = findings(surface_record(surface), tmp_path)["contact 1 GC^1"]
+    finding = findings(SURFACE.write(surface), tmp_path)["contact 1 GC^1"]
     assert finding.status == "refuted"
     assert contact.surface.at(finding.witness[0][:3]) <= 0
     assert finding.witness[0][:1] == (1,)
@@ -515,7 +515,7 @@ def test_two_contacts_in_one_clip_plane(tmp_path):
     pair = ("(y - 1/2)^2 + z^2 - 1/16", "(y + 1/2)^2 + z^2 - 1/16")
     contacts = [pas.Contact(f, f"{s}x - 1") for f in pair for s in ("", "-")]
     surface = pas.PiecewiseSurface.from_polynomials(cell, contacts, 1, [f"({pair[0]})*({pair[1]})"])
-    found = findings(surface_record(surface), tmp_path)
+    found = findings(SURFACE.write(surface), tmp_path)
     assert {c for c in found if found[c].status == "proved"} == found.keys() - {"one sheet"}
 
 
@@ -525,7 +525,7 @@ def test_a_surface_that_touches_its_contact_is_undecided(tmp_path):
     surface = pas.PiecewiseSurface.from_polynomials(
         cell, [pas.Contact("(y^2 + z^2 - 1/4)^2", "x - 1")], 0, ["y^2 + z^2 - 1/4"]
     )
-    found = findings(surface_record(surface), tmp_path)
+    found = findings(SURFACE.write(surface), tmp_path)
     assert found["contact 1 GC^0"].status == "undecided"
 
 
@@ -665,7 +665,7 @@ def test_the_command(good, tmp_path, capsys):
     ],
 )
 def test_files_that_make_no_sense(good, change, words, tmp_path):
-    path = write(tmp_path / "bad.pas.json", {"surface": surface_record(good) | change}, "tests")
+    path = write(tmp_path / "bad.pas.json", {"surface": SURFACE.write(good) | change}, "tests")
     with pytest.raises(pas.ProjectFileError, match=words):
         check_independently(path)
 

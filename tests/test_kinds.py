@@ -307,6 +307,20 @@ def assert_kept(old, new):
         assert new == old
 
 
+WRITTEN = sorted((DATA / "written").glob("*.pas.json"))
+"""A file of each kind as it was written once, which must not be written otherwise."""
+
+
+def test_a_file_of_every_kind_is_there():
+    assert {json.loads(path.read_text())["content"]["kind"] for path in WRITTEN} == set(KINDS)
+
+
+@pytest.mark.parametrize("path", WRITTEN, ids=lambda p: p.name.split(".")[0])
+def test_files_are_written_as_before(path, tmp_path):
+    again = pas.load(path).save(tmp_path / "again.pas.json")
+    assert again.read_text().splitlines()[4:] == path.read_text().splitlines()[4:]
+
+
 def test_every_kind_of_the_first_version_is_there():
     kinds = {json.loads(path.read_text())["content"]["kind"] for path in VERSION_1}
     assert kinds == {

@@ -14,7 +14,7 @@ import pas
 from pas import cli, solid
 from pas.algebra.affine import rotation, translation
 from pas.exchange import container
-from pas.exchange.solid_records import function_record, read_function, storable
+from pas.exchange.solid_records import FUNCTION, storable
 from pas.mesh.mesh import Mesh
 from pas.solid.assembly import assembly
 from pas.solid.functions import Distance, Moved
@@ -142,7 +142,7 @@ def test_moved_functions_are_saved(tmp_path, monkeypatch):
     monkeypatch.setattr("pas.exchange.solid_records._named", {})
     storable(KeptSphere)
     moved = image(image(KeptSphere(0.5), translation((1, "1/3", 0))), rotation((1, 1, 0), 33, (1, 2, 3)))
-    again = read_function(json.loads(json.dumps(function_record(moved))))
+    again = FUNCTION.read(json.loads(json.dumps(FUNCTION.write(moved))))
     assert isinstance(again, Moved) and isinstance(again.inner, Moved)
     assert (again.map, again.factor, again.inner.map) == (moved.map, moved.factor, moved.inner.map)
     points = np.random.default_rng(0).normal(size=(10, 3))
@@ -152,7 +152,7 @@ def test_moved_functions_are_saved(tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", ["os.path", "builtins.eval", "subprocess.Popen", "pas.solid.mesh.np", "pas.cli.main"])
 def test_files_cannot_name_any_class(name):
     with pytest.raises(ValueError, match="are not known"):
-        read_function({"class": name, "data": {}})
+        FUNCTION.read({"class": name, "data": {}})
 
 
 def test_names_and_shapes_are_checked(tmp_path):

@@ -54,14 +54,14 @@ from pas.algebra.polynomial import Polynomial
 from pas.blending.place import PartitionLike
 from pas.contacts.contact import CONTACTS, Contact, HasContact
 from pas.exchange.problem import COMMON, COMMON_TABLES, Problem, ProblemKind, common
-from pas.exchange.records import read_normalization
+from pas.exchange.records import normalization
 from pas.exchange.tables import TableReader
 from pas.fairing.energy import ENERGIES, read_energy
 from pas.fairing.wishes import PointOptions, Wishes, tensed
 from pas.layouts.kinds import partition_keys, read_partition_like
 from pas.pipeline.blend import blend
-from pas.pipeline.find import check_wanted_degree
 from pas.pipeline.result import Blend
+from pas.pipeline.search import check_wanted_degree
 from pas.registry import constructor_keys, keys_of
 from pas.settings import MeshSettings
 from pas.surface.fairness_limits import FairnessLimits
@@ -145,7 +145,7 @@ def _wishes(reader: TableReader, data: dict[str, Any]) -> Wishes:
     return points.changed(
         energy=energy,
         limits=reader.table(data, "limits", lambda table: FairnessLimits(**table)),
-        normalize=reader.table(data, "normalize", read_normalization),
+        normalize=reader.table(data, "normalize", lambda table: normalization(**table)),
         basis=reader.checked(data, "basis", _basis),
         prove=reader.typed(data, "prove", bool, True),
         guard=reader.typed(data, "guard", bool, True),

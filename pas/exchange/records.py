@@ -1,53 +1,40 @@
-"""JSON-ready records of exact objects, and back; the shapes in capitals say what they look like."""
+"""Forms of exact objects in project files: what their records look like, and what is made of them and they of it.
+
+The forms of files in general, polynomials among them, stand in `pas.exchange.schema`.
+"""
 
 from __future__ import annotations
 
-from typing import Any, cast
+from collections.abc import Callable
+from dataclasses import replace
+from operator import methodcaller
+from typing import Any
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import Vector, plain
 from pas.contacts.contact import Contact
+from pas.exchange import schema
 from pas.exchange.schema import (
+    EQUATION,
     NUMBER,
     POINT,
     REAL,
     TEXT,
     WHOLE,
     Table,
-    equation_record,
     list_of,
     maybe,
     one_of,
-    polynomial_record,
-    read_polynomial,
+    read_by,
     row,
 )
-from pas.fairing.wishes import (
-    MeanAlpha,
-    Normalization,
-    PointOptions,
-    SumOfCoefficients,
-    UnitCoefficients,
-    ValueAt,
-    Wishes,
-)
+from pas.fairing.energy import read_energy
+from pas.fairing.wishes import MeanAlpha, Normalization, SumOfCoefficients, UnitCoefficients, ValueAt
 from pas.partition.kinds import read_partition
 from pas.piecewise import PiecewiseSurface
-from pas.verdicts import Status
+from pas.verdicts import Status, Verdicts
 
-NORMALIZATIONS = ("mean-alpha", "sum-of-coefficients", "unit-coefficients", "value-at")
-NORMALIZATION = Table({"kind": one_of(NORMALIZATIONS)}, {"point": POINT, "value": NUMBER})
-CONSTRAINTS = Table(
-    {
-        **{kind: list_of(POINT) for kind in ("inside", "outside", "through", "near")},
-        "near_weight": list_of(NUMBER),
-        "handles": list_of(row(row(WHOLE, list_of(WHOLE, 4)), NUMBER)),
-        "margin": maybe(NUMBER),
-        "normalize": NORMALIZATION,
-    },
-    {"coefficients": list_of(row(WHOLE, NUMBER))},
-)
-ENERGY = Table({"kind": TEXT}, open=True)
+PARTITION = read_by(schema.PARTITION, read_partition, methodcaller("to_record"))
+ENERGY = read_by(Table({"kind": TEXT}, open=True), read_energy, methodcaller("to_record"))
 VERDICT = Table(
     {
         "claim": TEXT,
@@ -57,17 +44,11 @@ VERDICT = Table(
         "measure": WHOLE,
     }
 )
-CERTIFICATE = Table(
-    {"contacts": list_of(VERDICT), "faces": list_of(VERDICT), "one_sheet": VERDICT, "enclosed": VERDICT},
-    {"further": list_of(VERDICT)},
-)
-
-
 KEPT_VERDICTS = maybe(list_of(VERDICT))
 """What somebody found of a shape, for people to read; null where nothing was kept."""
 
 
-def kept_verdicts(shape: Any, certificate: Any) -> list[dict[str, Any]] | None:
+def _kept_verdicts(shape: Any, certificate: Any) -> list[dict[str, Any]] | None:
     """The verdicts to keep with a blend; raises `ValueError` for those of another blend.
 
     Verdicts on the contacts must be the same; that on regularity may be of another domain.
@@ -80,76 +61,82 @@ def kept_verdicts(shape: Any, certificate: Any) -> list[dict[str, Any]] | None:
     return [v.to_record() for v in certificate.verdicts]
 
 
-def point_record(point: Vector) -> list[str]:
-    """Three exact numbers as strings."""
-    return [plain(c) for c in point]
+def kept(
+    form: Table, verdicts: bool = False
+) -> tuple[Table, Callable[[Any, Verdicts | None], dict[str, Any]], Callable[[dict[str, Any]], Any]]:
+    """What files hold of a kind of shapes, what writes and what reads it; with `verdicts`, those that are given."""
+    if not verdicts:
+        return form, lambda shape, _: form.write(shape), form.read
+    whole = replace(form, needs={**form.needs, "verdicts": KEPT_VERDICTS})
+
+    def record(shape: Any, certificate: Verdicts | None) -> dict[str, Any]:
+        return {**form.write(shape), "verdicts": _kept_verdicts(shape, certificate)}
+
+    return whole, record, form.read
 
 
-def surface_record(surface: PiecewiseSurface) -> dict[str, Any]:
-    """Everything that defines a surface, exact."""
-    return {
-        "partition": surface.partition.to_record(),
-        "contacts": [
-            {"surface": equation_record(c.surface), "clip": equation_record(c.clip)} for c in surface.contacts
-        ],
-        "order": surface.order,
-        "degree": surface.degree,
-        "patches": [polynomial_record(p) for p in surface.polynomials],
-    }
+def _surface(partition: Any, contacts: Any, order: int, degree: int, patches: Any) -> PiecewiseSurface:
+    return PiecewiseSurface.from_polynomials(partition, contacts, order, patches, degree)
 
 
-def read_surface(record: dict[str, Any]) -> PiecewiseSurface:
-    """The surface of `surface_record`, exactly."""
-    partition = read_partition(record["partition"])
-    contacts = [Contact(read_polynomial(c["surface"]), read_polynomial(c["clip"])) for c in record["contacts"]]
-    return PiecewiseSurface.from_polynomials(
-        partition, contacts, record["order"], map(read_polynomial, record["patches"]), record["degree"]
-    )
+SURFACE = Table(
+    {
+        **schema.SURFACE.needs,
+        "partition": PARTITION,
+        "contacts": list_of(Table({"surface": EQUATION, "clip": EQUATION}, make=Contact)),
+    },
+    make=_surface,
+    entries=lambda surface: {
+        **{name: getattr(surface, name) for name in ("partition", "contacts", "order", "degree")},
+        "patches": surface.polynomials,
+    },
+)
+
+NORMALIZATIONS: dict[str, type[Any]] = {
+    "mean-alpha": MeanAlpha,
+    "sum-of-coefficients": SumOfCoefficients,
+    "unit-coefficients": UnitCoefficients,
+    "value-at": ValueAt,
+}
 
 
-def constraints_record(wishes: Wishes) -> dict[str, Any]:
-    """The points and the normalisation."""
-    record: dict[str, Any] = {
-        kind: [point_record(p) for p in getattr(wishes, kind)] for kind in ("inside", "outside", "through", "near")
-    }
-    record["near_weight"] = [plain(w) for w in wishes.near_weights]
-    record["handles"] = [[[cell, list(index)], plain(value)] for (cell, index), value in wishes.handles]
-    if wishes.coefficients:
-        record["coefficients"] = [[number, plain(value)] for number, value in wishes.coefficients]
-    record["margin"] = None if wishes.margin is None else plain(wishes.margin)
-    record["normalize"] = normalization_record(wishes.normalize)
-    return record
-
-
-def read_constraints(record: dict[str, Any]) -> PointOptions:
-    """The options of `constraints_record`."""
-    options: Any = record | {"normalize": read_normalization(record["normalize"])}
-    return cast(PointOptions, options)
-
-
-def normalization_record(normalization: Normalization) -> dict[str, Any]:
-    """The kind of normalisation and its data."""
-    if isinstance(normalization, ValueAt):
-        return {
-            "kind": "value-at",
-            "point": point_record(normalization.point),
-            "value": plain(normalization.value),
-        }
-    kinds = {MeanAlpha: "mean-alpha", SumOfCoefficients: "sum-of-coefficients", UnitCoefficients: "unit-coefficients"}
-    return {"kind": kinds[type(normalization)]}
-
-
-def read_normalization(record: dict[str, Any]) -> Normalization:
-    """The normalisation of `normalization_record`."""
-    kind = record["kind"]
+def normalization(kind: str, point: Any = None, value: Any = -1) -> Normalization:
+    """The normalisation of a kind, of a value at a point with these; raises `ValueError`."""
     if kind not in NORMALIZATIONS:
         raise ValueError(f"kind must be one of {', '.join(NORMALIZATIONS)}, not {shown(kind)}")
-    if kind == "value-at":
-        if "point" not in record:
-            raise ValueError("a normalisation by a value needs its point")
-        return ValueAt(record["point"], record.get("value", -1))
-    plain_kinds: dict[str, type[SumOfCoefficients] | type[UnitCoefficients]] = {
-        "sum-of-coefficients": SumOfCoefficients,
-        "unit-coefficients": UnitCoefficients,
-    }
-    return plain_kinds.get(kind, MeanAlpha)()
+    if kind == "value-at" and point is None:
+        raise ValueError("a normalisation by a value needs its point")
+    made: Normalization = ValueAt(point, value) if kind == "value-at" else NORMALIZATIONS[kind]()
+    return made
+
+
+def _of_normalization(normalization: Normalization) -> dict[str, Any]:
+    kind = next(name for name, made in NORMALIZATIONS.items() if type(normalization) is made)
+    return {"kind": kind, **vars(normalization)}
+
+
+_POINTS = dict.fromkeys(("inside", "outside", "through", "near"), list_of(POINT))
+CONSTRAINTS = Table(
+    {
+        **_POINTS,
+        "near_weight": list_of(NUMBER),
+        "handles": list_of(row(row(WHOLE, list_of(WHOLE, 4)), NUMBER)),
+        "margin": maybe(NUMBER),
+        "normalize": Table(
+            {"kind": one_of(tuple(NORMALIZATIONS))},
+            {"point": POINT, "value": NUMBER},
+            make=normalization,
+            entries=_of_normalization,
+        ),
+    },
+    {"coefficients": list_of(row(WHOLE, NUMBER))},
+    entries=lambda wishes: {
+        **{kind: getattr(wishes, kind) for kind in _POINTS},
+        "near_weight": wishes.near_weights,
+        "handles": wishes.handles,
+        **({"coefficients": wishes.coefficients} if wishes.coefficients else {}),
+        "margin": wishes.margin,
+        "normalize": wishes.normalize,
+    },
+)
+"""The points and the normalisation of a blend: read as the keywords of `Wishes`."""

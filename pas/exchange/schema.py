@@ -1,5 +1,5 @@
-"""What records must look like: a small language of forms, whose checks name the place where one does not fit; and the
-forms of polynomials, partitions and surfaces.
+"""What records must look like: a small language of forms, whose checks name the place where one does not fit, and which
+read what fits and write it again; and the forms of polynomials, partitions and surfaces.
 
 A form is one value (`TEXT`, `NUMBER`, ...), a list, a row of given entries, a `Table`, a form or null, or a choice of
 forms told apart by a key or a type.  Records are checked whole before anything is made of them, so what reads them can
@@ -11,6 +11,12 @@ take their form for granted; what the values mean, it still checks.
     form.check({"order": 1, "point": ["0", "1/3"]}, "problem")
     # ValueError: problem.point must be a list of 3 entries, not of 2
 
+What an entry stands for is said once, with its form: `read` makes a thing of a checked value, `write` gives the
+value of a thing; without a word the value is the thing itself.  A `Table` makes its thing of its entries by name, and
+writes its attributes of these names:
+
+    JOINT = Table({"first": TEXT, "second": TEXT, "order": WHOLE}, make=Joint)
+
 Libraries that check types (pydantic, msgspec) were weighed: exact numbers as texts, keys that are guessed ("is 'order'
 meant") and the one sentence with the place would all have to be added to them.
 
@@ -21,7 +27,7 @@ what it will.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 from flint import fmpq
@@ -45,6 +51,25 @@ class Form(Protocol):
     def fits(self, value: Any, /) -> bool:
         """Whether a value is of this sort at first sight: enough to choose among forms."""
 
+    @property
+    def of(self) -> Callable[[Any], bool]:
+        """Whether a thing is one that this form writes."""
+
+    def read(self, value: Any, /) -> Any:
+        """The thing that a value which was checked stands for; raises `ValueError` for one that stands for none."""
+
+    def write(self, thing: Any, /) -> Any:
+        """The value that stands for a thing, of what JSON can say."""
+
+
+def itself(value: Any) -> Any:
+    """A value, which is what it stands for."""
+    return value
+
+
+def _anything(value: Any) -> bool:
+    return True
+
 
 @dataclass(frozen=True)
 class Value:
@@ -53,6 +78,9 @@ class Value:
     words: str
     fits: Callable[[Any], bool]
     inside: Callable[[Any, str], None] = lambda value, place: None
+    read: Callable[[Any], Any] = itself
+    write: Callable[[Any], Any] = itself
+    of: Callable[[Any], bool] = _anything
 
     def check(self, value: Any, place: str) -> None:
         """See `Form`."""
@@ -65,13 +93,17 @@ class Value:
 class Table:
     """A table with the keys that it `needs` and those that it `may` have.
 
-    It has no others, unless it is `open`: these are the business of what reads its kind then.
+    It has no others, unless it is `open`: these are the business of what reads its kind then.  `make` is called with
+    the entries by name, `entries` gives those of a thing in the order in which they are written.
     """
 
     needs: Mapping[str, Form]
     may: Mapping[str, Form] = field(default_factory=dict)
     open: bool = False
     words: str = "a table"
+    make: Callable[..., Any] = dict
+    entries: Callable[[Any], Mapping[str, Any]] | None = None
+    of: Callable[[Any], bool] = _anything
 
     def fits(self, value: Any) -> bool:
         """See `Form`; the first key needed tells tables apart."""
@@ -93,6 +125,26 @@ class Table:
             if key in forms:
                 forms[key].check(entry, f"{place}.{key}")
 
+    def read(self, value: Mapping[str, Any]) -> Any:
+        """See `Form`; what it does not know is left out, unless it is open."""
+        forms = {**self.needs, **self.may}
+        known = {key: entry for key, entry in value.items() if key in forms or self.open}
+        return self.make(**{key: forms[key].read(part) if key in forms else part for key, part in known.items()})
+
+    def write(self, thing: Any) -> dict[str, Any]:
+        """See `Form`."""
+        forms = {**self.needs, **self.may}
+        if self.entries is not None:
+            thing = self.entries(thing)
+        elif not isinstance(thing, Mapping):
+            thing = {key: getattr(thing, key) for key in self.needs}
+        return {key: forms[key].write(part) if key in forms else part for key, part in thing.items()}
+
+
+def alone(name: str, form: Form) -> Table:
+    """A table with one entry, which is the thing."""
+    return Table({name: form}, make=lambda **entries: entries[name], entries=lambda thing: {name: thing})
+
 
 def _is_number(value: Any) -> bool:
     try:
@@ -101,15 +153,11 @@ def _is_number(value: Any) -> bool:
         return False
 
 
-def _anything(value: Any) -> bool:
-    return True
-
-
 TEXT = Value("a text", lambda value: isinstance(value, str))
 FLAG = Value("true or false", lambda value: isinstance(value, bool))
 WHOLE = Value("a whole number", lambda value: isinstance(value, int) and not isinstance(value, bool))
 REAL = Value("a number", lambda value: isinstance(value, int | float) and not isinstance(value, bool))
-NUMBER = Value('an exact number such as "1/3"', _is_number)
+NUMBER = Value('an exact number such as "1/3"', _is_number, write=lambda number: plain(rational(number)))
 ANYTHING = Value("anything", _anything)
 
 
@@ -127,7 +175,13 @@ def list_of(entry: Form, size: int | None = None, words: str = "a list") -> Valu
         for i, part in enumerate(value):
             entry.check(part, f"{place}[{i}]")
 
-    return Value(words, lambda value: isinstance(value, list), inside)
+    return Value(
+        words,
+        lambda value: isinstance(value, list),
+        inside,
+        lambda value: [entry.read(part) for part in value],
+        lambda things: [entry.write(thing) for thing in things],
+    )
 
 
 def row(*entries: Form) -> Value:
@@ -138,7 +192,13 @@ def row(*entries: Form) -> Value:
         for i, (part, entry) in enumerate(zip(value, entries, strict=True)):
             entry.check(part, f"{place}[{i}]")
 
-    return Value("a list", lambda value: isinstance(value, list), inside)
+    return Value(
+        "a list",
+        lambda value: isinstance(value, list),
+        inside,
+        lambda value: [entry.read(part) for part, entry in zip(value, entries, strict=True)],
+        lambda things: [entry.write(thing) for thing, entry in zip(things, entries, strict=True)],
+    )
 
 
 def _check_size(value: Sequence[Any], size: int, place: str) -> None:
@@ -158,25 +218,78 @@ def table_of(entry: Form) -> Value:
 
 def maybe(form: Form) -> Value:
     """A form, or null."""
-    return Value(form.words, _anything, lambda value, place: None if value is None else form.check(value, place))
+    return Value(
+        form.words,
+        _anything,
+        lambda value, place: None if value is None else form.check(value, place),
+        lambda value: None if value is None else form.read(value),
+        lambda thing: None if thing is None else form.write(thing),
+    )
 
 
 def choice(words: str, *forms: Form) -> Value:
-    """The first of several forms that fits at first sight; `words` say what there is to choose."""
+    """The first of several forms that fits at first sight, or that is `of` a thing to write; `words` say what there is
+    to choose."""
 
-    def inside(value: Any, place: str) -> None:
-        next(form for form in forms if form.fits(value)).check(value, place)
+    def fitting(value: Any) -> Form:
+        return next(form for form in forms if form.fits(value))
 
-    return Value(words, lambda value: any(form.fits(value) for form in forms), inside)
+    return Value(
+        words,
+        lambda value: any(form.fits(value) for form in forms),
+        lambda value, place: fitting(value).check(value, place),
+        lambda value: fitting(value).read(value),
+        lambda thing: next(form for form in forms if form.of(thing)).write(thing),
+    )
+
+
+def read_by(form: Form, read: Callable[[Any], Any], write: Callable[[Any], Any]) -> Value:
+    """A form of things that are read whole, and written whole, by functions."""
+    return Value(form.words, _anything, form.check, read, write)
 
 
 def later(find: Callable[[], Form]) -> Value:
     """A form that is looked up when it is needed, for forms within themselves."""
-    return Value("", _anything, lambda value, place: find().check(value, place))
+    return Value(
+        "",
+        _anything,
+        lambda value, place: find().check(value, place),
+        lambda value: find().read(value),
+        lambda thing: find().write(thing),
+    )
 
 
-POLYNOMIAL = list_of(row(WHOLE, WHOLE, WHOLE, NUMBER), words="a list of terms")
-EQUATION = choice("a polynomial", TEXT, POLYNOMIAL)
+def terms_record(raw: Any) -> list[list[Any]]:
+    """Terms [i, j, ..., "p/q"] of x^i y^j ... of a polynomial of python-flint."""
+    return [[*map(int, e), plain(c)] for e, c in raw.to_dict().items()]
+
+
+def read_terms(record: Any, of: str = "a polynomial") -> dict[tuple[int, ...], fmpq]:
+    """The coefficients of `terms_record` by exponents, of any degree that can be evaluated."""
+    terms: dict[tuple[int, ...], fmpq] = {}
+    for *exponents, coefficient in record:
+        key = tuple(exponents)
+        if min(key) < 0 or sum(key) > HIGHEST_POWER or key in terms:
+            wrong = "stands twice" if key in terms else f"must have exponents >= 0 of sum up to {HIGHEST_POWER}"
+            raise ValueError(f"the term {shown([*key, coefficient])} of {of} {wrong}")
+        terms[key] = rational(coefficient, "a coefficient")
+    return terms
+
+
+def read_polynomial(record: Any) -> Polynomial:
+    """The polynomial of terms, or of a formula."""
+    return Polynomial(record) if isinstance(record, str) else Polynomial.from_raw(RING.from_dict(read_terms(record)))
+
+
+def equation_record(polynomial: Polynomial) -> str | list[list[Any]]:
+    """A formula for people to read where it has up to 1000 characters, else terms."""
+    text = str(polynomial)
+    return text if len(text) <= 1000 else terms_record(polynomial.raw)
+
+
+TERMS = list_of(row(WHOLE, WHOLE, WHOLE, NUMBER), words="a list of terms")
+POLYNOMIAL = replace(TERMS, read=read_polynomial, write=lambda polynomial: terms_record(polynomial.raw))
+EQUATION = replace(choice("a polynomial", TEXT, POLYNOMIAL), read=read_polynomial, write=equation_record)
 POINT = list_of(NUMBER, 3, words="a point of three numbers")
 _PARTITION_DATA = {"legs": list_of(POINT, 3), "lower": POINT, "upper": POINT, "vertices": list_of(POINT)}
 PARTITION = Table(
@@ -193,29 +306,3 @@ SURFACE = Table(
         "patches": list_of(POLYNOMIAL),
     }
 )
-LONGEST_EQUATION = 1000
-"""Characters up to which a contact is written as a formula, for people to read; longer ones as terms."""
-
-
-def polynomial_record(polynomial: Polynomial) -> list[list[Any]]:
-    """Terms [i, j, k, "p/q"] of x^i y^j z^k."""
-    return [[*map(int, e), plain(c)] for e, c in polynomial.raw.to_dict().items()]
-
-
-def read_polynomial(record: Any) -> Polynomial:
-    """The polynomial of `polynomial_record`, of any degree that can be evaluated, or of a formula."""
-    if isinstance(record, str):
-        return Polynomial(record)
-    terms: dict[tuple[int, ...], fmpq] = {}
-    for i, j, k, coefficient in record:
-        if min(i, j, k) < 0 or i + j + k > HIGHEST_POWER or (i, j, k) in terms:
-            wrong = "stands twice" if (i, j, k) in terms else f"must have exponents >= 0 of sum up to {HIGHEST_POWER}"
-            raise ValueError(f"the term {shown([i, j, k, coefficient])} of a polynomial {wrong}")
-        terms[i, j, k] = rational(coefficient, "a coefficient")
-    return Polynomial.from_raw(RING.from_dict(terms))
-
-
-def equation_record(polynomial: Polynomial) -> str | list[list[Any]]:
-    """A formula for people where it is short, else terms."""
-    text = str(polynomial)
-    return text if len(text) <= LONGEST_EQUATION else polynomial_record(polynomial)

@@ -16,12 +16,12 @@ from typing import Any, TypeVar
 
 from pas.algebra.affine import Affine
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import plain, vector
+from pas.algebra.rational import vector
+from pas.exchange.records import PARTITION
 from pas.exchange.schema import (
     ANYTHING,
     FLAG,
     NUMBER,
-    PARTITION,
     POINT,
     POLYNOMIAL,
     REAL,
@@ -30,12 +30,11 @@ from pas.exchange.schema import (
     Table,
     Value,
     choice,
+    itself,
     later,
     list_of,
-    polynomial_record,
-    read_polynomial,
+    read_by,
 )
-from pas.partition.kinds import read_partition
 from pas.solid.functions import Distance, Moved, Pieces
 from pas.solid.joints import Joint
 from pas.solid.shell import FaceDistance, Hollowable
@@ -48,22 +47,7 @@ TREE: Value = choice(
     Table({"union": list_of(later(lambda: TREE))}),
     Table({"intersection": list_of(later(lambda: TREE))}),
 )
-FUNCTION: Value = choice(
-    "a function: a table with a polynomial, pieces, what it is near, what is moved, or a class",
-    Table({"polynomial": POLYNOMIAL}),
-    Table({"moved": later(lambda: FUNCTION), "matrix": list_of(POINT, 3), "shift": POINT}),
-    Table({"pieces": list_of(POLYNOMIAL), "partition": PARTITION}),
-    Table({"near": later(lambda: RECORD), "faces": list_of(TEXT), "thickness": REAL, "tolerance": REAL}),
-    Table({"class": TEXT, "data": ANYTHING}),
-)
-RECORD: Table = Table(
-    {
-        "functions": list_of(FUNCTION),
-        "tree": TREE,
-        "joints": list_of(Table({"first": TEXT, "second": TEXT, "along": list_of(POLYNOMIAL, 2), "order": WHOLE})),
-        "special_points": list_of(list_of(REAL, 3)),
-    }
-)
+"""How its functions are numbered is said by the whole record, which reads and writes it."""
 
 _TUBE = Table({"curve": list_of(TEXT, 3), "interval": list_of(NUMBER, 2), "radius": NUMBER})
 _DATA = {"pas.solid.tube.Tube": _TUBE, "pas.solid.tube.End": Table({"tube": _TUBE, "side": WHOLE})}
@@ -90,32 +74,6 @@ def storable(kind: Class) -> Class:
     return kind
 
 
-def solid_record(solid: Hollowable) -> dict[str, Any]:
-    """Everything that defines a solid, exact; each function is written once."""
-    numbers: dict[Function, int] = {}
-    for atom in atoms(solid.tree):
-        numbers.setdefault(atom.function, len(numbers))
-    return {
-        "functions": [function_record(f) for f in numbers],
-        "tree": _tree_record(solid.tree, numbers),
-        "joints": [
-            {"first": j.first, "second": j.second, "along": [polynomial_record(p) for p in j.along], "order": j.order}
-            for j in solid.joints
-        ],
-        "special_points": [list(p) for p in solid.special_points],
-    }
-
-
-def read_solid(record: dict[str, Any]) -> Solid:
-    """The solid of `solid_record`, exactly."""
-    functions = [read_function(f) for f in record["functions"]]
-    joints = [
-        Joint(j["first"], j["second"], [read_polynomial(p) for p in j["along"]], j["order"]) for j in record["joints"]
-    ]
-    points = tuple((float(x), float(y), float(z)) for x, y, z in record["special_points"])
-    return Solid(_read_tree(record["tree"], functions), tuple(joints), points)
-
-
 def _tree_record(tree: Tree, numbers: dict[Function, int]) -> dict[str, Any]:
     if isinstance(tree, Node):
         return {"union" if tree.union else "intersection": [_tree_record(p, numbers) for p in tree.parts]}
@@ -136,27 +94,37 @@ def _read_tree(record: dict[str, Any], functions: list[Function]) -> Tree:
     return Node(parts, union)
 
 
-def function_record(function: Function) -> dict[str, Any]:
-    """A polynomial, a piecewise one, a moved distance, or one whose class has `to_record` and `from_record`.
+def _not_constant(polynomial: Polynomial) -> Polynomial:
+    if polynomial.degree < 1:
+        raise ValueError(f"a function of a solid must not be constant, and one is {polynomial}")
+    return polynomial
 
-    Raises `ValueError` for others.
-    """
-    if isinstance(function, Polynomial):
-        return {"polynomial": polynomial_record(function)}
-    if isinstance(function, Moved):
-        rows = [[plain(c) for c in row] for row in function.map.matrix]
-        shift = [plain(c) for c in function.map.shift]
-        return {"moved": function_record(function.inner), "matrix": rows, "shift": shift}
-    if isinstance(function, Pieces):
-        polynomials = [polynomial_record(p) for p in function.polynomials]
-        return {"pieces": polynomials, "partition": function.partition.to_record()}
-    if isinstance(function, FaceDistance):
-        return {
-            "near": solid_record(function.solid),
-            "faces": list(function.faces),
-            "thickness": function.thickness,
-            "tolerance": function.tolerance,
-        }
+
+def _moved(moved: Function, matrix: Any, shift: Any) -> Moved:
+    a, b, c = (vector(row, "a row of the matrix") for row in matrix)
+    place = Affine((a, b, c), vector(shift, "shift"))
+    if not isinstance(moved, Distance):
+        raise ValueError("a moved function is no distance; it should have been written moved")
+    return Moved(moved, place, place.similarity())
+
+
+def _face_distance(near: Solid, faces: Any, thickness: float, tolerance: float) -> FaceDistance:
+    return FaceDistance(near, faces, float(thickness), float(tolerance))
+
+
+def _of_class(**entries: Any) -> Function:
+    """A function of a class that says how it is read; raises `ValueError` for one that is not known."""
+    name, data = entries["class"], entries["data"]
+    kind: Any = _class_named(name)
+    if kind is None:
+        raise ValueError(f"functions of class {name!r} are not known; name the class to `storable` first")
+    _DATA.get(name, ANYTHING).check(data, "data")
+    function: Function = kind.from_record(data)
+    return function
+
+
+def _class_entries(function: Function) -> dict[str, Any]:
+    """The class of a function that says how it is written; raises `ValueError` for others."""
     kind = type(function)
     write_it: Callable[[], Any] | None = getattr(function, "to_record", None)
     if write_it is None or not callable(getattr(kind, "from_record", None)):
@@ -169,31 +137,61 @@ def function_record(function: Function) -> dict[str, Any]:
     return {"class": _name(kind), "data": write_it()}
 
 
-def read_function(record: dict[str, Any]) -> Function:
-    """The function of `function_record`."""
-    if "polynomial" in record:
-        polynomial = read_polynomial(record["polynomial"])
-        if polynomial.degree < 1:
-            raise ValueError(f"a function of a solid must not be constant, and one is {polynomial}")
-        return polynomial
-    if "moved" in record:
-        a, b, c = (vector(row, "a row of the matrix") for row in record["matrix"])
-        place = Affine((a, b, c), vector(record["shift"], "shift"))
-        inner = read_function(record["moved"])
-        if not isinstance(inner, Distance):
-            raise ValueError("a moved function is no distance; it should have been written moved")
-        return Moved(inner, place, place.similarity())
-    if "pieces" in record:
-        return Pieces(read_partition(record["partition"]), [read_polynomial(p) for p in record["pieces"]])
-    if "near" in record:
-        return FaceDistance(
-            read_solid(record["near"]), record["faces"], float(record["thickness"]), float(record["tolerance"])
-        )
-    kind: Any = _class_named(record["class"])
-    if kind is None:
-        raise ValueError(f"functions of class {record['class']!r} are not known; name the class to `storable` first")
-    _DATA.get(record["class"], ANYTHING).check(record["data"], "data")
-    return kind.from_record(record["data"])
+FUNCTION: Value = choice(
+    "a function: a table with a polynomial, pieces, what it is near, what is moved, or a class",
+    Table(
+        {"polynomial": POLYNOMIAL},
+        make=_not_constant,
+        entries=lambda function: {"polynomial": function},
+        of=lambda function: isinstance(function, Polynomial),
+    ),
+    Table(
+        {"moved": later(lambda: FUNCTION), "matrix": list_of(POINT, 3), "shift": POINT},
+        make=_moved,
+        entries=lambda f: {"moved": f.inner, "matrix": f.map.matrix, "shift": f.map.shift},
+        of=lambda function: isinstance(function, Moved),
+    ),
+    Table(
+        {"pieces": list_of(POLYNOMIAL), "partition": PARTITION},
+        make=lambda pieces, partition: Pieces(partition, pieces),
+        entries=lambda function: {"pieces": function.polynomials, "partition": function.partition},
+        of=lambda function: isinstance(function, Pieces),
+    ),
+    Table(
+        {"near": later(lambda: RECORD), "faces": list_of(TEXT), "thickness": REAL, "tolerance": REAL},
+        make=_face_distance,
+        entries=lambda f: {"near": f.solid, "faces": f.faces, "thickness": f.thickness, "tolerance": f.tolerance},
+        of=lambda function: isinstance(function, FaceDistance),
+    ),
+    Table({"class": TEXT, "data": ANYTHING}, make=_of_class, entries=_class_entries),
+)
+
+
+def _solid(functions: list[Function], tree: dict[str, Any], joints: list[Joint], special_points: Any) -> Solid:
+    points = tuple((float(x), float(y), float(z)) for x, y, z in special_points)
+    return Solid(_read_tree(tree, functions), tuple(joints), points)
+
+
+def _solid_entries(solid: Hollowable) -> dict[str, Any]:
+    """Everything that defines a solid, exact; each function is written once."""
+    numbers: dict[Function, int] = {}
+    for atom in atoms(solid.tree):
+        numbers.setdefault(atom.function, len(numbers))
+    tree = _tree_record(solid.tree, numbers)
+    return {"functions": numbers, "tree": tree, "joints": solid.joints, "special_points": solid.special_points}
+
+
+JOINT = Table({"first": TEXT, "second": TEXT, "along": list_of(POLYNOMIAL, 2), "order": WHOLE}, make=Joint)
+RECORD: Table = Table(
+    {
+        "functions": list_of(FUNCTION),
+        "tree": read_by(TREE, itself, itself),
+        "joints": list_of(JOINT),
+        "special_points": list_of(list_of(REAL, 3)),
+    },
+    make=_solid,
+    entries=_solid_entries,
+)
 
 
 def _name(kind: type) -> str:

@@ -24,7 +24,7 @@ from pas.algebra.monomials import Floats, exponents, monomial_values, positions
 from pas.algebra.polynomial import RING, Polynomial
 from pas.algebra.products import Products
 from pas.algebra.rational import to_float
-from pas.fairing.quadrature import tetrahedra_rule
+from pas.fairing.functionals import tetrahedra_rule
 from pas.partition.cells import Partition
 
 CONDITION = 1e4

@@ -11,9 +11,8 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import Any
 
-from pas.algebra.rational import plain, rational
 from pas.exchange.boundaries import boundary_from
-from pas.exchange.records import KEPT_VERDICTS, kept_verdicts
+from pas.exchange.records import kept
 from pas.exchange.schema import (
     ANYTHING,
     FLAG,
@@ -40,7 +39,6 @@ from pas.parametric.nets import extent
 from pas.render.generatrix import layers, sphere_layers
 from pas.settings import MeshSettings
 from pas.shape import Kind
-from pas.verdicts import Verdicts
 
 VALUES = ("l1", "l2", "lambda1", "lambda2")
 
@@ -48,48 +46,83 @@ SAME = 1e-6
 """By how much a shift (of a turn) and a mean distance (over itself) may be found elsewhere on another machine: the best
 shift is found to about 1e-8."""
 
+
+def _boundary_entries(boundary: Boundary) -> dict[str, Any]:
+    """The table that a boundary was made from, and how it was turned; raises `ValueError` for one of callables."""
+    if boundary.source is None:
+        raise ValueError(
+            f"{boundary.name} was not made of plain data and cannot be saved; make it by pas.boundary_from or a "
+            "problem file"
+        )
+    return {"table": dict(boundary.source), "phase": boundary.phase, "backwards": boundary.backwards}
+
+
+def _boundary(table: dict[str, Any], phase: float, backwards: bool) -> Boundary:
+    return replace(boundary_from(table), phase=float(phase), backwards=backwards)
+
+
+def _coefficients(coefficients: list[Any]) -> ShapeFunction:
+    if not 0 < len(coefficients) <= MANY:
+        raise ValueError(f"a shape function must have 1 to {MANY} coefficients, not {len(coefficients)}")
+    constant = [ShapeFunction.constant(c).coefficients for c in coefficients]
+    return ShapeFunction(tuple(c for (c,) in constant))
+
+
+def _shape_entries(shape: GeneratrixShape) -> dict[str, Any]:
+    """The shape functions by name, and the middle curve; raises `ValueError` for one that is callable."""
+    middle = shape.middle
+    if middle is not None and not (
+        isinstance(middle, list | tuple) and all(isinstance(part, str | int) for part in middle)
+    ):
+        raise ValueError("a middle curve that is no list of three expressions in s, as strings, cannot be saved")
+    return {name: getattr(shape, name) for name in (*VALUES, "middle")}
+
+
 _FUNCTION = choice(
     "a shape function: a table with a cosine or coefficients",
-    Table({"cosine": list_of(REAL, 3)}),
-    Table({"coefficients": list_of(NUMBER)}),
+    Table(
+        {"cosine": list_of(REAL, 3)},
+        make=lambda cosine: ShapeFunction.cosine(*map(float, cosine)),
+        entries=lambda function: {"cosine": function.wave},
+        of=lambda function: function.wave is not None,
+    ),
+    Table({"coefficients": list_of(NUMBER)}, make=_coefficients),
 )
-_BOUNDARY = Table({"table": table_of(ANYTHING), "phase": REAL, "backwards": FLAG})
-_SHAPE = Table(dict.fromkeys(VALUES, _FUNCTION) | {"middle": maybe(list_of(choice("a formula", TEXT, WHOLE), 3))})
+_BOUNDARY = Table(
+    {"table": table_of(ANYTHING), "phase": REAL, "backwards": FLAG}, make=_boundary, entries=_boundary_entries
+)
+_SHAPE = Table(
+    dict.fromkeys(VALUES, _FUNCTION) | {"middle": maybe(list_of(choice("a formula", TEXT, WHOLE), 3))},
+    make=GeneratrixShape,
+    entries=_shape_entries,
+)
 _ALIGNMENT = {"reversed": FLAG, "shift": REAL, "distance": REAL, "opposed": FLAG, "reason": TEXT}
+
+
+def _blend(boundaries: Any, signs: Any, unit: bool, shape: GeneratrixShape, alignment: Alignment) -> GeneratrixBlend:
+    """The blend of a file: how the second curve was turned must be how it is turned anew, once it is turned back."""
+    (first, second), (a, b) = boundaries, signs
+    found = _found_again(alignment, first, second, (a, b))
+    return GeneratrixBlend.of_turned((first, second), (a, b), shape, found, unit)
+
+
 _BLEND = Table(
     {
         "boundaries": list_of(_BOUNDARY, 2),
         "signs": list_of(one_of((1, -1)), 2),
         "unit": FLAG,
         "shape": _SHAPE,
-        "alignment": Table(_ALIGNMENT, {"by_length": FLAG}),
-        "verdicts": KEPT_VERDICTS,
-    }
-)
-
-
-def _record(blend: GeneratrixBlend, certificate: Verdicts | None = None) -> dict[str, Any]:
-    """Everything that defines a blend; raises `ValueError` for one made of callables."""
-    return {
-        "boundaries": [_boundary_record(boundary) for boundary in blend.boundaries],
-        "signs": list(blend.frames.signs),
+        "alignment": Table(_ALIGNMENT, {"by_length": FLAG}, make=Alignment, entries=asdict),
+    },
+    make=_blend,
+    entries=lambda blend: {
+        "boundaries": blend.boundaries,
+        "signs": blend.frames.signs,
         "unit": blend.frames.unit,
-        "shape": _shape_record(blend.shape),
-        "alignment": asdict(blend.alignment),
-        "verdicts": kept_verdicts(blend, certificate),
-    }
-
-
-def _read(content: dict[str, Any]) -> GeneratrixBlend:
-    """The blend of `_record`.
-
-    How the second curve was turned must be how it is turned anew, once it is turned back.
-    """
-    first, second = map(_read_boundary, content["boundaries"])
-    shape = _shape_of(content["shape"])
-    a, b = content["signs"]
-    found = _found_again(Alignment(**content["alignment"]), first, second, (a, b))
-    return GeneratrixBlend.of_turned((first, second), (a, b), shape, found, content["unit"])
+        "shape": blend.shape,
+        "alignment": blend.alignment,
+    },
+)
 
 
 def _found_again(told: Alignment, first: Boundary, second: Boundary, signs: tuple[int, int]) -> Alignment:
@@ -110,57 +143,6 @@ def _found_again(told: Alignment, first: Boundary, second: Boundary, signs: tupl
     return replace(told, opposed=found.opposed, reason=found.reason)
 
 
-def _boundary_record(boundary: Boundary) -> dict[str, Any]:
-    """The table that a boundary was made from, and how it was turned; raises `ValueError` for one of callables."""
-    if boundary.source is None:
-        raise ValueError(
-            f"{boundary.name} was not made of plain data and cannot be saved; make it by pas.boundary_from or a "
-            "problem file"
-        )
-    return {"table": dict(boundary.source), "phase": boundary.phase, "backwards": boundary.backwards}
-
-
-def _read_boundary(record: dict[str, Any]) -> Boundary:
-    """The boundary of `_boundary_record`."""
-    made = boundary_from(record["table"])
-    return replace(made, phase=float(record["phase"]), backwards=record["backwards"])
-
-
-def _shape_record(shape: GeneratrixShape) -> dict[str, Any]:
-    """The shape functions by name, and the middle curve; raises `ValueError` for one that is callable."""
-    return {name: _function_record(getattr(shape, name)) for name in VALUES} | {"middle": _middle(shape)}
-
-
-def _shape_of(record: dict[str, Any]) -> GeneratrixShape:
-    """The shape of `_shape_record`."""
-    return GeneratrixShape(**{n: _read_function(record[n]) for n in VALUES}, middle=record["middle"])
-
-
-def _function_record(function: ShapeFunction) -> dict[str, Any]:
-    if function.wave is not None:
-        return {"cosine": list(function.wave)}
-    return {"coefficients": [plain(rational(c)) for c in function.coefficients]}
-
-
-def _read_function(record: dict[str, Any]) -> ShapeFunction:
-    if "cosine" in record:
-        low, high, start = map(float, record["cosine"])
-        return ShapeFunction.cosine(low, high, start)
-    if not 0 < len(record["coefficients"]) <= MANY:
-        raise ValueError(f"a shape function must have 1 to {MANY} coefficients, not {len(record['coefficients'])}")
-    constant = [ShapeFunction.constant(c).coefficients for c in record["coefficients"]]
-    return ShapeFunction(tuple(c for (c,) in constant))
-
-
-def _middle(shape: GeneratrixShape) -> list[Any] | None:
-    middle = shape.middle
-    if middle is None:
-        return None
-    if not isinstance(middle, list | tuple) or not all(isinstance(part, str | int) for part in middle):
-        raise ValueError("a middle curve that is no list of three expressions in s, as strings, cannot be saved")
-    return list(middle)
-
-
 def _mesh(blend: GeneratrixBlend, settings: MeshSettings) -> Mesh:
     """Within a tolerance, too, where none is given: its own mesh would be a grid of which no distance is known."""
     if settings.domain is not None:
@@ -172,9 +154,7 @@ def _mesh(blend: GeneratrixBlend, settings: MeshSettings) -> Mesh:
 BLEND = Kind(
     "generatrix blend",
     GeneratrixBlend,
-    _BLEND,
-    _record,
-    _read,
+    *kept(_BLEND, verdicts=True),
     layers,
     mesh=_mesh,
     patches=lambda blend, domain: exact_patches(blend.surface, domain),
@@ -182,33 +162,10 @@ BLEND = Kind(
     curved=True,
 )
 
-_SPHERE_BLEND = Table(
-    {
-        "boundaries": list_of(_BOUNDARY),
-        "center": list_of(REAL, 3),
-        "radius": REAL,
-        "angles": list_of(REAL),
-        "shapes": list_of(_SHAPE),
-    }
-)
 
-
-def _sphere_record(blend: SphereBlend, _: Verdicts | None = None) -> dict[str, Any]:
-    """Everything that defines a blend; raises `ValueError` for one made of callables."""
-    return {
-        "boundaries": [_boundary_record(part.boundaries[0]) for part in blend.blends],
-        "center": list(blend.center),
-        "radius": blend.radius,
-        "angles": list(blend.angles),
-        "shapes": [_shape_record(part.shape) for part in blend.blends],
-    }
-
-
-def _read_sphere(content: dict[str, Any]) -> SphereBlend:
-    """The blend of `_sphere_record`: made anew, each part with its own shape."""
-    boundaries = [_read_boundary(b) for b in content["boundaries"]]
-    made = blend_through_sphere(boundaries, content["center"], content["radius"], content["angles"])
-    shapes = [_shape_of(s) for s in content["shapes"]]
+def _sphere_blend(boundaries: Any, center: Any, radius: float, angles: Any, shapes: Any) -> SphereBlend:
+    """The blend of a file: made anew, each part with its own shape."""
+    made = blend_through_sphere(boundaries, center, radius, angles)
     if len(shapes) != len(made.blends):
         raise ValueError(f"there must be a shape for each of the {len(made.blends)} boundaries, not {len(shapes)}")
     parts = [
@@ -218,6 +175,19 @@ def _read_sphere(content: dict[str, Any]) -> SphereBlend:
     return replace(made, blends=tuple(parts))
 
 
-SPHERE_BLEND = Kind(
-    "sphere blend", SphereBlend, _SPHERE_BLEND, _sphere_record, _read_sphere, sphere_layers, curved=True
+_SPHERE_BLEND = Table(
+    {
+        "boundaries": list_of(_BOUNDARY),
+        "center": list_of(REAL, 3),
+        "radius": REAL,
+        "angles": list_of(REAL),
+        "shapes": list_of(_SHAPE),
+    },
+    make=_sphere_blend,
+    entries=lambda blend: {
+        "boundaries": [part.boundaries[0] for part in blend.blends],
+        **{name: getattr(blend, name) for name in ("center", "radius", "angles")},
+        "shapes": [part.shape for part in blend.blends],
+    },
 )
+SPHERE_BLEND = Kind("sphere blend", SphereBlend, *kept(_SPHERE_BLEND), sphere_layers, curved=True)

@@ -12,19 +12,12 @@ from typing import Any
 
 from flint import fmpq
 
-from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import plain, rational
 from pas.blending.solving import solve
+from pas.blending.space import Space
 from pas.certify.certificate import Certificate
-from pas.exchange.records import (
-    CERTIFICATE,
-    CONSTRAINTS,
-    ENERGY,
-    constraints_record,
-    read_constraints,
-    read_surface,
-    surface_record,
-)
+from pas.exchange.records import CONSTRAINTS, ENERGY, VERDICT, kept
+from pas.exchange.records import SURFACE as FORM
 from pas.exchange.schema import (
     NUMBER,
     POINT,
@@ -33,42 +26,52 @@ from pas.exchange.schema import (
     TEXT,
     WHOLE,
     Table,
+    alone,
     list_of,
     maybe,
-    polynomial_record,
-    read_polynomial,
+    read_by,
     row,
     table_of,
 )
-from pas.exchange.schema import SURFACE as FORM
 from pas.fairing.contradictions import check_kept
-from pas.fairing.energy import read_energy
 from pas.fairing.wishes import Wishes, check_member
 from pas.partition.layout import Layout
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import body
 from pas.pipeline.chosen import Attempt
-from pas.pipeline.hollow import check_sides
-from pas.pipeline.result import Blend, HollowBlend, SolutionSpace
+from pas.pipeline.hollow import HollowBlend, check_sides
+from pas.pipeline.result import Blend
 from pas.render.layout import layers as layout_layers
 from pas.render.parts import solid_layers
 from pas.render.piecewise import layers
 from pas.shape import Kind
 from pas.surface.fairness_limits import FairnessLimits
-from pas.verdicts import Verdicts
 
 SURFACE = Kind(
     "surface",
     PiecewiseSurface,
-    Table({"surface": FORM}),
-    lambda surface, _: {"surface": surface_record(surface)},
-    lambda content: read_surface(content["surface"]),
+    *kept(alone("surface", FORM)),
     layers,
     piecewise=lambda surface: surface,
     body=body,
     curved=True,
 )
 
+_CERTIFICATE = read_by(
+    Table(
+        {"contacts": list_of(VERDICT), "faces": list_of(VERDICT), "one_sheet": VERDICT, "enclosed": VERDICT},
+        {"further": list_of(VERDICT)},
+    ),
+    Certificate.from_record,
+    Certificate.to_record,
+)
+_LIMITS = dict.fromkeys(FairnessLimits.__dataclass_fields__, REAL)
+_PROBLEM = Table(
+    {"constraints": CONSTRAINTS, "energy": ENERGY},
+    {"limits": maybe(Table({}, _LIMITS, make=FairnessLimits, entries=vars))},
+    make=lambda constraints, energy, limits=None: Wishes(**constraints, energy=energy, limits=limits),
+    entries=lambda blend: {"constraints": blend.wishes, "energy": blend.plate, "limits": blend.wishes.limits},
+)
 _SOLUTION = Table(
     {
         "dimension": WHOLE,
@@ -79,62 +82,38 @@ _SOLUTION = Table(
         "seconds": table_of(REAL),
     },
     {"attempt_seconds": list_of(REAL), "attempt_partitions": list_of(TEXT), "fairness": maybe(Table({}, open=True))},
-)
-_LIMITS = Table({}, dict.fromkeys(FairnessLimits.__dataclass_fields__, REAL))
-_BLEND = Table(
-    {
-        "surface": FORM,
-        "problem": Table({"constraints": CONSTRAINTS, "energy": ENERGY}, {"limits": maybe(_LIMITS)}),
-        "solution": _SOLUTION,
-        "certificate": CERTIFICATE,
+    entries=lambda blend: {
+        "dimension": blend.dimension,
+        "basis": blend.basis,
+        "coefficients": _coefficients(blend),
+        "energy": blend.energy,
+        "attempts": [[a.degree, a.dimension, a.outcome] for a in blend.attempts],
+        "seconds": blend.timings,
+        "attempt_seconds": [a.seconds for a in blend.attempts],
+        "attempt_partitions": [a.partition for a in blend.attempts],
+        "fairness": None if blend.fairness is None else blend.fairness.to_record(),
     },
 )
-"""What a project file of a blend holds."""
 
 
-def _record(blend: Blend, _: Verdicts | None = None) -> dict[str, Any]:
-    """Everything that defines a blend, proved first where that has not been done."""
-    return {
-        "problem": {
-            "constraints": constraints_record(blend.wishes),
-            "energy": blend.plate.to_record(),
-            "limits": None if blend.wishes.limits is None else vars(blend.wishes.limits),
-        },
-        "surface": surface_record(blend.surface),
-        "solution": {
-            "dimension": blend.dimension,
-            "basis": None if blend.basis is None else [[polynomial_record(p) for p in m] for m in blend.basis],
-            "coefficients": _coefficients(blend),
-            "energy": blend.energy,
-            "attempts": [[a.degree, a.dimension, a.outcome] for a in blend.attempts],
-            "seconds": blend.timings,
-            "attempt_seconds": [a.seconds for a in blend.attempts],
-            "attempt_partitions": [a.partition for a in blend.attempts],
-            "fairness": blend.fairness.to_record() if blend.fairness is not None else None,
-        },
-        "certificate": blend.certificate.to_record(),
-    }
-
-
-def _coefficients(blend: Blend) -> list[str]:
+def _coefficients(blend: Blend) -> list[Any]:
     """The member's coefficients; none where the surface, which is then refuted, is that of a file and no member."""
     try:
-        return [plain(rational(c)) for c in blend.coefficients]
+        return list(blend.coefficients)
     except ValueError:
         return []
 
 
-def _read(content: dict[str, Any]) -> Blend:
-    """The blend of `_record`: what can be found anew is, and what was asked of the surface must hold of it.
+def _blend(surface: PiecewiseSurface, problem: Wishes, solution: dict[str, Any], certificate: Certificate) -> Blend:
+    """The blend of a file: what can be found anew is, and what was asked of the surface must hold of it.
 
     Its energy, and what was tried in what time, are what the file tells.
     """
-    solution, problem = content["solution"], content["problem"]
-    surface, basis = read_surface(content["surface"]), _read_basis(solution["basis"])
+    wishes, basis = problem, None if solution["basis"] is None else tuple(map(tuple, solution["basis"]))
 
     @cache
-    def find_space() -> SolutionSpace:
-        space = SolutionSpace.of(solve(surface.placed, surface.degree))
+    def find_space() -> Space:
+        space = solve(surface.placed, surface.degree)
         return space if basis is None else space.restricted(basis)
 
     def find_coefficients() -> list[fmpq]:
@@ -144,11 +123,6 @@ def _read(content: dict[str, Any]) -> Blend:
             return told
         return [rational(c) for c in space.coordinates(surface.polynomials)]
 
-    wishes = Wishes(
-        energy=read_energy(problem["energy"]),
-        limits=None if problem.get("limits") is None else FairnessLimits(**problem["limits"]),
-        **read_constraints(problem["constraints"]),
-    )
     check_kept(wishes, surface)
     if basis is not None or wishes.coefficients:
         found = find_coefficients()  # raises where the basis is none, or the surface is not of it
@@ -173,7 +147,7 @@ def _read(content: dict[str, Any]) -> Blend:
         ),
         wishes=wishes,
         find_space=find_space,
-        stored=Certificate.from_record(content["certificate"]),
+        stored=certificate,
     )
 
 
@@ -186,8 +160,14 @@ def _of_attempts(solution: dict[str, Any], key: str, usual: Any) -> list[Any]:
     return list(found)
 
 
-def _read_basis(record: Any) -> tuple[tuple[Polynomial, ...], ...] | None:
-    return None if record is None else tuple(tuple(read_polynomial(p) for p in m) for m in record)
+_BLEND = Table(
+    {"surface": FORM, "problem": _PROBLEM, "solution": _SOLUTION, "certificate": _CERTIFICATE},
+    make=_blend,
+    entries=lambda blend: {
+        "problem": blend, "surface": blend.surface, "solution": blend, "certificate": blend.certificate,
+    },
+)  # fmt: skip
+"""What a project file of a blend holds; it is proved first where that has not been done."""
 
 
 def _facts(blend: Blend) -> dict[str, Any]:
@@ -205,9 +185,7 @@ def _facts(blend: Blend) -> dict[str, Any]:
 BLEND = Kind(
     "blend",
     Blend,
-    _BLEND,
-    _record,
-    _read,
+    *kept(_BLEND),
     lambda blend, scene: layers(blend.surface, scene),
     _facts,
     piecewise=attrgetter("surface"),
@@ -217,32 +195,20 @@ BLEND = Kind(
 )
 
 
-def _hollow_record(hollow: HollowBlend, _: Verdicts | None = None) -> dict[str, Any]:
-    """Both blends, each as files keep it, and the thickness."""
-    return {
-        "outer": _record(hollow.outer),
-        "inner": _record(hollow.inner),
-        "thickness": None if hollow.thickness is None else plain(hollow.thickness),
-    }
-
-
-def _read_hollow(content: dict[str, Any]) -> HollowBlend:
-    """The hollow blend of `_hollow_record`; that the one is inside the other is proved again when it is asked for.
+def _hollow(outer: Blend, inner: Blend, thickness: str | None) -> HollowBlend[Blend]:
+    """The hollow blend of two; that the one is inside the other is proved again when it is asked for.
 
     The inner contacts must be those that the outer ones and the thickness come to.
     """
-    thickness = None if content["thickness"] is None else rational(content["thickness"], "thickness")
-    outer, inner = (_read(content[side]) for side in ("outer", "inner"))
-    check_sides(outer, inner, thickness)
-    return HollowBlend(outer, inner, thickness)
+    wall = None if thickness is None else rational(thickness, "thickness")
+    check_sides(outer, inner, wall)
+    return HollowBlend(outer, inner, wall)
 
 
 HOLLOW_BLEND = Kind(
     "hollow blend",
     HollowBlend,
-    Table({"outer": _BLEND, "inner": _BLEND, "thickness": maybe(NUMBER)}),
-    _hollow_record,
-    _read_hollow,
+    *kept(Table({"outer": _BLEND, "inner": _BLEND, "thickness": maybe(NUMBER)}, make=_hollow)),
     solid_layers,
     lambda hollow: {"outer": _facts(hollow.outer), "inner": _facts(hollow.inner)},
     body=HollowBlend.solid,
@@ -252,8 +218,6 @@ _LAYOUT = Table({"center": POINT, "rays": list_of(list_of(WHOLE, 3)), "pieces": 
 LAYOUT = Kind(
     "layout",
     Layout,
-    Table({"layout": _LAYOUT}),
-    lambda layout, _: {"layout": layout.to_record()},
-    lambda content: Layout.from_record(content["layout"]),
+    *kept(alone("layout", read_by(_LAYOUT, Layout.from_record, Layout.to_record))),
     layout_layers,
 )

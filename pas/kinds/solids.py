@@ -13,20 +13,15 @@ from typing import Any
 import numpy as np
 
 from pas.designs.teapot import STYLES, Teapot
-from pas.exchange.schema import TEXT, Table, choice, list_of, one_of
-from pas.exchange.solid_records import RECORD, read_solid, solid_record
+from pas.exchange.records import kept
+from pas.exchange.schema import TEXT, Table, alone, choice, list_of, one_of, read_by
+from pas.exchange.solid_records import RECORD
 from pas.mesh.mesh import Mesh
 from pas.render.parts import part_layers, solid_layers
 from pas.render.scene import Scene
 from pas.shape import Kind
 from pas.solid.assembly import Assembly, Part, assembly
 from pas.solid.solid import Solid
-from pas.verdicts import Verdicts
-
-_MESH = Table(
-    dict.fromkeys(("points", "triangles", "faces", "normals"), TEXT) | {"names": list_of(TEXT)},
-    {"parameters": TEXT},
-)
 
 _ARRAYS = {
     "points": ("<f8", (-1, 3)),
@@ -36,17 +31,6 @@ _ARRAYS = {
     "parameters": ("<f8", (-1, 2)),
 }
 """Their numbers as bytes, and their shapes; the last one only where it is known."""
-
-
-def _mesh_record(mesh: Mesh) -> dict[str, Any]:
-    """The arrays in base 64, little end first."""
-    record: dict[str, Any] = {"names": list(mesh.names)}
-    for name, (number, _) in _ARRAYS.items():
-        array = getattr(mesh, name)
-        if array is not None:
-            data = np.ascontiguousarray(array, dtype=number).tobytes()
-            record[name] = base64.b64encode(data).decode("ascii")
-    return record
 
 
 def _read_array(text: str, name: str) -> Any:
@@ -64,12 +48,11 @@ def _read_array(text: str, name: str) -> Any:
     return array
 
 
-def _read_mesh(record: dict[str, Any]) -> Mesh:
-    """The mesh of `_mesh_record`; raises `ValueError` for arrays that make no mesh."""
-    arrays = {name: _read_array(record[name], name) for name in _ARRAYS if name in record}
+def _mesh(names: list[str], **texts: str) -> Mesh:
+    """The mesh of arrays; raises `ValueError` for arrays that make no mesh."""
+    arrays = {name: _read_array(texts[name], name) for name in _ARRAYS if name in texts}
     points, triangles, faces, normals = (arrays[name] for name in ("points", "triangles", "faces", "normals"))
     parameters = arrays.get("parameters")
-    names = tuple(record["names"])
     if not 0 < len(triangles) == len(faces) == len(normals):
         raise ValueError("the mesh's triangles, faces and normals are not equally many")
     for numbers, size in ((triangles, len(points)), (faces, len(names))):
@@ -77,49 +60,70 @@ def _read_mesh(record: dict[str, Any]) -> Mesh:
             raise ValueError("the mesh has numbers of points or faces that do not exist")
     if parameters is not None and len(parameters) != len(points):
         raise ValueError("the mesh's parameters are not as many as its points")
-    return Mesh(points, triangles.astype(np.intp), faces.astype(np.intp), names, normals, parameters)
+    return Mesh(points, triangles.astype(np.intp), faces.astype(np.intp), tuple(names), normals, parameters)
 
+
+def _mesh_entries(mesh: Mesh) -> dict[str, Any]:
+    """The arrays in base 64, little end first."""
+    arrays = {name: (getattr(mesh, name), number) for name, (number, _) in _ARRAYS.items()}
+    return {"names": mesh.names} | {
+        name: base64.b64encode(np.ascontiguousarray(array, dtype=number).tobytes()).decode("ascii")
+        for name, (array, number) in arrays.items()
+        if array is not None
+    }
+
+
+_MESH = Table(
+    {**dict.fromkeys(("points", "triangles", "faces", "normals"), TEXT), "names": list_of(TEXT)},
+    {"parameters": TEXT},
+    make=_mesh,
+    entries=_mesh_entries,
+)
 
 SOLID = Kind(
     "solid",
     Solid,
-    Table({"solid": RECORD}),
-    lambda solid, _: {"solid": solid_record(solid)},
-    lambda content: read_solid(content["solid"]),
+    *kept(alone("solid", RECORD)),
     solid_layers,
 )
 MESH = Kind(
     "mesh",
     Mesh,
-    Table({"mesh": _MESH}),
-    lambda mesh, _: {"mesh": _mesh_record(mesh)},
-    lambda content: _read_mesh(content["mesh"]),
+    *kept(alone("mesh", _MESH)),
     solid_layers,
     meshed=True,
 )
 
 _COMMON = {"name": TEXT, "color": TEXT}
 _PART = choice(
-    "a part: a table with a solid or a mesh", Table({"solid": RECORD, **_COMMON}), Table({"mesh": _MESH, **_COMMON})
+    "a part: a table with a solid or a mesh",
+    Table({"solid": RECORD, **_COMMON}, of=lambda part: "solid" in part),
+    Table({"mesh": _MESH, **_COMMON}),
 )
 
 
-def _part_record(name: str, part: Part) -> dict[str, Any]:
+def _write_part(item: tuple[str, Part]) -> dict[str, Any]:
     """A part with its name and colour; raises `ValueError` naming a part that cannot be kept."""
+    name, part = item
+    kind = "solid" if isinstance(part.shape, Solid) else "mesh"
     try:
-        shape = part.shape
-        kept = {"solid": solid_record(shape)} if isinstance(shape, Solid) else {"mesh": _mesh_record(shape)}
+        return _PART.write({"name": name, "color": part.color, kind: part.shape})
     except ValueError as error:
         raise ValueError(f"the part {name!r}: {error}") from None
-    return {"name": name, "color": part.color, **kept}
 
 
-def _read_parts(records: list[dict[str, Any]]) -> Assembly:
-    """The assembly of the parts of `_part_record`."""
-    if len({record["name"] for record in records}) < len(records):
+_PARTS = list_of(read_by(_PART, _PART.read, _write_part))
+
+
+def _assembly(parts: list[dict[str, Any]]) -> Assembly:
+    """The assembly of what was read of its parts."""
+    if len({part["name"] for part in parts}) < len(parts):
         raise ValueError("two parts have the same name")
-    shapes = [read_solid(r["solid"]) if "solid" in r else _read_mesh(r["mesh"]) for r in records]
-    return assembly({r["name"]: (shape, r["color"]) for r, shape in zip(records, shapes, strict=True)})
+    return assembly({p["name"]: (p["solid"] if "solid" in p else p["mesh"], p["color"]) for p in parts})
+
+
+def _read_part(record: dict[str, Any]) -> Part:
+    return _assembly([_PART.read(record)])[record["name"]]
 
 
 def _layers(thing: Assembly, scene: Scene) -> None:
@@ -130,35 +134,21 @@ def _layers(thing: Assembly, scene: Scene) -> None:
 ASSEMBLY = Kind(
     "assembly",
     Assembly,
-    Table({"parts": list_of(_PART)}),
-    lambda thing, _: {"parts": [_part_record(name, part) for name, part in thing.parts.items()]},
-    lambda content: _read_parts(content["parts"]),
+    *kept(Table({"parts": _PARTS}, make=_assembly, entries=lambda thing: {"parts": thing.parts.items()})),
     _layers,
     parts=lambda thing: thing.parts,
 )
 PART = Kind(
     "part",
     Part,
-    Table({"part": _PART}),
-    lambda part, _: {"part": _part_record("part", part)},
-    lambda content: _read_parts([content["part"]])[content["part"]["name"]],
+    *kept(alone("part", read_by(_PART, _read_part, lambda part: _write_part(("part", part))))),
     part_layers,
     parts=lambda part: {"part": part},
 )
 
-_SOLIDS = ("solid", "pot", "lid")
-
-
-def _teapot_record(teapot: Teapot, _: Verdicts | None = None) -> dict[str, Any]:
-    """The closed solid, and that of each part, exact."""
-    return {"style": teapot.style, **{name: solid_record(getattr(teapot, name)) for name in _SOLIDS}}
-
-
 TEAPOT = Kind(
     "teapot",
     Teapot,
-    Table({"style": one_of(tuple(STYLES))} | dict.fromkeys(_SOLIDS, RECORD)),
-    _teapot_record,
-    lambda content: Teapot(content["style"], *(read_solid(content[name]) for name in _SOLIDS)),
+    *kept(Table({"style": one_of(tuple(STYLES)), **dict.fromkeys(("solid", "pot", "lid"), RECORD)}, make=Teapot)),
     lambda teapot, scene: solid_layers(teapot.solid, scene),
 )

@@ -24,6 +24,7 @@ from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import NOWHERE, Known, Nodes, contracted, find_nodes
 from pas.mesh.projection import least_norm, newton, placing
+from pas.mesh.refusals import Refusal
 from pas.mesh.rows import Floats, Integers, cross, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import edge_table, pinched
@@ -96,11 +97,11 @@ class BoundaryCrossings:
         labels = finer._changes(rows)[1]
         return set(labels.tolist()) <= set(self.crossed[1].tolist())
 
-    def mesh(self) -> Labelled | Floats:
+    def mesh(self) -> Labelled | Floats | Refusal:
         """The mesh, cut along the curves between faces, with crossings close to nodes merged.
 
         Where a face, a curve or a corner is not found so that a finer lattice is needed, the result is points
-        (K, 3) there.
+        (K, 3) there; where none would do, why.
         """
         if not len(self.edges):
             return _cut(np.empty((0, 3)), self.triangles, np.empty(0, dtype=np.intp))
@@ -111,7 +112,10 @@ class BoundaryCrossings:
         unclear, flat = _unclear(self.field, points, triangles, labels)
         nodes = Nodes(NOWHERE, np.empty(0))
         if 0 < len(unclear) + len(flat) <= MOST_UNCLEAR:
-            nodes = find_nodes(self.field, points, triangles, labels, unclear, flat, self._known)
+            found = find_nodes(self.field, points, triangles, labels, unclear, flat, self._known)
+            if isinstance(found, Refusal):
+                return found
+            nodes = found
         centers = points[triangles[unclear]].mean(axis=1)
         reached = nodes.reaches(centers)
         if not reached.all():
@@ -119,11 +123,11 @@ class BoundaryCrossings:
         mesh = _cut(points, triangles, labels)
         if not len(nodes.points):
             return mesh
-        found = contracted(self.field, mesh.points, mesh.triangles, mesh.labels, nodes)
-        if not isinstance(found, Nodes):
-            return Labelled.of(*found)
+        drawn = contracted(self.field, mesh.points, mesh.triangles, mesh.labels, nodes)
+        if not isinstance(drawn, Nodes):
+            return Labelled.of(*drawn)
         # where a node drew in what is no disc, what is unclear within its reach may have been far from it
-        return np.concatenate([found.points, centers[found.reaches(centers)]])
+        return np.concatenate([drawn.points, centers[drawn.reaches(centers)]])
 
     def _merged(self) -> tuple[Floats, Integers, Integers]:
         """The mesh with crossings close to nodes merged, but where that would pinch it or close a hole or piece."""

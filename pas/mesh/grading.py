@@ -15,11 +15,13 @@ from pas.limits import checkpoint
 from pas.mesh.ground import Ground
 from pas.mesh.halfedges import TURNED, HalfEdges, VertexKind, following
 from pas.mesh.labelled import Labelled
-from pas.mesh.refine import LARGEST
 from pas.mesh.rows import Integers, dots, norms
 
 KEPT = 0.35
 """Cosine with the normals below which triangles about folded ones are not made."""
+
+LARGEST = 4_000_000
+"""Triangles; more would not fit into the memory of a small machine."""
 
 NOWHERE = np.empty(0, dtype=np.intp)
 

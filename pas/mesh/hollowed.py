@@ -19,12 +19,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, ShellWall, place_of
 from pas.mesh.first import unsound
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton, pair_normals, project
+from pas.mesh.refusals import Made, Refusal
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import is_closed_manifold
@@ -44,12 +44,13 @@ BESIDE = 0.1
 SLOPE_STEP = 1e-5
 """Of the differences that give second derivatives, over the extent of the box."""
 
-Mesher = Callable[[FaceField, float], Labelled]
-Refiner = Callable[[Labelled, FaceField, float], tuple[Labelled, float]]
-
 
 def mesh_hollowed(
-    field: FaceField, wall: ShellWall, tolerance: float, mesh: Mesher, refined: Refiner
+    field: FaceField,
+    wall: ShellWall,
+    tolerance: float,
+    mesh: Callable[[FaceField, float], Made],
+    refined: Callable[[Labelled, FaceField, float], Made],
 ) -> tuple[Labelled, float] | None:
     """The mesh of a shell and how near it is, from that of the solid by `mesh(solid, tolerance)`, `refined`.
 
@@ -57,14 +58,14 @@ def mesh_hollowed(
     """
     checkpoint("meshing both sides of a wall")
     aim = min(tolerance, SHARE * wall.thickness)
-    try:
-        first = Doubled(mesh(wall.solid, aim), wall).projected(field)
-        if not is_closed_manifold(first.triangles) or unsound(first, field, aim)[0]:
-            return None
-        found, reached = refined(first, field, aim)
-    except MeshError:
+    outer = mesh(wall.solid, aim)
+    if isinstance(outer, Refusal):
         return None
-    return (found, reached) if _changes(found, field, wall.thickness) else None
+    first = Doubled(outer[0], wall).projected(field)
+    if not is_closed_manifold(first.triangles) or unsound(first, field, aim)[0]:
+        return None
+    found = refined(first, field, aim)
+    return None if isinstance(found, Refusal) or not _changes(found[0], field, wall.thickness) else found
 
 
 class Doubled:

@@ -19,6 +19,7 @@ from pas.mesh.field import FaceField
 from pas.mesh.first import unsound
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.labelled import Labelled
+from pas.mesh.refusals import Made, Refusal
 from pas.mesh.rows import Floats, cross
 from pas.mesh.shells import together
 
@@ -42,12 +43,10 @@ RINGS = 2
 TABLE = 1 << 18
 """Pairs of edges and triangles that are looked at together."""
 
-Mesher = Callable[[FaceField, float], tuple[Labelled, float]]
-
 
 def mesh_touching(
-    field: FaceField, surfaces: Sequence[FaceField], tolerance: float, mesh: Mesher
-) -> tuple[Labelled, float] | None:
+    field: FaceField, surfaces: Sequence[FaceField], tolerance: float, mesh: Callable[[FaceField, float], Made]
+) -> Made | None:
     """The mesh of a boundary and how near it is, from those of its surfaces, by `mesh(surface, tolerance)`.
 
     None where they are not near enough, or cross, however fine one of them is.
@@ -59,7 +58,10 @@ def mesh_touching(
         keys = [(i, LEFT * tolerance * (share if i == number else 1.0)) for i in range(len(surfaces))]
         for i, aim in keys:
             if (i, aim) not in known:
-                known[i, aim] = _with_contacts(mesh(surfaces[i], aim)[0], surfaces[i], aim)
+                made = mesh(surfaces[i], aim)
+                if isinstance(made, Refusal):
+                    return made
+                known[i, aim] = _with_contacts(made[0], surfaces[i], aim)
         meshes, reached = zip(*(known[key] for key in keys), strict=True)
         pairs = permutations(zip(surfaces, meshes, strict=True), 2)
         if max(reached) <= tolerance and not any(_crosses(one, *other) for (_, one), other in pairs):

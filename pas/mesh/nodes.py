@@ -22,11 +22,11 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, cKDTree
 
-from pas.errors import MeshError
 from pas.mesh.changes import Changes
 from pas.mesh.field import FaceField, place_of
 from pas.mesh.hull import icosphere
 from pas.mesh.projection import least_norm, newton
+from pas.mesh.refusals import Refusal
 from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.stars import Stars
@@ -86,7 +86,7 @@ class Known:
     changes: Changes | None = None
 
     zeros: dict[tuple[tuple[int, ...], bytes, float], Floats] = field_of(default_factory=dict)
-    cones: dict[tuple[bytes, float], bool] = field_of(default_factory=dict)
+    cones: dict[tuple[bytes, float], bool | Refusal] = field_of(default_factory=dict)
 
 
 def find_nodes(
@@ -97,11 +97,11 @@ def find_nodes(
     places: Integers,
     flat: Integers,
     known: Known | None = None,
-) -> Nodes:
+) -> Nodes | Refusal:
     """The nodes near triangles `places` of a mesh (T, 3) whose vertices are on faces of given labels.
 
     Near triangles `flat`, in which two faces meet flatly, they are looked for where these two touch.  What is `known`
-    is not looked for again, and added to.  Raises `MeshError` where the solid touches itself in a node.
+    is not looked for again, and added to.  Refused where the solid touches itself in a node.
     """
     known = Known() if known is None else known
     all_places = np.concatenate([places, flat])
@@ -127,7 +127,10 @@ def find_nodes(
         key = found[row].tobytes(), float(size[owners[row]])
         if key not in known.cones:
             known.cones[key] = _is_cone(field, found[row], key[1])
-        if known.cones[key]:
+        cone = known.cones[key]
+        if isinstance(cone, Refusal):
+            return cone
+        if cone:
             nodes.append(found[row])
             reach.append(radius)
             done[owners[own]] = True
@@ -179,13 +182,13 @@ def _solved(field: FaceField, starts: Floats, systems: list[tuple[int, ...]], re
     return result
 
 
-def _is_cone(field: FaceField, node: Floats, spacing: float) -> bool:
-    """Whether the boundary is one sheet at a node, as its links show; raises `MeshError` where it is pinched there."""
+def _is_cone(field: FaceField, node: Floats, spacing: float) -> bool | Refusal:
+    """Whether the boundary is one sheet at a node, as its links show; refused where it is pinched there."""
     if all(len(inside) == len(outside) == 1 for inside, outside in _links(field, node, spacing, LEVEL)):
         return True
     finer = _links(field, node, spacing, LEVEL + 1)
     if all(max(len(inside), len(outside)) > 1 and min(*inside, *outside, PARTS) == PARTS for inside, outside in finer):
-        raise MeshError(
+        return Refusal(
             f"the solid could not be meshed: near {place_of(field, node)} it touches itself in a point or an edge, "
             "so that its boundary is no surface there; let its parts overlap or keep them apart"
         )

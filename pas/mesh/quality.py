@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from enum import Enum
 from typing import Protocol, TypeVar
 
 import numpy as np
 
+from pas.errors import MeshError
 from pas.mesh.rows import Floats, Integers
 from pas.settings import check_quality
 
@@ -58,6 +60,15 @@ class Quality(Enum):
         The first is the usual one: below, there are more triangles, and above, more edges that must be halved.
         """
         return AIMS[self]
+
+    def best_of(self, makers: Iterable[Callable[[], AnyMesh]]) -> AnyMesh:
+        """The best of the meshes that are made; a `MeshError` of the first is raised, later ones are left out."""
+        first, *others = makers
+        found = [first()]
+        for make in others:
+            with suppress(MeshError):  # too many triangles, or no good mesh: there is one already
+                found.append(make())
+        return self.best(found)
 
     def best(self, meshes: Sequence[AnyMesh]) -> AnyMesh:
         """The one of some meshes that has the largest smallest angle, or the fewest triangles; the first of equals."""

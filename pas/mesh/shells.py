@@ -7,16 +7,18 @@ distance: the cubes about points of one, three times as large as the tolerance, 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import permutations
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from pas.limits import checkpoint
+from pas.mesh.face_ground import inner_points
 from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton
-from pas.mesh.refine import inner_points
+from pas.mesh.refusals import Made, Refusal
 from pas.mesh.rows import Floats
 from pas.mesh.shading import unit_rows
 
@@ -35,8 +37,8 @@ def mesh_apart(
     field: FaceField,
     shells: Sequence[FaceField],
     tolerance: float,
-    mesh: Callable[[FaceField, float], tuple[Labelled, float]],
-) -> tuple[Labelled, float] | None:
+    mesh: Callable[[FaceField, float], Made],
+) -> Made | None:
     """The mesh of all of a boundary, and how near it is, from those of its surfaces, by `mesh(shell, tolerance)`.
 
     None where there is no room between them.
@@ -44,13 +46,16 @@ def mesh_apart(
     for halving in range(HALVINGS):
         checkpoint("meshing surfaces one by one")
         aim = tolerance / 2**halving
-        meshes, reached = zip(*(mesh(shell, aim) for shell in shells), strict=True)
-        if all(
-            not other.crossed(_points(one), ROOM * aim).any()
-            for i, one in enumerate(meshes)
-            for j, other in enumerate(shells)
-            if i != j
-        ):
+        meshes: list[Labelled] = []
+        reached = []
+        for shell in shells:
+            made = mesh(shell, aim)
+            if isinstance(made, Refusal):
+                return made
+            meshes.append(made[0])
+            reached.append(made[1])
+        pairs = permutations(zip(shells, meshes, strict=True), 2)
+        if not any(other.crossed(_points(one), ROOM * aim).any() for (_, one), (other, _) in pairs):
             return together(field, shells, meshes), max(reached)
     return None
 

@@ -19,7 +19,8 @@ from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import to_float
 from pas.algebra.scaling import Scaled
 from pas.solid.taylor import TaylorForms
-from pas.solid.tree import Atom, Bools, CompiledTree, Function, Integers, ScalarField, Tree
+from pas.solid.tree import Atom, Bools, Columns, Function, Integers, ScalarField, Tree, atoms
+from pas.solid.truths import CompiledTree
 from pas.surface.geometry import derivative_batch
 
 SPLITS = 6
@@ -54,26 +55,19 @@ class TreeEvaluator:
 
     def __init__(self, tree: Tree, center: tuple[fmpq, fmpq, fmpq], scale: fmpq, extra: tuple[Function, ...] = ()):
         self.center, self.scale = center, scale
-        self._numbers: dict[object, int] = {}
-        self.columns: list[Column] = []
-        self._signs: list[int] = []
-        self._tree = tree
+        self._tree, self._numbers = tree, Columns()
         self._compiled = CompiledTree(tree, self._column_of)
+        names: list[dict[str, None]] = [{} for _ in self._numbers.functions]
+        for atom in atoms(tree):
+            names[self._column_of(atom)[0]] |= {atom.face: None} if atom.face else {}
+        self.columns = [Column(f, tuple(n)) for f, n in zip(self._numbers.functions, names, strict=True)]
         self.used = len(self.columns)
-        for function in extra:
-            self.columns.append(Column(function, ()))
+        self.columns += [Column(function, ()) for function in extra]
 
     def _column_of(self, atom: Atom) -> tuple[int, bool]:
         """The column of an inequality, and whether that is to be > 0."""
-        key, sign = _key(atom.function)
-        number = self._numbers.setdefault(key, len(self.columns))
-        if number == len(self.columns):
-            self.columns.append(Column(atom.function, ()))
-            self._signs.append(sign)
-        column = self.columns[number]
-        if atom.face and atom.face not in column.names:
-            self.columns[number] = Column(column.function, (*column.names, atom.face))
-        return (number, atom.outside != (sign != self._signs[number]))
+        number, sign = self._numbers.of(atom.function)
+        return number, atom.outside != (sign < 0)
 
     @cached_property
     def _named(self) -> tuple[dict[tuple[int, str], int], CompiledTree]:
@@ -231,10 +225,10 @@ class TreeEvaluator:
 
     def number(self, other: TreeEvaluator, columns: Integers) -> tuple[Integers, Bools]:
         """The columns that hold those of another evaluator, and whether with the opposite sign."""
-        keys = {column: key for key, column in other._numbers.items()}
-        found = [self._numbers[keys[int(c)]] for c in columns]
-        turned = [self._signs[a] != other._signs[int(b)] for a, b in zip(found, columns, strict=True)]
-        return np.array(found, dtype=np.intp), np.array(turned, dtype=bool)
+        wanted, places = np.unique(columns, return_inverse=True)
+        pairs = [self._numbers.of(other.columns[c].function) for c in wanted.tolist()]
+        found = np.array(pairs, dtype=np.intp).reshape(-1, 2)
+        return found[places, 0], found[places, 1] < 0
 
     @cached_property
     def _places(self) -> Integers:
@@ -305,11 +299,3 @@ class TreeEvaluator:
         `yes` and `no` (M, N) say where columns are certainly <= 0 and > 0.
         """
         return self._compiled.relevant(yes, no)
-
-
-def _key(function: Function) -> tuple[object, int]:
-    """What makes a column, and the sign of the function in it."""
-    if not isinstance(function, Polynomial):
-        return function, 1
-    primitive = function.primitive()
-    return primitive, 1 if function.raw.coeffs()[0] > 0 else -1

@@ -7,10 +7,10 @@ import numpy as np
 from pas.limits import checkpoint
 from pas.mesh.closed import FaceMesh
 from pas.mesh.field import FaceField
+from pas.mesh.grading import LARGEST
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton, pair_normals, placing, project
-from pas.mesh.refine import LARGEST
 
 _GAUSS = np.array(
     [

@@ -19,9 +19,9 @@ from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.errors import GeometryError
 from pas.solid.bounds import bounding_box
 from pas.solid.evaluator import TreeEvaluator
-from pas.solid.functions import Distance
+from pas.solid.functions import distances_from
 from pas.solid.taylor import TaylorForms
-from pas.solid.tree import Atom, Node, Tree, combined, complement
+from pas.solid.tree import Tree, complement, parts_of, splits_of
 from pas.surface.evaluator import symmetric
 from pas.surface.geometry import derivative_batch
 
@@ -50,20 +50,17 @@ def cavities(tree: Tree, box: Floats) -> Iterator[tuple[Tree, Tree]]:
 
     So does that of a shell's wall, which is within the others.
     """
-    if not isinstance(tree, Node) or tree.union:
-        return
-    for part in tree.parts:
-        others = combined(False, *(other for other in tree.parts if other is not part))
-        if is_shell(part, others) or (len(tree.parts) <= MOST_PARTS and _is_within(complement(part), box)):
+    is_short = len(parts_of(tree, union=False)) <= MOST_PARTS
+    for part, others in splits_of(tree, union=False):
+        if is_shell(part, others) or (is_short and _is_within(complement(part), box)):
             yield part, others
 
 
 def pieces(tree: Tree, box: Floats) -> Iterator[tuple[Tree, Tree]]:
     """The `cavities` in a box a little larger, and each part of a union with the union of the others."""
     yield from cavities(tree, box + SLACK * np.ptp(box, axis=0) * np.array([[-1.0], [1.0]]))
-    if isinstance(tree, Node) and tree.union and len(tree.parts) <= MOST_PARTS:
-        for part in tree.parts:
-            yield part, combined(True, *(other for other in tree.parts if other is not part))
+    if len(parts_of(tree, union=True)) <= MOST_PARTS:
+        yield from splits_of(tree, union=True)
 
 
 def _is_within(tree: Tree, box: Floats) -> bool:
@@ -77,10 +74,9 @@ def _is_within(tree: Tree, box: Floats) -> bool:
 
 def is_shell(wall: Tree, tree: Tree) -> bool:
     """Whether a set is what is within a thickness of any face of a tree, so that its boundary keeps that distance."""
-    parts = wall.parts if isinstance(wall, Node) and wall.union else (wall,)
-    followed = [p.function.follows for p in parts if isinstance(p, Atom) and isinstance(p.function, Distance)]
-    kept = {face for f in followed if f for face in f.faces}
-    return len(followed) == len(parts) and all(f and f.tree == tree and f.all <= kept for f in followed)
+    followed = [follows for _, follows in distances_from(tree, wall)]
+    kept = {face for follows in followed for face in follows.faces}
+    return bool(followed) and all(follows.all <= kept for follows in followed)
 
 
 def apart(first: TreeEvaluator, second: TreeEvaluator, box: Floats) -> bool:
