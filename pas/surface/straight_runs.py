@@ -53,7 +53,7 @@ second it belongs to the other."""
 
 
 @dataclass(frozen=True)
-class TubeEnd:
+class StraightEnd:
     """A neighbour that leaves its curve like a tube, relative to the centre.
 
     `foot` (3,): the point of its axis next to the centre; `axis` (3,): unit, outwards; `length`: from the foot to the
@@ -165,7 +165,7 @@ def straight_runs(neighbours: Sequence[Neighbour]) -> tuple[StraightRun, ...]:
     return tuple(_run(i, j, tubes, [m for k, m in means.items() if k not in (i, j)]) for i, j in pairs)
 
 
-def _tube(one: Neighbour) -> TubeEnd | None:
+def _tube(one: Neighbour) -> StraightEnd | None:
     """A neighbour as a tube; None for those that are none, as cones, plates and flat ovals."""
     if one.normal is not None:
         return None
@@ -178,10 +178,10 @@ def _tube(one: Neighbour) -> TubeEnd | None:
     radius = float(far.mean())
     is_round = float(np.abs(far - radius).max()) <= ROUND * radius
     is_tube = is_round and float(np.abs(one.normals @ axis).max()) <= ALONG
-    return TubeEnd(center @ sides, axis, float((one.curve @ axis).mean()), radius) if is_tube else None
+    return StraightEnd(center @ sides, axis, float((one.curve @ axis).mean()), radius) if is_tube else None
 
 
-def _continue(a: TubeEnd, b: TubeEnd, most: float) -> bool:
+def _continue(a: StraightEnd, b: StraightEnd, most: float) -> bool:
     """Whether two tubes continue one another: they turn little, and lie on one line or meet in the centre."""
     turn = float(a.axis @ b.axis)
     if _on_one_line(a, b):
@@ -189,12 +189,12 @@ def _continue(a: TubeEnd, b: TubeEnd, most: float) -> bool:
     return turn < most and all(float(np.linalg.norm(one.foot)) <= APART * one.radius for one in (a, b))
 
 
-def _on_one_line(a: TubeEnd, b: TubeEnd) -> bool:
+def _on_one_line(a: StraightEnd, b: StraightEnd) -> bool:
     missed = float(np.linalg.norm(a.foot - b.foot))
     return float(a.axis @ b.axis) < -IN_LINE and missed <= APART * min(a.radius, b.radius)
 
 
-def _run(i: int, j: int, tubes: Mapping[int, TubeEnd], others: Sequence[Floats]) -> StraightRun:
+def _run(i: int, j: int, tubes: Mapping[int, StraightEnd], others: Sequence[Floats]) -> StraightRun:
     a, b = tubes[i], tubes[j]
     onward = unit(a.axis - b.axis)
     across = [mean - (mean @ onward) * onward for mean in others]
