@@ -37,14 +37,6 @@ from pas.surface.straight_runs import straight_runs, waist
 RAYS = 4000
 """Rays that the surface is looked at along; some more where contact curves cross."""
 
-STRAIGHT = 0.03
-"""Curvature of a section, times the largest radius, below which it counts as straight: no inflection there."""
-
-SHORTEST_RUN = 6
-"""Points of a section between two neighbours below which nothing is said of it."""
-
-BALL = 400
-"""Points of the ball around the centre that belongs to the hull."""
 
 SHARP, HOLLOW, BULGE, WRONG, NARROW = 0.02, 0.5, 0.1, 0.05, 0.03
 """Units in which what is beyond the limits counts: of sharpness, hollowness, bulge, wrong-sign curvature and waist."""
@@ -206,9 +198,9 @@ class _Measuring:
         narrowest, waisted = self.waist(local * self.scale)
         return Fairness(
             sharpness=float(np.abs(curvatures[sharpest]).max()) / sharpest_of(self.neighbours),
-            sharpest=self.place(local[sharpest]),
+            sharpest=self.surface.partition.frame.place(local[sharpest]),
             hollowness=max(0.0, -float(curvatures[hollowest, 1])) * arc,
-            hollowest=self.place(local[hollowest]),
+            hollowest=self.surface.partition.frame.place(local[hollowest]),
             arc=arc,
             bulge=self.bulge(local * self.scale, widest(self.neighbours)),
             wrong_sign=wrong,
@@ -222,13 +214,10 @@ class _Measuring:
             points=len(local),
         )
 
-    def place(self, local: Floats) -> Place:
-        x, y, z = self.surface.partition.frame.global_points(local).tolist()
-        return x, y, z
-
     def bulge(self, points: Floats, radius: float) -> float:
         """How far points, relative to the centre, are beyond the hull, over the largest radius."""
-        hull = ConvexHull(np.concatenate([radius * spiral(BALL), *(n.curve for n in self.neighbours)]))
+        ball = 400  # points of the ball around the centre that belongs to the hull
+        hull = ConvexHull(np.concatenate([radius * spiral(ball), *(n.curve for n in self.neighbours)]))
         points = np.concatenate([points, np.zeros((1, 3))])  # with the centre, which a flat surface keeps away from
         outermost = points[ConvexHull(points).vertices]
         far = float((hull.equations[:, :3] @ outermost.T + hull.equations[:, 3:]).max())
@@ -246,18 +235,20 @@ class _Measuring:
     def sections(self) -> tuple[float, int]:
         """The largest wrong-sign curvature over the largest radius, and all inflections, of plane sections."""
         most = widest(self.neighbours)
+        straight = 0.03 / most  # curvature below which a section counts as straight: no inflection there
         wrong, turns = 0.0, 0
         for first, second in planes([n.mean for n in self.neighbours]):
             checkpoint("measuring sections")
             for curvature in self.section(first, second):
                 sign = np.sign(curvature.sum())
                 wrong = max(wrong, float((-sign * curvature).max()) * most)
-                bent = np.sign(curvature[np.abs(curvature) > STRAIGHT / most])
+                bent = np.sign(curvature[np.abs(curvature) > straight])
                 turns += int((bent[1:] != bent[:-1]).sum())
         return wrong, turns
 
     def section(self, first: Floats, second: Floats) -> Iterator[Floats]:
         """Curvatures along the parts of the section in the plane of two unit vectors, between neighbours."""
+        shortest_run = 6  # points of a section between two neighbours below which nothing is said of it
         rays, numbers = Directions.along(self.surface.placed, self.columns, self.degree, circle(first, second))
         local = rays.directions * rays.distances[:, None]
         jet = self.surface.evaluator.batch(0, 1, 2)(local, rays.pieces)
@@ -269,7 +260,7 @@ class _Measuring:
         place = np.full(AROUND, -1)
         place[numbers] = np.arange(len(numbers))
         for run in runs(place >= 0):
-            if len(run) >= SHORTEST_RUN:
+            if len(run) >= shortest_run:
                 yield curvature[place[run]]
 
 

@@ -17,12 +17,8 @@ from pas.algebra.rational import amount, to_float
 from pas.contacts.joins import Join
 from pas.surface.geometry import Geometry, derivative_batch
 
-CURVE = 96
-"""Subdivisions of a clip face's edge by which its curve is found: chords of a coarser one would look like bulges."""
-
-NODE_SHARPNESS, NODE_FILLET, NODE_HOLLOWNESS, NODE_BULGE = 1.15, 1.5, 1.6, 0.1
-"""Limits of nodes in any directions: sharpness, or so many times that of the tightest arc; hollowness; bulge.  Sections
-across no plane of symmetry may bend either way."""
+NODE_SHARPNESS = 1.15
+"""Limit of the sharpness of nodes in any directions, where arcs leave room for it."""
 
 WAIST = 0.03
 """Limit of the waist, at every order: up to it no waist is seen in reflections."""
@@ -89,14 +85,16 @@ class FairnessLimits:
 
         They leave room for arcs of the radius `largest_arc` only, beside which no fillet can be flatter; where walls
         meet beyond their clips they leave none, and only the bulge is limited, as where all nearly run through.
+        Sections across no plane of symmetry may bend either way.
         """
+        fillet, hollowness, bulge = 1.5, 1.6, 0.1  # the first over the sharpness of the tightest arc
         usual = cls.of_order(order)
         arc = largest_arc(neighbours)
         if not arc:
-            return cls(LOOSE, LOOSE, NODE_BULGE, LOOSE)
+            return cls(LOOSE, LOOSE, bulge, LOOSE)
         tightest = 1 / (arc * sharpest_of(neighbours))
-        sharp = max(NODE_SHARPNESS, NODE_FILLET * tightest)
-        return cls(sharp, max(usual.hollowness, NODE_HOLLOWNESS), NODE_BULGE, LOOSE)
+        sharp = max(NODE_SHARPNESS, fillet * tightest)
+        return cls(sharp, max(usual.hollowness, hollowness), bulge, LOOSE)
 
 
 def check_limits(limits: Any) -> FairnessLimits:
@@ -109,8 +107,9 @@ def check_limits(limits: Any) -> FairnessLimits:
 @lru_cache(maxsize=32)
 def neighbour(join: Join, scale: float) -> Neighbour:
     """What the measures need of a contact; `join` is in local coordinates, a unit of which is `scale` of the user's."""
+    subdivisions = 96  # of a clip face's edge: chords of a coarser curve would look like bulges
     sizes = [np.ptp(join.partition.points[list(face.vertices)], axis=0).max() for face in join.faces] or [1.0]
-    measured = zip(sizes, join.measured_curves(CURVE), strict=True)
+    measured = zip(sizes, join.measured_curves(subdivisions), strict=True)
     parts = [(points, weights * size) for size, (points, weights) in measured]
     curve, weights = (np.concatenate(p) for p in zip(*parts, strict=True))
     contact = join.contact.surface
