@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import cast
 
 import numpy as np
 
@@ -191,12 +190,8 @@ class SurfaceMesh(SmoothMesh):
     @classmethod
     def of_surface(cls, mesh: Mesh, surface: PiecewiseSurface, tolerance: float) -> SurfaceMesh:
         """A mesh (points, triangles, normals) of a surface together with that surface."""
-        result = cast(
-            SurfaceMesh, cls.smooth(mesh.points, mesh.triangles, mesh.point_normals, deviation=mesh.deviation)
-        )
-        object.__setattr__(result, "surface", surface)
-        object.__setattr__(result, "tolerance", tolerance)
-        return result
+        known = mesh.points, mesh.triangles, mesh.faces, ("surface",), mesh.normals, None, mesh.deviation
+        return cls(*known, point_normals=mesh.point_normals, surface=surface, tolerance=tolerance)
 
     def follow(self, surface: PiecewiseSurface, tolerance: float | None = None) -> SurfaceMesh:
         """A mesh of a surface that is this one's, moved a little, with about the same triangles, for sliders.

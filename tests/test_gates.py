@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from pas.algebra.polynomial import Polynomial
-from pas.solid import tree
-from pas.solid.tree import Atom, CompiledTree, Node
+from pas.solid import truths
+from pas.solid.tree import Atom, Node
+from pas.solid.truths import CompiledTree
 
 COLUMNS = [Polynomial(f"x - {column}") for column in range(6)]
 
@@ -55,7 +56,7 @@ def relevant(code, yes, no):
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("number", [0, 1, 300])
 def test_as_branch_by_branch(seed, number, monkeypatch):
-    monkeypatch.setattr(tree, "TOGETHER", 16)  # several blocks
+    monkeypatch.setattr(truths, "TOGETHER", 16)  # several blocks
     rng = np.random.default_rng(seed)
     code = drawn(rng, 4)
     made = CompiledTree(code, lambda atom: (column(atom), atom.outside))

@@ -165,13 +165,14 @@ def test_sharp_edges_double_points_and_their_parameters():
     assert mesh.mesh(0.1) is mesh and mesh.box.tolist() == [[0, 0, 0], [1, 1, 1]]
 
 
-def test_corner_normals_are_made_when_they_are_asked_for():
+def test_smooth_meshes_have_the_normals_of_their_points():
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
     normals = np.array([[0.0, 0, 1], [0, 0.6, 0.8], [0.6, 0, 0.8]])
     mesh = pas.Mesh.smooth(points, np.array([[0, 1, 2]]), normals, deviation=0.5)
-    assert "normals" not in vars(mesh) and mesh.deviation == 0.5
+    assert mesh.deviation == 0.5 and mesh.smoothed is mesh
     for one in (mesh, copy.copy(mesh), pickle.loads(pickle.dumps(mesh)), replace(mesh, deviation=None)):
-        assert (one.normals == normals[None]).all() and np.allclose(one.point_normals, normals)
+        assert (one.normals == normals[None]).all() and (one.point_normals == normals).all()
+        assert (one.flipped.normals == -normals[None, ::-1]).all() and (one.flipped.point_normals == -normals).all()
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = mesh.nothing
 

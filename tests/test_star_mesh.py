@@ -10,8 +10,8 @@ import pytest
 from conftest import EQUAL, UNEQUAL, solved
 
 import pas
-from pas.mesh.edges import Edges
 from pas.mesh.quality import smallest_angles
+from pas.mesh.topology import Edges
 from pas.mesh.triangulate import triangulate
 from pas.surface import meshing
 from pas.surface.local_field import LocalField
@@ -94,6 +94,10 @@ def test_a_limit_of_triangles_says_what_it_allows(no_lattice):
     words = str(error.value).split("; ")[1].split()
     assert int(words[-1]) <= most
     assert len(surface.mesh(1.05 * float(words[0]), max_triangles=2 * most).triangles) <= 2 * most
+    said = r"needs more than 10 triangles; even the coarsest mesh has (\d+), and 0\.\d+ is reached by it$"
+    with pytest.raises(pas.MeshError, match=said) as error:
+        surface.mesh(1e-4, max_triangles=10)
+    assert 10 < int(str(error.value).split("has ")[1].split(",")[0]) < most
 
 
 @pytest.mark.parametrize(("limit", "error"), [(0, ValueError), (-3, ValueError), (2.5, TypeError), (True, TypeError)])

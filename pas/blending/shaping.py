@@ -24,26 +24,28 @@ from pas.algebra.brief import brief
 from pas.algebra.monomials import Floats, exponents, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.products import Products
-from pas.algebra.rational import rational, to_float, to_fraction, vector
+from pas.algebra.rational import Exact, rational, to_float, to_fraction, vector
 from pas.blending.refining import refined
 from pas.blending.space import Space
 from pas.certify.free_curves import transversality
-from pas.errors import InfeasibleError, NoSolutionError
+from pas.errors import InfeasibleError
 from pas.fairing.basis import orthonormal, to_doubles
 from pas.fairing.energy import Energy, as_energy
-from pas.fairing.functionals import b_coefficient, value_at
+from pas.fairing.functionals import Handle, b_coefficient, value_at
 from pas.fairing.optimum import ExactProgramme, solve_exactly
 from pas.fairing.wishes import (
-    Handle,
     MeanAlpha,
     PointOptions,
+    PointsLike,
     SumOfCoefficients,
     UnitCoefficients,
     ValueAt,
     Wishes,
     check_member,
     check_point_options,
+    exact_points,
 )
+from pas.limits import Report, limited
 from pas.piecewise import PiecewiseSurface
 
 
@@ -81,16 +83,26 @@ class LeastSquares:
     __repr__ = brief
 
 
-def optimum(space: Space, energy: Energy | None = None, **options: Unpack[PointOptions]) -> Optimum:
+@limited("finding the optimum", "a lower degree")
+def optimum(
+    space: Space,
+    energy: Energy | None = None,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
+    **options: Unpack[PointOptions],
+) -> Optimum:
     """The exact member of least energy, with its certificate of optimality.
 
-    The options are those of `Wishes` that are linear; `margin` is 0 by default, and the sum of
-    coefficients 1, unless a handle or a coefficient with a value other than 0 fixes the scale.
+    `options` are those of `fit` that are linear: `inside`, `outside` (`margin` 0 by default),
+    `through`, `near`, `near_weight`, `handles`, `coefficients`, and `normalize`: the sum of coefficients
+    is 1 by default, unless a handle or a coefficient with a value other than 0 fixes the scale.  No condition of
+    a clean sheet is asked.
 
     Raises `InfeasibleError` for constraints that contradict, `NoSolutionError` for an empty space.
     """
     check_point_options(options)
-    _not_empty(space)
+    space.check_not_empty()
     wishes = Wishes(**options)
     free = options.get("normalize") is None and any(value != 0 for _, value in wishes.handles + wishes.coefficients)
     if options.get("normalize") is None:
@@ -137,7 +149,8 @@ def determining_set(space: Space, prefer: Sequence[Handle] = ()) -> tuple[Handle
     """B-coefficients that can be set freely and determine the member: `dimension` many.
 
     Each is (cell, multi-index of the cell's corners); those in `prefer` come first, as far as
-    they are independent.
+    they are independent.  Set some of them with `optimum(handles=...)` or `fit(handles=...)`,
+    and the rest follow.
     """
     candidates = tuple(dict.fromkeys((*prefer, *handles(space))))
     functionals = [b_coefficient(space.partition, handle, space.degree) for handle in candidates]
@@ -147,16 +160,23 @@ def determining_set(space: Space, prefer: Sequence[Handle] = ()) -> tuple[Handle
 
 
 def least_squares(
-    space: Space, points: Sequence[Any], weights: Sequence[Any] | None = None, *, by_gradient: bool = False
+    space: Space, points: PointsLike, weights: Sequence[Exact] | None = None, *, by_gradient: bool = False
 ) -> LeastSquares:
     """The member with the least `sum w_i f(p_i)^2 / |f|^2`, |f| the length of its coefficients.
 
-    With `by_gradient` the divisor is `sum w_i |grad f(p_i)|^2`.  `points` are three numbers each
-    (floats as the exact rationals they are), `weights` one positive number for each.
+    With `by_gradient` the divisor is `sum w_i |grad f(p_i)|^2` instead: the quotient is then a mean
+    squared distance to first order, whatever the place and size of the figure (Taubin 1991).  Of f and -f, which
+    have the same quotient, it is the one that is negative at the centre of the partition, or has alpha > 0 on the
+    contacts' curves where there is no centre.
+
+    `points` are three numbers each (floats as the exact rationals they are), `weights` one positive number for each.
+    For members through other points take `space.through(...)` first; with energy, inside or outside points use
+    `fit(near=..., normalize=pas.UnitCoefficients())`.
 
     Raises `ValueError` for fewer points than dimensions less one.
     """
-    _not_empty(space)
+    points = exact_points(points, "points")
+    space.check_not_empty()
     if len(points) < space.dimension - 1:
         raise ValueError(
             f"{len(points)} points do not determine one of {space.dimension} dimensions; "
@@ -253,11 +273,6 @@ def _gradient_rows(space: Space, points: Sequence[Any], change: fmpq_mat, roots:
             "give points off its singular curve, or leave by_gradient False"
         )
     return np.asarray(result)
-
-
-def _not_empty(space: Space) -> None:
-    if space.dimension == 0:
-        raise NoSolutionError(f"the solution space of degree {space.degree} is empty", space.degrees_tried)
 
 
 def _values(space: Space, wishes: Wishes, kind: str) -> list[list[fmpq]]:

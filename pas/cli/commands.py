@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 def run_solve(options: argparse.Namespace) -> CommandResult:
     """`pas solve`."""
     from pas.exchange.problem import read_problem
+    from pas.pipeline.blend import solutions
     from pas.pipeline.report import report
-    from pas.pipeline.space import solutions
 
     found = cast("CornerProblem", read_problem(problem_file(options.problem), ("corner",)))
     problem = found.changed(order=options.order, degree=options.degree)

@@ -13,12 +13,12 @@ from typing import Any
 from pas.algebra.inputs import shown
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, rational, to_fraction
-from pas.fairing.energies.thin_plate import ThinPlate
-from pas.fairing.quadrature import Box
+from pas.fairing.energies.squared_derivatives import ThinPlate
+from pas.fairing.functionals import Box
 from pas.fairing.wishes import ValueAt
 from pas.partition.boxes import SingleCell
+from pas.pipeline.blend import solutions
 from pas.pipeline.result import SolutionSpace
-from pas.pipeline.space import solutions
 
 Point = tuple[Fraction, ...]
 Points = tuple[Point, ...]

@@ -60,8 +60,8 @@ from pas.fairing.energy import ENERGIES, read_energy
 from pas.fairing.wishes import PointOptions, Wishes, tensed
 from pas.layouts.kinds import partition_keys, read_partition_like
 from pas.pipeline.blend import blend
-from pas.pipeline.find import check_wanted_degree
 from pas.pipeline.result import Blend
+from pas.pipeline.search import check_wanted_degree
 from pas.registry import constructor_keys, keys_of
 from pas.settings import MeshSettings
 from pas.surface.fairness_limits import FairnessLimits

@@ -171,8 +171,8 @@ ENERGIES: Registry[type[Energy]] = Registry(
     "energy",
     {
         "curvature-variation": "pas.fairing.energies.curvature_variation:CurvatureVariation",
-        "thin-plate": "pas.fairing.energies.thin_plate:ThinPlate",
-        "membrane": "pas.fairing.energies.membrane:Membrane",
+        "thin-plate": "pas.fairing.energies.squared_derivatives:ThinPlate",
+        "membrane": "pas.fairing.energies.squared_derivatives:Membrane",
         "combination": Combination,
     },
     key="kind",

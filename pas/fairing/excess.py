@@ -1,4 +1,4 @@
-"""How far a surface is beyond the limits of fairness, as residuals that are 0 where it is within them.
+"""What is bounded: how far a surface is beyond the limits of fairness, as residuals where it is.
 
 A minimum of curvature variation may bend a fillet more than the limits allow where that costs little, in the
 middle of a fillet or just before a contact.  The squares of what is beyond the limits (see
@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from pas.algebra.monomials import Floats
 from pas.fairing.basis import WorkingBasis
-from pas.fairing.evaluation import AREA, SampledGeometry
+from pas.fairing.ray_samples import AREA, Numbers, Residuals, SampledGeometry
 from pas.fairing.surface_points import SurfacePoints
 from pas.surface.directions import AROUND, Directions, circle, planes, runs
 from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG
@@ -45,13 +45,11 @@ TURNED = 0.2
 """Radians by which a part of a section must turn in all for one sign of its curvature to be wrong."""
 
 
-@dataclass(frozen=True)
-class Excess:
-    """Residuals at some of the points: their numbers `chosen` (K,), `values` (K,), `slopes` (K, 15) by quantity."""
+class Limit(Protocol):
+    """A limit of fairness."""
 
-    chosen: NDArray[np.intp]
-    values: Floats
-    slopes: Floats
+    def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
+        """Residuals where a surface is beyond it."""
 
 
 @dataclass(frozen=True)
@@ -79,12 +77,12 @@ class CurvatureExcess:
             hollow = self.limits.hollowness - MARGIN
             yield (-shape[:, 2] * self.arc - hollow) / HOLLOW, 9, -self.arc / HOLLOW
 
-    def values(self, sampled: SampledGeometry) -> Iterator[Excess]:
-        """What is beyond each limit, where it is."""
+    def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
+        """See `Limit.beyond`."""
         for over, quantity, by in self.over(sampled.points.shape):
-            slope = np.zeros((1, AREA + 1))
-            slope[0, quantity] = by
-            yield from weighted(sampled, over, slope, self.radius)
+            slopes = np.zeros((len(over), AREA + 1))
+            slopes[:, quantity] = by
+            yield from by_area(sampled, over, slopes, self.radius)
 
 
 class BulgeExcess:
@@ -96,24 +94,27 @@ class BulgeExcess:
         self.widest = widest(neighbours)
         self.normals, self.offsets = _hull(rays.directions, neighbours, self.widest)
 
-    def values(self, sampled: SampledGeometry) -> Iterator[Excess]:
-        """What is beyond the limit, where it is."""
+    def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
+        """See `Limit.beyond`."""
         slopes = np.zeros((len(self.normals), AREA + 1))
         slopes[:, :3] = self.normals / (BULGE * self.widest)
         far = ((sampled.points.points - self.center) * self.normals).sum(axis=1) + self.offsets
-        yield from weighted(sampled, (far / self.widest - self.limits.bulge / 2) / BULGE, slopes, self.radius)
+        yield from by_area(sampled, (far / self.widest - self.limits.bulge / 2) / BULGE, slopes, self.radius)
 
 
-def weighted(sampled: SampledGeometry, over: Floats, slopes: Floats, radius: float) -> Iterator[Excess]:
-    """Residuals where a limit is passed, by the areas that the points stand for; a single row of slopes serves all."""
+def by_area(sampled: SampledGeometry, over: Floats, slopes: Floats, radius: float) -> Iterator[Residuals]:
+    """Residuals where a limit is passed, weighted by the areas that the points stand for, over a squared radius."""
+    weights = sampled.areas / radius**2
+    slopes[:, AREA] += over / 2
+    yield from _pressed(over, slopes, weights)
+
+
+def _pressed(over: Floats, slopes: Floats, weights: Floats) -> Iterator[Residuals]:
+    """Residuals (K, 1) where a limit is passed by `over` (N,) units, with slopes (N, 15) and weights (N,)."""
     chosen = np.flatnonzero(over > 0)
-    if not len(chosen):
-        return
-    root = np.sqrt(PRESS * sampled.areas[chosen]) / radius
-    values = root * over[chosen]
-    by = root[:, None] * (slopes[chosen] if len(slopes) > 1 else slopes)
-    by[:, AREA] += values / 2
-    yield Excess(chosen, values, by)
+    if len(chosen):
+        root = np.sqrt(PRESS * weights[chosen])[:, None]
+        yield Residuals(chosen, root * over[chosen, None], (root * slopes[chosen])[:, None])
 
 
 class SectionExcess:
@@ -156,18 +157,17 @@ class SectionExcess:
             turned = float(turns.sum())
             self.signs[run] = np.sign(turned) if abs(turned) > TURNED else 0.0
 
-    def values(self, sampled: SampledGeometry) -> Iterator[Excess]:
-        """What is beyond the limit, where it is."""
-        curvature, slopes = section_curvatures(sampled.points, self.across)
-        over = (-self.signs * curvature * self.widest - self.limits.wrong_sign / 2) / WRONG
-        chosen = np.flatnonzero((over > 0) & (self.signs != 0))
-        if not len(chosen):
+    def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
+        """See `Limit.beyond`."""
+        if not len(self.signs):
             return
+        curvature, changes = section_curvatures(sampled.points, self.across)
+        over = (-self.signs * curvature * self.widest - self.limits.wrong_sign / 2) / WRONG
+        slopes = np.zeros((len(over), AREA + 1))
+        slopes[:, : changes.shape[1]] = (-self.signs * self.widest / WRONG)[:, None] * changes
         # a point stands for its arc times the width of the arc: its weight is taken from the start's distance
-        root = np.sqrt(PRESS * EVERY * 2 * np.pi / AROUND * self.rays.distances[chosen] / self.rays.distances.mean())
-        by = np.zeros((len(chosen), AREA + 1))
-        by[:, : slopes.shape[1]] = (-self.signs[chosen] * self.widest / WRONG * root)[:, None] * slopes[chosen]
-        yield Excess(chosen, root * over[chosen], by)
+        weights = EVERY * 2 * np.pi / AROUND * self.rays.distances / self.rays.distances.mean()
+        yield from _pressed(np.where(self.signs == 0, 0.0, over), slopes, weights)
 
 
 def section_curvatures(points: SurfacePoints, across: Floats) -> tuple[Floats, Floats]:
@@ -191,7 +191,7 @@ def section_curvatures(points: SurfacePoints, across: Floats) -> tuple[Floats, F
     return along / cosine, slopes
 
 
-def _thinned(run: NDArray[np.intp]) -> NDArray[np.intp]:
+def _thinned(run: Numbers) -> Numbers:
     places = np.minimum(np.arange(len(run)), np.arange(len(run))[::-1])  # from the nearer end: symmetric
     return run[(places < ENDS) | (places % EVERY == 0)]
 

@@ -1,25 +1,24 @@
-"""An energy of the surface over all members of a space, with what is beyond the limits of fairness, and its slopes.
+"""What is optimised: an energy of the surface, with what is beyond the limits of fairness, over the members of a space.
 
-The rays are laid for one member and stay: so the energy of any other member that they see is a true
-function of its coefficients.
+Both are sums of squared residuals of the surface's geometry along rays (`pas.fairing.ray_samples`).  The rays are laid
+for one member and stay: so the objective of any other member that they meet is a true function of its coefficients.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float, to_floats
 from pas.fairing.energy import Energy, terms_of
-from pas.fairing.evaluation import AREA, RaySamples, SampledGeometry
-from pas.fairing.excess import BulgeExcess, CurvatureExcess, Excess, SectionExcess
+from pas.fairing.excess import BulgeExcess, CurvatureExcess, Limit, SectionExcess
 from pas.fairing.prepared import PreparedSpace
+from pas.fairing.ray_samples import AREA, RaySamples, Residuals, SampledGeometry
 from pas.fairing.surface_points import NAMES, Sizes, SurfacePoints, differences
 from pas.surface.directions import Directions
 from pas.surface.fairness_limits import FairnessLimits, Neighbour, neighbour
@@ -47,14 +46,18 @@ CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
 class ObjectiveValue:
     """A member as the rays meet it, its energy, and the objective: that with the squares of what is beyond limits.
 
-    `residuals` (N, R) are the energy's at each point; `by_term` has the geometry along the rays of each term of
-    what is beyond limits, `excesses` what is beyond them there.
+    `residuals` (N, R) are the energy's at each point; `geometries` are those along the rays of each of the objective's
+    terms, first those of the surface, and `excesses` what is beyond limits there.
     """
 
-    sampled: SampledGeometry
     residuals: Floats
-    by_term: tuple[SampledGeometry, ...]
-    excesses: tuple[tuple[Excess, ...], ...]
+    geometries: tuple[SampledGeometry, ...]
+    excesses: tuple[tuple[Residuals, ...], ...]
+
+    @property
+    def sampled(self) -> SampledGeometry:
+        """The member along the rays of the surface."""
+        return self.geometries[0]
 
     @cached_property
     def energy(self) -> float:
@@ -64,7 +67,7 @@ class ObjectiveValue:
     @cached_property
     def beyond(self) -> float:
         """The sum of the squares of what is beyond limits."""
-        return sum(float(e.values @ e.values) for found in self.excesses for e in found)
+        return sum(float((e.values * e.values).sum()) for found in self.excesses for e in found)
 
     @property
     def objective(self) -> float:
@@ -72,19 +75,16 @@ class ObjectiveValue:
         return self.energy + self.beyond
 
 
-class Beyond(Protocol):
-    """What is beyond one of the limits."""
-
-    def values(self, sampled: SampledGeometry) -> Iterator[Excess]:
-        """Residuals where it is."""
-
-
 @dataclass(frozen=True)
 class Term:
-    """What is beyond limits, along rays of its own or along those of the surface."""
+    """Limits, and the rays along which they are looked at."""
 
     samples: RaySamples
-    beyond: Beyond
+    limits: tuple[Limit, ...]
+
+    def beyond(self, sampled: SampledGeometry) -> tuple[Residuals, ...]:
+        """What is beyond them."""
+        return tuple(residuals for limit in self.limits for residuals in limit.beyond(sampled))
 
 
 class SurfaceObjective:
@@ -110,10 +110,9 @@ class SurfaceObjective:
         self.sizes = Sizes(float(np.mean(radii)), float(np.mean(distances)))
         self.samples = RaySamples(basis, directions, self.center, self.slope)
         self.curvature = CurvatureExcess.of(neighbours, limits)
-        self.terms = [
-            Term(self.samples, self.curvature),
-            Term(self.samples, BulgeExcess(directions, neighbours, limits, self.center)),
-        ]
+        self.terms: tuple[Term, ...] = (
+            Term(self.samples, (self.curvature, BulgeExcess(directions, neighbours, limits, self.center))),
+        )
         self.first = self._first(start, columns, neighbours)
 
     def _first(self, start: Floats, columns: list[Floats], neighbours: list[Neighbour]) -> ObjectiveValue | None:
@@ -127,9 +126,9 @@ class SurfaceObjective:
         if own is None:
             return None
         sections.settle_signs(own)
-        self.terms.append(Term(across, sections))
+        self.terms = (*self.terms, Term(across, (sections,)))
         self._check(sampled)
-        return self._value(sampled, [sampled, sampled, own])
+        return self._value([sampled, own])
 
     def of(self, energy: Energy, value: ObjectiveValue) -> tuple[SurfaceObjective, ObjectiveValue]:
         """An objective of another energy on these rays, and its value at a member."""
@@ -141,20 +140,18 @@ class SurfaceObjective:
 
     def value(self, member: Floats, near: ObjectiveValue) -> ObjectiveValue | None:
         """The value at another member, found from one near by; None where rays miss or graze its surface."""
-        sampled = self.samples.sample(member, near.sampled.distances)
-        if sampled is None:
-            return None
-        by_term = []
-        for term, before in zip(self.terms, near.by_term, strict=True):
-            own = sampled if term.samples is self.samples else term.samples.sample(member, before.distances)
+        geometries = []
+        for term, before in zip(self.terms, near.geometries, strict=True):
+            own = term.samples.sample(member, before.distances)
             if own is None:
                 return None
-            by_term.append(own)
-        return self._value(sampled, by_term)
+            geometries.append(own)
+        return self._value(geometries)
 
-    def _value(self, sampled: SampledGeometry, by_term: Sequence[SampledGeometry]) -> ObjectiveValue:
-        found = tuple(tuple(term.beyond.values(own)) for term, own in zip(self.terms, by_term, strict=True))
-        return ObjectiveValue(sampled, self._residuals(sampled), tuple(by_term), found)
+    def _value(self, geometries: Iterable[SampledGeometry]) -> ObjectiveValue:
+        found = tuple(geometries)
+        beyond = tuple(term.beyond(own) for term, own in zip(self.terms, found, strict=True))
+        return ObjectiveValue(self._residuals(found[0]), found, beyond)
 
     def _residuals(self, sampled: SampledGeometry) -> Floats:
         return np.asarray(self.energy.residuals(sampled.points, self.sizes))
@@ -162,19 +159,24 @@ class SurfaceObjective:
     def linearised(self, value: ObjectiveValue) -> tuple[Floats, Floats]:
         """`J^T J` (m, m) and `J^T r` (m,) for the residuals r, whose squares add up to the objective, and their
         derivatives J by the member."""
+        own = self._energy_residuals(value)
+        normal, gradient = np.zeros((self.basis.size, self.basis.size)), np.zeros(self.basis.size)
+        for sampled, found in zip(value.geometries, value.excesses, strict=True):
+            residuals = (own, *found) if sampled is value.sampled else found
+            if residuals:
+                jacobian = sampled.jacobian()
+                parts = [jacobian.normal_equations(one) for one in residuals]
+                normal, gradient = normal + sum(p[0] for p in parts), gradient + sum(p[1] for p in parts)
+        return normal, gradient
+
+    def _energy_residuals(self, value: ObjectiveValue) -> Residuals:
+        """The energy's residuals, with the roots of the areas for weights."""
         sampled, r = value.sampled, value.residuals
         root = np.sqrt(sampled.areas)[:, None]
         slopes = np.empty((*r.shape, AREA + 1))
         slopes[:, :, :AREA] = root[:, :, None] * self.energy.slopes(sampled.points, self.sizes)
         slopes[:, :, AREA] = root * r / 2
-        change = self.samples.change(sampled)
-        normal, gradient = change.normal_equations(root * r, slopes)
-        for term, own, found in zip(self.terms, value.by_term, value.excesses, strict=True):
-            for excess in found:
-                at = change.some(excess.chosen) if own is sampled else term.samples.change(own, excess.chosen)
-                more = at.normal_equations(excess.values[:, None], excess.slopes[:, None])
-                normal, gradient = normal + more[0], gradient + more[1]
-        return normal, gradient
+        return Residuals(np.arange(len(r)), root * r, slopes)
 
     def closer(self, value: ObjectiveValue) -> tuple[SurfaceObjective, ObjectiveValue] | None:
         """An objective with more rays, between these where curvature is beyond limits; None where it is not."""
@@ -195,9 +197,9 @@ class SurfaceObjective:
         if own is None:
             return None
         other = copy(self)
-        other.terms = [*self.terms, Term(samples, self.curvature)]
-        more = (*value.excesses, tuple(self.curvature.values(own)))
-        return other, replace(value, by_term=(*value.by_term, own), excesses=more)
+        term = Term(samples, (self.curvature,))
+        other.terms = (*self.terms, term)
+        return other, ObjectiveValue(value.residuals, (*value.geometries, own), (*value.excesses, term.beyond(own)))
 
     def _check(self, sampled: SampledGeometry) -> None:
         """That residuals and slopes have their shapes, are finite and agree, at some points."""

@@ -19,7 +19,8 @@ from pas.algebra.rational import Exact, Vector, VectorLike, amount, plain, ratio
 from pas.errors import meant
 from pas.fairing.energies.curvature_variation import CurvatureVariation
 from pas.fairing.energy import Energy, as_energy
-from pas.partition.regions import Region
+from pas.fairing.functionals import Handle
+from pas.partition.cells import Region
 from pas.surface.fairness_limits import FairnessLimits, check_limits, neighbour
 from pas.surface.placed import PlacedContacts
 
@@ -37,9 +38,6 @@ POINTS = ("inside", "outside", "through", "near")
 
 KINDS = ("inside", "outside", "through", "handles", "coefficients")
 """Constraints that must hold; `near` is least squares."""
-
-Handle = tuple[int, tuple[int, int, int, int]]
-"""A B-coefficient: the number of a cell (tetrahedron) and a multi-index of its corners."""
 
 
 @dataclass(frozen=True)

@@ -15,23 +15,21 @@ from functools import partial
 
 import numpy as np
 
-from pas.errors import MeshError
 from pas.mesh.cleaning import FOLD
 from pas.mesh.face_ground import FaceGround
-from pas.mesh.field import FaceField, ShellWall
+from pas.mesh.field import FaceField
 from pas.mesh.first import first_lattice, first_mesh, unsound
-from pas.mesh.grading import Settings
+from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.hollowed import mesh_hollowed, too_thick
-from pas.mesh.kissing import mesh_touching
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.octree import Octree
 from pas.mesh.projection import pair_normals
 from pas.mesh.quality import Quality
-from pas.mesh.refine import LARGEST, not_reached, too_many
+from pas.mesh.refusals import Made, Refusal, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
 from pas.mesh.rows import Floats
-from pas.mesh.shells import mesh_apart, together
+from pas.mesh.surfaces import mesh_apart, mesh_touching, together
 from pas.mesh.trouble import find_trouble
 
 THIN = 0.3
@@ -90,75 +88,64 @@ def triangulate_faces(field: FaceField, tolerance: float, quality: Quality = Qua
     Raises `MeshError` where the set is empty, too thin for the finest lattice, or the tolerance
     needs too many triangles.
     """
-    wall = field.wall()
-    make = _apart_or_whole if wall is None else partial(_hollowed, wall)
-    mesh, reached = make(field, tolerance, quality)
+    found = _bounded(field, tolerance, quality)
+    if isinstance(found, Refusal):
+        raise found.error
+    mesh, reached = found
     return FaceMesh(mesh, pair_normals(mesh, field), reached)
 
 
-def _hollowed(wall: ShellWall, field: FaceField, tolerance: float, quality: Quality) -> tuple[Labelled, float]:
-    """The mesh of a shell and its measured distance: both sides by one mesh, or from a lattice that shows the wall."""
-
-    def of_solid(solid: FaceField, aim: float) -> Labelled:
-        return triangulate_faces(solid, aim, quality).mesh
-
-    found = mesh_hollowed(field, wall, tolerance, of_solid, partial(_refined, quality=quality))
-    if found is not None:
+def _bounded(field: FaceField, tolerance: float, quality: Quality) -> Made:
+    """The mesh of a boundary: of a shell from that of its solid where that does, of all else from lattices."""
+    wall = field.wall()
+    if wall is None:
+        return _from_lattices(field, tolerance, quality)
+    mesh, refined = (partial(make, quality=quality) for make in (_bounded, _refined))
+    hollowed = mesh_hollowed(field, wall, tolerance, mesh, refined)
+    found = _from_lattices(field, tolerance, quality) if hollowed is None else hollowed
+    if not isinstance(found, Refusal):
         return found
-    try:
-        return _apart_or_whole(field, tolerance, quality)
-    except MeshError:
-        reason = too_thick(of_solid(wall.solid, tolerance), wall)
-        if reason:
-            raise MeshError(reason) from None
-        raise
+    solid = _bounded(wall.solid, tolerance, quality)
+    reason = solid.sentence if isinstance(solid, Refusal) else too_thick(solid[0], wall)
+    return Refusal(reason) if reason else found
 
 
-def _apart_or_whole(field: FaceField, tolerance: float, quality: Quality) -> tuple[Labelled, float]:
-    """The mesh of a boundary and its measured distance, surface by surface if most of it is not one sheet."""
-    octree = first_lattice(field)
+def _from_lattices(field: FaceField, tolerance: float, quality: Quality) -> Made:
+    """The mesh of a boundary from lattices.
+
+    Surface by surface if most of it is not one sheet in the first lattice, or if the whole is refused and surfaces
+    touch in points.
+    """
+    octree, mesh = first_lattice(field), partial(_triangulated, quality=quality)
     shells = field.shells() if octree.open_share > THIN else []
-    found = mesh_apart(field, shells, tolerance, partial(_triangulated, quality=quality)) if len(shells) > 1 else None
-    return _whole(field, tolerance, octree, quality) if found is None else found
-
-
-def _whole(field: FaceField, tolerance: float, octree: Octree, quality: Quality) -> tuple[Labelled, float]:
-    """The mesh of a boundary and its measured distance; of one that touches itself in points, surface by surface."""
-    try:
-        return _triangulated(field, tolerance, octree, quality)
-    except MeshError:
-        surfaces = field.touching()
-        mesher = partial(_triangulated, quality=quality)
-        found = mesh_touching(field, surfaces, tolerance, mesher) if len(surfaces) > 1 else None
-        if found is None:
-            raise
-        return found
+    apart = mesh_apart(field, shells, tolerance, mesh) if len(shells) > 1 else None
+    found = mesh(field, tolerance, octree) if apart is None else apart
+    surfaces = field.touching() if apart is None and isinstance(found, Refusal) else []
+    touching = mesh_touching(field, surfaces, tolerance, mesh) if len(surfaces) > 1 else None
+    return found if touching is None else touching
 
 
 def _triangulated(
     field: FaceField, tolerance: float, octree: Octree | None = None, quality: Quality = Quality.BALANCED
-) -> tuple[Labelled, float]:
-    """The mesh and its measured distance; where it does not come out, without functions that others imply."""
-    try:
-        return _made(field, tolerance, octree, quality)
-    except MeshError as refusal:
-        needed = field.needed()
-        if needed is field:
-            raise
-        try:
-            mesh, reached = _made(needed, tolerance, None, quality)
-        except MeshError:
-            raise refusal from None  # which names all faces that meet there
-        return together(field, [needed], [mesh]), reached
+) -> Made:
+    """The mesh of one field; where it is refused, without functions that others imply."""
+    found = _made(field, tolerance, octree, quality)
+    if not isinstance(found, Refusal) or field.needed() is field:
+        return found
+    other = _made(field.needed(), tolerance, None, quality)
+    if isinstance(other, Refusal):
+        return found  # which names all faces that meet there
+    return together(field, [field.needed()], [other[0]]), other[1]
 
 
-def _made(field: FaceField, tolerance: float, octree: Octree | None, quality: Quality) -> tuple[Labelled, float]:
-    """The mesh of one field and its measured distance."""
-    return _refined(first_mesh(field, tolerance, octree, quality is Quality.ANGLES), field, tolerance, quality)
+def _made(field: FaceField, tolerance: float, octree: Octree | None, quality: Quality) -> Made:
+    """The mesh of one field with the functions that it has."""
+    first = first_mesh(field, tolerance, octree, quality is Quality.ANGLES)
+    return first if isinstance(first, Refusal) else _refined(first, field, tolerance, quality)
 
 
-def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> tuple[Labelled, float]:
-    """A first mesh remeshed, and its measured distance.  Raises `MeshError` where it is not sound."""
+def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> Made:
+    """A first mesh remeshed; refused where that is not sound."""
     ground = FaceGround(field, int(first.labels.max()) + 1, long=quality is not Quality.ANGLES)
     remesher = Remesher(ground, tolerance, Settings(folded=FOLD, flat=quality.flat))
     mesh = remesher.begun(first)
@@ -167,17 +154,12 @@ def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quali
     remesher.untangle(mesh, UPRIGHT)
     found = remesher.refined(mesh)
     if isinstance(found, Failure):
-        raise _refusal(found, field, tolerance)
+        if found.crowded:
+            return too_many(field, found.triangles, LARGEST, tolerance, found.reached)
+        trouble = find_trouble(field, found.place[None], found.size)
+        why = "a face may have a singular point" if trouble is None else trouble.sentence
+        return not_reached(field, found.triangles, tolerance, found.reached, why)
     reason, _ = unsound(found.mesh, field, tolerance)
     if reason:
-        raise MeshError(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
+        return Refusal(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
     return found.mesh, found.deviation
-
-
-def _refusal(found: Failure, field: FaceField, tolerance: float) -> MeshError:
-    """Why a mesh did not come out, in words."""
-    if found.crowded:
-        return too_many(field, found.triangles, LARGEST, tolerance, found.reached)
-    trouble = find_trouble(field, found.place[None], found.size)
-    why = "a face may have a singular point" if trouble is None else trouble.sentence
-    return not_reached(field, found.triangles, tolerance, found.reached, f": {why}")

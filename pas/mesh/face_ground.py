@@ -8,7 +8,6 @@ from pas.mesh.field import FaceField
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import least_norm, newton, placing
-from pas.mesh.refine import farthest_inside, inner_points
 from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.shading import unit_rows
 
@@ -18,9 +17,12 @@ STEP = 0.1
 NEAR = 0.05
 """The longest step where vertices are near, over the reach."""
 
+INNER = 4
+"""Points inside a triangle where its deviation is measured: the middle, and those halfway from it to the corners."""
+
 
 class FaceGround:
-    """The faces of a field by their labels; see `pas.mesh.ground.Ground`.
+    """The faces of a field by their labels; see `pas.mesh.grading.Ground`.
 
     Where long triangles are not wanted no face counts as ruled.
     """
@@ -79,15 +81,23 @@ class FaceGround:
         return inside, along
 
     def _inside(self, corners: Floats, labels: Integers) -> Floats:
-        points = inner_points(corners)
-        each = np.repeat(labels, len(points) // max(len(labels), 1))
-        return farthest_inside(norms(least_norm(self.field, each[:, None], points)))
+        each = np.repeat(labels, INNER)[:, None]
+        return np.asarray(norms(least_norm(self.field, each, inner_points(corners))).reshape(-1, INNER).max(axis=1))
 
     def farthest(self, corners: Floats, labels: Integers) -> Floats:
         """The largest distance of points inside triangles, and of the middles of their sides, from faces."""
         middles = ((corners + corners[:, [1, 2, 0]]) / 2).reshape(-1, 3)
         sides = norms(least_norm(self.field, np.repeat(labels, 3)[:, None], middles)).reshape(-1, 3)
         return np.maximum(self._inside(corners, labels), sides.max(axis=1))
+
+
+def inner_points(corners: Floats) -> Floats:
+    """The points (4 T, 3), triangle by triangle, at which triangles of corners (T, 3, 3) are compared."""
+    total = corners[:, 0] + corners[:, 1] + corners[:, 2]
+    result = np.empty((len(corners), INNER, 3))
+    result[:, 0] = total / 3
+    result[:, 1:] = (total[:, None] + 3 * corners) / 6
+    return result.reshape(-1, 3)
 
 
 def deviation(mesh: Labelled, field: FaceField) -> float:

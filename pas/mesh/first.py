@@ -1,24 +1,27 @@
 """The first mesh of a boundary: from the coarsest lattice that shows it soundly, and as finer ones do.
 
-The lattice is refined where the boundary is not proved to be one sheet, then where the mesh does not come out.  That
-ends with a reason where it is in vain (see `trouble`), or has cost many times what the first lattice did.
+Cubes are halved where the boundary is not proved to be one sheet, then about the places where the mesh that they give
+is not sound, until there are none and the next lattices show the same pieces, holes and faces.  That ends with a reason
+where it is in vain (see `trouble`), or has cost many times what the first lattice did.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from dataclasses import field as field_of
 from functools import cached_property
 
 import numpy as np
 
-from pas.errors import MeshError
+from pas.errors import GeometryError
 from pas.mesh.cleaning import FOLD, cleaned
 from pas.mesh.faces import BoundaryCrossings
 from pas.mesh.field import FaceField, place_of
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import Known
-from pas.mesh.octree import DEEPEST, NOWHERE, QUIET, Octree
+from pas.mesh.nodes import Cones
+from pas.mesh.octree import DEEPEST, MOST_CUBES, NOWHERE, OPEN, QUIET, Octree
 from pas.mesh.projection import cosines, least_norm, placing
+from pas.mesh.refusals import Refusal
 from pas.mesh.rows import Floats, norms
 from pas.mesh.trouble import Trouble, find_trouble
 
@@ -36,12 +39,8 @@ PATIENCE, UNCLEAR = 3, 4000
 """Lattices that show no less trouble than the first of them, and cubes in which the boundary is not clear, after which
 a reason is looked for why it does not come out."""
 
-SUPERFLUOUS = 3
-"""Lattices in which a boundary does not come out, after which it is tried without functions that others imply."""
-
-FEW = 0.002
-"""Number of places, over that of the cubes, below which the lattice is made finer twice there: another look takes more
-time than more cubes."""
+MOST_UNSEEN = 30_000
+"""Cubes above which a set of which no sample was inside counts as empty: to show it would take far more."""
 
 ROOM, TIMES = 30_000, 3
 """Cubes, and times the first lattice's, that all lattices together may have in which the boundary does not come out."""
@@ -53,59 +52,7 @@ CORNER = 0.5
 """How far a corner may be off each of its faces, over the tolerance."""
 
 
-def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None, even: bool = False) -> Labelled:
-    """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do.
-
-    The `octree` to begin with is that of `first_lattice`, if it is known.  An `even` mesh has triangles about as
-    large as the lattice's cubes, on planes as well.  Where the boundary does not come out of one lattice another
-    is tried: its planes may lie unluckily.
-    """
-    start = first_lattice(field) if octree is None else octree
-    try:
-        return _first_mesh(field, tolerance, start, even)
-    except _InVainError as refusal:
-        if field.needed() is not field:
-            raise
-        try:
-            return _first_mesh(field, tolerance, first_lattice(field, OTHER_PARTS), even)
-        except MeshError:
-            raise MeshError(str(refusal)) from None
-
-
-def _first_mesh(field: FaceField, tolerance: float, octree: Octree, even: bool) -> Labelled:
-    octree, known = _resolved(field, octree), Known()
-    ahead, effort = [_Lattice(field, octree, known)], _Effort(field, TIMES * octree.count + ROOM)
-    reason = ""
-    for _ in range(HALVINGS):
-        first, places = ahead[0].crossings, NOWHERE
-        raw = first.mesh()
-        if not isinstance(raw, Labelled):
-            reason, places = f"near {place_of(field, raw[0])} too many faces meet", raw
-        else:
-            while len(ahead) < COMPARED and ahead[-1].octree.open_share > 0:
-                ahead.append(_Lattice(field, ahead[-1].octree.refined(), known))
-            if any(first.shape != other.crossings.shape for other in ahead[1:]):
-                reason = "its pieces or holes are too small"
-            elif not all(first.shows_faces_of(other.crossings) for other in ahead[1:]):
-                reason = "its faces are too small"
-            elif len(first.edges):
-                mesh = cleaned(raw, field, tolerance, even)
-                reason, places = unsound(mesh, field, tolerance)
-                if not reason:
-                    return mesh
-        if len(places):
-            effort.failed(ahead[0].octree, places, reason)
-        if not any(len(one.crossings.edges) for one in ahead):
-            ahead = [_Lattice(field, ahead[-1].octree.refined(least=QUIET), known)]
-        elif len(places) or len(ahead) == 1:
-            finer = ahead[0].octree.refined(places)
-            twice = len(places) < FEW * ahead[0].octree.count
-            ahead = [_Lattice(field, finer.refined(places) if twice else finer, known)]
-        else:
-            ahead = ahead[1:]
-    if not reason:
-        raise MeshError(f"the solid is empty, or thinner everywhere than {ahead[-1].octree.finest}")
-    raise _refusal(find_trouble(field, places, ahead[0].octree.spacing), ahead[-1].octree, reason)
+CROWDED = Refusal(f"the solid is empty or too thin for its size: its lattice needs more than {MOST_CUBES} cubes")
 
 
 def first_lattice(field: FaceField, parts: int = FIRST_PARTS) -> Octree:
@@ -113,73 +60,149 @@ def first_lattice(field: FaceField, parts: int = FIRST_PARTS) -> Octree:
     return Octree(field, float(np.ptp(field.box, axis=0).max()) / parts)
 
 
-class _InVainError(MeshError):
-    """That finer lattices of the same kind show no less trouble."""
+def first_mesh(
+    field: FaceField, tolerance: float, octree: Octree | None = None, even: bool = False
+) -> Labelled | Refusal:
+    """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do.
+
+    The `octree` to begin with is that of `first_lattice`, if it is known.  An `even` mesh has triangles about as
+    large as the lattice's cubes, on planes as well.  Where finer lattices are in vain one that begins elsewhere is
+    tried: the planes of the first may lie unluckily.
+    """
+    found = _searched(field, tolerance, first_lattice(field) if octree is None else octree, even)
+    if isinstance(found, Refusal) and found.in_vain and field.needed() is field:
+        other = _searched(field, tolerance, first_lattice(field, OTHER_PARTS), even)
+        return found if isinstance(other, Refusal) else other
+    return found
 
 
-def _resolved(field: FaceField, octree: Octree) -> Octree:
-    """A lattice, refined until the boundary is clear in most of its cubes.
+def _searched(field: FaceField, tolerance: float, octree: Octree, even: bool) -> Labelled | Refusal:
+    """The first mesh, from a lattice and those that it is refined to."""
+    start = _cleared(field, octree)
+    if isinstance(start, Refusal):
+        return start
+    ahead, failures, reason = [_Lattice(field, start, {})], list[tuple[int, int]](), ""
+    for _ in range(HALVINGS):
+        found = _shown(ahead, tolerance, even)
+        if not isinstance(found, _Failed):
+            return found
+        reason, places, first = found.reason or reason, found.places, ahead[0].octree
+        if len(places):
+            failures.append((first.count, len(places)))
+            ending = _given_up(field, first, failures, TIMES * start.count + ROOM, found)
+            if ending is not None:
+                return ending
+        if not any(len(one.crossings.edges) for one in ahead):
+            ahead = [ahead[-1].refined(least=QUIET)]
+        elif len(places) or len(ahead) == 1:
+            ahead = [ahead[0].refined(places)]
+        else:
+            ahead = ahead[1:]
+    if not reason:
+        return Refusal(f"the solid is empty, or thinner everywhere than {ahead[-1].octree.finest}")
+    trouble = find_trouble(field, places, ahead[0].octree.spacing)
+    return Refusal(_sentence(trouble, ahead[-1].octree, reason))
+
+
+def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
+    """A lattice, refined until something of the set is seen, and the boundary is clear in most of its cubes.
 
     Or until no smaller share is clear in a finer one, if that is small: along a curve on which two faces are nearly
-    tangent it grows from lattice to lattice.
+    tangent it grows from lattice to lattice.  Raises `GeometryError` where there is nothing.
     """
-    octree = octree.until_seen()
-    while octree.open_share > MANY and octree.levels < DEEPEST:
+    while not octree.crowded and not octree.is_seen:
+        if not octree.count:
+            raise GeometryError("the solid is empty: its inequalities hold together nowhere")
+        if octree.count > MOST_UNSEEN or octree.levels == DEEPEST:
+            where = f"with a lattice of {octree.finest} nothing of it is seen"
+            return Refusal(f"the solid is empty or too thin for its size: {where}")
+        octree = octree.refined(least=QUIET)
+    while not octree.crowded and octree.open_share > MANY and octree.levels < DEEPEST:
         places = octree.open_places
         found = find_trouble(field, places, octree.spacing) if len(places) > UNCLEAR else None
         if found is not None and found.stays:
-            raise _refusal(found, octree)
+            return Refusal(_sentence(found, octree))
         finer = octree.refined()
-        if octree.open_share < ALONG_CURVES and finer.open_share >= octree.open_share:
+        if not finer.crowded and octree.open_share < ALONG_CURVES and finer.open_share >= octree.open_share:
             break
         octree = finer
-    return octree
-
-
-@dataclass
-class _Effort:
-    """What was spent on places where the boundary did not come out.
-
-    `most` cubes may be, in all lattices; `bad` counts the places in each of them.
-    """
-
-    field: FaceField
-    most: int
-    cubes: int = 0
-    bad: tuple[int, ...] = ()
-
-    def failed(self, octree: Octree, places: Floats, reason: str) -> None:
-        """Count a lattice; raises `MeshError` where finer ones are in vain, or too much was spent."""
-        self.cubes += octree.count
-        self.bad = (*self.bad, len(places))[-PATIENCE:]
-        if len(self.bad) == SUPERFLUOUS and self.field.needed() is not self.field:
-            raise _InVainError(str(_refusal(find_trouble(self.field, places, octree.spacing), octree, reason)))
-        spent = self.cubes > self.most
-        if spent or (len(self.bad) == PATIENCE and 2 * self.bad[-1] > self.bad[0]):
-            found = find_trouble(self.field, places, octree.spacing)
-            if spent or (found is not None and found.stays):
-                refusal = _refusal(found, octree, reason)
-                raise refusal if spent else _InVainError(str(refusal))
-
-
-def _refusal(found: Trouble | None, octree: Octree, reason: str = "") -> MeshError:
-    if found is not None and found.stays:
-        return MeshError(f"the solid could not be meshed: {found.sentence}")
-    why = reason if found is None else found.sentence
-    return MeshError(f"the solid could not be meshed with a lattice of {octree.finest}: {why}")
+    return CROWDED if octree.crowded else octree
 
 
 @dataclass(frozen=True)
 class _Lattice:
-    """An octree and where the boundary crosses it; and what is known of nodes from other octrees."""
+    """An octree and where the boundary crosses it; and the cones that are known from other octrees."""
 
     field: FaceField
     octree: Octree
-    known: Known
+    cones: Cones
 
     @cached_property
     def crossings(self) -> BoundaryCrossings:
-        return BoundaryCrossings(self.field, *self.octree.tetrahedra(), self.known)
+        return BoundaryCrossings(self.field, *self.octree.tetrahedra(), self.cones)
+
+    def refined(self, places: Floats = NOWHERE, least: int = OPEN) -> _Lattice:
+        """The next one; see `Octree.refined`."""
+        return _Lattice(self.field, self.octree.refined(places, least), self.cones)
+
+
+@dataclass(frozen=True)
+class _Failed:
+    """Why a lattice shows no boundary that can be trusted, and the places (K, 3), if it is because of some."""
+
+    reason: str
+    places: Floats = field_of(default_factory=lambda: NOWHERE)
+
+
+def _shown(ahead: list[_Lattice], tolerance: float, even: bool) -> Labelled | Refusal | _Failed:
+    """The mesh of the first of some lattices, to which finer ones are added until there are enough to compare it."""
+    field, first = ahead[0].field, ahead[0]
+    if first.octree.crowded:
+        return CROWDED
+    raw = first.crossings.mesh()
+    if isinstance(raw, Refusal):
+        return raw
+    if not isinstance(raw, Labelled):
+        return _Failed(f"near {place_of(field, raw[0])} too many faces meet", raw)
+    while len(ahead) < COMPARED and ahead[-1].octree.open_share > 0:
+        ahead.append(ahead[-1].refined())
+    if ahead[-1].octree.crowded:
+        return CROWDED
+    others = [other.crossings for other in ahead[1:]]
+    if any(first.crossings.shape != other.shape for other in others):
+        return _Failed("its pieces or holes are too small")
+    if not all(other.faces <= first.crossings.faces for other in others):
+        return _Failed("its faces are too small")
+    if not len(first.crossings.edges):
+        return _Failed("")
+    mesh = cleaned(raw, field, tolerance, even)
+    reason, places = unsound(mesh, field, tolerance)
+    return _Failed(reason, places) if reason else mesh
+
+
+def _given_up(
+    field: FaceField, octree: Octree, failures: list[tuple[int, int]], most: int, last: _Failed
+) -> Refusal | None:
+    """Why no finer lattice is looked at: those that failed had more cubes than `most`, or no less places than before.
+
+    Of each of them the cubes and places are given.  If the set has functions that others imply it is tried without.
+    """
+    cubes, places = zip(*failures, strict=True)
+    several, spent = len(failures) >= PATIENCE, sum(cubes) > most
+    spare = several and field.needed() is not field
+    if not (spare or spent or (several and 2 * places[-1] > places[-PATIENCE])):
+        return None
+    found = find_trouble(field, last.places, octree.spacing)
+    if not (spare or spent or (found is not None and found.stays)):
+        return None
+    return Refusal(_sentence(found, octree, last.reason), in_vain=not spent)
+
+
+def _sentence(found: Trouble | None, octree: Octree, reason: str = "") -> str:
+    if found is not None and found.stays:
+        return f"the solid could not be meshed: {found.sentence}"
+    why = reason if found is None else found.sentence
+    return f"the solid could not be meshed with a lattice of {octree.finest}: {why}"
 
 
 def unsound(mesh: Labelled, field: FaceField, tolerance: float) -> tuple[str, Floats]:

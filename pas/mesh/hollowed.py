@@ -19,12 +19,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, ShellWall, place_of
 from pas.mesh.first import unsound
 from pas.mesh.labelled import Labelled
-from pas.mesh.projection import newton, pair_normals, project
+from pas.mesh.projection import newton, pair_normals, project, second_derivatives
+from pas.mesh.refusals import Made, Refusal
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import is_closed_manifold
@@ -41,15 +41,13 @@ SMOOTH = 0.97
 BESIDE = 0.1
 """Share of the thickness by which a point is off a triangle, on both sides, where the set must change."""
 
-SLOPE_STEP = 1e-5
-"""Of the differences that give second derivatives, over the extent of the box."""
-
-Mesher = Callable[[FaceField, float], Labelled]
-Refiner = Callable[[Labelled, FaceField, float], tuple[Labelled, float]]
-
 
 def mesh_hollowed(
-    field: FaceField, wall: ShellWall, tolerance: float, mesh: Mesher, refined: Refiner
+    field: FaceField,
+    wall: ShellWall,
+    tolerance: float,
+    mesh: Callable[[FaceField, float], Made],
+    refined: Callable[[Labelled, FaceField, float], Made],
 ) -> tuple[Labelled, float] | None:
     """The mesh of a shell and how near it is, from that of the solid by `mesh(solid, tolerance)`, `refined`.
 
@@ -57,14 +55,14 @@ def mesh_hollowed(
     """
     checkpoint("meshing both sides of a wall")
     aim = min(tolerance, SHARE * wall.thickness)
-    try:
-        first = Doubled(mesh(wall.solid, aim), wall).projected(field)
-        if not is_closed_manifold(first.triangles) or unsound(first, field, aim)[0]:
-            return None
-        found, reached = refined(first, field, aim)
-    except MeshError:
+    outer = mesh(wall.solid, aim)
+    if isinstance(outer, Refusal):
         return None
-    return (found, reached) if _changes(found, field, wall.thickness) else None
+    first = Doubled(outer[0], wall).projected(field)
+    if not is_closed_manifold(first.triangles) or unsound(first, field, aim)[0]:
+        return None
+    found = refined(first, field, aim)
+    return None if isinstance(found, Refusal) or not _changes(found[0], field, wall.thickness) else found
 
 
 class Doubled:
@@ -233,16 +231,12 @@ def too_thick(mesh: Labelled, wall: ShellWall) -> str:
     """
     solid = wall.solid
     vertices, labels = mesh.topology.pairs[wall.inner[mesh.topology.pairs[:, 1]] >= 0].T
-    points, apart = mesh.points[vertices], SLOPE_STEP * float(np.ptp(solid.box, axis=0).max())
-    gradients = solid.jets(points, labels)[:, 1:]
-    slopes = [
-        solid.jets(points + apart * axis, labels) - solid.jets(points - apart * axis, labels) for axis in np.eye(3)
-    ]
-    bend = np.stack(slopes, axis=1)[:, :, 1:] / (2 * apart)
+    points = mesh.points[vertices]
+    gradients, bend = solid.jets(points, labels)[:, 1:], second_derivatives(solid, points, labels)
     size = np.maximum(np.linalg.norm(gradients, axis=1), 1e-300)[:, None, None]
     normals = gradients[:, :, None] / size
     across = np.eye(3) - normals @ normals.transpose(0, 2, 1)
-    bend = across @ (bend + bend.transpose(0, 2, 1)) @ across / (2 * size)
+    bend = across @ bend @ across / size
     curvatures = np.linalg.eigvalsh(np.where(np.isfinite(bend), bend, 0.0))[:, 2]
     most = int(curvatures.argmax())
     if curvatures[most] * wall.thickness < 1:

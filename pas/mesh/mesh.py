@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -12,10 +12,9 @@ from numpy.typing import ArrayLike
 
 from pas.errors import GeometryError
 from pas.mesh.booleans import Triangles, boolean
-from pas.mesh.quality import Quality, smallest_angles
+from pas.mesh.quality import Quality, smallest_angles, soundness
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
-from pas.mesh.soundness import soundness
 from pas.mesh.topology import edge_table, euler_characteristic, is_closed_manifold, is_manifold, piece_count, seams
 from pas.shape import Shape, refuse_mixed
 from pas.verdicts import Findings
@@ -64,14 +63,15 @@ class Mesh(Shape):
         deviation: float | None = None,
         proved: bool = False,
     ) -> SmoothMesh:
-        """A mesh of one face with a normal (N, 3) at each point, and some of the other fields by name."""
-        faces = np.zeros(len(triangles), dtype=np.intp)
-        kind = cls if issubclass(cls, SmoothMesh) else SmoothMesh
-        mesh = kind(points, triangles, faces, (name,), normals, parameters, deviation, proved)
-        del vars(mesh)["normals"]  # these are those of points
-        vars(mesh)["point_normals"] = normals  # as given: the mean of equal normals rounds
-        vars(mesh)["_sharp"] = np.arange(len(points)), triangles, normals  # no edge is sharp
-        return mesh
+        """A mesh of one face with a normal (N, 3) at each point, and some of the other fields by name.
+
+        Raises `ValueError` where triangles are not numbers of points.
+        """
+        if triangles.min(initial=0) < 0 or triangles.max(initial=-1) >= len(points):
+            raise ValueError("triangles must be numbers of points")
+        faces, corners = np.zeros(len(triangles), dtype=np.intp), np.take(normals, triangles, axis=0)
+        known = parameters, deviation, proved
+        return SmoothMesh(points, triangles, faces, (name,), corners, *known, point_normals=normals)
 
     @classmethod
     def from_triangles(cls, points: ArrayLike, triangles: ArrayLike, name: str = "mesh") -> Mesh:
@@ -87,7 +87,7 @@ class Mesh(Shape):
             raise GeometryError("the mesh has points that are not finite")
         if t.min(initial=0) < 0 or t.max(initial=-1) >= len(p):
             raise GeometryError(f"the mesh has triangles whose corners are not numbers of its {len(p)} points")
-        mesh = cls(p, t, np.zeros(len(t), dtype=np.intp), (name,), flat_normals(p, t))
+        mesh = Mesh(p, t, np.zeros(len(t), dtype=np.intp), (name,), flat_normals(p, t))
         mesh.require_closed()
         if mesh.volume <= 0:
             raise GeometryError("the mesh is inside out: its volume is not positive; turn its triangles round")
@@ -100,7 +100,7 @@ class Mesh(Shape):
         starts = np.cumsum([0, *(len(m.points) for _, m in items)])
         firsts = np.cumsum([0, *(len(m.names) for _, m in items)])
         known = [m.deviation for _, m in items if m.deviation is not None]
-        return cls(
+        return Mesh(
             np.concatenate([m.points for _, m in items]),
             np.concatenate([m.triangles + start for (_, m), start in zip(items, starts, strict=False)]),
             np.concatenate([m.faces + first for (_, m), first in zip(items, firsts, strict=False)]),
@@ -287,10 +287,23 @@ class Mesh(Shape):
         return f"{text}; within {self.deviation:.3g} of the surface ({'proved' if self.proved else 'measured'})"
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class SmoothMesh(Mesh):
-    """A mesh of one smooth face, whose corner normals are made when they are asked for, which sliders never do."""
+    """A mesh of one smooth face: its points have normals (N, 3) of their own, and no edge is sharp."""
 
-    @cached_property
-    def normals(self) -> Floats:
-        """Unit normals (T, 3, 3) at the triangles' corners: those of their points."""
-        return np.take(self.point_normals, self.triangles, axis=0)
+    point_normals: Floats = field(kw_only=True)
+
+    @property
+    def _sharp(self) -> tuple[Integers, Integers, Floats]:
+        return np.arange(len(self.points)), self.triangles, self.point_normals
+
+    @property
+    def smoothed(self) -> Mesh:
+        """This mesh: no vertex of it is doubled."""
+        return self
+
+    @property
+    def flipped(self) -> Mesh:
+        """This mesh seen from its other side: triangles and normals are turned round."""
+        turned = self.triangles[:, ::-1], -self.normals[:, ::-1]
+        return replace(self, triangles=turned[0], normals=turned[1], point_normals=-self.point_normals)

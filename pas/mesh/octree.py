@@ -15,7 +15,6 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.errors import GeometryError, MeshError
 from pas.kernels.library import compiled
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField
@@ -35,9 +34,6 @@ CLEAR, QUIET, OPEN = range(3)
 SAMPLES, CHUNK = 5, 2000
 """Points on each line along which the boundary is looked for in cubes where it is not proved to be clear; and
 how many cubes are looked at together."""
-
-MOST_UNSEEN = 30_000
-"""Cubes above which a set of which no sample was inside counts as empty: to show it would take far more."""
 
 DEEPEST = 14
 """How often cubes are halved at most, so that `_SPAN` is not exceeded."""
@@ -79,13 +75,15 @@ class Octree:
     """Cubes about a boundary, halved at first where it bends and then where it is not clear.
 
     On level i cubes have the edge `size / 2**i`; their corners have even coordinates in halves of that
-    edge, counted from `origin`, and their middles odd ones.
+    edge, counted from `origin`, and their middles odd ones.  Where more than `MOST_CUBES` would be on one level it is
+    `crowded`, without these.
     """
 
     def __init__(self, field: FaceField, spacing: float) -> None:
         self.field, self.size = field, spacing * 2**BASE
         self.origin = field.box[0] - (1 + SHIFT) * spacing
         self._counts = np.ceil((field.box[1] + 1.5 * spacing - self.origin) / self.size).astype(np.intp)
+        self.crowded = False
         self._halved: list[Integers] = []
         self._missed: list[Integers] = []
         self._leaves: list[tuple[Integers, Integers]] = [_NONE] * (BASE + 1)
@@ -145,21 +143,6 @@ class Octree:
                 start, number = start + number, min(8 * number, CHUNK)
         return False
 
-    def until_seen(self) -> Octree:
-        """The octree, refined until something of the set is seen.
-
-        Raises `GeometryError` where there is nothing, `MeshError` where it is too thin to be seen.
-        """
-        result = self
-        while not result.is_seen:
-            if not result.count:
-                raise GeometryError("the solid is empty: its inequalities hold together nowhere")
-            if result.count > MOST_UNSEEN or result.levels == DEEPEST:
-                where = f"with a lattice of {result.finest} nothing of it is seen"
-                raise MeshError(f"the solid is empty or too thin for its size: {where}")
-            result = result.refined(least=QUIET)
-        return result
-
     def refined(self, places: Floats = NOWHERE, least: int = OPEN) -> Octree:
         """With the cubes halved whose state is at least as given, and those about given points (K, 3)."""
         result = copy(self)
@@ -168,7 +151,7 @@ class Octree:
             near = 2 * np.floor((places - self.origin) * 2**level / self.size).astype(np.intp) + 1
             around = (near[:, None] + 2 * _NEIGHBOURS) @ _WEIGHTS
             chosen = (state >= least) | np.isin(cubes @ _WEIGHTS, around)
-            if chosen.any() and level < DEEPEST:
+            if chosen.any() and level < DEEPEST and not result.crowded:
                 result._leaves[level] = cubes[~chosen], state[~chosen]
                 result._add(level + 1, result._halve(level, cubes[chosen]))
         return result
@@ -204,9 +187,8 @@ class Octree:
     def _add(self, level: int, cubes: Integers) -> None:
         """Cubes of one level as leaves."""
         if len(cubes) > MOST_CUBES:
-            raise MeshError(
-                f"the solid is empty or too thin for its size: its lattice needs more than {MOST_CUBES} cubes"
-            )
+            self.crowded = True
+            return
         checkpoint(f"refining a lattice ({len(cubes)} cubes)")
         cubes = self._crossed(level, cubes)
         half = self.size / 2 ** (level + 1)

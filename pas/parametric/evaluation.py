@@ -1,35 +1,31 @@
 """Evaluation of the Hermite blend in doubles, without expanding it: fast and stable.
 
 `T = sum_i w_i(h) S_i(t, h - s_i)`, w_i = prod_{l != i} ((h - s_l)/(s_i - s_l))^(k+1) and S_i the Taylor polynomial of
-degree k of P_i / w_i at s_i.  The factors w_i stay factored.  Where the denominator of a component does not depend on
-h, S_i is a combination of t^a (h - s_i)^j over it, and those of all surfaces with one denominator are added before
-anything is evaluated (`Group`); else its coefficients come from the Taylor polynomials of numerator and denominator,
-or from Taylor arithmetic for surfaces that are not exact.
+degree k of P_i / w_i at s_i.  The factors w_i stay factored.  Where the denominators of a surface do not depend on h,
+S_i is a combination of t^a (h - s_i)^j over them, and those of all surfaces with one denominator are added before
+anything is evaluated (`Group`); the coefficients of other surfaces come from Taylor arithmetic.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from math import prod
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpq_mpoly, fmpq_poly
+from flint import fmpq, fmpq_poly
 
-from pas.algebra.horner import Bundle, as_arrays, dense, horner, product
+from pas.algebra.horner import as_arrays, dense, horner, product
 from pas.algebra.jets import Jet, along, constant, nilpotency, power, variables
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.algebra.rational_function import RationalFunction
 from pas.parametric.data import BlendingData
 from pas.parametric.hermite import inverse_series
-from pas.parametric.series import taylor, univariate
+from pas.parametric.series import in_one, taylor
 from pas.parametric.surface import ParametricSurface
-
-_Series = Callable[[Any], list[tuple[int, list[Any]]]]
-"""Maps t to pairs of an axis and the coefficients j = 0..k of (h - s_i)^j, arrays or jets; None for zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,34 +51,26 @@ class HermiteValues:
                 for axis, value in zip(group.axes, group.values(t, stacked), strict=True):
                     total[axis] = value if isinstance(total[axis], float) else total[axis] + value
             for number, part in series:
-                outer = functions[number * (self.order + 1)]
-                for axis, coefficients in part(t):
-                    inner = _polynomial(coefficients, h - nodes[number])
-                    total[axis] = total[axis] if inner is None else total[axis] + inner * outer
+                outer, step = functions[number * (self.order + 1)], h - nodes[number]
+                for axis, coefficients in enumerate(part(t)):
+                    total[axis] = total[axis] + reduce(lambda inner, c: inner * step + c, coefficients[::-1]) * outer
         return tuple(total)
 
     @cached_property
-    def _parts(self) -> tuple[list[Group], list[tuple[int, _Series]]]:
-        """What can be added over denominators in t alone, and the rest by the number of the surface."""
+    def _parts(self) -> tuple[list[Group], list[tuple[int, _NumericSeries]]]:
+        """What can be added over denominators in t alone, and the other surfaces by their numbers."""
         data, order = self.data, self.order
         columns: dict[str, tuple[fmpq_poly, dict[tuple[int, int], list[fmpq_poly]]]] = {}
-        series: list[tuple[int, _Series]] = []
+        series: list[tuple[int, _NumericSeries]] = []
         for i, (surface, value) in enumerate(zip(data.surfaces, data.values, strict=True)):
             inverse = inverse_series(data.values, i, order)
-            if not surface.is_exact:
+            if not surface.is_exact or any(c.denominator.degrees()[1] for c in surface.components):
                 series.append((i, _NumericSeries(surface, to_float(value), [to_float(v) for v in inverse])))
                 continue
-            left = []
             for axis, component in enumerate(surface.components):
-                below, *more = taylor(component.denominator, value, order)
-                if any(not p.is_zero() for p in more):
-                    left.append(axis)
-                    continue
-                lead = below.leading_coefficient()
+                below, lead = in_one(component.denominator, 0), component.denominator.leading_coefficient()
                 _, found = columns.setdefault(str(below / lead), (below / lead, {}))
                 found[axis, i * (order + 1)] = [p / lead for p in _mixed(component, value, inverse)]
-            if left:
-                series.append((i, _ExactSeries.of(surface, value, inverse, tuple(left))))
         number = len(data.surfaces) * (order + 1)
         return [Group.of(below, found, number) for below, found in columns.values()], series
 
@@ -161,70 +149,18 @@ def _mixed(component: RationalFunction, value: fmpq, inverse: Sequence[fmpq]) ->
 
 
 @dataclass(frozen=True)
-class _ExactSeries:
-    """Taylor coefficients of P_i / w_i at s_i from those of numerators and denominators, n_j / d_0 and d_j / d_0.
-
-    `above[c][j]`, `below[c][j]` are the numbers of these quotients for component `axes[c]`, None where zero.
-    """
-
-    axes: tuple[int, ...]
-    quotients: Bundle
-    above: tuple[tuple[int | None, ...], ...]
-    below: tuple[tuple[int | None, ...], ...]
-
-    @classmethod
-    def of(
-        cls, surface: ParametricSurface, value: fmpq, inverse: Sequence[fmpq], axes: tuple[int, ...]
-    ) -> _ExactSeries:
-        """Of the components `axes` of an exact surface; `inverse` are the Taylor coefficients of 1 / w_i."""
-        pairs: list[tuple[fmpq_mpoly, fmpq_mpoly]] = []
-        known: dict[tuple[str, str], int] = {}
-
-        def number(top: fmpq_poly, bottom: fmpq_poly) -> int | None:
-            key = str(top), str(bottom)
-            if key not in known and not top.is_zero():
-                known[key] = len(pairs)
-                pairs.append((univariate(top, 0), univariate(bottom, 0)))
-            return known.get(key)
-
-        above, below = [], []
-        for component in (surface.components[axis] for axis in axes):
-            bottom = taylor(component.denominator, value, len(inverse) - 1)
-            above.append(tuple(number(p, bottom[0]) for p in _mixed(component, value, inverse)))
-            below.append((None, *(number(p, bottom[0]) for p in bottom[1:])))
-        return cls(axes, Bundle.of_pairs(pairs), tuple(above), tuple(below))
-
-    def __call__(self, t: Any) -> list[tuple[int, list[Any]]]:
-        rows = self.quotients.quotients(t, 0.0)
-        parts = zip(self.axes, self.above, self.below, strict=True)
-        return [(axis, _divided(rows, a, b)) for axis, a, b in parts]
-
-
-def _divided(rows: Sequence[Any], above: Sequence[int | None], below: Sequence[int | None]) -> list[Any]:
-    """The quotient of two series: c_j = n_j / d_0 - sum_m d_m / d_0 c_(j-m)."""
-    result: list[Any] = [None if i is None else rows[i] for i in above]
-    for j in range(len(result)):
-        for m in range(1, j + 1):
-            column, earlier = below[m], result[j - m]
-            if column is not None and earlier is not None:
-                step = rows[column] * earlier
-                result[j] = -step if result[j] is None else result[j] - step
-    return result
-
-
-@dataclass(frozen=True)
 class _NumericSeries:
-    """Taylor coefficients of P_i / w_i at s_i for a surface that can only be evaluated, by its derivatives in h."""
+    """Taylor coefficients of P_i / w_i at s_i by derivatives in h; `inverse` are those of 1 / w_i."""
 
     surface: ParametricSurface
     value: float
     inverse: list[float]
 
-    def __call__(self, t: Any) -> list[tuple[int, list[Any]]]:
-        order = len(self.inverse) - 1
-        base = t.value if isinstance(t, Jet) else t
+    def __call__(self, t: Any) -> list[list[Any]]:
+        """The coefficients j = 0..k of (h - value)^j of each coordinate at t, arrays or jets."""
+        base, order = (t.value if isinstance(t, Jet) else t), len(self.inverse) - 1
         parts = self.surface.values(*variables(base, self.value, (nilpotency(t), order)))
-        return [(axis, self._mixed(part, t, order)) for axis, part in enumerate(parts)]
+        return [self._mixed(part, t, order) for part in parts]
 
     def _mixed(self, part: Any, t: Any, order: int) -> list[Any]:
         if not isinstance(part, Jet):
@@ -232,14 +168,3 @@ class _NumericSeries:
         table = part.coefficients
         rows = [along(t, list(table[:, j])) if isinstance(t, Jet) else table[0, j] for j in range(order + 1)]
         return [sum(rows[m] * self.inverse[j - m] for m in range(j + 1)) for j in range(order + 1)]
-
-
-def _polynomial(coefficients: Sequence[Any], step: Any) -> Any:
-    """Horner's rule, skipping zeros; None for the zero polynomial."""
-    result: Any = None
-    for coefficient in reversed(coefficients):
-        if result is not None:
-            result = result * step
-        if coefficient is not None:
-            result = coefficient if result is None else result + coefficient
-    return result

@@ -186,7 +186,7 @@ def _bound(nets: Nets, knots: Knots, points: Floats, moved: Sequence[float]) -> 
     worst = 0.0
     for number in range(len(strips)):
         checkpoint("bounding the distance of a B-spline", number / len(strips))
-        cells = _spread(strips.part([number]), 1, len(second))
+        cells = _spread(strips.select(np.array([number])), 1, len(second))
         pieces = np.einsum("ai,ijx,cbj->cabx", first[number], points, second, optimize=True)
         tops, weights = cells.table[..., :3], cells.table[..., 3:]
         least = weights.min(axis=(1, 2, 3)) - cells.off
@@ -204,7 +204,7 @@ def _spread(nets: Nets, axis: int, count: int) -> Nets:
     """A net over `count` (a power of 2) equal parts of its interval, in order."""
     while len(nets) < count:
         order = np.arange(2 * len(nets)).reshape(2, -1).T.ravel()
-        nets = nets.halves(axis).part(order)
+        nets = nets.halves(axis).select(order)
     return nets
 
 

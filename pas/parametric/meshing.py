@@ -18,6 +18,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -27,8 +29,8 @@ from numpy.typing import NDArray
 from pas.algebra.inputs import check_tolerance
 from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
+from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.errors import GeometryError, MeshError
-from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
@@ -43,6 +45,9 @@ RELATIVE = 1e-3
 
 LARGEST = 1_000_000
 """Cells; twice as many triangles would not fit into the memory of a small machine."""
+
+BATCH = 1 << 18
+"""Coefficients of the cells that are searched at a time."""
 
 ParametricMesh = Mesh
 """What the meshes of parametric surfaces were called."""
@@ -76,16 +81,13 @@ def mesh_surface(
     nets = _nets(framed, rectangle, np.array([0, GRID, 0, GRID]))
     place: Placing = surface_points(framed.surface) if nets is None else NetPoints(framed, nets.table[0], welding)
     examine = measured(framed.surface) if nets is None else bounded
-    found: list[Mesh] = []
-    for parts, even in WAYS[how]:
+
+    def made(parts: tuple[int, int], even: bool) -> Mesh:
         starts = [(_nets(framed, rectangle, cell), cell[None]) for cell in _first_cells(parts)]
-        try:
-            leaves, worst = _leaves(starts, examine, aim, framed, even)
-            found.append(_assembled(framed, leaves, worst, place, wanted, nets is not None))
-        except MeshError:  # too many triangles, or cells too fine for the grid: there is a mesh already
-            if not found:
-                raise
-    return how.best(found)
+        leaves, worst = _leaves(starts, _Halving(examine, framed, aim, even))
+        return _assembled(framed, leaves, worst, place, wanted, nets is not None)
+
+    return how.best_of(partial(made, *way) for way in WAYS[how])
 
 
 def _assembled(framed: Framed, leaves: Integers, worst: float, place: Placing, wanted: float, proved: bool) -> Mesh:
@@ -125,42 +127,106 @@ def _nets(framed: Framed, rectangle: Rectangle, cell: Integers) -> Nets | None:
     return exact.rounded(framed.unit) if size[0] * size[1] <= 3000 and max(size) <= 500 else None
 
 
-def _leaves(
-    starts: Sequence[tuple[Nets | None, Integers]], examine: Examination, aim: float, framed: Framed, even: bool
-) -> tuple[Integers, float]:
+@dataclass(frozen=True)
+class GridCells(Cells):
+    """C cells of the grid: (first, last) in both parameters (C, 4), how often they were halved, and what was seen.
+
+    `bounds` are those of the distance, `floors` the part that no halving takes away, `axes` the parameters across which
+    to halve, and `done` are those that stay.  `table` and `off` are the cells' `Nets`, None where there are none.
+    """
+
+    places: Integers
+    halvings: Integers
+    bounds: Floats
+    floors: Floats
+    axes: Integers
+    done: NDArray[np.bool_]
+    table: Floats | None
+    off: Floats | None
+
+
+@dataclass
+class _Halving:
+    """How cells are seen, judged and halved until they are within `aim`; `count` are those that stay.
+
+    Where they are to be `even` none is long that has four sides.
+    """
+
+    examine: Examination
+    framed: Framed
+    aim: float
+    even: bool
+    count: int = 0
+
+    def seen(self, nets: Nets | None, places: Integers, halvings: Integers) -> GridCells:
+        """Cells with their bounds; nothing measured is believed before three halvings each way."""
+        with np.errstate(all="ignore"):
+            errors = self.examine(nets, places)
+            bounds, axes = errors.bounds_and_axes
+        if nets is None:
+            bounds[halvings < 6] = math.inf
+        axes = np.where(np.isfinite(bounds), axes, halvings % 2)
+        done = bounds <= self.aim
+        if self.even:
+            done &= ~_long(errors.corners, axes, done)
+        table, off = (None, None) if nets is None else (nets.table, nets.off)
+        return GridCells(places, halvings, bounds, errors.least, axes, done, table, off)
+
+    def judge(self, cells: GridCells, _: int) -> Fates:
+        """Raises `MeshError` or `GeometryError` where halving on would be in vain."""
+        self.count += int(cells.done.sum())
+        far = cells.select(cells.bounds > self.aim)
+        if 2 * float(far.floors.max(initial=0.0)) > self.aim:
+            raise MeshError(_too_fine(self.framed.outside(self.aim)))
+        if not cells.done.all():
+            self._require_hope(far, self.count + len(cells))
+        return np.where(cells.done, int(Fate.KEEP), int(Fate.SPLIT))
+
+    def _require_hope(self, far: GridCells, count: int) -> None:
+        """A cell without a bound after 32 halvings is 2e-5 wide each way, and reported as a pole; after 40 any cell is,
+        since smooth surfaces have run out of triangles before."""
+        lost = far.select((far.halvings >= 40) | ~np.isfinite(far.bounds))
+        if len(lost) and (lost.halvings.max() >= 32 or count > LARGEST):
+            values = self.framed.parameters_outside(lost.places[0].reshape(2, 2).mean(axis=1) / GRID)
+            names = self.framed.bounded.parameters
+            place = ", ".join(f"{name} = {x:.6g}" for name, x in zip(names, values, strict=True))
+            what = "the surface has a pole, jumps, or numerator and denominator vanish together,"
+            raise GeometryError(f"{what} near {place}; give a domain that avoids it")
+        if count > LARGEST:
+            tolerance = self.framed.outside(self.aim)
+            raise MeshError(f"the tolerance {tolerance:.3g} needs more than {2 * LARGEST} triangles; give a larger one")
+
+    def split(self, cells: GridCells) -> GridCells:
+        """Both halves of all."""
+        first, *second = (self._halved(part, axis) for axis in (0, 1) if len(part := cells.select(cells.axes == axis)))
+        return first.joined(second)
+
+    def _halved(self, cells: GridCells, axis: int) -> GridCells:
+        starts, ends = cells.places[:, 2 * axis], cells.places[:, 2 * axis + 1]
+        width = ends - starts
+        if ((width % 2 == 1) & (width > 1)).any():
+            raise MeshError("a third of the rectangle cannot be halved that often")
+        left, right = cells.places.copy(), cells.places.copy()
+        left[:, 2 * axis + 1] = right[:, 2 * axis] = (starts + ends) // 2
+        nets = None if cells.table is None or cells.off is None else Nets(cells.table, cells.off).halves(axis)
+        return self.seen(nets, np.concatenate([left, right]), np.tile(cells.halvings + 1, 2))
+
+
+def _leaves(starts: Sequence[tuple[Nets | None, Integers]], halving: _Halving) -> tuple[Integers, float]:
     """Cells (C, 4) as (first, last) in both parameters on a grid of GRID steps, and the greatest bound.
 
-    Where they are to be `even` none is long that has four sides.  Nothing measured is believed before three halvings
-    each way.
+    Some are searched at a time, not to fill the memory; those at poles come first.
     """
-    pending = [(nets, cells, 0) for nets, cells in starts]
-    leaves: list[Integers] = []
-    worst, count = 0.0, 0
+    pending = [halving.seen(nets, places, np.zeros(len(places), dtype=np.intp)) for nets, places in starts]
+    leaves, worst = list[Integers](), 0.0
     while pending:
-        nets, cells, depth = pending.pop()
-        checkpoint(f"meshing a surface ({count} cells)")
-        with np.errstate(all="ignore"):
-            errors = examine(nets, cells)
-            bounds, axes = errors.bounds_and_axes
-        if nets is None and depth < 6:
-            bounds[:] = math.inf
-        axes[~np.isfinite(bounds)] = depth % 2
-        good = bounds <= aim
-        if even:
-            good &= ~_long(errors.corners, axes, good)
-        leaves.append(cells[good])
-        worst, count = max(worst, float(bounds[good].max(initial=0.0))), count + int(good.sum())
-        far = bounds > aim
-        if 2 * float(errors.least[far].max(initial=0.0)) > aim:
-            raise MeshError(_too_fine(framed.outside(aim)))
-        if not good.all():
-            _require_hope(bounds[far], cells[far], depth, count + len(cells), framed, aim)
-        for finite, axis in ((True, 0), (True, 1), (False, 0), (False, 1)):  # cells at poles come first off the pile
-            rest = np.flatnonzero(~good & (axes == axis) & (np.isfinite(bounds) == finite))
-            step = max(1, (1 << 21) // ((4 if nets is None else nets.table[0].size) * 8))  # numbers in a batch
-            for part in (rest[start : start + step] for start in range(0, len(rest), step)):
-                children = None if nets is None else nets.part(part).halves(axis)
-                pending.append((children, _halves(cells[part], axis), depth + 1))
+        cells = pending.pop()
+        most = BATCH // (4 if cells.table is None else cells.table[0].size)
+        found = search(cells, halving.judge, halving.split, Limits(cells=most), "meshing a surface")
+        leaves.append(found.kept.places)
+        worst = max(worst, float(found.kept.bounds.max(initial=0.0)))
+        order = np.argsort(~np.isfinite(found.open.bounds), kind="stable")
+        pending += [found.open.select(rows) for rows in np.array_split(order, 4) if len(rows)]
     return np.concatenate(leaves), worst
 
 
@@ -175,33 +241,5 @@ def _long(corners: Floats, axes: Integers, chosen: NDArray[np.bool_]) -> NDArray
     return np.asarray(result)
 
 
-def _halves(cells: Integers, axis: int) -> Integers:
-    width = cells[:, 2 * axis + 1] - cells[:, 2 * axis]
-    if ((width % 2 == 1) & (width > 1)).any():
-        raise MeshError("a third of the rectangle cannot be halved that often")
-    middles = (cells[:, 2 * axis] + cells[:, 2 * axis + 1]) // 2
-    left, right = cells.copy(), cells.copy()
-    left[:, 2 * axis + 1] = right[:, 2 * axis] = middles
-    return np.concatenate([left, right])
-
-
 def _too_fine(tolerance: float) -> str:
     return f"the tolerance {tolerance:.3g} is finer than doubles resolve on this surface; give a larger one"
-
-
-def _require_hope(bounds: Floats, cells: Integers, depth: int, count: int, framed: Framed, aim: float) -> None:
-    """Raise the error that says why halving on would be in vain.
-
-    A cell without a bound after 32 halvings is 2e-5 wide each way, and reported as a pole; after 40 any cell is, since
-    smooth surfaces have run out of triangles before.
-    """
-    lost = cells if depth >= 40 else cells[~np.isfinite(bounds)]
-    if len(lost) and (depth >= 32 or count > LARGEST):
-        values = framed.parameters_outside(lost[0].reshape(2, 2).mean(axis=1) / GRID)
-        place = ", ".join(f"{name} = {x:.6g}" for name, x in zip(framed.bounded.parameters, values, strict=True))
-        what = "the surface has a pole, jumps, or numerator and denominator vanish together,"
-        raise GeometryError(f"{what} near {place}; give a domain that avoids it")
-    if count > LARGEST:
-        raise MeshError(
-            f"the tolerance {framed.outside(aim):.3g} needs more than {2 * LARGEST} triangles; give a larger one"
-        )

@@ -30,9 +30,8 @@ from pas.fairing.solver import FitSolver
 from pas.fairing.wishes import Wishes
 from pas.layouts.discs import power_of_two
 from pas.layouts.nodes import ContactNode
-from pas.partition.cells import Partition
+from pas.partition.cells import Partition, Region
 from pas.partition.layout import Layout
-from pas.partition.regions import Region
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.chosen import B, ChosenBlend
 from pas.pipeline.search import excess

@@ -3,22 +3,31 @@
 The values of a linear form at which surfaces of the solid cross the curve, touch one another there or are
 singular cut the curve into arcs.  At one exact point of each it is seen on which sides of which surfaces
 the solid lies; only those inequalities cut on which that rests.  Nothing here is approximate, but for
-functions that are no polynomials (see `pas.solid.leaves`).
+functions that are no polynomials: of distances from curves and faces (`pas.solid.tube`, `pas.solid.shell`) it is known
+that small boxes are certainly inside or outside.  Boxes that may meet the curve and of which they do not say so are
+halved until they are small; between the values that the sweeping form has in those left the truth is unknown.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from flint import fmpq
+import numpy as np
+from flint import arb, ctx, fmpq
 
-from pas.algebra.roots import RealRoot, between
-from pas.algebra.zeros import RealZero
+from pas.algebra.curve import SpaceCurve
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.rational import exact_vector
+from pas.algebra.roots import FIRST_BITS, RealRoot, between, bounds, rational_root
+from pas.algebra.zeros import RealZero, value_at
+from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.limits import checkpoint
 from pas.solid.germs import Ray, Sheets
-from pas.solid.leaves import AlongCurve, LeafTree
+from pas.solid.tree import Atom, Bools, ScalarField
+from pas.solid.truths import LeafTree
 
 Slab = tuple[RealRoot | None, RealRoot | None]
 """Two values of the sweeping form (None: without end), between which arcs are looked at."""
@@ -99,12 +108,11 @@ class Around:
         return self._cuts[number]
 
     def _found_cuts(self, number: int) -> list[RealRoot]:
-        leaf = self.solid.leaves[number]
-        if leaf.number in self.sheets.factors:
+        polynomial, _ = self.solid.signed[number]
+        if polynomial in self.sheets.factors:
             return []
-        polynomial = leaf.number >= 0
-        crossings = self.sheets.part.crossings if polynomial else None
-        roots = crossings(self.solid.polynomials[leaf.number]) if crossings else self.nearby.cuts(number)
+        crossings = self.sheets.part.crossings
+        roots = self.nearby.cuts(number) if polynomial < 0 else crossings(self.solid.polynomials[polynomial])
         low, high = self.slab
         return [r for r in roots if (low is None or low < r) and (high is None or r < high)]
 
@@ -126,7 +134,7 @@ class Around:
     def _across(self, sheet: int) -> list[int]:
         """The leaves that change their truth across a sheet, by number."""
         powers = {number: dict(f.sheets).get(sheet, 0) for number, f in self.sheets.factors.items()}
-        return [i for i, leaf in enumerate(self.solid.leaves) if powers.get(leaf.number, 0) % 2]
+        return [i for i, (polynomial, _) in enumerate(self.solid.signed) if powers.get(polynomial, 0) % 2]
 
     def _says(self, signs: dict[int, int | None], turned: Sequence[int]) -> bool | None:
         """Whether the solid is where sheets have given signs, with some leaves' truth turned round; notes doubts."""
@@ -146,13 +154,13 @@ class Around:
         return says
 
     def _holds(self, number: int, signs: dict[int, int | None]) -> bool | None:
-        leaf = self.solid.leaves[number]
-        if leaf.number < 0:
+        polynomial, _ = self.solid.signed[number]
+        if polynomial < 0:
             return self.nearby.holds(number, self.point)
-        factors = self.sheets.factors.get(leaf.number)
+        factors = self.sheets.factors.get(polynomial)
         if factors is None:
-            sign = self._sign(leaf.number)
-            return leaf.holds(sign) if sign else None
+            sign = self._sign(polynomial)
+            return self.solid.holds(number, sign) if sign else None
         sign = factors.sign
         for sheet in (sheet for sheet, power in factors.sheets if power % 2):
             found = signs[sheet]
@@ -161,7 +169,7 @@ class Around:
             sign *= found
         for other, power in factors.others:
             sign *= self.point.sign(other) ** power
-        return leaf.holds(sign) if sign else None
+        return self.solid.holds(number, sign) if sign else None
 
     def _sign(self, number: int) -> int:
         if number not in self._signs:
@@ -169,7 +177,82 @@ class Around:
         return self._signs[number]
 
     def _is_fixed(self, number: int) -> bool:
-        leaf = self.solid.leaves[number]
-        if leaf.number < 0 and not self.nearby.is_fixed(number, self.slab):
+        if self.solid.signed[number][0] < 0 and not self.nearby.is_fixed(number, self.slab):
             return False
         return not self.cuts(number)
+
+
+class AlongCurve:
+    """The leaves of a solid that are no polynomials, along a curve.
+
+    `box()` gives two corners (2, 3) between which the solid lies; it is asked for only where it is needed.
+    """
+
+    def __init__(self, leaves: Sequence[Atom], curve: SpaceCurve, box: Callable[[], Floats]) -> None:
+        self._outside = [leaf.outside for leaf in leaves]
+        self._fields = {i: leaf.function for i, leaf in enumerate(leaves) if not isinstance(leaf.function, Polynomial)}
+        self._box = box() if self._fields else np.zeros((2, 3))
+        self._unknown = {i: self._intervals(field, curve) for i, field in self._fields.items()}
+
+    def may_hold(self, point: RealZero) -> bool:
+        """False only where the solid certainly does not reach a point."""
+        p = np.array(point.point)
+        return not self._fields or bool(((p >= self._box[0]) & (p <= self._box[1])).all())
+
+    def holds(self, number: int, point: RealZero) -> bool | None:
+        """Whether a leaf holds at a point; None where that is not certain."""
+        half = np.full((1, 3), 1e-12 * np.ptp(self._box))  # a point's coordinates are rounded
+        inside, outside = self._fields[number].decided(np.array([point.point]), half)
+        return bool(inside[0]) != self._outside[number] if inside[0] or outside[0] else None
+
+    def distance(self, number: int, point: RealZero) -> float:
+        """About how far the zeros of a leaf's function are from a point; 0 for polynomials."""
+        field = self._fields.get(number)
+        return 0.0 if field is None else abs(float(field.jets(np.array([point.point]))[0, 0]))
+
+    def cuts(self, number: int) -> list[RealRoot]:
+        """The ends of the intervals in which a leaf's truth is unknown."""
+        return [end for interval in self._unknown[number] for end in interval]
+
+    def is_fixed(self, number: int, slab: Slab) -> bool:
+        """Whether a leaf's truth is known in a slab that no end of an interval cuts."""
+        low, high = slab
+        return not any(
+            (high is None or start < high) and (low is None or low < end) for start, end in self._unknown[number]
+        )
+
+    def _intervals(self, field: ScalarField, curve: SpaceCurve) -> list[tuple[RealRoot, RealRoot]]:
+        """Disjoint intervals of the form's values in boxes where a function is not decided.
+
+        A box of the solid that is cut seven times into eighths is a 128th of it, and 2000 of them are a long curve's.
+        """
+
+        def judge(boxes: Boxes, _: int) -> Fates:
+            return np.where(_may_change(field, curve, boxes), Fate.SPLIT, Fate.SETTLED)
+
+        found = search(Boxes.of(self._box), judge, Boxes.eighths, Limits(7, 2000), "following a curve past a face").open
+        values = sorted(bounds(_over(curve.form, *box)) for box in zip(found.centers, found.halves, strict=True))
+        merged: list[tuple[fmpq, fmpq]] = []
+        for low, high in values:
+            if merged and low <= merged[-1][1]:
+                merged[-1] = (merged[-1][0], max(merged[-1][1], high))
+            else:
+                merged.append((low, high))
+        return [(rational_root(low), rational_root(high)) for low, high in merged]
+
+
+def _may_change(field: ScalarField, curve: SpaceCurve, boxes: Boxes) -> Bools:
+    """Which boxes may meet the curve, without that a function says on which side they are."""
+    reach = boxes.halves * (1 + 1e-9)  # rounding leaves no gap between them
+    inside, outside = field.decided(boxes.centers, reach)
+    result = ~(np.asarray(inside) | np.asarray(outside))
+    for row in np.flatnonzero(result):
+        result[row] = all(_over(p, boxes.centers[row], reach[row]).contains(0) for p in curve.pair)
+    return result
+
+
+def _over(polynomial: Polynomial, center: Floats, half: Floats) -> arb:
+    """A ball that holds all values of a polynomial in a box, by its expansion about the centre."""
+    shift = [Polynomial.from_raw(g + c) for g, c in zip(GENERATORS, exact_vector(center.tolist()), strict=True)]
+    with ctx.workprec(FIRST_BITS):
+        return value_at(polynomial.compose(*shift), tuple(arb(0, float(h)) for h in half))

@@ -19,7 +19,7 @@ from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.errors import GeometryError
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import followed_by
-from pas.solid.tree import Bools, Node, Tree, is_contradiction
+from pas.solid.tree import Bools, Node, Tree, is_contradiction, parts_of
 
 FARTHEST = 2.0**24
 """Coordinates beyond which a set counts as unbounded."""
@@ -55,7 +55,7 @@ def bounding_box(tree: Tree) -> Floats:
     if shell is not None:
         return bounding_box(shell[0])
     boxes, seen = [], NOTHING
-    for part in _branches(tree):
+    for part in parts_of(tree, union=True):
         found = _branch_box(part, seen)
         if found is not None:
             boxes.append(found[0])
@@ -63,13 +63,6 @@ def bounding_box(tree: Tree) -> Floats:
     if not boxes:
         raise GeometryError("the solid is empty: no point satisfies all of its inequalities")
     return _hull(boxes)
-
-
-def _branches(tree: Tree) -> list[Tree]:
-    """Sets whose union is the set, opened up at the top only."""
-    if isinstance(tree, Node) and tree.union:
-        return [b for part in tree.parts for b in _branches(part)]
-    return [tree]
 
 
 def _branch_box(tree: Tree, seen: Floats) -> tuple[Floats, Floats] | None:
@@ -96,7 +89,7 @@ def _within_unions(tree: Tree, start: Floats) -> Floats:
 
     Of a union with something taken away the parts are bounded one by one, as without that.
     """
-    for part in tree.parts if isinstance(tree, Node) else ():
+    for part in parts_of(tree, union=False):
         if not (isinstance(part, Node) and part.union):
             continue
         try:
@@ -112,7 +105,7 @@ def _linear_box(tree: Tree) -> Floats | None:
 
     Unions among the conditions, such as the cells of a region, lie in the hull of their parts' boxes.
     """
-    parts = tree.parts if isinstance(tree, Node) and not tree.union else (tree,)
+    parts = parts_of(tree, union=False)
     box = _box_of_planes(parts)
     for part in parts:
         if box is None or not (isinstance(part, Node) and part.union):

@@ -18,10 +18,7 @@ from pas.algebra.rational import to_float
 from pas.partition.cells import Partition
 from pas.piecewise import PiecewiseSurface
 from pas.solid.taylor import TaylorForms
-from pas.solid.tree import Atom, Bools, Function, Node, Tree, combined, image, mapped
-
-CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
-"""Of a cube about the origin."""
+from pas.solid.tree import Atom, Bools, Function, Node, Tree, combined, complement, image, mapped, parts_of, splits_of
 
 
 @dataclass(frozen=True)
@@ -67,8 +64,8 @@ class Distance(ABC):
     def slopes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
         """Gradients (N, 3) at the centres of boxes, and how much they differ at the corners (N, 3)."""
         gradients = self.jets(centers)[:, 1:]
-        corners = (centers[:, None] + halves[:, None] * CORNERS).reshape(-1, 3)
-        changes = self.jets(corners)[:, 1:].reshape(-1, len(CORNERS), 3) - gradients[:, None]
+        corners = np.stack([centers + halves * side for side in product((-1.0, 1.0), repeat=3)], axis=1)
+        changes = self.jets(corners.reshape(-1, 3))[:, 1:].reshape(corners.shape) - gradients[:, None]
         return gradients, np.abs(changes).max(axis=1)
 
     def moved(self, map_: Affine) -> Distance:
@@ -103,17 +100,16 @@ class Moved(Distance):
 
 def followed_by(tree: Tree) -> tuple[Tree, list[tuple[Distance, Followed]]] | None:
     """The set of which a tree is a shell, and the distances from its faces, and what they follow; or None."""
-    parts = tree.parts if isinstance(tree, Node) and not tree.union else ()
-    for part in parts:
-        others = [other for other in parts if other is not part]
-        walls = part.parts if isinstance(part, Node) and part.union else (part,)
-        functions = [w.function for w in walls if isinstance(w, Atom) and not w.outside]
-        found = [(f, f.follows) for f in functions if isinstance(f, Distance) and f.follows is not None]
-        if others and len(found) == len(walls):
-            rest = combined(False, *others)
-            if all(follows.tree == rest for _, follows in found):
-                return rest, found
-    return None
+    walls = ((rest, distances_from(rest, wall)) for wall, rest in splits_of(tree, union=False))
+    return next(((rest, found) for rest, found in walls if found), None)
+
+
+def distances_from(tree: Tree, wall: Tree) -> list[tuple[Distance, Followed]]:
+    """The distances from faces of a set, less a thickness, whose union of inequalities a wall is; none if it is not."""
+    functions = [part.function for part in parts_of(wall, union=True) if isinstance(part, Atom) and not part.outside]
+    found = [(f, f.follows) for f in functions if isinstance(f, Distance) and f.follows is not None]
+    is_all = len(found) == len(parts_of(wall, union=True)) and all(follows.tree == tree for _, follows in found)
+    return found if is_all else []
 
 
 class Pieces:
@@ -181,6 +177,22 @@ class Pieces:
     @cached_property
     def _bank(self) -> TaylorForms:
         return TaylorForms(self.surface.scaled.polynomials)
+
+
+def by_cells(tree: Tree) -> Tree:
+    """A set with the cells of its pieces in their place: their union, each as far as the inequality holds in it."""
+
+    def opened(atom: Atom) -> Tree:
+        if not isinstance(atom.function, Pieces):
+            return atom
+        cells = [
+            combined(False, Atom(f, atom.face), *(Atom(wall, "", True) for wall in walls))
+            for f, walls in atom.function.cells
+        ]
+        whole = combined(True, *cells)
+        return complement(whole) if atom.outside else whole
+
+    return mapped(tree, opened)
 
 
 def polynomials_of(function: Function) -> tuple[Polynomial, ...]:

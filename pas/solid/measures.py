@@ -7,10 +7,10 @@ import numpy as np
 from pas.limits import checkpoint
 from pas.mesh.closed import FaceMesh
 from pas.mesh.field import FaceField
+from pas.mesh.grading import LARGEST
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton, pair_normals, placing, project
-from pas.mesh.refine import LARGEST
 
 _GAUSS = np.array(
     [
@@ -24,9 +24,6 @@ _GAUSS = np.array(
 )
 """Points and weights of the rule of degree 4 on the triangle (Dunavant 1985)."""
 
-
-CUTS = 12
-"""How often edges are halved at most."""
 
 THIRD = 0.5
 """Third-order parts of long edges that stay, over those of edges as long as the tolerance makes them on other faces:
@@ -71,11 +68,12 @@ def _cut(found: FaceMesh, field: FaceField) -> Labelled:
     """The mesh with edges along curved faces with straight lines halved whose third-order parts are not small.
 
     A parabola's chord makes the same angles with the curve at both ends, so by the normals there these parts are known.
-    They may be `THIRD` times as large as those of edges as long as the tolerance makes them on other faces.
+    They may be `THIRD` times as large as those of edges as long as the tolerance makes them on other faces; edges are
+    halved 12 times at most.
     """
     mesh = found.mesh
     most = THIRD * found.deviation**1.5 / float(np.ptp(field.box, axis=0).max()) ** 0.5
-    for _ in range(CUTS):
+    for _ in range(12):
         edges, labels = mesh.topology.edge_table
         normals, off = pair_normals(mesh, field), np.zeros(len(edges))
         along = mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]

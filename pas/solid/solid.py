@@ -8,7 +8,7 @@ A solid is a tree of inequalities; nothing is approximated until it is meshed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -31,17 +31,14 @@ from pas.shape import Shape, refuse_mixed
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
-from pas.solid.joints import Joint, face_list, part_list, refuse_unknown
+from pas.solid.joints import Joint, prove, refuse_unknown, verdict_list
 from pas.solid.measures import curved_measures
-from pas.solid.proofs import prove
 from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, image, mapped
 from pas.verdicts import Findings, Verdict
 
 DEFAULT_TOLERANCE = 1e-3
 """Of meshes, over the longest side of the bounding box."""
-
-CHUNK = 1 << 18
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,24 +52,25 @@ class Solid(Shape):
     tree: Tree
     joints: tuple[Joint, ...] = ()
     special_points: tuple[tuple[float, float, float], ...] = ()
-    _cache: dict[Any, Any] = field(default_factory=dict, repr=False)
+    _cache: dict[Any, Any] = field(default_factory=dict, repr=False, init=False)
     kind = "solid"
 
     def __or__(self, other: Solid) -> Solid:
-        return self._with(other, lambda a, b: combined(True, a, b))
+        return self._with(other, union=True)
 
     def __and__(self, other: Solid) -> Solid:
-        return self._with(other, lambda a, b: combined(False, a, b))
+        return self._with(other, union=False)
 
     def __sub__(self, other: Solid) -> Solid:
-        return self._with(other, lambda a, b: combined(False, a, complement(b)))
+        return self._with(other, union=False, less=True)
 
-    def _with(self, other: Solid, operation: Callable[[Tree, Tree], Tree]) -> Solid:
+    def _with(self, other: Solid, union: bool, less: bool = False) -> Solid:
         if not isinstance(other, Solid):
             refuse_mixed(self, other)
             return NotImplemented
+        tree = combined(union, self.tree, complement(other.tree) if less else other.tree)
         joints = tuple(dict.fromkeys(self.joints + other.joints))
-        return Solid(operation(self.tree, other.tree), joints, self.special_points + other.special_points)
+        return Solid(tree, joints, self.special_points + other.special_points)
 
     def translate(self, offset: VectorLike) -> Solid:
         """The solid moved by three numbers."""
@@ -102,9 +100,7 @@ class Solid(Shape):
                 images[atom.function] = image(atom.function, map_)
             return replace(atom, function=images[atom.function])
 
-        joints = tuple(
-            Joint(j.first, j.second, tuple(map_.polynomial(p) for p in j.along), j.order) for j in self.joints
-        )
+        joints = tuple(joint.moved(map_) for joint in self.joints)
         moved = map_.points(np.array(self.special_points).reshape(-1, 3))
         return Solid(mapped(self.tree, move), joints, tuple((x, y, z) for x, y, z in moved.tolist()))
 
@@ -116,13 +112,14 @@ class Solid(Shape):
         polynomial = _inequality(plane, "plane")
 
         def rename(atom: Atom) -> Atom:
-            same = isinstance(atom.function, Polynomial) and not atom.face and _same_zeros(atom.function, polynomial)
+            known, is_wall = atom.function, not atom.face
+            same = is_wall and isinstance(known, Polynomial) and known.primitive() == polynomial.primitive()
             return replace(atom, face=name) if same else atom
 
         renamed = mapped(self.tree, rename)
         if renamed == self.tree:
             renamed = combined(False, self.tree, Atom(polynomial, name))
-        return replace(self, tree=renamed, _cache={})
+        return replace(self, tree=renamed)
 
     @limited("hollowing out a solid", "a coarser tolerance")
     def shell(
@@ -148,7 +145,7 @@ class Solid(Shape):
             raise ValueError(f"thickness must be a positive number, not {thickness}")
         if isinstance(open, str):
             raise TypeError(f"open must be a sequence of names of faces, as in open=[{open!r}]")
-        return replace(self, tree=shelled(self, size, open, self._tolerance(tolerance)), _cache={})
+        return replace(self, tree=shelled(self, size, open, self._tolerance(tolerance)))
 
     def renamed(self, name: str) -> Solid:
         """The solid with all its faces, walls included, under one name."""
@@ -162,7 +159,7 @@ class Solid(Shape):
         """
         joint = Joint(first, second, along, order)
         refuse_unknown(joint, self.faces)
-        return replace(self, joints=(*self.joints, joint), _cache={})
+        return replace(self, joints=(*self.joints, joint))
 
     @property
     def faces(self) -> tuple[str, ...]:
@@ -230,8 +227,7 @@ class Solid(Shape):
         near = ((flat >= self.box[0]) & (flat <= self.box[1])).all(axis=1)
         result = np.zeros(len(flat), dtype=bool)
         rows, evaluator = np.flatnonzero(near), self.field.evaluator
-        for start in range(0, len(rows), CHUNK):
-            part = rows[start : start + CHUNK]
+        for part in np.array_split(rows, 1 + len(rows) // 2**18):  # signs of all columns are kept at once
             result[part] = evaluator.inside(evaluator.signs(evaluator.local(flat[part])))
         return result.reshape(array.shape[:-1])
 
@@ -312,10 +308,18 @@ class Solid(Shape):
             self._cache[key] = volume * scale**3, area * scale**2
         return self._cache[key]
 
-    description = property(face_list)
+    @property
+    def description(self) -> str:
+        """A table of the faces with their degrees."""
+        polynomials, width = self.polynomials, max(map(len, self.faces), default=4)
+        lines = [f"{'face':<{width}}  degree"]
+        for face in self.faces:
+            degrees = sorted({p.degree for p in polynomials.get(face, ())})
+            lines.append(f"{face:<{width}}  {', '.join(map(str, degrees)) or 'not polynomial'}")
+        return "\n".join(lines)
 
     def __str__(self) -> str:
-        return part_list(self)
+        return f"{self.description}\n\n{verdict_list(self.verdicts)}"
 
     def __repr__(self) -> str:
         return listed("<Solid with faces", self.faces)
@@ -339,7 +343,3 @@ def _inequality(expression: PolynomialLike, name: str) -> Polynomial:
     if polynomial.degree < 1:
         raise ValueError(f"{name} must be a polynomial that is not constant, not {polynomial}")
     return polynomial
-
-
-def _same_zeros(a: Polynomial, b: Polynomial) -> bool:
-    return a.primitive() == b.primitive()

@@ -22,12 +22,12 @@ from pas.blending.shaping import handles
 from pas.errors import InfeasibleError, InputError
 from pas.fairing.basis import to_doubles
 from pas.fairing.fit_settings import SETTINGS
-from pas.fairing.functionals import b_coefficient
+from pas.fairing.functionals import Handle, b_coefficient
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.refit import compliance
 from pas.fairing.sampled import Inequalities
 from pas.fairing.solver import RayConditions
-from pas.fairing.wishes import Handle, Wishes
+from pas.fairing.wishes import Wishes
 from pas.pipeline.result import Blend
 from pas.studio.controls import Control
 from pas.studio.gallery import Data

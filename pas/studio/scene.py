@@ -19,7 +19,7 @@ from pas.algebra.affine import ORIGIN
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float, to_floats
-from pas.blending.place import ended, places
+from pas.blending.place import place
 from pas.contacts.joins import Join
 from pas.exchange.picture_options import Picture
 from pas.parametric.generatrix.blend import GeneratrixBlend
@@ -84,7 +84,7 @@ def coefficients(surface: PiecewiseSurface) -> Floats:
 
 def outline(contacts: Sequence[Any], order: int, partition: Any) -> Message:
     """The neighbours of a blend that is not solved yet; raises what placing them raises."""
-    placed = next(iter(places(ended(contacts, order, partition), order, partition)))
+    placed = place(contacts, order, partition)
     frame, beyond = placed.partition.frame, _neighbours(placed)
     head = {
         "kind": "outline",

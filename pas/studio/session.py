@@ -132,8 +132,7 @@ class StudioSession:
         shape: Blend = KINDS["blend"].read(content)
         before: Any = self.bases.get(key)
         if before is not None and before.surface.degree == shape.surface.degree:
-            space = before.space
-            shape = replace(shape, find_space=lambda: space)
+            shape = replace(shape, find_space=before.find_space)
         self._keep(key, shape)
         with suppress(InfeasibleError):  # then the first move says so
             self._keep(key, shape.refit())

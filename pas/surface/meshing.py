@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from pas.errors import GeometryError, MeshError
+from pas.mesh.graph import require_once, rim_numbers, star
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.sheet import followed
-from pas.mesh.star import require_once, rim_numbers, star
 from pas.mesh.triangulate import FoldedError, triangulate, wall_numbers
 from pas.partition.complex import OuterFace
 from pas.surface.fairness import fairness
@@ -54,12 +53,7 @@ class Mesher:
         a contact curve that is none around its middle) is meshed from a lattice.  Of several meshes the best of a
         quality is taken.
         """
-        first, *others = quality.aims
-        found = [self._triangles(tolerance, most, first)]
-        for aim in others:
-            with suppress(MeshError):  # too many triangles, or no good mesh: there is one already
-                found.append(self._triangles(tolerance, most, aim))
-        return quality.best(found)
+        return quality.best_of(partial(self._triangles, tolerance, most, aim) for aim in quality.aims)
 
     def moved(self, points: Floats, triangles: Integers, tolerance: float) -> Mesh:
         """The mesh of points (N, 3) and triangles (T, 3) near the surface moved onto it, within a tolerance, measured.

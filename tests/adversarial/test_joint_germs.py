@@ -15,10 +15,10 @@ from pas import Polynomial
 from pas.algebra.curve import SpaceCurve
 from pas.algebra.roots import exact
 from pas.solid import Solid, patch
-from pas.solid.arcs import arcs
+from pas.solid.arcs import AlongCurve, arcs
 from pas.solid.germs import Sheets
-from pas.solid.leaves import AlongCurve, LeafTree
 from pas.solid.tree import Atom, Tree
+from pas.solid.truths import LeafTree
 
 X, Y, Z = (Polynomial(v) for v in "xyz")
 NAMES = ("A", "B", "C")

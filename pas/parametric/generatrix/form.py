@@ -13,15 +13,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from flint import fmpq
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
-from pas.algebra.callables import plain
-from pas.algebra.jets import Jet, composed
+from pas.algebra.callables import on_series
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational
 from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction, total
@@ -85,7 +83,7 @@ class GeneratrixForm:
         """
         reason = self._why_inexact
         source = None if reason else self._components
-        return ParametricSurface.from_parts(self._values, source, NAMES, ((0, 1), (0, 1)), reason)
+        return ParametricSurface.from_parts(on_series(self._derivative), source, NAMES, ((0, 1), (0, 1)), reason)
 
     def sheet(self, size: tuple[int, int] = (100, 100)) -> tuple[Floats, Floats]:
         """Points and unit normals on a grid of parameters, (n, m, 3) each; for closed curves s < 1."""
@@ -99,18 +97,6 @@ class GeneratrixForm:
         points, normals = self.sheet(size)
         triangles = connectivity(size, self.closed, self.frames.inward)
         return Mesh.smooth(points.reshape(-1, 3), triangles, normals.reshape(-1, 3), "blend")
-
-    def _values(self, s: Any, t: Any) -> tuple[Any, ...]:
-        known: dict[tuple[int, int], Floats] = {}
-
-        def at(first: int, second: int) -> Floats:
-            if (first, second) not in known:
-                known[first, second] = self._derivative(plain(s), plain(t), first, second)
-            return known[first, second]
-
-        if not isinstance(s, Jet) and not isinstance(t, Jet):
-            return tuple(np.moveaxis(at(0, 0), -1, 0))
-        return tuple(composed(lambda i, j, axis=axis: at(i, j)[..., axis], s, t) for axis in range(3))  # type: ignore[misc]
 
     def _derivative(self, s: ArrayLike, t: ArrayLike, first: int, second: int) -> Floats:
         """d^(i+j) P / ds^i dt^j at arrays that broadcast; from the second order in s on by differences."""

@@ -1,4 +1,4 @@
-"""Energies that are integrals of squares of derivatives of one order, over a region or a box.
+"""Energies that are integrals of squares of derivatives of one order, over a region or a box: thin plate, membrane.
 
 `1/2 * integral of the sum of c_d (d f)^2` over derivatives d with counts c_d.  Twice to the matrix of
 inner products: exactly, and in floating point by a Gauss rule of the right degree, which gives a
@@ -19,17 +19,12 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import amount, plain, to_float
 from pas.fairing.basis import Derivative, WorkingBasis
 from pas.fairing.energy import Energy, Members
-from pas.fairing.quadrature import Box, box_products, box_rule, tetrahedron_products
+from pas.fairing.functionals import Box, box_products, box_rule, tetrahedron_products
 
 
 @dataclass(frozen=True)
 class SquaredDerivatives(Energy):
-    """An integral of squares of derivatives over `domain`.
-
-    Without a domain, of every patch over its own piece.  With a `Box`, of the patch of piece number
-    `piece` (from 0) over that box, as some of the literature has it.
-    `weight` multiplies it: 0 leaves the choice to points and their least squares.
-    """
+    """An integral of squares of derivatives over `domain`; the arguments are those of `pas.ThinPlate`."""
 
     derivatives: ClassVar[tuple[tuple[Derivative, int], ...]]
     """The derivatives, all of one order, and how often each counts."""
@@ -107,6 +102,30 @@ class SquaredDerivatives(Energy):
             raise ValueError("a box needs both lower and upper")
         domain = Box(record["lower"], record["upper"]) if "lower" in record else None
         return cls(domain, record.get("piece", 0), record.get("weight", 1))
+
+
+class ThinPlate(SquaredDerivatives):
+    """Thin-plate energy, `1/2 * integral of |Hess f|_F^2` over `domain`: that of a plate that bends with f.
+
+    Without a domain, of every patch over its own piece.  With a `Box`, of the patch of piece number
+    `piece` (from 0) over that box, as some of the literature has it.
+    `weight` multiplies it: 0 leaves the choice to points and their least squares.
+    """
+
+    kind: ClassVar[str] = "thin-plate"
+    derivatives: ClassVar[tuple[tuple[Derivative, int], ...]] = (
+        ((0, 0), 1), ((1, 1), 1), ((2, 2), 1), ((0, 1), 2), ((0, 2), 2), ((1, 2), 2),
+    )  # fmt: skip
+
+
+class Membrane(SquaredDerivatives):
+    """Membrane energy, `1/2 * integral of |grad f|^2` over `domain`: that of a membrane that is stretched with f.
+
+    The arguments are those of `pas.ThinPlate`.
+    """
+
+    kind: ClassVar[str] = "membrane"
+    derivatives: ClassVar[tuple[tuple[Derivative, int], ...]] = (((0,), 1), ((1,), 1), ((2,), 1))
 
 
 def _derived(patch: fmpq_mpoly, variables: Derivative) -> fmpq_mpoly:

@@ -1,0 +1,218 @@
+"""What trees of inequalities say, given what is known of these.
+
+For many boxes or points at once a tree is compiled to arrays (`CompiledTree`), without a step for each branch: a region
+of a node has some hundred branches, and a mesher asks for a few boxes at a time, many thousand times.  At one exact
+point a truth costs more than all branches: there a tree is read part by part, and what is not asked for is not found
+out (`LeafTree`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.solid.tree import Atom, Bools, Columns, Integers, Node, Tree, atoms, mapped
+
+Bits = NDArray[np.uint8]
+
+ALL = 0xFF
+"""Eight truth values, all of them true."""
+
+TOGETHER = 4096
+"""Bytes, or values, of each branch that are kept at once, so that the table stays in the caches."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """Branches of one height: their numbers (G,), whether each is a union (G,), and their parts' numbers, those of
+    one after those of another, which begin at `starts` (G,); `owners` says to which branch each part belongs."""
+
+    numbers: Integers
+    unions: Bools
+    parts: Integers
+    starts: Integers
+    owners: Integers
+
+
+class CompiledTree:
+    """The unions and intersections of a tree over `columns` columns, by height: many boxes or points at once.
+
+    `column_of` gives for an inequality a column, from 0 on, that must be <= 0, and whether it is the opposite.  Leaves
+    are the first numbers, the whole is the last.
+    """
+
+    def __init__(self, tree: Tree, column_of: Callable[[Atom], tuple[int, bool]]) -> None:
+        leaves: list[tuple[int, bool]] = []
+        heights: list[list[tuple[bool, list[tuple[int, int]]]]] = []
+
+        def visit(tree: Tree) -> tuple[int, int]:
+            """The height of a part, and its place among those of that height."""
+            if isinstance(tree, Atom):
+                leaves.append(column_of(tree))
+                return 0, len(leaves) - 1
+            parts = [visit(part) for part in tree.parts]
+            height = max(h for h, _ in parts)
+            heights.extend([] for _ in range(height + 1 - len(heights)))
+            heights[height].append((tree.union, parts))
+            return height + 1, len(heights[height]) - 1
+
+        visit(tree)
+        self.columns = 1 + max(column for column, _ in leaves)
+        self.rows: Integers = np.array([column + self.columns * negated for column, negated in leaves], dtype=np.intp)
+        firsts = np.cumsum([0, len(leaves), *map(len, heights)])
+        self.size = int(firsts[-1])
+        self.levels = []
+        for first, branches in zip(firsts[1:], heights, strict=False):
+            lengths = [len(parts) for _, parts in branches]
+            self.levels.append(
+                Level(
+                    first + np.arange(len(branches)),
+                    np.array([union for union, _ in branches]),
+                    np.array([firsts[height] + place for _, parts in branches for height, place in parts]),
+                    np.cumsum([0, *lengths[:-1]]),
+                    np.repeat(np.arange(len(branches)), lengths),
+                )
+            )
+
+    def holds(self, yes: Bools, no: Bools) -> Bools:
+        """Where the tree is certainly true (N,), given where each column is certainly <= 0 or > 0 (M, N)."""
+        first, second = _packed(yes), _packed(no)
+        found = [self._all(first[:, at], second[:, at])[-1] for at in _blocks(first.shape[1])]
+        return _unpacked(np.concatenate(found), yes.shape[1])
+
+    def relevant(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
+        """Which columns (M, N) the tree depends on where it reads them `<= 0`, and where it reads them `> 0`."""
+        first, second = _packed(yes), _packed(no)
+        found = [self._relevant(first[:, at], second[:, at]) for at in _blocks(first.shape[1])]
+        below, above = (np.concatenate(side, axis=1) for side in zip(*found, strict=True))
+        return _unpacked(below, yes.shape[1]), _unpacked(above, yes.shape[1])
+
+    def extremes(self, values: Floats) -> Floats:
+        """Minima for unions and maxima for intersections (N,) of the columns' values (M, N), those negated turned."""
+        return np.concatenate([self._extremes(values[:, at]) for at in _blocks(values.shape[1])])
+
+    def _all(self, yes: Bits, no: Bits) -> Bits:
+        """Where each branch is certainly true, (size, N / 8)."""
+        found = np.empty((self.size, yes.shape[1]), dtype=np.uint8)
+        found[: len(self.rows)] = np.concatenate([yes, no])[self.rows]
+        for level in self.levels:
+            unions = np.where(level.unions, ALL, 0).astype(np.uint8)
+            parts = found[level.parts] ^ unions[level.owners, None]  # a union is what not all parts fail to be
+            found[level.numbers] = np.bitwise_and.reduceat(parts, level.starts, axis=0) ^ unions[:, None]
+        return found
+
+    def _relevant(self, yes: Bits, no: Bits) -> tuple[Bits, Bits]:
+        open_ = ~self._all(yes, no) & self._all(~no, ~yes)
+        for level in reversed(self.levels):
+            open_[level.parts] &= open_[level.numbers][level.owners]
+        order = np.argsort(self.rows, kind="stable")
+        rows, starts = np.unique(self.rows[order], return_index=True)
+        result = np.zeros((2 * self.columns, yes.shape[1]), dtype=np.uint8)
+        result[rows] = np.bitwise_or.reduceat(open_[order], starts, axis=0)
+        return result[: self.columns], result[self.columns :]
+
+    def _extremes(self, values: Floats) -> Floats:
+        found = np.empty((self.size, values.shape[1]))
+        found[: len(self.rows)] = np.concatenate([values, -values])[self.rows]
+        for level in self.levels:
+            sign = np.where(level.unions, -1.0, 1.0)
+            parts = found[level.parts] * sign[level.owners, None]  # a minimum is the maximum of the opposites
+            found[level.numbers] = np.maximum.reduceat(parts, level.starts, axis=0) * sign[:, None]
+        return found[-1]
+
+
+def _packed(table: Bools) -> Bits:
+    """A table of truth values, eight to a byte."""
+    return np.packbits(table, axis=-1)
+
+
+def _unpacked(bits: Bits, number: int) -> Bools:
+    """The first so many truth values of each row."""
+    return np.unpackbits(bits, axis=-1, count=number).view(bool)
+
+
+def _blocks(number: int) -> list[slice]:
+    """Slices of so many boxes; one, which is empty, of none."""
+    return [slice(start, start + TOGETHER) for start in range(0, max(number, 1), TOGETHER)]
+
+
+Truth = Callable[[int], bool | None]
+"""Whether the inequality of a leaf, by number, holds; None where that is not known."""
+
+
+class LeafTree:
+    """The different inequalities of a tree, its `leaves`, and what it says for truths of these at one point.
+
+    `polynomials` are those of the leaves, one of all multiples, and `signed` says of each leaf which it is and with
+    which sign; it is -1 for other functions.
+    """
+
+    def __init__(self, tree: Tree) -> None:
+        self.leaves = tuple(dict.fromkeys(atoms(tree)))
+        columns = Columns()
+        self.signed = [columns.of(f) if isinstance(f := a.function, Polynomial) else (-1, 1) for a in self.leaves]
+        self.polynomials = [f for f in columns.functions if isinstance(f, Polynomial)]
+        self._code = mapped(tree, {leaf: number for number, leaf in enumerate(self.leaves)}.__getitem__)
+
+    def holds(self, leaf: int, sign: int) -> bool:
+        """Whether a leaf holds where the polynomial of its number has a sign (not 0)."""
+        return (sign * self.signed[leaf][1] < 0) != self.leaves[leaf].outside
+
+    def says(self, truth: Truth) -> bool | None:
+        """Whether points with these truths are in the solid; None where that is not known."""
+        return _says(self._code, truth)
+
+    def rests_on(self, says: bool, truth: Truth, fixed: Callable[[int], bool]) -> set[int]:
+        """Leaves that are not `fixed` and on which what the tree `says` rests; none if it is certain.
+
+        Of several ways in which it could be certain, the one with the fewest such leaves.
+        """
+        return _rests_on(self._code, says, truth, fixed)
+
+    def matters(self, leaf: int, truth: Truth) -> bool:
+        """Whether the tree may depend on a leaf: none of its branches is settled by others."""
+        return _matters(self._code, leaf, truth)
+
+
+Code = int | Node[int]
+
+
+def _says(code: Code, truth: Truth) -> bool | None:
+    if isinstance(code, int):
+        return truth(code)
+    result: bool | None = not code.union
+    for part in code.parts:
+        found = _says(part, truth)
+        if found is code.union:
+            return code.union
+        result = None if found is None else result
+    return result
+
+
+def _rests_on(code: Code, says: bool, truth: Truth, fixed: Callable[[int], bool]) -> set[int]:
+    if isinstance(code, int):
+        return set() if fixed(code) else {code}
+    if says is not code.union:
+        return {leaf for part in code.parts for leaf in _rests_on(part, says, truth, fixed)}
+    ways = (_rests_on(part, says, truth, fixed) for part in code.parts if _says(part, truth) is says)
+    best = next(ways)
+    for way in ways if best else ():
+        best = min(best, way, key=len)
+        if not best:
+            break
+    return best
+
+
+def _matters(code: Code, leaf: int, truth: Truth) -> bool:
+    if isinstance(code, int):
+        return code == leaf
+    return any(
+        _matters(part, leaf, truth)
+        and all(_says(other, truth) is not code.union for other in code.parts if other is not part)
+        for part in code.parts
+    )
