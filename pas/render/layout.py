@@ -17,7 +17,7 @@ from pas.layouts.discs import Disc, angle_between, check_fits
 from pas.layouts.nodes import ContactNode
 from pas.layouts.sphere import piece_mesh
 from pas.mesh.mesh import Mesh
-from pas.parametric.generatrix.frames import connectivity
+from pas.parametric.generatrix.form import connectivity
 from pas.partition.layout import Layout
 from pas.render.picture import draw_scene
 from pas.render.piecewise import VIEW
