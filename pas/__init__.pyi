@@ -115,7 +115,6 @@ from .parametric.generatrix.sphere import blend_through_sphere as blend_through_
 from .parametric.generatrix.verdicts import GeneratrixCertificate as GeneratrixCertificate
 from .parametric.hermite import hermite_basis as hermite_basis
 from .parametric.hermite import hermite_determinant as hermite_determinant
-from .parametric.meshing import ParametricMesh as ParametricMesh
 from .parametric.patches import RationalPatch as RationalPatch
 from .parametric.patches import bezier_patch as bezier_patch
 from .parametric.patches import bezier_patches as bezier_patches
@@ -135,6 +134,7 @@ from .parametric.shapes import torus as torus
 from .parametric.shapes import tube as tube
 from .parametric.shapes import two_sheet_hyperboloid as two_sheet_hyperboloid
 from .parametric.solutions import ParametricSolutions as ParametricSolutions
+from .parametric.surface import ParametricMesh as ParametricMesh
 from .parametric.surface import ParametricSurface as ParametricSurface
 from .parametric.weights import WeightPole as WeightPole
 from .parametric.weights import Weights as Weights
