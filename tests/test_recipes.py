@@ -48,7 +48,7 @@ def test_the_way_of_contacts_is_as_it_is_told():
         if event == "call":
             *_, owner, name = ("", *frame.f_code.co_qualname.split("."))
             place = (frame.f_code.co_filename.rpartition("/pas/")[2], owner if name == "__init__" else name)
-            if place in told and name[0].islower() | (name[0] == "_"):  # the body of a class is a frame as well
+            if place in told and not name[0].isupper():  # the body of a class is a frame as well
                 found.setdefault(place)
 
     contacts = [
