@@ -16,7 +16,7 @@ import numpy as np
 from pas.errors import GeometryError
 from pas.mesh.cleaning import FOLD, cleaned
 from pas.mesh.faces import BoundaryCrossings
-from pas.mesh.field import FaceField, place_of
+from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import Cones
 from pas.mesh.octree import DEEPEST, MOST_CUBES, NOWHERE, OPEN, QUIET, Octree
@@ -57,7 +57,7 @@ CROWDED = Refusal(f"the solid is empty or too thin for its size: its lattice nee
 
 def first_lattice(field: FaceField, parts: int = FIRST_PARTS) -> Octree:
     """The lattice to begin with."""
-    return Octree(field, float(np.ptp(field.box, axis=0).max()) / parts)
+    return Octree(field, extent_of(field) / parts)
 
 
 def first_mesh(

@@ -11,11 +11,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from pas.mesh.rows import Floats, Integers, any_of, norms
-from pas.mesh.topology import numbered, twins_of
+from pas.mesh.topology import connected, numbered, twins_of
 
 NONE = np.empty(0, dtype=np.intp)
 
@@ -120,8 +118,7 @@ class Topology:
     def pieces(self) -> list[Integers]:
         """The connected pieces of labels: the rows of the triangles of each, by ascending labels."""
         ends = self.corner_pairs[:, [0, 1, 1, 2]].reshape(-1, 2)
-        graph = coo_array((np.ones(len(ends)), ends.T), shape=(len(self.pairs),) * 2)
-        piece = connected_components(graph, directed=False)[1][self.corner_pairs[:, 0]]
+        piece = connected(ends, len(self.pairs))[self.corner_pairs[:, 0]]
         order = np.lexsort((piece, self.labels))
         return np.split(order, np.flatnonzero(np.diff(piece[order])) + 1)
 

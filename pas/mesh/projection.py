@@ -95,14 +95,14 @@ def onto_faces(points: Floats, labels: Integers, field: FaceField, reach: Floats
     return points
 
 
-def newton(points: Floats, field: FaceField, functions: Integers, reach: Floats) -> Floats:
+def newton(points: Floats, field: FaceField, functions: Integers, reach: Floats, steps: int = NEWTON_STEPS) -> Floats:
     """Points (N, 3) moved to the common zeros of each one's own functions (N, m), given as labels.
 
     None moves further than `reach` (N,) a step.
     """
     points = points.copy()
     active = np.arange(len(points))
-    for _ in range(NEWTON_STEPS):
+    for _ in range(steps):
         checkpoint()
         step = -least_norm(field, functions[active], points[active])
         length = norms(step)[:, None]

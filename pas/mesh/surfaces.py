@@ -16,8 +16,6 @@ from itertools import permutations, product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from pas.limits import checkpoint
 from pas.mesh.face_ground import FaceGround, deviation, inner_points
@@ -29,6 +27,7 @@ from pas.mesh.projection import newton
 from pas.mesh.refusals import Made, Refusal
 from pas.mesh.rows import Floats, cross
 from pas.mesh.shading import unit_rows
+from pas.mesh.topology import connected
 
 ROOM = 3.0
 """Half of a cube about a point of one surface that must miss the others, over the tolerance."""
@@ -109,15 +108,11 @@ def together(field: FaceField, shells: Sequence[FaceField], meshes: Sequence[Lab
 
 def _bounding(field: FaceField, shell: FaceField, mesh: Labelled) -> np.ndarray:
     """Which triangles (T,) are on pieces that bound the set: it changes across most triangles of each."""
-    edges = mesh.topology.edges
-    graph = coo_array((np.ones(len(edges)), edges.T), shape=(len(mesh.points),) * 2)
-    piece = connected_components(graph, directed=False)[1]
     middles = mesh.points[mesh.triangles].mean(axis=1)
     at = newton(middles, shell, mesh.labels[:, None], mesh.sizes[mesh.triangles].max(axis=1))
-    extent = extent_of(field)
-    step = BESIDE * extent * unit_rows(shell.jets(at, mesh.labels)[:, 1:])
+    step = BESIDE * extent_of(field) * unit_rows(shell.jets(at, mesh.labels)[:, 1:])
     changes = field.inside(field.signs(at - step)) & ~field.inside(field.signs(at + step))
-    pieces = piece[mesh.triangles[:, 0]]
+    pieces = connected(mesh.topology.edges, len(mesh.points))[mesh.triangles[:, 0]]
     share = np.bincount(pieces, changes) / np.maximum(np.bincount(pieces), 1)
     return np.asarray(share[pieces] > MOSTLY)
 
