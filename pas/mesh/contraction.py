@@ -13,8 +13,8 @@ from pas.mesh.projection import least_norm
 from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.topology import edge_table, numbered, pinched
 
-SHRINKS = (1.0, 1.4, 0.7, 2.0, 0.5, 2.8)
-"""Shares of a node's reach that are tried until what is in it is a disc."""
+SHARES = (1.0, 1.4, 0.7)
+"""Of a node's reach: what is within one of these is a disc, or finer triangles are needed."""
 
 
 def contracted(
@@ -29,7 +29,7 @@ def contracted(
     for number, (node, reach) in enumerate(zip(nodes.points, nodes.reach, strict=True)):
         distance = np.where(stars.used, norms(points - node), np.inf)
         center = int(distance.argmin())
-        for share in SHRINKS:
+        for share in SHARES:
             found = stars.drawn(np.flatnonzero(distance < share * reach), center)
             if found is not None and _meet(field, node, found.labels, close):
                 break

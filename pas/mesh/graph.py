@@ -28,8 +28,8 @@ from pas.mesh.shading import unit_rows
 from pas.mesh.sheet import open_mesh, remeshed
 from pas.mesh.topology import Edges, connected
 
-LEVELS = (1, 2, 3)
-"""Halvings of the icosahedron whose directions are tried in turn."""
+LEVELS = 3
+"""Halvings of the icosahedron at most: directions are taken from the first that do."""
 
 PARTINGS = 6
 """Rounds in which edges between opposite sides are halved at most."""
@@ -85,14 +85,14 @@ def first(field: RayField) -> Labelled:
 
 
 def _seen(field: RayField) -> Labelled:
-    for level in LEVELS:
+    for level in range(1, LEVELS + 1):
         if not field.rims:  # most of what is in boxes ends at their walls: a few rays say so
             require_once(field, icosphere(level)[0])
         checkpoint("triangulating directions")
         try:
             points, triangles = hull(field, level)
         except ArithmeticError:
-            if level == LEVELS[-1]:
+            if level == LEVELS:
                 raise
             continue
         return _parted(field, open_mesh(field, points, triangles, rim_numbers(field, points, triangles)))

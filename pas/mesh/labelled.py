@@ -94,18 +94,6 @@ class Topology:
         labels = self.edge_table[1]
         return np.asarray(labels[:, 0] != labels[:, 1])
 
-    @cached_property
-    def seams(self) -> Integers:
-        """The edges (S, 2) between different labels."""
-        return self.edges[self.seam_mask]
-
-    @cached_property
-    def fixed(self) -> NDArray[np.bool_]:
-        """The corners: vertices with three labels or more, where seams end or cross, or that are pinned on one."""
-        degree = np.bincount(self.seams.ravel(), minlength=self.size)
-        pinned = np.bincount(self.pinned, minlength=self.size) > 0
-        return np.asarray((self.label_count > 2) | ((degree != 2) & (degree != 0)) | (pinned & (degree > 0)))
-
     def around(self, vertices: Integers, rings: int) -> NDArray[np.bool_]:
         """Which vertices (N,) are some given ones, or so many edges from them at most."""
         result = np.zeros(self.size, dtype=bool)

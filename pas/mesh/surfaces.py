@@ -11,7 +11,8 @@ the other.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache
 from itertools import permutations, product
 
 import numpy as np
@@ -73,18 +74,24 @@ def mesh_apart(
     for halving in range(HALVINGS):
         checkpoint("meshing surfaces one by one")
         aim = tolerance / 2**halving
-        meshes: list[Labelled] = []
-        reached = []
-        for shell in shells:
-            made = mesh(shell, aim)
-            if isinstance(made, Refusal):
-                return made
-            meshes.append(made[0])
-            reached.append(made[1])
+        found = _all_made(mesh(shell, aim) for shell in shells)
+        if isinstance(found, Refusal):
+            return found
+        meshes, reached = zip(*found, strict=True)
         pairs = permutations(zip(shells, meshes, strict=True), 2)
         if not any(other.crossed(_points(one), ROOM * aim).any() for (_, one), (other, _) in pairs):
             return together(field, shells, meshes), max(reached)
     return None
+
+
+def _all_made(meshes: Iterable[Made]) -> list[tuple[Labelled, float]] | Refusal:
+    """Meshes and how near they are, or why the first that is refused is."""
+    found = []
+    for made in meshes:
+        if isinstance(made, Refusal):
+            return made
+        found.append(made)
+    return found
 
 
 def _points(mesh: Labelled) -> Floats:
@@ -124,18 +131,19 @@ def mesh_touching(
 
     None where they are not near enough, or cross, however fine one of them is.
     """
-    known: dict[tuple[int, float], tuple[Labelled, float]] = {}
+
+    @cache
+    def made(number: int, aim: float) -> Made:
+        found = mesh(surfaces[number], aim)
+        return found if isinstance(found, Refusal) else _with_contacts(found[0], surfaces[number], aim)
+
     finer = [(-1, 1.0), *product(range(len(surfaces)), SHARES)]
     for number, share in sorted(finer, key=lambda pair: -pair[1]):
         checkpoint("meshing surfaces that touch")
-        keys = [(i, LEFT * tolerance * (share if i == number else 1.0)) for i in range(len(surfaces))]
-        for i, aim in keys:
-            if (i, aim) not in known:
-                made = mesh(surfaces[i], aim)
-                if isinstance(made, Refusal):
-                    return made
-                known[i, aim] = _with_contacts(made[0], surfaces[i], aim)
-        meshes, reached = zip(*(known[key] for key in keys), strict=True)
+        found = _all_made(made(i, LEFT * tolerance * (share if i == number else 1.0)) for i in range(len(surfaces)))
+        if isinstance(found, Refusal):
+            return found
+        meshes, reached = zip(*found, strict=True)
         pairs = permutations(zip(surfaces, meshes, strict=True), 2)
         if max(reached) <= tolerance and not any(_crosses(one, *other) for (_, one), other in pairs):
             return together(field, surfaces, meshes), max(reached)

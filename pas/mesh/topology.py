@@ -173,12 +173,6 @@ class Edges:
         return self.every[len(self._inner) :]
 
     @property
-    def apexes(self) -> Integers:
-        """The vertices (I, 2) opposite to the inner edges in their owners."""
-        ends = self.inner.sum(axis=1)[:, None]
-        return np.asarray(self.triangles[self.owners].sum(axis=2) - ends)
-
-    @property
     def loops(self) -> list[Integers]:
         """The vertices of each loop of the boundary in order, the mesh to their left."""
         after, found = dict(self.rim.tolist()), []

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.projection import distances, newton, second_derivatives
-from pas.mesh.rows import Floats, Integers, cross, norms
+from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.shading import unit_rows
 
 PLACES = 10
@@ -203,8 +203,9 @@ class _Place:
     def _parallel(self, a: int, b: int) -> Floats | None:
         """A point on one surface with the other's normal, less than the spacing away from that one."""
         foot = self._feet[b]
-        if foot is None or self._turned[a, b] > 2 * FARTHEST * self.extent * (1 / self._radii[a] + 1 / self._radii[b]):
-            return None  # in the second case they bend too little for their normals to become parallel
+        bends = 1 / self._radii[a] + 1 / self._radii[b]
+        if foot is None or self._sine(foot, a, b) > 2 * FARTHEST * self.extent * bends:
+            return None  # where they bend too little for their normals to become parallel
         scales = [1 / max(float(np.linalg.norm(self._jet(foot, c)[1:])), 1e-300) for c in (a, b)]
 
         def step(point: Floats) -> Floats:
@@ -237,19 +238,6 @@ class _Place:
         """A point of each surface near the place."""
         return dict(zip(self.near, self._common([[c] for c in self.near]), strict=True))
 
-    @cached_property
-    def _turned(self) -> dict[tuple[int, int], float]:
-        """Of each pair of surfaces the sine of the angle between their normals, at the foot of the second."""
-        result = {}
-        for b, foot in self._feet.items():
-            if foot is not None:
-                here = np.broadcast_to(foot, (len(self.near), 3))
-                units = unit_rows(self.field.jets(here, 2 * np.array(self.near))[:, 1:])
-                own = units[self.near.index(b)]
-                sines = norms(cross(units, np.broadcast_to(own, units.shape)))
-                result.update({(a, b): float(sine) for a, sine in zip(self.near, sines, strict=True)})
-        return result
-
     def _common(self, groups: Sequence[Sequence[int]]) -> list[Floats | None]:
         """A common zero of the functions of each group, all of one length; None where there is none nearby."""
         starts, reach = np.tile(self.place, (len(groups), 1)), np.full(len(groups), NEAR * self.spacing)
@@ -277,8 +265,7 @@ class _Place:
         return distances(self.field, np.broadcast_to(points, (len(labels), 3)), labels)
 
     def _normal(self, point: Floats, column: int) -> Floats:
-        gradient = self._jet(point, column)[1:]
-        return np.asarray(gradient / max(float(np.linalg.norm(gradient)), 1e-300))
+        return unit_rows(self._jet(point, column)[1:])
 
     def _sine(self, point: Floats, a: int, b: int) -> float:
         """Of the angle between two surfaces' normals."""
