@@ -62,7 +62,7 @@ PASSING = ("close", "bent", "many")
 
 
 @dataclass(frozen=True)
-class Trouble:
+class Diagnosis:
     """What is wrong and where: "near (0, 0, 1) the faces 'a' and 'b' touch".
 
     `stays` says whether it is so on every finer lattice, and near most of the places looked at.
@@ -72,7 +72,7 @@ class Trouble:
     stays: bool
 
 
-def find_trouble(field: FaceField, places: Floats, spacing: float) -> Trouble | None:
+def diagnosis(field: FaceField, places: Floats, spacing: float) -> Diagnosis | None:
     """The trouble that most of some places (K, 3) are near to, on a lattice of a given spacing; None if unknown."""
     checkpoint("looking at where the boundary is not clear")
     chosen = places[np.unique(np.linspace(0, len(places) - 1, min(len(places), PLACES)).astype(int))]
@@ -84,7 +84,7 @@ def find_trouble(field: FaceField, places: Floats, spacing: float) -> Trouble | 
     kind, names = max(times, key=lambda k: (k[0] not in PASSING, times[k]))
     point = next(point for *what, point in found if what == [kind, names])
     lasting = sum(n for (other, _), n in times.items() if other not in PASSING)
-    return Trouble(f"near {place_of(field, point)} {WORDS[kind].format(names)}", 2 * lasting > len(chosen))
+    return Diagnosis(f"near {place_of(field, point)} {WORDS[kind].format(names)}", 2 * lasting > len(chosen))
 
 
 Found = tuple[str, str, Floats]
