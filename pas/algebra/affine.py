@@ -125,6 +125,11 @@ class Frame:
         """Local coordinates of points (..., 3)."""
         return (np.asarray(points, dtype=float) - to_floats(self.origin)) / to_float(self.scale)
 
+    def place(self, point: Floats) -> tuple[float, float, float]:
+        """One local point (3,) in global coordinates, as Python's numbers."""
+        x, y, z = self.global_points(point).tolist()
+        return x, y, z
+
     def global_points(self, points: Floats) -> Floats:
         """The user's coordinates of local points (..., 3)."""
         return np.asarray(points, dtype=float) * to_float(self.scale) + to_floats(self.origin)
