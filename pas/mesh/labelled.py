@@ -94,6 +94,11 @@ class Topology:
         labels = self.edge_table[1]
         return np.asarray(labels[:, 0] != labels[:, 1])
 
+    @property
+    def seams(self) -> Integers:
+        """The edges (S, 2) between different labels."""
+        return self.edges[self.seam_mask]
+
     def around(self, vertices: Integers, rings: int) -> NDArray[np.bool_]:
         """Which vertices (N,) are some given ones, or so many edges from them at most."""
         result = np.zeros(self.size, dtype=bool)
