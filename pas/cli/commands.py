@@ -157,10 +157,6 @@ def _written(shape: Any, options: argparse.Namespace) -> CommandResult:
     return CommandResult(str(path), {"written": [str(path)]})
 
 
-TEAPOT_TOLERANCE = 0.001
-"""Of the teapot's mesh, which is about 5 units long."""
-
-
 def run_problem(options: argparse.Namespace) -> CommandResult:
     """`pas blend` and `pas parametric`: solve, prove, mesh and draw, whatever kind of problem it is."""
     from pas.exchange.files import together
@@ -208,7 +204,7 @@ def run_teapot(options: argparse.Namespace) -> CommandResult:
     from pas.designs.teapot import teapot
     from pas.exchange.files import together
 
-    settings = replace(MeshSettings(TEAPOT_TOLERANCE), **given(settings_of(MeshSettings, options)))
+    settings = replace(MeshSettings(0.001), **given(settings_of(MeshSettings, options)))
     folder = output_folder(options.output)
     clock = Clock()
     pot = teapot(

@@ -14,9 +14,6 @@ from pas.render.picture import draw
 from pas.render.scene import BLEND_COLOR, Layer, Scene
 from pas.shape import Shape
 
-VIEW = (0.35, -1.0, 0.45)
-"""From where one looks: past the front, from above."""
-
 
 class PartLook(Enum):
     """What a picture of parts shows: the options of `pas.draw`, one at a time."""
@@ -58,7 +55,7 @@ def draw_parts(
 def solid_layers(shape: Shape, scene: Scene, name: str = "", color: str = BLEND_COLOR) -> None:
     """Add a solid or a mesh in a colour."""
     mesh = scene.mesh(lambda: shape.mesh(scene.picture.tolerance), name)
-    scene.look(VIEW)
+    scene.look((0.35, -1.0, 0.45))  # past the front, from above
     scene.layers.append(Layer(mesh, color, outlined=True))
 
 

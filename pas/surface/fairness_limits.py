@@ -20,6 +20,9 @@ from pas.surface.geometry import Geometry, derivative_batch
 NODE_SHARPNESS = 1.15
 """Limit of the sharpness of nodes in any directions, where arcs leave room for it."""
 
+WAIST = 0.03
+"""Limit of the waist, at every order: up to it no waist is seen in reflections."""
+
 LOOSE = 1000.0
 """A limit that is none."""
 
@@ -32,7 +35,8 @@ class Neighbour:
     """A contact as the measures see it, in the user's units and relative to the centre.
 
     `mean` is the mean point of its curve, `radius` the largest distance from that, `curvature` the largest principal
-    curvature of its surface on the curve, `curve` (m, 3) points of it.  `normal` (3,) is that of a surface through
+    curvature of its surface on the curve, `curve` (m, 3) points of it, `normals` (m, 3) the unit normals of its surface
+    there.  `normal` (3,) is that of a surface through
     which the region is open, as of a plate, in the mean over its curve; None for others.
     """
 
@@ -40,6 +44,7 @@ class Neighbour:
     radius: float
     curvature: float
     curve: Floats
+    normals: Floats
     normal: Floats | None = None
 
     @property
@@ -56,6 +61,7 @@ class FairnessLimits:
     hollowness: float = 1.5
     bulge: float = 0.05
     wrong_sign: float = 0.2
+    waist: float = WAIST
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -115,7 +121,8 @@ def neighbour(join: Join, scale: float) -> Neighbour:
         float(np.linalg.norm(curve - mean, axis=1).max()) * scale,
         float(np.abs(found.principal).max()) / scale,
         curve * scale,
-        _unit(found.normals.mean(axis=0)) if join.opening else None,
+        found.normals,
+        unit(found.normals.mean(axis=0)) if join.opening else None,
     )
 
 
@@ -172,7 +179,8 @@ def _out_of_plate(plate: Neighbour, pipe: Neighbour) -> float:
     return tangent * float(np.tan((np.pi / 2 - lean) / 2))
 
 
-def _unit(vector: Floats) -> Floats:
+def unit(vector: Floats) -> Floats:
+    """A vector (3,) over its length."""
     return np.asarray(vector / np.linalg.norm(vector))
 
 
