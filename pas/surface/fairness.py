@@ -206,7 +206,7 @@ class _Measuring:
             wrong_sign=wrong,
             inflections=turns,
             waist=narrowest,
-            waisted=self.place(local[waisted]),
+            waisted=self.surface.partition.frame.place(local[waisted]),
             variation=float(np.mean(radii)) ** 2 * float(areas @ squares),
             bending=float(areas @ (curvatures**2).sum(axis=1)),
             area=float(areas.sum()),
