@@ -17,7 +17,8 @@ from conftest import AXES, ELBOW, EQUAL, ROOT, UNEQUAL, fair, pipes
 import pas
 from pas.fairing.excess import CurvatureExcess, _hull
 from pas.fairing.objective import SurfaceObjective
-from pas.fairing.solver import FitSolver, RayConditions
+from pas.fairing.prepared import SampledConditions
+from pas.fairing.solver import FitSolver
 from pas.fairing.surface_points import QUANTITIES, differences
 from pas.pipeline.search import SearchSettings
 from pas.surface.fairness import spiral
@@ -36,7 +37,7 @@ def space():
 def objective_of(space, energy, limits=STRICT):
     """The objective from the first clean member of a space, and that member."""
     solver = FitSolver(space.prepared, pas.Wishes(energy=energy, limits=limits))
-    first = solver.started(RayConditions(space.prepared, 16, 1.0, 0.5))
+    first = solver.started(SampledConditions(space.prepared, subdivisions=16))
     return first.objective, first.member
 
 
@@ -244,7 +245,7 @@ def test_a_member_that_is_not_proved_is_not_taken(space):
     """Inside and outside are exchanged here."""
     wishes = pas.Wishes(energy=pas.ThinPlate())
     solver = FitSolver(space.prepared, wishes)
-    first = solver.started(RayConditions(space.prepared, 16, 1.0, 0.5))
+    first = solver.started(SampledConditions(space.prepared, subdivisions=16))
     wrong = replace(first, member=-first.member)
     assert solver.proved(wrong, 1.0) is None
     assert FitSolver(space.prepared, wishes.changed(prove=False)).proved(wrong, 1.0) is not None

@@ -15,10 +15,6 @@ class FitSettings:
     margins: tuple[float, ...] = (1.0, 0.1)
     """Shares of the usual margins, in turn: members with a tenth of them exist in lower degrees."""
 
-    clean: float = 0.5
-    """The share of the margins that is to be reached on all rays: the other half keeps points between those that were
-    asked for from being asked for in turn, round after round."""
-
     rounds: int = 16
     """Programmes until a first member is clean; successes took 1 to 6."""
 

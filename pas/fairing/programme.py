@@ -14,11 +14,11 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
+from pas.fairing.constraints import Inequalities
 from pas.fairing.energy import as_energy
 from pas.fairing.functionals import Functional, b_coefficient, value_at
 from pas.fairing.prepared import PreparedSpace
 from pas.fairing.qp import Outcome, Programme, feasible, solve
-from pas.fairing.sampled import Inequalities
 from pas.fairing.wishes import (
     DEFAULT_MARGIN,
     MeanAlpha,

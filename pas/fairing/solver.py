@@ -25,42 +25,14 @@ from flint import fmpq_mat
 
 from pas.algebra.monomials import Floats, monomial_values
 from pas.errors import InfeasibleError, NotSolvedError
+from pas.fairing.constraints import Inequalities
 from pas.fairing.fit_settings import SETTINGS, FitSettings
 from pas.fairing.objective import ObjectiveValue, SurfaceObjective
-from pas.fairing.prepared import PreparedSpace
+from pas.fairing.prepared import PreparedSpace, SampledConditions
 from pas.fairing.programme import MemberProgramme
-from pas.fairing.sampled import Inequalities, Margins
 from pas.fairing.wishes import UnitCoefficients, Wishes
 from pas.limits import checkpoint
 from pas.piecewise import PiecewiseSurface
-
-
-@dataclass(frozen=True)
-class RayConditions:
-    """What members are asked along the rays to one lattice, at a share of the usual margins."""
-
-    space: PreparedSpace
-    subdivisions: int
-    share: float
-    clean: float
-
-    @property
-    def margins(self) -> Margins:
-        """How clearly all is asked."""
-        return Margins().times(self.share)
-
-    @property
-    def first(self) -> Inequalities:
-        """The inequalities to begin with: of walls, clip faces and the centre."""
-        return self.space.guard.initial(self.margins)
-
-    def missed(self, member: Floats) -> Inequalities:
-        """The inequalities that a member with a mean alpha of 1 misses by too much."""
-        guard, margins = self.space.guard, self.margins
-        rays = self.space.rays(self.subdivisions)
-        crossings = rays.crossings(member, margins.band * guard.reach)
-        sheet = rays.rows(crossings.below(self.clean * margins.sheet), margins.sheet)
-        return guard.edges(self.subdivisions, margins).missed(member, self.clean) + sheet
 
 
 @dataclass(frozen=True)
@@ -152,7 +124,7 @@ class FitSolver:
         best: FittedMember | None = None
         start: Iterate | None = None
         for subdivisions in self.settings.lattices:
-            conditions = RayConditions(self.space, subdivisions, share, self.settings.clean)
+            conditions = SampledConditions(self.space, share, subdivisions)
             if start is None:
                 start = self.started(conditions)
             if start is None:
@@ -179,7 +151,7 @@ class FitSolver:
                 return None, None
             back = min(2 * back + 1, len(way) - 1)
 
-    def started(self, conditions: RayConditions) -> Iterate | None:
+    def started(self, conditions: SampledConditions) -> Iterate | None:
         """The member of the least quadratic form that is clean, by constraint generation; None where none is found or
         rays miss or graze its surface.  Raises `_ContradictionError` where there is none."""
         rows = conditions.first
@@ -204,7 +176,7 @@ class FitSolver:
             return None
         return Iterate(member, rows, self.settings.damping, objective, objective.first)
 
-    def closer(self, at: Iterate, conditions: RayConditions) -> Iterator[Iterate]:
+    def closer(self, at: Iterate, conditions: SampledConditions) -> Iterator[Iterate]:
         """The way on, with rays where curvature is beyond the limits between those that there are."""
         for _ in range(self.settings.closer):
             if at.objective is None or at.value is None or at.value.beyond > self.settings.hopeless * at.value.energy:
@@ -219,7 +191,7 @@ class FitSolver:
 
     # --- steps
 
-    def descent(self, at: Iterate, conditions: RayConditions, steps: int | None = None) -> Iterator[Iterate]:
+    def descent(self, at: Iterate, conditions: SampledConditions, steps: int | None = None) -> Iterator[Iterate]:
         """Clean members of less and less Phi, until one is as good as settled."""
         if not self.programme.quadratic:
             return
@@ -235,7 +207,7 @@ class FitSolver:
                 return
             at = new
 
-    def step(self, at: Iterate, conditions: RayConditions) -> Iterate | None:
+    def step(self, at: Iterate, conditions: SampledConditions) -> Iterate | None:
         """A clean member of less Phi; None where there is none, or none that is worth a step.
 
         Where a user's constraint does not hold yet, the first step is to where it does, whatever Phi is there.

@@ -11,11 +11,12 @@ import numpy as np
 from pas.algebra.inputs import short, shown, whole
 from pas.algebra.monomials import Floats
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError, NotSolvedError
+from pas.fairing.constraints import Inequalities
 from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import as_energy
 from pas.fairing.fit_settings import SETTINGS
-from pas.fairing.sampled import Inequalities
-from pas.fairing.solver import FitSolver, Iterate, RayConditions
+from pas.fairing.prepared import SLIM, SampledConditions
+from pas.fairing.solver import FitSolver, Iterate
 from pas.fairing.wishes import PointsLike, UnitCoefficients, Wishes, exact_points
 from pas.limits import checkpoint
 from pas.pipeline.chosen import B, FitSpace
@@ -42,7 +43,7 @@ class MemberProblem(Generic[B]):
         check_wishes(wishes, space.placed)
         self.space, self.wishes = space, wishes
         self._solver = FitSolver(space.prepared, wishes)
-        self._conditions = RayConditions(space.prepared, SETTINGS.lattices[0], SETTINGS.margins[-1], SETTINGS.clean)
+        self._conditions = SampledConditions(space.prepared, SLIM)
         cvxpy: Any = import_module("cvxpy")
         programme = self._solver.programme
         if programme.exact is None:
