@@ -42,10 +42,6 @@ class FitSettings:
     closer: int = 3
     """Times that rays are added where curvature is beyond the limits between those that there are."""
 
-    hopeless: float = 1.0
-    """Where more than this share of the energy is beyond the limits no more rays are added: none of forty corners
-    became fair from there; those that did had 0.05 at most."""
-
     loss: float = 0.0
     """The share of Phi that a step may lose to constraints that it adds (single steps of sliders only: they ask for a
     margin that the member itself has not, so that it would stay where it is)."""

@@ -104,9 +104,8 @@ def _member(space: PreparedSpace, surface: PiecewiseSurface, fitted: FittedMembe
 def _sampled(solver: FitSolver, surface: PiecewiseSurface, fitted: FittedMember | None, live: bool) -> Iterate:
     """The surface with its geometry along rays: as the last step left it, or anew."""
     before = fitted.iterate if fitted is not None and live else None
-    if before is not None and before.objective is not None and before.value is not None:
-        objective, value = before.objective.of(solver.energy, before.value)
-        return replace(before, objective=objective, value=value)
+    if before is not None and before.value is not None:
+        return replace(before, value=before.value.of(solver.energy))
     found = solver.iterate(_member(solver.space, surface, fitted), _rows(solver.space, fitted), live)
     if found is None:
         raise InfeasibleError("the surface cannot be seen from the centre along all rays, so that no step can be taken")

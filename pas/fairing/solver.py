@@ -39,20 +39,13 @@ from pas.piecewise import PiecewiseSurface
 class Iterate:
     """A member with its geometry along rays, the inequalities under which it was found, and the damping to go on with.
 
-    Where the energy is a quadratic form no rays are needed, and so there is no `objective` and no `value`.
+    Where the energy is a quadratic form no rays are needed, and so there is no `value`.
     """
 
     member: Floats
     rows: Inequalities
     damping: float
-    objective: SurfaceObjective | None = None
     value: ObjectiveValue | None = None
-
-    def value_of(self, member: Floats) -> ObjectiveValue | None:
-        """The value at another member near by; None where rays miss or graze its surface."""
-        if self.objective is None or self.value is None:
-            return None
-        return self.objective.value(member, self.value)
 
 
 @dataclass(frozen=True)
@@ -171,20 +164,16 @@ class FitSolver:
         if not self.energy.on_surface:
             return Iterate(member, rows, self.settings.damping)
         limits = self.wishes.limits_at(self.space.placed)
-        objective = SurfaceObjective(self.space, self.energy, limits, member, live)
-        if objective.first is None:
-            return None
-        return Iterate(member, rows, self.settings.damping, objective, objective.first)
+        value = SurfaceObjective.laid(self.space, self.energy, limits, member, live)
+        return None if value is None else Iterate(member, rows, self.settings.damping, value)
 
     def closer(self, at: Iterate, conditions: SampledConditions) -> Iterator[Iterate]:
         """The way on, with rays where curvature is beyond the limits between those that there are."""
         for _ in range(self.settings.closer):
-            if at.objective is None or at.value is None or at.value.beyond > self.settings.hopeless * at.value.energy:
-                return
-            finer = at.objective.closer(at.value)
+            finer = at.value and at.value.closer()
             if finer is None:
                 return
-            way = [replace(at, objective=finer[0], value=finer[1], damping=self.settings.damping)]
+            way = [replace(at, value=finer, damping=self.settings.damping)]
             way += self.descent(way[0], conditions)
             at = way[-1]
             yield from way
@@ -231,7 +220,7 @@ class FitSolver:
             expected = -float(2 * slope @ step + step @ normal @ step)
             if met and damping <= s.damping and expected < (s.enough - s.loss * (cuts > 0)) * now:
                 return None
-            value = at.value_of(new)
+            value = at.value and at.value.moved(new)
             if (value is None and at.value is not None) or not self.phi(new, value) < most:
                 rows, damping = at.rows, damping * s.slower
                 continue
@@ -239,7 +228,7 @@ class FitSolver:
             if not len(missed):
                 gain = (now - self.phi(new, value)) / expected if expected > 0 else 0.0
                 damping = damping * min(s.slower, max(s.faster, 1 - (2 * gain - 1) ** 3))
-                return Iterate(new, rows, max(damping, s.least), at.objective, value)
+                return Iterate(new, rows, max(damping, s.least), value)
             rows, cuts = rows + missed, cuts + 1
             most = max(most, (1 + s.loss) * now)
             if cuts > 2:
@@ -250,15 +239,15 @@ class FitSolver:
 
     def phi(self, member: Floats, value: ObjectiveValue | None) -> float:
         """What is minimised."""
-        of_surface = 0.0 if value is None else value.objective
+        of_surface = 0.0 if value is None else value.total
         return of_surface + float(member @ self.programme.quadratic_part @ member) / 2
 
     def linearised(self, at: Iterate) -> tuple[Floats, Floats]:
         """The matrix `J^T J` (m, m) and the slope `J^T r` (m,) of half of Phi at a member."""
         half = self.programme.quadratic_part / 2
-        if at.objective is None or at.value is None:
+        if at.value is None:
             return half, half @ at.member
-        normal, slope = at.objective.linearised(at.value)
+        normal, slope = at.value.linearised()
         return normal + half, slope + half @ at.member
 
     # --- back to exact numbers
