@@ -14,7 +14,7 @@ from typing import Unpack
 
 from pas.algebra.inputs import check_flag, whole
 from pas.algebra.rational import Exact, to_fraction
-from pas.blending import generators, multipliers, regularity, shaping
+from pas.blending import multipliers, regularity, shaping
 from pas.blending.multipliers import Multipliers
 from pas.blending.space import Space
 from pas.contacts.contact import ContactLike
@@ -87,7 +87,8 @@ class Blend(ChosenBlend):
         `length` is in the model's units (by default half of the region's size; 0 ends the solid at the clips), `names`
         are the neighbours' faces ("neighbour 1", ... by default), whose caps are named after them ("neighbour 1 end").
         The contacts are its joints.  Around an opening a plate goes on as a slab and another surface as a piece up to a
-        wider cone, by default half of the opening's radius, with a flat "neighbour 1 back" (see `pas.pipeline.mouth`).
+        wider cone, by default half of the opening's radius, with a flat "neighbour 1 back" (see
+        `pas.pipeline.around_opening`).
 
         Raises `GeometryError` where a clip is neither a plane nor the cone of an opening, where the surface has no
         region, and where the one around an opening does not go on as one sheet so far.
@@ -147,7 +148,7 @@ class SolutionSpace(Space):
 
     regular = cached_property(regularity.is_regular)
     trivial_part = cached_property(regularity.trivial_part)
-    generators = cached_property(generators.generators)
+    generators = cached_property(regularity.generators)
     consistency = cached_property(multipliers.consistency)
     optimum = shaping.optimum
     determining_set = shaping.determining_set
