@@ -20,9 +20,6 @@ from pas.piecewise import PiecewiseSurface
 from pas.solid.taylor import TaylorForms
 from pas.solid.tree import Atom, Bools, Function, Node, Tree, combined, complement, image, mapped, parts_of, splits_of
 
-CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
-"""Of a cube about the origin."""
-
 
 @dataclass(frozen=True)
 class Followed:
@@ -67,8 +64,8 @@ class Distance(ABC):
     def slopes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
         """Gradients (N, 3) at the centres of boxes, and how much they differ at the corners (N, 3)."""
         gradients = self.jets(centers)[:, 1:]
-        corners = (centers[:, None] + halves[:, None] * CORNERS).reshape(-1, 3)
-        changes = self.jets(corners)[:, 1:].reshape(-1, len(CORNERS), 3) - gradients[:, None]
+        corners = np.stack([centers + halves * side for side in product((-1.0, 1.0), repeat=3)], axis=1)
+        changes = self.jets(corners.reshape(-1, 3))[:, 1:].reshape(corners.shape) - gradients[:, None]
         return gradients, np.abs(changes).max(axis=1)
 
     def moved(self, map_: Affine) -> Distance:

@@ -25,9 +25,6 @@ _GAUSS = np.array(
 """Points and weights of the rule of degree 4 on the triangle (Dunavant 1985)."""
 
 
-CUTS = 12
-"""How often edges are halved at most."""
-
 THIRD = 0.5
 """Third-order parts of long edges that stay, over those of edges as long as the tolerance makes them on other faces:
 the errors of even triangles cancel, these do not."""
@@ -71,11 +68,12 @@ def _cut(found: FaceMesh, field: FaceField) -> Labelled:
     """The mesh with edges along curved faces with straight lines halved whose third-order parts are not small.
 
     A parabola's chord makes the same angles with the curve at both ends, so by the normals there these parts are known.
-    They may be `THIRD` times as large as those of edges as long as the tolerance makes them on other faces.
+    They may be `THIRD` times as large as those of edges as long as the tolerance makes them on other faces; edges are
+    halved 12 times at most.
     """
     mesh = found.mesh
     most = THIRD * found.deviation**1.5 / float(np.ptp(field.box, axis=0).max()) ** 0.5
-    for _ in range(CUTS):
+    for _ in range(12):
         edges, labels = mesh.topology.edge_table
         normals, off = pair_normals(mesh, field), np.zeros(len(edges))
         along = mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
