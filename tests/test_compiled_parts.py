@@ -19,9 +19,8 @@ from pas.certify.graph_proofs import crossed
 from pas.certify.local_mesh import FramedMesh
 from pas.certify.mesh_bounds import _moves, bounds
 from pas.mesh import topology
-from pas.mesh.edges import Edges
 from pas.mesh.lattice import Subdivision, eighths, risings
-from pas.mesh.topology import is_manifold, piece_count, same_places
+from pas.mesh.topology import Edges, is_manifold, piece_count, same_places
 from pas.surface.local_field import LocalField
 
 TORUS = "(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"

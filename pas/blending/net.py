@@ -130,23 +130,14 @@ class Net:
         for contact, pieces in zip(self.placed.local_contacts, self.placed.carriers, strict=True):
             form = NormalForm([contact.surface.raw, contact.clip.raw ** (self.placed.order + 1)])
             for piece in pieces:
-                yield from self._contact_rows(form, piece)
+                terms = (polynomial.to_dict().items() for polynomial in self._bernstein(piece))
+                yield from form.rows(zip(self._numbers(piece), terms, strict=True), self.degree)
 
     def _across(self, triangle: Exponents, first: int, second: int, s: int) -> Iterator[Row]:
         """The conditions of order s across a face, a row for each index (i, j, k) of degree n - s."""
         a, b = (self._opposite(cell, triangle) for cell in (first, second))
         coordinates = _barycentric(self.partition.corners((a, *triangle)), self.partition.vertices[b])
         yield from across(self.points, self.degree, triangle, a, b, coordinates, s)
-
-    def _contact_rows(self, form: NormalForm, piece: int) -> Iterator[Row]:
-        images = form.images(self.degree)
-        rows: dict[Exponents, Row] = {}
-        for unknown, polynomial in zip(self._numbers(piece), self._bernstein(piece), strict=True):
-            for e, c in polynomial.to_dict().items():
-                for target, value in images[e].items():
-                    row = rows.setdefault(target, {})
-                    row[unknown] = row.get(unknown, fmpq(0)) + c * value
-        yield from ({u: v for u, v in row.items() if v != 0} for row in rows.values())
 
     def _patch(self, piece: int, members: list[dict[int, int]], dimension: int) -> fmpq_mat:
         """The members' polynomials on a piece, from the B-coefficients on its first cell.

@@ -30,7 +30,7 @@ Tables = tuple[fmpz_mat, ...]
 """For each piece the members' coefficients, one member a row."""
 
 
-def solve(placed: PlacedContacts, layout: Layout, degree: int) -> Products:
+def solve_on_layout(placed: PlacedContacts, layout: Layout, degree: int) -> Products:
     """A basis of all solutions: for each piece (dimension, C(n+3, 3)) coefficients of monomials."""
     return _solved(placed.local_contacts, placed.carriers, placed.order, layout, degree)
 

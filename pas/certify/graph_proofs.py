@@ -23,8 +23,8 @@ from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
 from pas.certify.local_mesh import OFF, FramedMesh
 from pas.kernels.library import compiled
-from pas.mesh.edges import Edges
 from pas.mesh.rows import Integers, cross, dots, norms
+from pas.mesh.topology import Edges
 from pas.surface.boundary_loops import BoundaryLoop
 from pas.verdicts import Point, Status, Verdict
 
@@ -49,7 +49,7 @@ def certify_graph(mesh: FramedMesh, edges: Edges, promised: Callable[[], Certifi
         rings = surface.placed.loops
     except ArithmeticError as unseen:
         return Verdict(Status.UNDECIDED, BORDER, str(unseen)), _open(str(unseen))
-    loops = _loops(edges)
+    loops = edges.loops
     rim = edges.rim[:, 0]
     off = np.array([ring.off(points[rim]) for ring in rings])
     far = np.flatnonzero(off.min(axis=0) > OFF)
@@ -84,20 +84,6 @@ def certify_graph(mesh: FramedMesh, edges: Edges, promised: Callable[[], Certifi
 
 def _open(reason: str, place: Point | None = None) -> Verdict:
     return Verdict(Status.UNDECIDED, CLAIM, reason, place)
-
-
-def _loops(edges: Edges) -> list[Integers]:
-    """The vertices of each loop of the boundary, in order."""
-    after = dict(edges.rim.tolist())
-    found = []
-    while after:
-        start, here = next(iter(after)), []
-        at = start
-        while at in after:
-            here.append(at)
-            at = after.pop(at)
-        found.append(np.array(here, dtype=np.intp))
-    return found
 
 
 def _parted(points: Floats, loops: Sequence[Integers], owner: Integers, rings: Sequence[BoundaryLoop]) -> str:

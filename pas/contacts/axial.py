@@ -11,8 +11,7 @@ from flint import fmpq, fmpq_mpoly
 from pas.algebra.inputs import shown
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, to_float, vector
-from pas.contacts.contact import Contact
-from pas.contacts.movable import Movable
+from pas.contacts.contact import Contact, Movable
 
 ZERO = GENERATORS[0] * 0
 

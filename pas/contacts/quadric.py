@@ -18,10 +18,17 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, dot, minus, rational, to_float, to_floats
 from pas.contacts.cones import apex, nappe, nappe_rays
-from pas.contacts.contact import Contact
-from pas.contacts.movable import Movable
-from pas.contacts.parallels import TooThickError, rounded, shrunk
-from pas.contacts.principal_axes import ORIGIN, Axes, principal_axes_of, quadratic_terms, slope_at
+from pas.contacts.contact import Contact, Movable
+from pas.contacts.parallels import (
+    ORIGIN,
+    Axes,
+    TooThickError,
+    principal_axes_of,
+    quadratic_terms,
+    rounded,
+    shrunk,
+    slope_at,
+)
 
 ROUND = 64
 """Points round a curve that is in no plane."""

@@ -14,8 +14,7 @@ from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact, Vector, VectorLike, cross, dot, plain, vector
 from pas.contacts.axial import Axial, listed, positive
 from pas.contacts.contact import Contact
-from pas.contacts.parallels import shrunk
-from pas.contacts.principal_axes import principal_axes_of
+from pas.contacts.parallels import principal_axes_of, shrunk
 from pas.errors import GeometryError
 
 

@@ -34,8 +34,8 @@ from pas.parametric.generatrix.blend import GeneratrixBlend
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
 from pas.parametric.generatrix.sphere import SphereBlend, blend_through_sphere
-from pas.parametric.meshing import RELATIVE
 from pas.parametric.nets import extent
+from pas.parametric.surface import RELATIVE
 from pas.render.generatrix import layers, sphere_layers
 from pas.settings import MeshSettings
 from pas.shape import Kind

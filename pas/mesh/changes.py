@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,30 +19,6 @@ MOST_CHANGES = 12
 NEAR, BISECTIONS = 1e-6, 40
 """How far before and after a crossing, over the edge's length, the side is checked; and how often an
 edge is halved where it is not what it should be."""
-
-
-def node_numbers(nodes: Floats) -> Floats:
-    """A number of its own for each node (N,), the same in all lattices of which one is finer than another."""
-    return np.asarray(nodes[:, 0] + np.sqrt(2) * nodes[:, 1] + np.sqrt(3) * nodes[:, 2])
-
-
-@dataclass(frozen=True)
-class Changes:
-    """Where edges (E, 2) between nodes of given numbers (N,) are crossed, sorted by their ends, and on which face."""
-
-    numbers: Floats
-    edges: Integers
-    where: Floats
-    label: Integers
-
-    def rows(self, numbers: Floats, edges: Integers) -> Integers:
-        """Where edges (K, 2) of another lattice stand here (K,), -1 for those that are not here."""
-        order = np.argsort(self.numbers, kind="stable")
-        at = order[np.minimum(np.searchsorted(self.numbers, numbers, sorter=order), len(order) - 1)]
-        same, ends = np.where(self.numbers[at] == numbers, at, -1)[edges], np.array([len(order), 1])
-        keys, wanted = self.edges @ ends, same @ ends
-        found = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-        return np.where((same[:, 0] >= 0) & (same[:, 1] >= 0) & (keys[found] == wanted), found, -1)
 
 
 def side_changes(

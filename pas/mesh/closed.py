@@ -21,7 +21,6 @@ from pas.mesh.field import FaceField
 from pas.mesh.first import first_lattice, first_mesh, unsound
 from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.hollowed import mesh_hollowed, too_thick
-from pas.mesh.kissing import mesh_touching
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.octree import Octree
@@ -30,7 +29,7 @@ from pas.mesh.quality import Quality
 from pas.mesh.refusals import Made, Refusal, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
 from pas.mesh.rows import Floats
-from pas.mesh.shells import mesh_apart, together
+from pas.mesh.surfaces import mesh_apart, mesh_touching, together
 from pas.mesh.trouble import find_trouble
 
 THIN = 0.3

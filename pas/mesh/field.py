@@ -117,7 +117,7 @@ class RayField(SheetField, Protocol):
 
     @property
     def first(self) -> Labelled | None:
-        """Its first mesh (see `pas.mesh.star.first`), kept; None where it is no graph."""
+        """Its first mesh (see `pas.mesh.graph.first`), kept; None where it is no graph."""
 
     @property
     def rims(self) -> Sequence[RingCurve]:
@@ -283,6 +283,11 @@ class FaceField(Field, Protocol):
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         """The labels whose functions' common zeros are where faces of given labels meet."""
+
+
+def extent_of(field: FaceField) -> float:
+    """The longest side of the box."""
+    return float(np.ptp(field.box, axis=0).max())
 
 
 def place_of(field: FaceField, point: Floats) -> str:

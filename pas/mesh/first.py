@@ -18,7 +18,7 @@ from pas.mesh.cleaning import FOLD, cleaned
 from pas.mesh.faces import BoundaryCrossings
 from pas.mesh.field import FaceField, place_of
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import Known
+from pas.mesh.nodes import Cones
 from pas.mesh.octree import DEEPEST, MOST_CUBES, NOWHERE, OPEN, QUIET, Octree
 from pas.mesh.projection import cosines, least_norm, placing
 from pas.mesh.refusals import Refusal
@@ -41,10 +41,6 @@ a reason is looked for why it does not come out."""
 
 MOST_UNSEEN = 30_000
 """Cubes above which a set of which no sample was inside counts as empty: to show it would take far more."""
-
-FEW = 0.002
-"""Number of places, over that of the cubes, below which the lattice is made finer twice there: another look takes more
-time than more cubes."""
 
 ROOM, TIMES = 30_000, 3
 """Cubes, and times the first lattice's, that all lattices together may have in which the boundary does not come out."""
@@ -85,7 +81,7 @@ def _searched(field: FaceField, tolerance: float, octree: Octree, even: bool) ->
     start = _cleared(field, octree)
     if isinstance(start, Refusal):
         return start
-    ahead, failures, reason = [_Lattice(field, start, Known())], list[tuple[int, int]](), ""
+    ahead, failures, reason = [_Lattice(field, start, {})], list[tuple[int, int]](), ""
     for _ in range(HALVINGS):
         found = _shown(ahead, tolerance, even)
         if not isinstance(found, _Failed):
@@ -99,8 +95,7 @@ def _searched(field: FaceField, tolerance: float, octree: Octree, even: bool) ->
         if not any(len(one.crossings.edges) for one in ahead):
             ahead = [ahead[-1].refined(least=QUIET)]
         elif len(places) or len(ahead) == 1:
-            finer = ahead[0].refined(places)
-            ahead = [finer.refined(places) if len(places) < FEW * first.count else finer]
+            ahead = [ahead[0].refined(places)]
         else:
             ahead = ahead[1:]
     if not reason:
@@ -136,19 +131,19 @@ def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
 
 @dataclass(frozen=True)
 class _Lattice:
-    """An octree and where the boundary crosses it; and what is known of nodes from other octrees."""
+    """An octree and where the boundary crosses it; and the cones that are known from other octrees."""
 
     field: FaceField
     octree: Octree
-    known: Known
+    cones: Cones
 
     @cached_property
     def crossings(self) -> BoundaryCrossings:
-        return BoundaryCrossings(self.field, *self.octree.tetrahedra(), self.known)
+        return BoundaryCrossings(self.field, *self.octree.tetrahedra(), self.cones)
 
     def refined(self, places: Floats = NOWHERE, least: int = OPEN) -> _Lattice:
         """The next one; see `Octree.refined`."""
-        return _Lattice(self.field, self.octree.refined(places, least), self.known)
+        return _Lattice(self.field, self.octree.refined(places, least), self.cones)
 
 
 @dataclass(frozen=True)
@@ -176,7 +171,7 @@ def _shown(ahead: list[_Lattice], tolerance: float, even: bool) -> Labelled | Re
     others = [other.crossings for other in ahead[1:]]
     if any(first.crossings.shape != other.shape for other in others):
         return _Failed("its pieces or holes are too small")
-    if not all(first.crossings.shows_faces_of(other) for other in others):
+    if not all(other.faces <= first.crossings.faces for other in others):
         return _Failed("its faces are too small")
     if not len(first.crossings.edges):
         return _Failed("")

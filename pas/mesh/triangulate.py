@@ -18,7 +18,6 @@ from scipy.spatial import cKDTree
 from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
-from pas.mesh.edges import Edges
 from pas.mesh.field import VISIBLE, Beginning, CellField
 from pas.mesh.grading import Settings
 from pas.mesh.labelled import Labelled
@@ -28,7 +27,7 @@ from pas.mesh.quality import AIM
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows, uprightness
 from pas.mesh.sheet import BadMeshError, open_mesh, remeshed
-from pas.mesh.topology import euler_characteristic, is_manifold, piece_count
+from pas.mesh.topology import Edges, euler_characteristic, is_manifold, piece_count
 
 LEAST, FINEST = 2, 8
 """Halvings of the cells, at least and at most."""

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, place_of
-from pas.mesh.projection import least_norm
+from pas.mesh.field import FaceField, extent_of, place_of
+from pas.mesh.projection import distances, least_norm, second_derivatives
 from pas.mesh.rows import Floats, Integers, cross, norms
 from pas.mesh.shading import unit_rows
 
@@ -30,8 +30,8 @@ NEAR, FARTHEST = 4.0, 0.3
 """Distance, to first order and over the lattice's spacing, up to which a face counts as there; and how far from
 the place a point may be found, over the extent of the box."""
 
-STEPS, SLOPE_STEP = 40, 1e-5
-"""Of Newton's method; of the differences that give second derivatives, over the extent of the box."""
+STEPS = 40
+"""Of Newton's method."""
 
 ZERO, PARALLEL = 1e-7, 1e-5
 """Distance over the extent of the box up to which a function vanishes at a point; sine of the angle up to which
@@ -96,7 +96,7 @@ class _Place:
 
     def __init__(self, field: FaceField, place: Floats, spacing: float) -> None:
         self.field, self.place, self.spacing = field, place, spacing
-        self.extent = float(np.ptp(field.box, axis=0).max())
+        self.extent = extent_of(field)
         every = np.arange(len(field.signs(place[None])))
         self.near: list[int] = every[self._distances(place, every) < NEAR * spacing].tolist()
 
@@ -289,8 +289,7 @@ class _Place:
     def _distances(self, points: Floats, columns: Sequence[int] | Integers) -> Floats:
         """Of points (N, 3), or of one, from the surfaces of functions (N,), to first order."""
         labels = 2 * np.asarray(columns, dtype=np.intp)
-        jets = self.field.jets(np.broadcast_to(points, (len(labels), 3)), labels)
-        return np.asarray(np.abs(jets[:, 0]) / np.maximum(norms(jets[:, 1:]), 1e-300))
+        return distances(self.field, np.broadcast_to(points, (len(labels), 3)), labels)
 
     def _normal(self, point: Floats, column: int) -> Floats:
         gradient = self._jet(point, column)[1:]
@@ -301,11 +300,7 @@ class _Place:
         return float(np.linalg.norm(np.cross(self._normal(point, a), self._normal(point, b))))
 
     def _slopes(self, point: Floats, column: int) -> Floats:
-        """Second derivatives (3, 3), by differences."""
-        step = SLOPE_STEP * self.extent
-        around = self.field.jets(point + step * np.concatenate([np.eye(3), -np.eye(3)]), 2 * column)[:, 1:]
-        slopes = (around[:3] - around[3:]) / (2 * step)
-        return np.asarray(slopes + slopes.T) / 2
+        return np.asarray(second_derivatives(self.field, point[None], np.array([2 * column]))[0])
 
     @cached_property
     def _radii(self) -> dict[int, float]:

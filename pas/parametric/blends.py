@@ -30,14 +30,12 @@ from pas.parametric.data import AXES, BlendingData
 from pas.parametric.domain import DomainLike
 from pas.parametric.evaluation import HermiteValues
 from pas.parametric.hermite import exact_hermite
-from pas.parametric.meshing import mesh_surface
 from pas.parametric.proofs import ParametricCertificate, contact_verdicts
 from pas.parametric.regularity import regularity
 from pas.parametric.series import Components
 from pas.parametric.solutions import ParametricSolutions
 from pas.parametric.surface import ParametricSurface
 from pas.parametric.weights import Weights
-from pas.settings import MeshSettings
 from pas.shape import Shape
 
 
@@ -112,12 +110,7 @@ class ParametricBlend(Shape):
         progress: Report | None = None,
     ) -> Mesh:
         """The blend's surface as a triangle mesh; see `ParametricSurface.mesh`."""
-        return mesh_surface(self.surface, tolerance, domain, quality)
-
-    def meshed(self, settings: MeshSettings) -> Mesh:
-        """The surface's mesh by settings."""
-        mesh: Mesh = self.surface.meshed(settings)
-        return mesh
+        return self.surface.mesh(tolerance, domain, quality=quality)
 
     def __str__(self) -> str:
         kind = "" if self.weights is None else "weighted "

@@ -26,10 +26,9 @@ from pas.errors import GeometryError
 from pas.limits import Report, checkpoint, limited
 from pas.parametric.domain import DomainLike
 from pas.parametric.maps import ParametricMap
-from pas.parametric.meshing import RELATIVE
 from pas.parametric.nets import Framed, Nets, exact_net, exact_rectangle
 from pas.parametric.patches import Knots, RationalPatch
-from pas.parametric.surface import ParametricSurface
+from pas.parametric.surface import RELATIVE, ParametricSurface
 
 PRODUCT = 256 * UNIT_ROUNDOFF
 """Relative error of the coefficients of products of nets by bicubic ones, themselves worked out from control points."""

@@ -37,7 +37,6 @@ from pas.parametric.domain import DomainLike
 from pas.parametric.nets import ExactNet, bernstein_at, bernstein_polynomials, exact_net, exact_rectangle
 from pas.parametric.series import Components
 from pas.parametric.surface import ParametricSurface
-from pas.settings import MeshSettings
 from pas.shape import Shape
 from pas.verdicts import Findings
 
@@ -94,18 +93,14 @@ class RationalPatch(Shape):
     def mesh(
         self,
         tolerance: float | None = None,
+        domain: DomainLike = None,
         *,
         quality: Quality | str = Quality.BALANCED,
         seconds: float | None = None,
         progress: Report | None = None,
     ) -> Mesh:
-        """The patch's mesh; see `ParametricSurface.mesh`."""
-        return self.surface().mesh(tolerance, quality=quality)
-
-    def meshed(self, settings: MeshSettings) -> Mesh:
-        """The patch's mesh by settings, over a part of its domain, too."""
-        mesh: Mesh = self.surface().meshed(settings)
-        return mesh
+        """The patch's mesh, over a part of its domain, too; see `ParametricSurface.mesh`."""
+        return self.surface().mesh(tolerance, domain, quality=quality)
 
     @property
     def degrees(self) -> tuple[int, int]:

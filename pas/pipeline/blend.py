@@ -11,8 +11,7 @@ from pas.blending.place import PartitionLike, place
 from pas.blending.regularity import is_regular
 from pas.blending.solving import check_method, solve
 from pas.contacts.contact import ContactLike
-from pas.contacts.endless import AUTO
-from pas.contacts.pipe import Pipe
+from pas.contacts.endless import AUTO, Pipe
 from pas.fairing.wishes import Options, Wishes, as_wishes
 from pas.layouts.clips import with_clips
 from pas.limits import Report, checkpoint, limited

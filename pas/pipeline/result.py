@@ -14,7 +14,7 @@ from typing import Unpack
 
 from pas.algebra.inputs import check_flag, whole
 from pas.algebra.rational import Exact, to_fraction
-from pas.blending import generators, multipliers, regularity, shaping
+from pas.blending import multipliers, regularity, shaping
 from pas.blending.multipliers import Multipliers
 from pas.blending.space import Space
 from pas.contacts.contact import ContactLike
@@ -147,7 +147,7 @@ class SolutionSpace(Space):
 
     regular = cached_property(regularity.is_regular)
     trivial_part = cached_property(regularity.trivial_part)
-    generators = cached_property(generators.generators)
+    generators = cached_property(regularity.generators)
     consistency = cached_property(multipliers.consistency)
     optimum = shaping.optimum
     determining_set = shaping.determining_set

@@ -11,7 +11,7 @@ from pas.contacts.contact import Contact
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Integers
 from pas.parametric.generatrix.boundary import Boundary
-from pas.parametric.generatrix.frames import connectivity
+from pas.parametric.generatrix.form import connectivity
 from pas.parametric.surface import ParametricSurface
 from pas.piecewise import PiecewiseSurface
 

@@ -49,8 +49,8 @@ def legs(shape: Shape) -> tuple[dict[str, Any], dict[str, Any]]:
     values = {name: function.value for name, function in functions.items() if function is not None}
     if len(values) < len(SHAPE) or None in values.values():
         return {}, {}
-    _, edges, middles = blend.frames.grid(SIZE[0])
-    rows = [part for e in edges for part in (e.point, e.velocity, *e.across, *e.along)] + list(middles or ())
+    here = blend.frames.grid(SIZE[0])
+    rows = [part for e in here.edges for part in (e.point, e.velocity, *e.across, *e.along)] + list(here.middle or ())
     head = {
         "size": SIZE,
         "closed": blend.closed,

@@ -7,11 +7,11 @@ from functools import cached_property, partial
 import numpy as np
 
 from pas.errors import GeometryError, MeshError
+from pas.mesh.graph import require_once, rim_numbers, star
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.sheet import followed
-from pas.mesh.star import require_once, rim_numbers, star
 from pas.mesh.triangulate import FoldedError, triangulate, wall_numbers
 from pas.partition.complex import OuterFace
 from pas.surface.fairness import fairness

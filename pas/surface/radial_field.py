@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.kernels.library import compiled
+from pas.mesh.graph import first
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import Integers, dots
-from pas.mesh.star import first
 from pas.surface.boundary_loops import Loops
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import profile_batch

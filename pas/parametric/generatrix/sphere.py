@@ -27,9 +27,8 @@ from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
-from pas.parametric.generatrix.blend import GeneratrixBlend, generatrix_blend
+from pas.parametric.generatrix.blend import GeneratrixBlend, generatrix_blend, refuse_both
 from pas.parametric.generatrix.boundary import Boundary
-from pas.parametric.generatrix.checks import refuse_both
 from pas.parametric.generatrix.quadric import text
 from pas.parametric.generatrix.sections import plane_section
 from pas.parametric.generatrix.shape import GeneratrixShape

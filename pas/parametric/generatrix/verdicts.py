@@ -167,7 +167,7 @@ def regular_verdict(blend: GeneratrixForm) -> Verdict:
         if exact.status in (Status.PROVED, Status.REFUTED):
             return Verdict(exact.status, claim, exact.reason, exact.witness, exact.measure)
     s = blend.frames.parameters(number)
-    controls, slopes = blend.frames.controls(blend.shape, s)
+    controls, slopes = blend.frames.at(s).controls(blend.shape)
     forms = _normal_forms(*(np.ldexp(c, -exponent(c)) for c in (controls, slopes)))
     points, normals = blend.frames.sheet(blend.shape, (number, 33))
     if not (np.isfinite(points).all() and np.isfinite(forms).all()):

@@ -1,4 +1,4 @@
-"""Vertices of a closed mesh drawn into one, many times, each time with a look at the triangles around them alone."""
+"""Vertices of a closed mesh drawn into one at each node, each time with a look at the triangles around them alone."""
 
 from __future__ import annotations
 
@@ -7,8 +7,50 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.mesh.rows import Integers
-from pas.mesh.topology import edge_table, pinched
+from pas.mesh.field import FaceField, extent_of
+from pas.mesh.nodes import SAME, Nodes
+from pas.mesh.projection import least_norm
+from pas.mesh.rows import Floats, Integers, norms
+from pas.mesh.topology import edge_table, numbered, pinched
+
+SHRINKS = (1.0, 1.4, 0.7, 2.0, 0.5, 2.8)
+"""Shares of a node's reach that are tried until what is in it is a disc."""
+
+
+def contracted(
+    field: FaceField, points: Floats, triangles: Integers, labels: Integers, nodes: Nodes
+) -> tuple[Floats, Integers, Integers, Integers] | Nodes:
+    """The mesh (points, triangles, labels, the nodes' vertices) with all within reach of a node drawn into one vertex.
+
+    Only what is a disc is; where it is none the result is the nodes in question.
+    """
+    failed, drawn, close = np.zeros(len(nodes.points), dtype=bool), [], SAME * extent_of(field)
+    stars, points = Stars(triangles, labels, len(points)), points.copy()
+    for number, (node, reach) in enumerate(zip(nodes.points, nodes.reach, strict=True)):
+        distance = np.where(stars.used, norms(points - node), np.inf)
+        center = int(distance.argmin())
+        for share in SHRINKS:
+            found = stars.drawn(np.flatnonzero(distance < share * reach), center)
+            if found is not None and _meet(field, node, found.labels, close):
+                break
+        else:
+            failed[number] = True
+            continue
+        stars.draw(found)
+        points[center] = node
+        drawn.append(center)
+    if failed.any():
+        return Nodes(nodes.points[failed], nodes.reach[failed])
+    triangles, labels = stars.triangles[stars.left], stars.labels[stars.left]
+    used, numbers = numbered(triangles.ravel())
+    return points[used], numbers.reshape(-1, 3), labels, np.flatnonzero(np.isin(used, drawn))
+
+
+def _meet(field: FaceField, node: Floats, labels: Integers, close: float) -> bool:
+    """Whether the faces of given labels pass through a node."""
+    labels = np.unique(labels)
+    steps = least_norm(field, labels[:, None], np.tile(node, (len(labels), 1)))
+    return bool(np.abs(steps).max(initial=0.0) < close)
 
 
 @dataclass(frozen=True)
