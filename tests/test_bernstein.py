@@ -29,7 +29,7 @@ from pas.bernstein.forms import (
 )
 from pas.bernstein.products import BoundedForms
 from pas.bernstein.search import Boxes, Fate, Limits, search
-from pas.bernstein.signs import prove_apart, prove_positive, prove_positive_inside
+from pas.bernstein.signs import prove_apart, prove_positive
 from pas.bernstein.simplices import Simplices, rounding_bound
 from pas.bernstein.subdivision import bisection, edges, halved, halves
 from pas.certify.critical_points import critical_parts, isolated
@@ -371,9 +371,7 @@ def test_a_zero_that_may_be_there_is_not_passed_over(value, zero):
 def one_simplex(value, zero, below=False):
     """The claim on one tetrahedron with these B-coefficients, before it is halved."""
     forms, corners, limits = (np.array([value]), np.array([zero])), np.eye(4)[None, :, :3], Limits(depth=0)
-    return (
-        prove_positive_inside(*forms, corners, limits) if below else prove_positive(forms[0], corners, forms[1], limits)
-    )
+    return prove_positive(forms[0], corners, forms[1], limits, below=below)
 
 
 def test_a_multiple_of_what_vanishes_may_be_added():
@@ -401,10 +399,10 @@ def test_none_of_several_is_positive():
         ([low, low], "refuted"),
         ([low], "refuted"),
     ):
-        assert prove_positive_inside(value, inside, corners, limits).status.value == status
+        assert prove_positive(value, corners, inside, limits, below=True).status.value == status
     there = np.array([[0.5, -0.5, 0.5, 0.5]])
-    assert prove_positive_inside(value, [low, there], corners, limits).status is Status.UNDECIDED
-    found = prove_positive_inside(low, [low, np.array([[0.5, 0.5, -0.5, 0.5]])], corners, limits)
+    assert prove_positive(value, corners, [low, there], limits, below=True).status is Status.UNDECIDED
+    found = prove_positive(low, corners, [low, np.array([[0.5, 0.5, -0.5, 0.5]])], limits, below=True)
     assert found.status is Status.REFUTED and found.witness.tolist() == [0, 0, 1]
 
 

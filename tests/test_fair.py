@@ -517,7 +517,7 @@ def test_the_bound_on_curvature_is_close_for_a_corner_of_degree_6():
 
 
 def test_limits_can_be_changed_one_by_one():
-    assert replace(LIMITS, bulge=0.2) == pas.FairnessLimits(1.02, 1.5, 0.2, 0.2)
+    assert replace(LIMITS, bulge=0.2) == pas.FairnessLimits(1.02, 1.5, 0.2, 0.2, 0.03)
 
 
 def test_a_slider_never_leaves_the_surface_behind():

@@ -20,9 +20,6 @@ UNIT_ROUNDOFF = 2.0**-53
 LARGEST_ERROR, SMALLEST = 2.0**-36, 1e-200
 """What forms in doubles may be off by, over their largest coefficient, which is to be far from underflow."""
 
-LARGEST_TABLE = 14
-"""Up to this degree B-forms are made by a table of integers, which is kept; it would be too large beyond."""
-
 
 def on_simplex(polynomial: fmpq_mpoly, vertices: Sequence[Vector]) -> fmpq_mpoly:
     """The polynomial as a function of the barycentric coordinates b_1 .. b_d.
@@ -42,7 +39,7 @@ def b_form(restricted: fmpq_mpoly, degree: int, dimension: int) -> list[fmpq]:
 
     `x^b = sum_a (n-|b|)! a! / (n! (a-b)!) B_a`, in integers over one denominator.
     """
-    if degree > LARGEST_TABLE:
+    if degree > 14:  # the table of integers would be too large
         return _elevated(restricted, degree, dimension)
     where = positions(degree, dimension)
     terms = restricted.to_dict()

@@ -88,8 +88,11 @@ def prove_positive(
     limits: Limits | None = None,
     error: float = UNIT_ROUNDOFF,
     anew: Anew | None = None,
+    *,
+    below: bool = False,
 ) -> SignResult:
-    """Prove that `value > 0` on simplices, or only where another polynomial (or several) vanish.
+    """Prove that `value > 0` on simplices, or only where another polynomial (or several) vanish, or with `below` where
+    none of them is positive.
 
     `value` (N, m) and `where_zero` (N, m') are B-coefficients scaled to at most 1 (see
     `pas.bernstein.forms.rounded`), each off by at most `error`, `corners` (N, d+1, 3) the simplices.  Nothing is
@@ -97,22 +100,9 @@ def prove_positive(
     became as small as what rounding counts are worked out again on the parts.
     """
     zeros = (where_zero,) if isinstance(where_zero, np.ndarray) else tuple(where_zero or ())
-    return _searched((value, *zeros), corners, limits, error, anew, below=False)
-
-
-def _searched(
-    forms: Sequence[Floats],
-    corners: Floats,
-    limits: Limits | None,
-    error: float,
-    anew: Anew | None = None,
-    *,
-    below: bool,
-) -> SignResult:
-    """Branch and bound over simplices."""
     if not len(corners):
         return SignResult(Status.PROVED, np.empty((0, 3)), np.empty(0, dtype=np.intp), 0)
-    batch = replace(_Claim.of(forms, corners, error), below=below)
+    batch = replace(_Claim.of((value, *zeros), corners, error), below=below)
 
     def split(some: _Claim) -> _Claim:
         return (some if anew is None else _renewed(some, anew)).halved()
@@ -121,22 +111,6 @@ def _searched(
     sources = np.concatenate([found.refuted.source, found.open.source])
     witness = _witness(found.refuted) if len(found.refuted) else None
     return SignResult(found.status, found.open.corners.mean(axis=1), sources, found.examined, witness)
-
-
-def prove_positive_inside(
-    value: Floats,
-    inside: Floats | Sequence[Floats],
-    corners: Floats,
-    limits: Limits | None = None,
-    error: float = UNIT_ROUNDOFF,
-) -> SignResult:
-    """Prove that `value > 0` wherever another polynomial, `inside`, is not positive, or none of several: arguments as
-    `prove_positive` has.
-
-    A simplex is settled when all coefficients of `value` or all of one that is `inside` are positive.
-    """
-    walls = (inside,) if isinstance(inside, np.ndarray) else tuple(inside)
-    return _searched((value, *walls), corners, limits, error, below=True)
 
 
 def prove_apart(zeros: Sequence[Floats], corners: Floats, limits: Limits | None = None) -> SignResult:
@@ -170,7 +144,7 @@ def positive_on(
     """
     found = [_forms(raws, simplices, degree, near) for raws, degree in (values, *others)]
     (value, *rest), error = [form for form, _ in found], max(off for _, off in found)
-    return _searched((value, *rest), corner_points(simplices), limits, error, below=inside)
+    return prove_positive(value, corner_points(simplices), rest, limits, error, below=inside)
 
 
 def apart_on(simplices: Sequence[Sequence[Vector]], polynomials: Sequence[fmpq_mpoly]) -> SignResult:

@@ -33,8 +33,6 @@ CLAIM, BORDER = "the topology of the surface", "a manifold that ends on the cont
 SURE = 2.0**-46
 """Determinants over the product of their rows' lengths are wrong by less: by some dozen roundings."""
 
-GRAZING = 1e-9
-"""By which cosines of angles may be wrong without a triangle being missed."""
 
 SEPARATE = 1e-6
 """Radians that are left at least between loops."""
@@ -140,10 +138,11 @@ def crossed(points: Floats, triangles: Integers, origin: Floats, ends: Floats) -
     det(p, b, d) and det(p, d, a) have one sign, at the share det(a, b, d) over their sum.  Each is known to `SURE`
     times the lengths of its rows; what is not surely crossed nor surely missed makes the number of p unknown.
     """
+    grazing = 1e-9  # by which cosines of angles may be wrong without a triangle being missed
     ways = ends - origin
     towards = ways / np.maximum(norms(ways), 1e-300)[:, None]
     times, known = np.empty(len(ways), dtype=np.intp), np.empty(len(ways), dtype=np.bool_)
-    given = (len(triangles), triangles, points, origin, len(ways), ways, towards, GRAZING, SURE)
+    given = (len(triangles), triangles, points, origin, len(ways), ways, towards, grazing, SURE)
     compiled().call("pas_crossed", *given, times, known)
     return times, known
 

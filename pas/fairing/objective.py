@@ -23,6 +23,7 @@ from pas.fairing.surface_points import NAMES, Sizes, SurfacePoints, differences
 from pas.surface.directions import Directions
 from pas.surface.fairness_limits import FairnessLimits, Neighbour, neighbour
 from pas.surface.geometry import Geometry, derivative_batch
+from pas.surface.straight_runs import straight_runs
 
 LEAST_RAYS, RAYS_PER_UNKNOWN = 400, 3
 """Rays, at the least."""
@@ -107,7 +108,7 @@ class SurfaceObjective:
         self.slope = abs(float(space.guard.mean_alpha @ start))
         neighbours = [neighbour(join, scale) for join in placed.joins]
         radii, distances = zip(*((n.radius, n.distance) for n in neighbours), strict=True)
-        self.sizes = Sizes(float(np.mean(radii)), float(np.mean(distances)))
+        self.sizes = Sizes(float(np.mean(radii)), float(np.mean(distances)), self.center, straight_runs(neighbours))
         self.samples = RaySamples(basis, directions, self.center, self.slope)
         self.curvature = CurvatureExcess.of(neighbours, limits)
         self.terms: tuple[Term, ...] = (

@@ -13,8 +13,8 @@ from pas.mesh.projection import least_norm
 from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.topology import edge_table, numbered, pinched
 
-SHRINKS = (1.0, 1.4, 0.7, 2.0, 0.5, 2.8)
-"""Shares of a node's reach that are tried until what is in it is a disc."""
+SHARES = (1.0, 1.4, 0.7)
+"""Of a node's reach: what is within one of these is a disc, or finer triangles are needed."""
 
 
 def contracted(
@@ -25,23 +25,23 @@ def contracted(
     Only what is a disc is; where it is none the result is the nodes in question.
     """
     failed, drawn, close = np.zeros(len(nodes.points), dtype=bool), [], SAME * extent_of(field)
-    stars, points = Stars(triangles, labels, len(points)), points.copy()
+    rings, points = OneRings(triangles, labels, len(points)), points.copy()
     for number, (node, reach) in enumerate(zip(nodes.points, nodes.reach, strict=True)):
-        distance = np.where(stars.used, norms(points - node), np.inf)
+        distance = np.where(rings.used, norms(points - node), np.inf)
         center = int(distance.argmin())
-        for share in SHRINKS:
-            found = stars.drawn(np.flatnonzero(distance < share * reach), center)
+        for share in SHARES:
+            found = rings.contraction(np.flatnonzero(distance < share * reach), center)
             if found is not None and _meet(field, node, found.labels, close):
                 break
         else:
             failed[number] = True
             continue
-        stars.draw(found)
+        rings.contract(found)
         points[center] = node
         drawn.append(center)
     if failed.any():
         return Nodes(nodes.points[failed], nodes.reach[failed])
-    triangles, labels = stars.triangles[stars.left], stars.labels[stars.left]
+    triangles, labels = rings.triangles[rings.left], rings.labels[rings.left]
     used, numbers = numbered(triangles.ravel())
     return points[used], numbers.reshape(-1, 3), labels, np.flatnonzero(np.isin(used, drawn))
 
@@ -54,7 +54,7 @@ def _meet(field: FaceField, node: Floats, labels: Integers, close: float) -> boo
 
 
 @dataclass(frozen=True)
-class Drawn:
+class Contraction:
     """What triangles of given `rows` become (K, 3) when vertices `near` are drawn into the `center`, which of them are
     `kept` (K,), and the labels of those about it."""
 
@@ -66,7 +66,7 @@ class Drawn:
     labels: Integers
 
 
-class Stars:
+class OneRings:
     """The triangles (T, 3) of a mesh, their labels (T,), which of them are `left` (T,), and those around each vertex.
 
     Vertices (N,) are `used` until they are drawn into others.
@@ -90,7 +90,7 @@ class Stars:
         rows = np.unique(np.concatenate(parts)) if parts else np.empty(0, dtype=np.intp)
         return rows[self.left[rows]]
 
-    def drawn(self, near: Integers, center: int) -> Drawn | None:
+    def contraction(self, near: Integers, center: int) -> Contraction | None:
         """What vertices drawn into one would leave; None where these are no disc, or a label would be lost.
 
         Where none is near the centre stays what it is.
@@ -109,9 +109,9 @@ class Stars:
         if not (lost < self._times)[lost > 0].all() or self._pinched(rows, after, kept):
             return None
         about = kept & (after == center).any(axis=1)
-        return Drawn(near, center, rows, after, kept, self.labels[rows[about]])
+        return Contraction(near, center, rows, after, kept, self.labels[rows[about]])
 
-    def draw(self, found: Drawn) -> None:
+    def contract(self, found: Contraction) -> None:
         """Draw vertices into one."""
         gone = found.rows[~found.kept]
         self.triangles[found.rows], self.left[gone] = found.triangles, False

@@ -14,8 +14,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from pas.limits import checkpoint
 from pas.mesh.changes import side_changes
@@ -28,7 +26,7 @@ from pas.mesh.projection import least_norm, newton, placing
 from pas.mesh.refusals import Refusal
 from pas.mesh.rows import Floats, Integers, cross, norms
 from pas.mesh.shading import unit_rows
-from pas.mesh.topology import edge_table, pinched
+from pas.mesh.topology import connected, edge_table, pinched
 
 SNAP = 0.4
 """Share of a lattice edge from its node within which crossings merge."""
@@ -67,9 +65,7 @@ class BoundaryCrossings:
     @cached_property
     def _components(self) -> Integers:
         """The component of each vertex (E,)."""
-        rows, columns = self.triangles[:, [0, 1]].ravel(), self.triangles[:, [1, 2]].ravel()
-        graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(self.edges),) * 2)
-        return np.asarray(connected_components(graph, directed=False)[1])
+        return connected(self.triangles[:, [0, 1, 1, 2]].reshape(-1, 2), len(self.edges))
 
     @cached_property
     def crossed(self) -> tuple[Floats, Integers]:

@@ -34,9 +34,6 @@ class RimCurve(Protocol):
     def fixed(self) -> bool:
         """Whether its points are ends of curves, which stay where they are."""
 
-    def distances(self, points: Floats) -> Floats:
-        """Distances (N,) in the wall, to first order."""
-
     def off(self, points: Floats) -> Floats:
         """Distances (N,) from the wall, or from the curve."""
 

@@ -2,7 +2,7 @@
 
 Cubes are halved where the boundary is not proved to be one sheet, then about the places where the mesh that they give
 is not sound, until there are none and the next lattices show the same pieces, holes and faces.  That ends with a reason
-where it is in vain (see `trouble`), or has cost many times what the first lattice did.
+where it is in vain (see `diagnostics`), or has cost many times what the first lattice did.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ import numpy as np
 
 from pas.errors import GeometryError
 from pas.mesh.cleaning import FOLD, cleaned
+from pas.mesh.diagnostics import Diagnosis, diagnosis
 from pas.mesh.faces import BoundaryCrossings
-from pas.mesh.field import FaceField, place_of
+from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import Cones
 from pas.mesh.octree import DEEPEST, MOST_CUBES, NOWHERE, OPEN, QUIET, Octree
 from pas.mesh.projection import cosines, least_norm, placing
 from pas.mesh.refusals import Refusal
 from pas.mesh.rows import Floats, norms
-from pas.mesh.trouble import Trouble, find_trouble
 
-FIRST_PARTS, OTHER_PARTS, HALVINGS, COMPARED = 25, 27, 9, 3
-"""Small cubes along the longest side of the box in the first lattice, and in another one that is tried; how many finer
-ones are tried at most, and how many must show the same pieces, holes and faces, unless all of the boundary is clear."""
+PARTS, HALVINGS, COMPARED = 25, 9, 3
+"""Small cubes along the longest side of the box in the first lattice; how many finer ones are tried at most, and how
+many must show the same pieces, holes and faces, unless all of the boundary is clear."""
 
 MANY = 0.01
 """Share of the cubes in which more than one sheet may be, above which a lattice is made finer without a look."""
@@ -51,13 +51,12 @@ ON_FACE = 1e-7
 CORNER = 0.5
 """How far a corner may be off each of its faces, over the tolerance."""
 
-
 CROWDED = Refusal(f"the solid is empty or too thin for its size: its lattice needs more than {MOST_CUBES} cubes")
 
 
-def first_lattice(field: FaceField, parts: int = FIRST_PARTS) -> Octree:
+def first_lattice(field: FaceField) -> Octree:
     """The lattice to begin with."""
-    return Octree(field, float(np.ptp(field.box, axis=0).max()) / parts)
+    return Octree(field, extent_of(field) / PARTS)
 
 
 def first_mesh(
@@ -66,19 +65,9 @@ def first_mesh(
     """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do.
 
     The `octree` to begin with is that of `first_lattice`, if it is known.  An `even` mesh has triangles about as
-    large as the lattice's cubes, on planes as well.  Where finer lattices are in vain one that begins elsewhere is
-    tried: the planes of the first may lie unluckily.
+    large as the lattice's cubes, on planes as well.
     """
-    found = _searched(field, tolerance, first_lattice(field) if octree is None else octree, even)
-    if isinstance(found, Refusal) and found.in_vain and field.needed() is field:
-        other = _searched(field, tolerance, first_lattice(field, OTHER_PARTS), even)
-        return found if isinstance(other, Refusal) else other
-    return found
-
-
-def _searched(field: FaceField, tolerance: float, octree: Octree, even: bool) -> Labelled | Refusal:
-    """The first mesh, from a lattice and those that it is refined to."""
-    start = _cleared(field, octree)
+    start = _cleared(field, first_lattice(field) if octree is None else octree)
     if isinstance(start, Refusal):
         return start
     ahead, failures, reason = [_Lattice(field, start, {})], list[tuple[int, int]](), ""
@@ -100,7 +89,7 @@ def _searched(field: FaceField, tolerance: float, octree: Octree, even: bool) ->
             ahead = ahead[1:]
     if not reason:
         return Refusal(f"the solid is empty, or thinner everywhere than {ahead[-1].octree.finest}")
-    trouble = find_trouble(field, places, ahead[0].octree.spacing)
+    trouble = diagnosis(field, places, ahead[0].octree.spacing)
     return Refusal(_sentence(trouble, ahead[-1].octree, reason))
 
 
@@ -119,7 +108,7 @@ def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
         octree = octree.refined(least=QUIET)
     while not octree.crowded and octree.open_share > MANY and octree.levels < DEEPEST:
         places = octree.open_places
-        found = find_trouble(field, places, octree.spacing) if len(places) > UNCLEAR else None
+        found = diagnosis(field, places, octree.spacing) if len(places) > UNCLEAR else None
         if found is not None and found.stays:
             return Refusal(_sentence(found, octree))
         finer = octree.refined()
@@ -192,13 +181,13 @@ def _given_up(
     spare = several and field.needed() is not field
     if not (spare or spent or (several and 2 * places[-1] > places[-PATIENCE])):
         return None
-    found = find_trouble(field, last.places, octree.spacing)
+    found = diagnosis(field, last.places, octree.spacing)
     if not (spare or spent or (found is not None and found.stays)):
         return None
-    return Refusal(_sentence(found, octree, last.reason), in_vain=not spent)
+    return Refusal(_sentence(found, octree, last.reason))
 
 
-def _sentence(found: Trouble | None, octree: Octree, reason: str = "") -> str:
+def _sentence(found: Diagnosis | None, octree: Octree, reason: str = "") -> str:
     if found is not None and found.stays:
         return f"the solid could not be meshed: {found.sentence}"
     why = reason if found is None else found.sentence

@@ -14,8 +14,6 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
 from pas.limits import checkpoint
@@ -28,10 +26,10 @@ from pas.mesh.quality import AIM
 from pas.mesh.rows import Floats, Integers, cross, dots
 from pas.mesh.shading import unit_rows
 from pas.mesh.sheet import open_mesh, remeshed
-from pas.mesh.topology import Edges
+from pas.mesh.topology import Edges, connected
 
-LEVELS = (1, 2, 3)
-"""Halvings of the icosahedron whose directions are tried in turn."""
+LEVELS = 3
+"""Halvings of the icosahedron at most: directions are taken from the first that do."""
 
 PARTINGS = 6
 """Rounds in which edges between opposite sides are halved at most."""
@@ -87,14 +85,14 @@ def first(field: RayField) -> Labelled:
 
 
 def _seen(field: RayField) -> Labelled:
-    for level in LEVELS:
+    for level in range(1, LEVELS + 1):
         if not field.rims:  # most of what is in boxes ends at their walls: a few rays say so
             require_once(field, icosphere(level)[0])
         checkpoint("triangulating directions")
         try:
             points, triangles = hull(field, level)
         except ArithmeticError:
-            if level == LEVELS[-1]:
+            if level == LEVELS:
                 raise
             continue
         return _parted(field, open_mesh(field, points, triangles, rim_numbers(field, points, triangles)))
@@ -268,8 +266,7 @@ def _trimmed(
         ends.append(_keys(here, np.roll(here, -1), size))
         start += len(ring)
     open_ = ~np.isin(_keys(edges.inner[:, 0], edges.inner[:, 1], size), np.concatenate(ends))
-    i, j = edges.owners[open_].T
-    parts = connected_components(coo_matrix((np.ones(len(i)), (i, j)), shape=(len(triangles),) * 2), directed=False)[1]
+    parts = connected(edges.owners[open_], len(triangles))
     inside = np.unique(parts[(triangles >= size - poles).any(axis=1)])
     kept = triangles[~np.isin(parts, inside)]
     points = points[: size - poles].copy()

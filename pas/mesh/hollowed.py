@@ -22,6 +22,7 @@ import numpy as np
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, ShellWall, place_of
 from pas.mesh.first import unsound
+from pas.mesh.halfedges import following
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton, pair_normals, project, second_derivatives
 from pas.mesh.refusals import Made, Refusal
@@ -161,10 +162,7 @@ class Doubled:
         image = np.full(t.shape, -1, dtype=np.intp)
         image[kept] = within
         start, end = t.ravel(), t[:, [1, 2, 0]].ravel()
-        order = np.argsort(np.minimum(start, end) * len(self.mesh.points) + np.maximum(start, end), kind="stable")
-        other = np.empty(len(start), dtype=np.intp)
-        other[order[::2]], other[order[1::2]] = order[1::2], order[::2]
-        after = np.arange(len(start)).reshape(-1, 3)[:, [1, 2, 0]].ravel()
+        other, after = self.mesh.topology.twins, following(np.arange(len(start)))
         flat, triangle = image.ravel(), np.arange(len(start)) // 3
         several = np.zeros(len(self.mesh.points), dtype=bool)
         several[[vertex for vertex, own in self._found.items() if len(own) > 1]] = True

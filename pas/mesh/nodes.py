@@ -18,8 +18,6 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, cKDTree
 
 from pas.limits import checkpoint
@@ -29,7 +27,7 @@ from pas.mesh.projection import distances, newton, second_derivatives
 from pas.mesh.refusals import Refusal
 from pas.mesh.rows import Floats, Integers, cross, norms
 from pas.mesh.shading import unit_rows
-from pas.mesh.topology import edge_table
+from pas.mesh.topology import connected, edge_table
 
 SAME = 1e-7
 """Distance over the extent of the box between two nodes that are one."""
@@ -188,8 +186,7 @@ def _links(field: FaceField, node: Floats, spacing: float, level: int) -> list[t
     inside = field.inside(field.signs((node + radii[:, None, None] * units).reshape(-1, 3)))
     every = (edges + number * np.arange(count)[:, None, None]).reshape(-1, 2)
     kept = every[inside[every[:, 0]] == inside[every[:, 1]]]
-    part = connected_components(coo_array((np.ones(len(kept)), kept.T), shape=(len(inside),) * 2), directed=False)[1]
-    first, times = np.unique(part, return_index=True, return_counts=True)[1:]
+    first, times = np.unique(connected(kept, len(inside)), return_index=True, return_counts=True)[1:]
     parts = [(times[first // number == k], inside[first[first // number == k]]) for k in range(count)]
     return [(sizes[within].tolist(), sizes[~within].tolist()) for sizes, within in parts]
 

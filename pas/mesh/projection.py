@@ -95,14 +95,14 @@ def onto_faces(points: Floats, labels: Integers, field: FaceField, reach: Floats
     return points
 
 
-def newton(points: Floats, field: FaceField, functions: Integers, reach: Floats) -> Floats:
+def newton(points: Floats, field: FaceField, functions: Integers, reach: Floats, steps: int = NEWTON_STEPS) -> Floats:
     """Points (N, 3) moved to the common zeros of each one's own functions (N, m), given as labels.
 
     None moves further than `reach` (N,) a step.
     """
     points = points.copy()
     active = np.arange(len(points))
-    for _ in range(NEWTON_STEPS):
+    for _ in range(steps):
         checkpoint()
         step = -least_norm(field, functions[active], points[active])
         length = norms(step)[:, None]
@@ -150,8 +150,6 @@ def _pseudo_inverse(matrix: Floats, values: Floats) -> Floats:
     return np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=PARALLEL), values)
 
 
-def cosines(mesh: Labelled, field: FaceField, chosen: Integers | None = None) -> Floats:
-    """The cosine between each chosen triangle's normal and the sum of its face's at the corners (T,)."""
-    chosen = np.arange(len(mesh.triangles)) if chosen is None else chosen
-    normals = pair_normals(mesh, field)[mesh.topology.corner_pairs[chosen]]
-    return uprightness_at(mesh.points[mesh.triangles[chosen]], normals)
+def cosines(mesh: Labelled, field: FaceField) -> Floats:
+    """The cosine between each triangle's normal and the sum of its face's at the corners (T,)."""
+    return uprightness_at(mesh.points[mesh.triangles], pair_normals(mesh, field)[mesh.topology.corner_pairs])

@@ -11,13 +11,12 @@ the other.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache
 from itertools import permutations, product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from pas.limits import checkpoint
 from pas.mesh.face_ground import FaceGround, deviation, inner_points
@@ -29,6 +28,7 @@ from pas.mesh.projection import newton
 from pas.mesh.refusals import Made, Refusal
 from pas.mesh.rows import Floats, cross
 from pas.mesh.shading import unit_rows
+from pas.mesh.topology import connected
 
 ROOM = 3.0
 """Half of a cube about a point of one surface that must miss the others, over the tolerance."""
@@ -74,18 +74,24 @@ def mesh_apart(
     for halving in range(HALVINGS):
         checkpoint("meshing surfaces one by one")
         aim = tolerance / 2**halving
-        meshes: list[Labelled] = []
-        reached = []
-        for shell in shells:
-            made = mesh(shell, aim)
-            if isinstance(made, Refusal):
-                return made
-            meshes.append(made[0])
-            reached.append(made[1])
+        found = _all_made(mesh(shell, aim) for shell in shells)
+        if isinstance(found, Refusal):
+            return found
+        meshes, reached = zip(*found, strict=True)
         pairs = permutations(zip(shells, meshes, strict=True), 2)
         if not any(other.crossed(_points(one), ROOM * aim).any() for (_, one), (other, _) in pairs):
             return together(field, shells, meshes), max(reached)
     return None
+
+
+def _all_made(meshes: Iterable[Made]) -> list[tuple[Labelled, float]] | Refusal:
+    """Meshes and how near they are, or why the first that is refused is."""
+    found = []
+    for made in meshes:
+        if isinstance(made, Refusal):
+            return made
+        found.append(made)
+    return found
 
 
 def _points(mesh: Labelled) -> Floats:
@@ -109,15 +115,11 @@ def together(field: FaceField, shells: Sequence[FaceField], meshes: Sequence[Lab
 
 def _bounding(field: FaceField, shell: FaceField, mesh: Labelled) -> np.ndarray:
     """Which triangles (T,) are on pieces that bound the set: it changes across most triangles of each."""
-    edges = mesh.topology.edges
-    graph = coo_array((np.ones(len(edges)), edges.T), shape=(len(mesh.points),) * 2)
-    piece = connected_components(graph, directed=False)[1]
     middles = mesh.points[mesh.triangles].mean(axis=1)
     at = newton(middles, shell, mesh.labels[:, None], mesh.sizes[mesh.triangles].max(axis=1))
-    extent = extent_of(field)
-    step = BESIDE * extent * unit_rows(shell.jets(at, mesh.labels)[:, 1:])
+    step = BESIDE * extent_of(field) * unit_rows(shell.jets(at, mesh.labels)[:, 1:])
     changes = field.inside(field.signs(at - step)) & ~field.inside(field.signs(at + step))
-    pieces = piece[mesh.triangles[:, 0]]
+    pieces = connected(mesh.topology.edges, len(mesh.points))[mesh.triangles[:, 0]]
     share = np.bincount(pieces, changes) / np.maximum(np.bincount(pieces), 1)
     return np.asarray(share[pieces] > MOSTLY)
 
@@ -129,18 +131,19 @@ def mesh_touching(
 
     None where they are not near enough, or cross, however fine one of them is.
     """
-    known: dict[tuple[int, float], tuple[Labelled, float]] = {}
+
+    @cache
+    def made(number: int, aim: float) -> Made:
+        found = mesh(surfaces[number], aim)
+        return found if isinstance(found, Refusal) else _with_contacts(found[0], surfaces[number], aim)
+
     finer = [(-1, 1.0), *product(range(len(surfaces)), SHARES)]
     for number, share in sorted(finer, key=lambda pair: -pair[1]):
         checkpoint("meshing surfaces that touch")
-        keys = [(i, LEFT * tolerance * (share if i == number else 1.0)) for i in range(len(surfaces))]
-        for i, aim in keys:
-            if (i, aim) not in known:
-                made = mesh(surfaces[i], aim)
-                if isinstance(made, Refusal):
-                    return made
-                known[i, aim] = _with_contacts(made[0], surfaces[i], aim)
-        meshes, reached = zip(*(known[key] for key in keys), strict=True)
+        found = _all_made(made(i, LEFT * tolerance * (share if i == number else 1.0)) for i in range(len(surfaces)))
+        if isinstance(found, Refusal):
+            return found
+        meshes, reached = zip(*found, strict=True)
         pairs = permutations(zip(surfaces, meshes, strict=True), 2)
         if max(reached) <= tolerance and not any(_crosses(one, *other) for (_, one), other in pairs):
             return together(field, surfaces, meshes), max(reached)

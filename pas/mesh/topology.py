@@ -124,17 +124,20 @@ def seams(triangles: Integers, faces: Integers) -> Integers:
 
 def euler_characteristic(triangles: Integers) -> int:
     """Vertices - edges + triangles."""
-    ends = triangles[:, [1, 2, 0]]
-    keys = np.minimum(triangles, ends) * (int(triangles.max(initial=0)) + 1) + np.maximum(triangles, ends)
-    return len(distinct(triangles)) - len(distinct(keys)) + len(triangles)
+    return len(distinct(triangles)) - len(edge_table(triangles)[0]) + len(triangles)
+
+
+def connected(ends: Integers, size: int) -> Integers:
+    """The number of the connected piece of each of so many vertices, joined by edges (E, 2)."""
+    graph = coo_array((np.ones(len(ends)), ends.T), shape=(size, size))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.intp)
 
 
 def piece_count(triangles: Integers) -> int:
     """The number of connected pieces."""
     size = int(triangles.max(initial=-1)) + 1
     ends = triangles[:, [0, 1, 1, 2]].reshape(-1, 2)
-    graph = coo_array((np.ones(len(ends)), ends.T), shape=(size, size))
-    return len(distinct(connected_components(graph, directed=False)[1].astype(np.intp)[triangles])) if size else 0
+    return len(distinct(connected(ends, size)[triangles])) if size else 0
 
 
 class Edges:
@@ -168,12 +171,6 @@ class Edges:
     def rim(self) -> Integers:
         """Those (R, 2) of one triangle, directed as in it."""
         return self.every[len(self._inner) :]
-
-    @property
-    def apexes(self) -> Integers:
-        """The vertices (I, 2) opposite to the inner edges in their owners."""
-        ends = self.inner.sum(axis=1)[:, None]
-        return np.asarray(self.triangles[self.owners].sum(axis=2) - ends)
 
     @property
     def loops(self) -> list[Integers]:

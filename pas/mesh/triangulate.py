@@ -52,9 +52,8 @@ MORE = 0.4
 """Added to the number of parts into which edges of the first triangles are cut, before that is rounded down: these may
 be a little coarser than those of a star, which rays have to see all of."""
 
-FOLDED, FOLDS = 0.3, 0.03
-"""Cosine with the normals below which a triangle counts as folded; and the share of such triangles, and of those
-without area, that coarsening and smoothing may have to mend."""
+FOLDS = 0.03
+"""Share of folded triangles, and of those without area, that coarsening and smoothing may have to mend."""
 
 
 def triangulate(field: CellField, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:
@@ -168,7 +167,7 @@ def _first(field: CellField, grid: Lattice) -> Labelled:
         if not field.within(points):
             continue
         upright = uprightness(points, triangles, unit_rows(field.gradients(points)))
-        if np.mean(~(upright >= FOLDED)) <= FOLDS and _shows_curves(field, points[~inner]):
+        if np.mean(~(upright >= Settings.folded)) <= FOLDS and _shows_curves(field, points[~inner]):
             return open_mesh(field, points, triangles, rim)
     upright = uprightness(crossed, plain, unit_rows(field.gradients(crossed)))
     place = crossed[plain[np.argmin(upright)]].mean(axis=0)

@@ -19,12 +19,6 @@ from pas.surface.function import PiecewisePolynomial
 from pas.surface.local_field import LocalField
 from pas.surface.radial_field import RadialField
 
-FINER = (1.0, 0.5, 0.25)
-"""Shares of the tolerance that are tried in turn where triangles fold: finer ones need not."""
-
-SHARP = 10.0
-"""Times the neighbours' curvature beyond which a surface's own is named where it cannot be meshed."""
-
 
 class Mesher:
     """What meshes one surface, and moves meshes onto it."""
@@ -74,8 +68,10 @@ class Mesher:
             return followed(cells, local, triangles, wall_numbers(cells, local, triangles), tolerance / cells.scale)
 
     def _triangles(self, tolerance: float, most: int | None, aim: float) -> Mesh:
+        # shares of the tolerance that are tried in turn where triangles fold: finer ones need not
+        finer = (1.0, 0.5, 0.25)
         field = self.radial_field
-        for share in () if field is None else FINER:
+        for share in () if field is None else finer:
             assert field is not None
             try:
                 with np.errstate(all="ignore"):  # what is not finite is no graph
@@ -116,11 +112,12 @@ def _outside(surface: PiecewisePolynomial, face: OuterFace) -> bool:
 
 def _sharpest(surface: PiecewisePolynomial) -> str:
     """Where a surface bends much more than its neighbours, and what makes room, in words."""
+    sharp = 10.0  # times the neighbours' curvature beyond which a surface's own is named where it cannot be meshed
     try:
         fair = fairness(surface)
     except GeometryError:
         return ""
-    if not fair.sharpness > SHARP:
+    if not fair.sharpness > sharp:
         return ""
     x, y, z = (f"{v:.4g}" for v in fair.sharpest)
     return (
