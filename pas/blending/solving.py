@@ -81,7 +81,9 @@ def _linear(placed: PlacedContacts, degree: int) -> Patches:
         return patches_of(placed, degree, [(member,) for member in members])
     if len(placed.partition.cells) > MANY_CELLS:
         layout = placed.partition.layout
-        return Net(placed, degree).solve() if layout is None else solve_on_layout(placed, layout, degree)
+        if layout is None:
+            return Net(placed, degree).solve()
+        return solve_on_layout(placed.local_contacts, placed.carriers, placed.order, layout, degree)
     return Conditions(placed).solve(degree)
 
 

@@ -24,22 +24,20 @@ from pas.blending.net import Row, across, domain_point, members, multinomial, nu
 from pas.contacts.contact import Contact
 from pas.limits import checkpoint
 from pas.partition.layout import Layout
-from pas.surface.placed import PlacedContacts
 
 Tables = tuple[fmpz_mat, ...]
 """For each piece the members' coefficients, one member a row."""
 
 
-def solve_on_layout(placed: PlacedContacts, layout: Layout, degree: int) -> Products:
-    """A basis of all solutions: for each piece (dimension, C(n+3, 3)) coefficients of monomials."""
-    return _solved(placed.local_contacts, placed.carriers, placed.order, layout, degree)
-
-
 @lru_cache(maxsize=16)
-def _solved(
+def solve_on_layout(
     contacts: tuple[Contact, ...], carriers: tuple[tuple[int, ...], ...], order: int, layout: Layout, degree: int
 ) -> Products:
-    """The patches of all members, kept by what they depend on: regions of one layout differ in their walls alone."""
+    """A basis of all solutions: for each piece (dimension, C(n+3, 3)) coefficients of monomials.
+
+    `contacts` are in local coordinates, `carriers` the pieces of each.  Kept by what it depends on: regions of one
+    layout differ in their walls alone.
+    """
     parts = [splines(layout, order, d) for d in range(degree + 1)]
     total = sum(part[0].nrows() for part in parts)
     tables = tuple(_side_by_side([part[piece] for part in parts], degree) for piece in range(len(layout.pieces)))

@@ -12,10 +12,11 @@ from typing import ClassVar
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.affine import away, height
 from pas.algebra.brief import brief
 from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
+from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, to_float, vector
 from pas.contacts.axial import listed, positive
 from pas.contacts.contact import Contact, Movable
@@ -137,9 +138,8 @@ class Opening(Movable):
     @cached_property
     def contact(self) -> Contact:
         """The surface and the cone as polynomials."""
-        w = [g - c for g, c in zip(GENERATORS, self.point, strict=True)]
-        along = sum((c * a for c, a in zip(w, self.axis, strict=True)), 0 * w[0])
-        square = sum((c * c for c in w), 0 * w[0])
+        along = height(self.point, self.axis)
+        square = sum((c * c for c in away(self.point)), 0 * along)
         clip = square * dot(self.axis, self.axis) - (1 + self.slope**2) * along * along
         return Contact(self.surface, Polynomial.from_raw(clip))
 

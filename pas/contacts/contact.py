@@ -118,7 +118,7 @@ class Contact(Movable):
 class HasContact(Protocol):
     """Anything that stands for a contact, such as a `Pipe`.
 
-    A class of these is one file; registered in `CONTACTS`, problem files know it by the name of its `table`,
+    A class of these is registered in `CONTACTS`: problem files know it by the name of its `table`,
     whose keys are the arguments of its constructor.  One with a static `inner_surface(contact, thickness)` says what is
     inside a wall of contacts of its kind (`pas.contacts.parallels`).
     """

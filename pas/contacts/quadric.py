@@ -11,7 +11,7 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from flint import fmpq, fmpq_mpoly
 
-from pas.algebra.affine import translation
+from pas.algebra.affine import height, translation
 from pas.algebra.brief import brief
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
@@ -121,7 +121,7 @@ def _narrowed(axes: Axes, center: Vector, rest: fmpq, thickness: fmpq) -> Polyno
     for i, (axis, value) in enumerate(axes):
         if value == 0:
             continue
-        along = sum(((g - c) * a for g, c, a in zip(GENERATORS, center, axis, strict=True)), GENERATORS[0] * 0)
+        along = height(center, axis)
         by = 1 / squares[i] if i in squares else value / -rest
         raw += along * along * (scale * by / dot(axis, axis))
     return Polynomial.from_raw(raw)

@@ -207,8 +207,8 @@ def _best(outer: B, cavity: Cavity) -> HollowBlend[B]:
     best: HollowBlend[B] | None = None
     least: Rank | None = None
     failure: Exception | None = None
-    ways = chain(((way, False) for way in cavity.ways()), ((way, True) for way in cavity.last_ways()))
-    for (degree, partition), last in ways:
+    trials = chain(((trial, False) for trial in cavity.trials()), ((trial, True) for trial in cavity.last_trials()))
+    for (degree, partition), last in trials:
         if last and least is not None and not least[0]:
             break
         try:

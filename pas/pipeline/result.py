@@ -87,7 +87,8 @@ class Blend(ChosenBlend):
         `length` is in the model's units (by default half of the region's size; 0 ends the solid at the clips), `names`
         are the neighbours' faces ("neighbour 1", ... by default), whose caps are named after them ("neighbour 1 end").
         The contacts are its joints.  Around an opening a plate goes on as a slab and another surface as a piece up to a
-        wider cone, by default half of the opening's radius, with a flat "neighbour 1 back" (see `pas.pipeline.mouth`).
+        wider cone, by default half of the opening's radius, with a flat "neighbour 1 back" (see
+        `pas.pipeline.around_opening`).
 
         Raises `GeometryError` where a clip is neither a plane nor the cone of an opening, where the surface has no
         region, and where the one around an opening does not go on as one sheet so far.

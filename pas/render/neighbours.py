@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from pas.algebra.lengths import unit
@@ -47,41 +49,39 @@ def strip(f: Polynomial, start: Floats, away: Floats, step: float) -> list[Float
 
     They end where bringing a point back to the surface by Newton's method moves it by half a step or more.
     """
-    rows, points = [np.stack([start, unit(f.gradient(start))])], start
-    for _ in range(ROWS):
-        aimed = points + step * away
-        moved = aimed
+
+    def advance(points: Floats, away: Floats) -> Floats | None:
+        aimed = moved = points + step * away
         for _ in range(4):
             slope = f.gradient(moved)
             with np.errstate(all="ignore"):
                 moved = moved - (f(moved) / (slope * slope).sum(axis=1))[:, None] * slope
-        stray = np.linalg.norm(moved - aimed, axis=1).max()
-        normals = unit(f.gradient(moved))
-        if not _goes_on(rows[0][0], moved, normals) or not stray <= step / 2:
-            break
-        away = _within(moved - points, normals)
-        points = moved
-        rows.append(np.stack([points, normals]))
-    return rows
+        near = np.linalg.norm(moved - aimed, axis=1).max() <= step / 2
+        return np.stack([moved, unit(f.gradient(moved))]) if near else None
+
+    return _rows(np.stack([start, unit(f.gradient(start))]), away, advance)
 
 
 def _parametric(surface: ParametricSurface, places: Floats, away: Floats, step: float) -> list[Floats]:
-    """A collar on a parametric surface, from parameters (n, 2), as far as its domain goes."""
+    """Rows of points and normals (2, n, 3) on a surface, from parameters (n, 2), as far as its domain goes."""
     whole = surface.with_domain(None)
     low, high = np.array(surface.domain).T
-    points = whole(places)
-    rows = [np.stack([points, whole.normals(places)])]
-    for _ in range(ROWS):
-        middle = places + _change(whole, places, step / 2 * away)
-        moved = np.clip(places + _change(whole, middle, step * away), low, high)
-        if (moved == places).all():
-            break
-        there, normals = whole(moved), whole.normals(moved)
-        if not _goes_on(rows[0][0], there, normals):
-            break
-        away = _within(there - points, normals)
-        places, points = moved, there
-        rows.append(np.stack([points, normals]))
+
+    def advance(_: Floats, away: Floats) -> Floats | None:
+        nonlocal places
+        before, middle = places, places + _change(whole, places, step / 2 * away)
+        places = np.clip(before + _change(whole, middle, step * away), low, high)
+        return None if (places == before).all() else np.stack([whole(places), whole.normals(places)])
+
+    return _rows(np.stack([whole(places), whole.normals(places)]), away, advance)
+
+
+def _rows(first: Floats, away: Floats, advance: Callable[[Floats, Floats], Floats | None]) -> list[Floats]:
+    """The first row of points and normals (2, n, 3), and those to which one advances from each along unit vectors."""
+    rows = [first]
+    while len(rows) <= ROWS and (row := advance(rows[-1][0], away)) is not None and _goes_on(first[0], *row):
+        away = _within(row[0] - rows[-1][0], row[1])
+        rows.append(row)
     return rows
 
 

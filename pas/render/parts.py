@@ -7,7 +7,6 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
-from pas.exchange.picture_options import Style
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.render.picture import draw
@@ -25,16 +24,6 @@ class PartLook(Enum):
     CUT = "cut"
 
 
-OPTIONS: dict[PartLook, dict[str, Any]] = {
-    PartLook.PLAIN: {},
-    PartLook.FOUR_VIEWS: {"four_views": True},
-    PartLook.ZEBRA: {"style": Style.ZEBRA},
-    PartLook.EXPLODED: {"exploded": True},
-    PartLook.CUT: {"cut": True},
-}
-"""What `pas.draw` calls a look."""
-
-
 @limited("drawing", "a coarser tolerance")
 def draw_parts(
     shape: Shape,
@@ -48,8 +37,9 @@ def draw_parts(
     progress: Report | None = None,
 ) -> Path:
     """`pas.draw` with a look; `meshes`, by part, spare meshing again."""
-    options = {**OPTIONS[look], "tolerance": tolerance, "size": size}
-    return draw(shape, path, mesh=meshes, **options)
+    styled = look in (PartLook.PLAIN, PartLook.ZEBRA)  # the others are options of their own
+    options: Any = {"style": look.value} if styled else {look.name.lower(): True}
+    return draw(shape, path, mesh=meshes, tolerance=tolerance, size=size, **options)
 
 
 def solid_layers(shape: Shape, scene: Scene, name: str = "", color: str = BLEND_COLOR) -> None:

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.evaluation import BLOCK, PolynomialBatch
+from pas.algebra.evaluation import CHUNK_ENTRIES, PolynomialBatch
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import to_float
@@ -122,11 +122,8 @@ class TreeEvaluator:
 
     def signs(self, points: Floats) -> Bools:
         """Which columns (M, N) are <= 0 at points (N, 3)."""
-        result = np.empty((self.used, len(points)), dtype=bool)
-        for start in range(0, len(points), BLOCK):
-            part = slice(start, start + BLOCK)
-            result[:, part] = self.values(points[part]) <= 0
-        return result
+        parts = np.array_split(points, 1 + len(points) * self.used // CHUNK_ENTRIES)
+        return np.concatenate([self.values(part) <= 0 for part in parts], axis=1)
 
     def values(self, points: Floats) -> Floats:
         """Values of the tree's columns (M, N) at points (N, 3), each by a positive factor."""

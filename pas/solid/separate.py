@@ -140,7 +140,7 @@ def _tangency(p: Polynomial, q: Polynomial, start: Floats) -> Floats | None:
         return None  # planes
     functions = derivative_batch([f.dense(f.degree) for f in (p, q)], (0, 1, 2))
     point, factor = start.copy(), None
-    for _ in range(30):
+    for _ in range(30):  # fewer where it converges; else there is no contact
         jets = functions(np.tile(point, (2, 1)), np.arange(2))
         values, hessians = jets[:, :4], symmetric(jets[:, 4:], 2)
         (_, *a), (_, *b) = values
