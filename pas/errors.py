@@ -8,6 +8,7 @@ classes under `InputError` end with exit code 2, the others with 1.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any
@@ -89,3 +90,12 @@ class LimitError(PasError):
 
 class MissingLibraryError(PasError):
     """A system library or optional package is absent; the message says how to install it."""
+
+
+def library(name: str, how: str) -> Any:
+    """The module of an optional package; raises `MissingLibraryError`, which says `how` to install it, without it."""
+    try:
+        __import__(name)
+    except ImportError:
+        raise MissingLibraryError(how) from None
+    return sys.modules[name]

@@ -23,11 +23,13 @@ from pas.bernstein.forms import (
     gram,
     nearby_forms,
     on_simplex,
+    polar_forms,
     rounded,
     rounded_forms,
 )
+from pas.bernstein.products import BoundedForms
 from pas.bernstein.search import Boxes, Fate, Limits, search
-from pas.bernstein.signs import prove_apart, prove_positive, prove_positive_inside
+from pas.bernstein.signs import prove_apart, prove_positive
 from pas.bernstein.simplices import Simplices, rounding_bound
 from pas.bernstein.subdivision import bisection, edges, halved, halves
 from pas.certify.critical_points import critical_parts, isolated
@@ -188,6 +190,63 @@ def test_forms_that_cancel_or_leave_the_range_of_doubles_are_rounded(size):
         assert np.abs(forms - exact).max() <= error < LARGEST_ERROR + UNIT_ROUNDOFF
     cancelled = Polynomial("(x - 1)^4 + (y - 1)^4").raw
     assert np.array_equal(nearby_forms([cancelled], [near], 4)[0], rounded_forms(cancelled, [near], 4))
+    tiny, cubic = [vector([c / 10**107 for c in v]) for v in TETRAHEDRON], Polynomial("x^3 + 2*x*y^2").raw
+    assert np.array_equal(nearby_forms([cubic], [tiny], 3)[0], rounded_forms(cubic, [tiny], 3))
+
+
+def test_corners_that_moved_by_rounding_count():
+    """As halving rounds them: here by a thousand roundings of the largest coordinate, away from 0."""
+    corners = np.array([[[0.0, 0, 0], [8, 0, 0], [0, 8, 0], [0, 0, 8]]])
+    p, moved = Polynomial("x + 3*x*y"), 1000
+    exact = polar_forms([p], corners, 2)[0]
+    forms, error = polar_forms([p], corners + moved * UNIT_ROUNDOFF * 8, 2, moved, 8.0)
+    assert 0 < np.abs(forms - exact).max() <= error[0] < 1e-9
+
+
+@pytest.mark.parametrize("off", [(0, 0), (2.0, 0), (0, 2.0)])
+def test_sums_and_products_of_forms_are_as_near_as_they_say(off):
+    """Of forms that are exact, or off by as much as they may be."""
+    polynomials = [dense(degree, seed) * 5040 for seed, degree in enumerate((3, 2))]
+    corners = [vector(v) for v in ((0, 0, 0), (3, 0, 1), (1, 2, 0), (0, 1, 4))]
+    exact = [b_form(on_simplex(p.raw, corners), p.degree, 3) for p in polynomials]
+    given = [np.array([to_floats([c * 24 for c in form])]) for form in exact]
+    assert all(float(v) == v for form in given for v in form[0])
+    p, q = (
+        BoundedForms(form + error * (-1.0) ** np.arange(form.size), degree, np.array([error]))
+        for form, error, degree in zip(given, off, (3, 2), strict=True)
+    )
+    for found, wanted in (
+        (p * q, polynomials[0] * polynomials[1] * 24**2),
+        (q * p, polynomials[0] * polynomials[1] * 24**2),
+        (p + q, (polynomials[0] + polynomials[1]) * 24),
+        (p - q * 3.0, (polynomials[0] - polynomials[1] * 3) * 24),
+        (q.raised(5), polynomials[1] * 24),
+    ):
+        form = b_form(on_simplex(wanted.raw, corners), found.degree, 3)
+        apart = [abs(to_fraction(v) - Fraction(f)) for v, f in zip(form, found.values[0].tolist(), strict=True)]
+        assert max(apart) <= found.error[0] and (any(off) or found.error[0] < 1e-10 * found.size[0])
+    error = (p * q * 1e-300).scaled()[1]
+    assert error >= 1 and np.abs((p * q).scaled()[0]).max() == 1
+
+
+def test_values_that_became_small_are_worked_out_anew():
+    """x^2 + 1e-20 is positive on [0, 1] and x^2 - 1e-20 is not, which halving alone does not tell."""
+    segment = [vector((0, 0, 0)), vector((1, 0, 0))]
+    above, below = (Polynomial(f"x^2 {sign} 1/10^20").raw for sign in "+-")
+
+    def proof(raws, error=UNIT_ROUNDOFF):
+        def anew(corners, source):
+            parts = [[vector(v) for v in part] for part in corners.tolist()]
+            forms = [rounded_forms(raws[s], [part], 2)[0] for s, part in zip(source.tolist(), parts, strict=True)]
+            return np.array(forms), error
+
+        value = np.concatenate([rounded_forms(raw, [segment]) for raw in raws])
+        corners = np.array([[to_floats(v) for v in segment]] * len(raws))
+        return prove_positive(value, corners).status, prove_positive(value, corners, anew=anew).status
+
+    assert proof([above]) == (Status.UNDECIDED, Status.PROVED)
+    assert proof([above, below]) == (Status.UNDECIDED, Status.REFUTED)
+    assert proof([above], 0.6)[1] is Status.UNDECIDED
 
 
 def test_an_error_before_the_halvings_counts():
@@ -312,9 +371,7 @@ def test_a_zero_that_may_be_there_is_not_passed_over(value, zero):
 def one_simplex(value, zero, below=False):
     """The claim on one tetrahedron with these B-coefficients, before it is halved."""
     forms, corners, limits = (np.array([value]), np.array([zero])), np.eye(4)[None, :, :3], Limits(depth=0)
-    return (
-        prove_positive_inside(*forms, corners, limits) if below else prove_positive(forms[0], corners, forms[1], limits)
-    )
+    return prove_positive(forms[0], corners, forms[1], limits, below=below)
 
 
 def test_a_multiple_of_what_vanishes_may_be_added():
@@ -342,10 +399,10 @@ def test_none_of_several_is_positive():
         ([low, low], "refuted"),
         ([low], "refuted"),
     ):
-        assert prove_positive_inside(value, inside, corners, limits).status.value == status
+        assert prove_positive(value, corners, inside, limits, below=True).status.value == status
     there = np.array([[0.5, -0.5, 0.5, 0.5]])
-    assert prove_positive_inside(value, [low, there], corners, limits).status is Status.UNDECIDED
-    found = prove_positive_inside(low, [low, np.array([[0.5, 0.5, -0.5, 0.5]])], corners, limits)
+    assert prove_positive(value, corners, [low, there], limits, below=True).status is Status.UNDECIDED
+    found = prove_positive(low, corners, [low, np.array([[0.5, 0.5, -0.5, 0.5]])], limits, below=True)
     assert found.status is Status.REFUTED and found.witness.tolist() == [0, 0, 1]
 
 

@@ -288,8 +288,8 @@ def test_degrees_are_tried_up_to_twice_the_order_at_least(order, degree):
 
 def test_a_refusal_says_where_the_search_ended(monkeypatch):
     few = SearchSettings(degrees=1, above=0, fewest=1, per_order=1)
-    monkeypatch.setattr("pas.pipeline.find.CORNER", few)
-    monkeypatch.setattr("pas.pipeline.find.GIVEN", few)
+    monkeypatch.setattr("pas.pipeline.search.CORNER", few)
+    monkeypatch.setattr("pas.pipeline.search.GIVEN", few)
     with pytest.raises(pas.InfeasibleError, match=r"; the search ended at degree 5 \(degree=6 goes on\); ") as one:
         pas.blend(pipes(EQUAL), 3)
     assert str(one.value).endswith("six tetrahedra (degrees 1 to 4: dimension 0, degree 5: dimension 1)")

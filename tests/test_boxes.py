@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pas
-from pas.mesh.edges import Edges
+from pas.mesh.topology import Edges
 
 TORUS = "(x^2 + y^2 + z^2 + 8/9)^2 - 4*(x^2 + y^2)"
 BOX = ((-2, -2, -2), (2, 2, 2))

@@ -171,10 +171,10 @@ def test_hairs_stand_outside_and_have_sensible_lengths():
     usual = straight_comb([1, -1] * 50)
     layer = layer_with(usual)
     factor = hair_length([layer])
-    assert factor == pytest.approx(drawing.USUAL)
-    assert tips(layer, factor)[:, 2] == pytest.approx(drawing.USUAL)  # concave ones, too
+    assert factor == pytest.approx(0.16)
+    assert tips(layer, factor)[:, 2] == pytest.approx(0.16)  # concave ones, too
     spiked = layer_with(straight_comb([1] * 99 + [50]))
-    assert 50 * hair_length([spiked]) == pytest.approx(drawing.LONGEST)
+    assert 50 * hair_length([spiked]) == pytest.approx(0.4)
     assert hair_length([layer_with(straight_comb([0, 0, 0]))]) == 0
     assert hair_length([layer_with()]) == 0
     assert hair_length([layer, layer_with(straight_comb([2] * 9))]) < factor  # one length for all
@@ -182,8 +182,8 @@ def test_hairs_stand_outside_and_have_sensible_lengths():
 
 def test_concave_hairs_do_not_cross_where_they_can_be_short():
     hollow, sharp = (hair_length([layer_with(straight_comb([-bent] * 9))]) for bent in (8, 100))
-    assert 8 * hollow == pytest.approx(drawing.INNER / 8)  # of the radius
-    assert 100 * sharp == pytest.approx(drawing.SHORTEST * drawing.USUAL)
+    assert 8 * hollow == pytest.approx(0.1)  # of the radius
+    assert 100 * sharp == pytest.approx(0.4 * 0.16)
 
 
 class Drawn:
@@ -200,7 +200,7 @@ def test_hairs_are_coloured_by_sign_and_stand_on_the_curve():
     comb = straight_comb([2, 1, -1, -3])
     layer, shift, plotter = layer_with(comb), np.array([0.0, 5.0, 0.0]), Drawn()
     drawing.add_combs(plotter, layer, 0.1, shift, lambda data: data)
-    base = comb.points + shift + [0, 0, drawing.ABOVE]  # on the outside: normals are along z
+    base = comb.points + shift + [0, 0, 0.002]  # on the outside: normals are along z
     assert [color for _, _, color, _ in plotter.parts] == [
         drawing.NEARBY, drawing.CONVEX, drawing.CONVEX, drawing.CONCAVE, drawing.CONCAVE
     ]  # fmt: skip

@@ -19,7 +19,7 @@ from pas.algebra.evaluation import evaluate
 from pas.algebra.monomials import count
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_floats
-from pas.surface.exact_crossings import exact_crossings
+from pas.surface.crossings import exact_crossings
 from pas.surface.rays import HIGHEST, LocalRays, interpolation
 
 SPHERE = "x^2 + y^2 + z^2 - 1"

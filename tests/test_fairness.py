@@ -71,10 +71,14 @@ def test_measures_are_finite_numbers_of_python(surface):
 
 
 def test_limits_are_told_but_those_that_are_none():
-    assert pas.FairnessLimits.of_order(1).told == "sharpness 1.02, hollowness 1.6, bulge 0.05, wrong sign 0.2"
+    assert (
+        pas.FairnessLimits.of_order(1).told == "sharpness 1.02, hollowness 1.6, bulge 0.05, wrong sign 0.2, waist 0.03"
+    )
     blend = pas.blend([pas.Pipe((1, 0, 0), 1, 2), pas.Pipe((-1, 0, 0), "1/2", 2)], 1)
     lines = str(blend).splitlines()
-    assert any(line.split() == ["fairness", "within", "its", "limits:", "bulge", "0.1"] for line in lines)
+    assert any(
+        line.split() == ["fairness", "within", "its", "limits:", "bulge", "0.1,", "waist", "0.03"] for line in lines
+    )
     assert "; sections turn nowhere" in str(blend) and not any(line.endswith(" 0.000") for line in lines)
     wall = str(blend.hollow("1/5"))
     assert "outer: GC^1, degree 4, fan of 6 half-planes around (0, 0, 1), fair\n" in wall
@@ -122,7 +126,7 @@ def test_measures_are_those_of_the_surface_itself():
     assert json.loads(json.dumps(found.to_record()))["points"] == found.points
     beyond = found.beyond(pas.FairnessLimits.of_order(2))
     assert beyond and not found.within(pas.FairnessLimits.of_order(2))
-    assert found.within(pas.FairnessLimits(*[1e9] * 4))
+    assert found.within(pas.FairnessLimits(*[1e9] * 5))
     assert any(word.startswith("sharpness") for word in found.beyond(pas.FairnessLimits(sharpness=0.5)))
 
 
@@ -148,7 +152,7 @@ def test_what_cannot_be_measured():
 def test_limits_further_inside():
     found = pas.node([((1, 0, 0), 1), ((0, 1, 0), 1)], 1).fairness
     usual = pas.FairnessLimits()
-    wide = replace(usual, sharpness=9, hollowness=9, bulge=9, wrong_sign=9)
+    wide = replace(usual, sharpness=9, hollowness=9, bulge=9, wrong_sign=9, waist=9)
     assert found.inside(wide, 4) == wide  # nothing is beyond
     narrow = replace(wide, sharpness=found.sharpness - 0.01, bulge=found.bulge / 2 or 9)
     inner = found.inside(narrow, 4)

@@ -16,7 +16,7 @@ from pas import Boundary, GeneratrixShape, Polynomial, ShapeFunction, Status, ge
 from pas.errors import GeometryError, NotProvedError
 from pas.parametric.generatrix.align import alignment, sides
 from pas.parametric.generatrix.crossings import crossings
-from pas.parametric.generatrix.frames import connectivity
+from pas.parametric.generatrix.form import connectivity
 from pas.parametric.nets import bernstein_at
 
 S = np.linspace(0, 1, 101)

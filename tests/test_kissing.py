@@ -9,7 +9,7 @@ import pytest
 
 from pas import solid
 from pas.errors import MeshError
-from pas.mesh.kissing import _pierced
+from pas.mesh.surfaces import _pierced
 from pas.mesh.topology import is_closed_manifold
 from pas.solid.field import SolidField
 from pas.solid.separate import contacts

@@ -11,7 +11,7 @@ import pytest
 import pas
 from pas.algebra.rational import cross, determinant, dot, rational
 from pas.blending.net import Net
-from pas.blending.place import places
+from pas.blending.place import ended
 from pas.blending.spherical import splines
 from pas.contacts.contact import as_contact
 from pas.exchange.problem import read_problem
@@ -127,21 +127,21 @@ def directional(points, direction, exponents, times):
 
 @pytest.mark.parametrize("name", DIMENSIONS)
 def test_named_nodes_have_their_dimensions(name):
-    placed = next(places(NODES[name], 1, "fan"))
+    placed = next(ended(NODES[name], 1, "fan").places())
     assert pas.solutions(NODES[name], 1, 4, placed.partition).dimension == DIMENSIONS[name][0]
     assert pas.solutions(NODES[name], 2, 5, placed.partition).dimension == DIMENSIONS[name][1]
 
 
 def test_a_third_half_plane_in_each_gap_adds_thirty():
     six = pas.solutions(NODES["three skew"], 2, 5, "fan")
-    nine = list(places(NODES["three skew"], 2, "fan"))[-1]
+    nine = list(ended(NODES["three skew"], 2, "fan").places())[-1]
     assert len(nine.partition.pieces) == 9
     assert (six.dimension, pas.solutions(NODES["three skew"], 2, 5, nine.partition).dimension) == (7, 37)
 
 
 def test_a_region_on_more_cells_has_the_space_of_its_layout():
     # the net of B-coefficients on all cells of the region is another construction
-    placed = next(places(NODES["elbow"], 1, "fan"))
+    placed = next(ended(NODES["elbow"], 1, "fan").places())
     assert Net(placed, 4).solve()[0].nrows() == pas.solutions(NODES["elbow"], 1, 4, placed.partition).dimension
 
 
@@ -161,13 +161,13 @@ def test_the_layout_of_a_region_is_the_one_it_was_built_on(kind):
 def test_a_kind_that_is_asked_for_has_a_region_at_any_order_or_a_sentence(kind, order):
     for contacts in (five(), NODES["six-way"], NODES["elbow"]):
         try:
-            placed = next(places(contacts, order, kind))
+            placed = next(ended(contacts, order, kind).places())
         except pas.GeometryError as error:
             assert len(str(error)) > 20
         else:
-            assert placed.partition.title == next(places(contacts, min(order, 2), kind)).partition.title
+            assert placed.partition.title == next(ended(contacts, min(order, 2), kind).places()).partition.title
     if kind == "strips":
-        assert next(places(five(), order, kind)).partition.title.startswith("strips")
+        assert next(ended(five(), order, kind).places()).partition.title.startswith("strips")
 
 
 def test_strips_have_a_surface_of_order_2():
@@ -387,7 +387,7 @@ def test_struts_have_clips_where_a_blend_has_room():
 
 
 def test_pictures_of_layouts_with_the_curves_of_contacts(tmp_path, monkeypatch):
-    placed = next(places(NODES["three skew"], 1))
+    placed = next(ended(NODES["three skew"], 1).places())
     layout, contacts = placed.partition.layout, placed.contacts
     with_discs = layout.picture(tmp_path / "a.png", contacts, size=(160, 120))
     without = layout.picture(tmp_path / "b.png", size=(160, 120))

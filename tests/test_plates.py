@@ -252,7 +252,7 @@ def test_the_size_does_not_matter(scale):
         (OPENINGS["nozzle"], [pas.Opening(f"x^2 + y^2 - {4 * k * k}", X, "4/7"), pas.Pipe(X, k / 2, 3 * k)]),
     )
     for usual, scaled in cases:
-        before, after = (place(ended(items, 1, None), 1).partition.points for items in (usual, scaled))
+        before, after = (place(items, 1).partition.points for items in (usual, scaled))
         assert after == pytest.approx(before * float(k), abs=0.03 * float(k) * np.abs(before).max())
 
 
@@ -281,7 +281,7 @@ def test_clips_that_are_placed():
     upright = pas.blend([pas.Plate(Z, 2), pas.Pipe(Z, 1, "auto")], 1).surface.contacts[1]
     assert upright.clip == pas.Polynomial("z - 1")
     along = [pas.Pipe((1, 1, 0), "3/5", 2), pas.Pipe((2, 1, -1), "1/3", "auto"), pas.Plate((2, 1, -1), "3/4")]
-    assert ended(along, 2, None)[1].clip == fmpq(11, 64)  # parallel, but for rounding
+    assert ended(along, 2).circles[1].clip == fmpq(11, 64)  # parallel, but for rounding
     leaning = pas.solutions([pas.Plate(Z, 2), pas.Pipe((1, 0, 2), "1/2", "auto")], 1, 5).placed.contacts[1]
     assert leaning.clip.degree == 1
 

@@ -37,6 +37,32 @@ EQUAL = ("1/3", "1/3", "1/3")
 CORNER = {"order": 1, "degree": 3, "pipes": [{"axis": a, "radius": "1/3", "clip": 1} for a in ([0, 1, 0], [0, 0, 1])]}
 
 
+def test_the_way_of_contacts_is_as_it_is_told():
+    """In the order in which the functions are first called; at most 25 of them, in at most 14 files."""
+    rows = re.findall(r"^\| `pas/(\S+\.py)` \| (`\w+`(?:, `\w+`)*) \|$", TEXT.split("## The rooms")[0], flags=re.M)
+    told = [(file, name) for file, names in rows for name in re.findall(r"\w+", names)]
+    assert 20 < len(told) <= 25 and len({file for file, _ in told}) <= 14
+    found: dict[tuple[str, str], None] = {}
+
+    def called(frame, event, _):
+        if event == "call":
+            *_, owner, name = ("", *frame.f_code.co_qualname.split("."))
+            place = (frame.f_code.co_filename.rpartition("/pas/")[2], owner if name == "__init__" else name)
+            if place in told and not name[0].isupper():  # the body of a class is a frame as well
+                found.setdefault(place)
+
+    contacts = [
+        pas.Pipe(axis, radius, "auto") for axis, radius in (((1, 0, 0), "7/6"), ((-1, 2, 0), 1), ((0, -1, 3), 1))
+    ]
+    before = sys.getprofile()
+    sys.setprofile(called)
+    try:
+        pas.blend(contacts, 1)
+    finally:
+        sys.setprofile(before)
+    assert list(found) == told
+
+
 @pytest.fixture(autouse=True)
 def forgotten(monkeypatch):
     """What a recipe registers is forgotten after its test."""

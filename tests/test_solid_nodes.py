@@ -12,11 +12,12 @@ import pytest
 import pas
 from pas import solid
 from pas.errors import MeshError
+from pas.mesh.contraction import contracted
 from pas.mesh.faces import BoundaryCrossings
-from pas.mesh.nodes import Nodes, contracted, find_nodes
+from pas.mesh.nodes import Nodes, find_nodes
 from pas.mesh.octree import Octree
 from pas.mesh.topology import is_closed_manifold
-from pas.solid.implied import PlanesInside, multiples
+from pas.solid.seams import Seams, multiples
 
 AXES = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
 RADIUS = 0.1
@@ -212,10 +213,9 @@ def test_a_plane_on_which_a_part_ends_stays_a_face():
     """Two halves of one curve on a plane, one inside it and one outside: the plane is a boundary everywhere."""
     base, column = solid.cylinder((0, 0, -1), (0, 0, 0), 1, "a"), solid.cylinder((0, 0, 0), (0, 0, 1), 1, "b")
     shape = base | (solid.box((-2, -2, 0), (2, 2, 1)) - column)
-    planes = PlanesInside(shape.field.evaluator)
-    assert not planes.hidden(*_undecided(shape)).any()
+    assert not Seams(shape.field.evaluator, ()).hidden(*_undecided(shape)).any()
     cones = STACKED["cones base on base"][0]()
-    assert PlanesInside(cones.field.evaluator).hidden(*_undecided(cones)).sum() == 1
+    assert Seams(cones.field.evaluator, ()).hidden(*_undecided(cones)).sum() == 1
 
 
 def _undecided(shape):

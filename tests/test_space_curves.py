@@ -15,7 +15,7 @@ from pas import Ideal, Polynomial
 from pas.algebra.components import Components
 from pas.algebra.curve import SpaceCurve, SplitError
 from pas.algebra.roots import RealRoot, between, rational_root, real_roots, simplest
-from pas.algebra.zeros import FORMS, linear_form, real_zeros, values_at_zeros
+from pas.algebra.zeros import linear_form, linear_forms, real_zeros, values_at_zeros
 
 X, Y, Z = (Polynomial(v) for v in "xyz")
 
@@ -68,7 +68,7 @@ def test_zeros_have_exact_signs(generators, points):
         assert zero.sign(X - Y) == (x > y + 1e-9) - (x < y - 1e-9)
         assert zero.sign(X * X - Y * Y + Fraction(1, 10**200)) == 1
     assert real_zeros(Ideal("x", "y")) is None
-    assert values_at_zeros(Ideal("x", "y"), FORMS[0]) is None
+    assert values_at_zeros(Ideal("x", "y"), next(linear_forms())) is None
 
 
 def test_ideals_are_saturated():
@@ -137,12 +137,12 @@ def test_components_of_circles_are_those_that_meet(seed):
 
 
 def test_forms_are_changed_where_a_line_lies_in_their_planes():
-    a, b, _ = FORMS[0]
+    a, b, _ = next(linear_forms())
     curve = SpaceCurve(X * a + Y * b, Z)  # a line on which the first form is 0
-    assert curve.linear != FORMS[0]
+    assert curve.linear != next(linear_forms())
     assert len(on_arcs(curve)) == 1
-    hyperbola = SpaceCurve(linear_form(FORMS[0]) * X - 1, Z)
-    assert hyperbola.linear != FORMS[0]
+    hyperbola = SpaceCurve(linear_form(next(linear_forms())) * X - 1, Z)
+    assert hyperbola.linear != next(linear_forms())
     assert len(set(Components(hyperbola).of(on_arcs(hyperbola)))) == 2
 
 

@@ -10,8 +10,8 @@ import pytest
 from conftest import EQUAL, UNEQUAL, solved
 
 import pas
-from pas.mesh.edges import Edges
 from pas.mesh.quality import smallest_angles
+from pas.mesh.topology import Edges
 from pas.mesh.triangulate import triangulate
 from pas.surface import meshing
 from pas.surface.local_field import LocalField

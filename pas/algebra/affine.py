@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
-from flint import fmpq, fmpq_mat
+from flint import fmpq, fmpq_mat, fmpq_mpoly
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
@@ -29,6 +29,16 @@ from pas.algebra.rational import (
 LARGEST_DENOMINATOR = 10**9
 """Of the tangent of half an angle of rotation: the angle is off by less than 1e-17 radians of what a
 double can say, and the rotation is exactly a rotation."""
+
+
+def away(point: Sequence[fmpq]) -> list[fmpq_mpoly]:
+    """The coordinates relative to a point: x - p, y - q, z - r."""
+    return [g - c for g, c in zip(GENERATORS, point, strict=True)]
+
+
+def height(point: Sequence[fmpq], direction: Sequence[fmpq]) -> fmpq_mpoly:
+    """How far along a direction from a point: `direction . (x - point)`, zero in the plane across it there."""
+    return sum((d * a for d, a in zip(away(point), direction, strict=True)), GENERATORS[0] * 0)
 
 
 @dataclass(frozen=True)
@@ -124,6 +134,11 @@ class Frame:
     def local_points(self, points: Floats) -> Floats:
         """Local coordinates of points (..., 3)."""
         return (np.asarray(points, dtype=float) - to_floats(self.origin)) / to_float(self.scale)
+
+    def place(self, point: Floats) -> tuple[float, float, float]:
+        """One local point (3,) in global coordinates, as Python's numbers."""
+        x, y, z = self.global_points(point).tolist()
+        return x, y, z
 
     def global_points(self, points: Floats) -> Floats:
         """The user's coordinates of local points (..., 3)."""

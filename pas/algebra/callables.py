@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from math import comb
 from typing import Any, TypeAlias
 
@@ -55,20 +56,29 @@ def component(expression: Any, names: Names, name: str) -> Component:
 def from_derivatives(values: Values, given: Derivatives) -> Values:
     """Evaluation on Taylor series by the derivatives that the user gave, and by no others."""
 
-    def coordinate(axis: int, t: Any, h: Any) -> Any:
-        def derivative(first: int, second: int) -> Floats:
-            if (first, second) == (0, 0):
-                return values(plain(t), plain(h))[axis]
-            if (first, second) not in given:
-                raise ValueError(
-                    f"the derivative of orders ({first}, {second}) is not among those given; "
-                    "add it, or give none to have all worked out"
-                )
-            return np.asarray(given[first, second](plain(t), plain(h))[axis], dtype=float)
+    def derivative(t: Floats, h: Floats, first: int, second: int) -> Floats:
+        if (first, second) != (0, 0) and (first, second) not in given:
+            raise ValueError(
+                f"the derivative of orders ({first}, {second}) is not among those given; "
+                "add it, or give none to have all worked out"
+            )
+        parts = values(t, h) if (first, second) == (0, 0) else given[first, second](t, h)
+        return np.stack(np.broadcast_arrays(*parts), axis=-1).astype(float)
 
-        return composed(derivative, t, h)
+    return on_series(derivative)
 
-    return lambda t, h: tuple(coordinate(axis, t, h) for axis in range(3))
+
+def on_series(derivative: Callable[[Floats, Floats, int, int], Floats], size: int = 3) -> Values:
+    """Evaluation of `size` coordinates at arrays or Taylor series from their partial derivatives.
+
+    `derivative(t, h, i, j)` has them as (..., size) at arrays; each order is asked for once.
+    """
+
+    def values(t: Any, h: Any) -> tuple[Any, ...]:
+        known = cache(lambda first, second: derivative(plain(t), plain(h), first, second))
+        return tuple(composed(lambda i, j, axis=axis: known(i, j)[..., axis], t, h) for axis in range(size))  # type: ignore[misc]
+
+    return values
 
 
 def plain(x: Any) -> Any:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain, pairwise
+from itertools import chain, islice, pairwise
 
 from flint import arb, ctx, fmpq, fmpq_mat, fmpq_poly
 
@@ -31,7 +31,7 @@ from pas.algebra.roots import (
     real_roots,
     simplest,
 )
-from pas.algebra.zeros import FORMS, Quotient, RealZero, count_zeros, linear_form, real_zeros, value_at
+from pas.algebra.zeros import Quotient, RealZero, count_zeros, linear_form, linear_forms, real_zeros, value_at
 from pas.limits import checkpoint
 
 SHADOWS = 3
@@ -55,7 +55,8 @@ class Components:
     def __init__(self, curve: SpaceCurve) -> None:
         self.curve = curve
         self._turns = sorted(set(curve.whole.turns or ()))
-        self._shadows = [Shadow(curve, linear) for linear in FORMS if linear != curve.linear][:SHADOWS]
+        others = (linear for linear in linear_forms() if linear != curve.linear)
+        self._shadows = [Shadow(curve, linear) for linear in islice(others, SHADOWS)]
         self._points: dict[fmpq, list[RealZero]] = {}
         self._parents: dict[tuple[fmpq, int], tuple[fmpq, int]] = {}
 

@@ -21,7 +21,6 @@ from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, cross, dot
 from pas.algebra.roots import RealRoot
 from pas.algebra.zeros import (
-    FORMS,
     Quotient,
     RealZero,
     linear_form,
@@ -165,7 +164,7 @@ class CurvePart:
         for value in PLANES:
             quotient = Quotient.of(Ideal(*self.ideal.groebner_basis(), self.curve.form - Polynomial(value)))
             if quotient is not None and quotient.standard:
-                other = next(f for f in FORMS if f != self.curve.linear)
+                other = next(f for f in linear_forms() if f != self.curve.linear)
                 factors = quotient.times(other).charpoly().numer().factor()[1]
                 if [multiplicity for _, multiplicity in factors] == [1]:
                     return True

@@ -56,6 +56,24 @@ class NormalForm:
             self._image(exponent)
         return self._images
 
+    def rows(
+        self, columns: Iterable[tuple[int, Iterable[tuple[Exponents, fmpq]]]], degree: int
+    ) -> list[dict[int, fmpq]]:
+        """Equations, {unknown: coefficient}, which say that a sum of unknown multiples of polynomials is in the ideal.
+
+        `columns` gives unknowns, each with the terms of its polynomial of degree <= `degree`; an equation says that a
+        coefficient of the sum's normal form is zero.
+        """
+        images = self.images(degree)
+        rows: dict[Exponents, dict[int, fmpq]] = {}
+        for unknown, terms in columns:
+            for e, c in terms:
+                for target, value in images[e].items():
+                    row = rows.setdefault(target, {})
+                    row[unknown] = row.get(unknown, fmpq(0)) + c * value
+        cleared = ({u: v for u, v in row.items() if v != 0} for row in rows.values())
+        return [row for row in cleared if row]
+
     def standard(self, degree: int) -> list[Exponents]:
         """The monomials of degree <= `degree` that are their own normal form."""
         return [e for e in exponents(degree) if self._rule(e) is None]

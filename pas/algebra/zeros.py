@@ -22,9 +22,6 @@ from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, to_float
 from pas.algebra.roots import RealRoot, accuracies, exact, real_roots
 
-FORMS = ((7, -5, 3), (3, 8, -5), (-4, 3, 9), (11, 2, -7), (5, -9, -4), (2, 13, 6), (-13, 4, 11), (17, 10, -3))
-"""Coefficients of linear forms in general position, tried first where one is needed."""
-
 ENOUGH = 1024
 """Bits from which on a value near 0 is compared with 0 exactly."""
 
@@ -38,10 +35,9 @@ def linear_form(coefficients: tuple[int, int, int]) -> Polynomial:
 
 
 def linear_forms() -> Iterator[tuple[int, int, int]]:
-    """Coefficients of linear forms, of which no plane through the origin holds more than finitely many."""
-    yield from FORMS
-    for n in count(18):
-        yield 1, n, n * n
+    """Coefficients (1, n, n^2) of linear forms, no three of which are dependent: all but finitely many serve wherever
+    one in general position does.  Smaller n would take points with small whole coordinates to one value."""
+    return ((1, n, n * n) for n in count(5))
 
 
 class Quotient:
@@ -182,7 +178,7 @@ def real_zeros(ideal: Ideal) -> list[RealZero] | None:
     quotient = Quotient.of(ideal)
     if quotient is None:
         return None
-    shape = next(filter(None, (_shape(quotient, form) for form in FORMS)), None)
+    shape = _shape(quotient, next(linear_forms()))
     if shape is None:  # of a radical ideal, all forms serve but those that take two zeros to one value
         radical = Quotient.of(_radical(ideal, quotient))
         assert radical is not None

@@ -20,9 +20,6 @@ UNIT_ROUNDOFF = 2.0**-53
 LARGEST_ERROR, SMALLEST = 2.0**-36, 1e-200
 """What forms in doubles may be off by, over their largest coefficient, which is to be far from underflow."""
 
-LARGEST_TABLE = 14
-"""Up to this degree B-forms are made by a table of integers, which is kept; it would be too large beyond."""
-
 
 def on_simplex(polynomial: fmpq_mpoly, vertices: Sequence[Vector]) -> fmpq_mpoly:
     """The polynomial as a function of the barycentric coordinates b_1 .. b_d.
@@ -42,7 +39,7 @@ def b_form(restricted: fmpq_mpoly, degree: int, dimension: int) -> list[fmpq]:
 
     `x^b = sum_a (n-|b|)! a! / (n! (a-b)!) B_a`, in integers over one denominator.
     """
-    if degree > LARGEST_TABLE:
+    if degree > 14:  # the table of integers would be too large
         return _elevated(restricted, degree, dimension)
     where = positions(degree, dimension)
     terms = restricted.to_dict()
@@ -161,25 +158,33 @@ def nearby_forms(
     """
     if not polynomials:
         return np.empty((0, 0)), UNIT_ROUNDOFF
-    tables = {id(p): _polar_table(p, degree) for p in {id(p): p for p in polynomials}.values()}  # most are many times
-    table = np.stack([tables[id(p)] for p in polynomials], axis=1)
-    points = corner_points(simplices)
-    places = np.concatenate([np.ones((*points.shape[:2], 1)), points], axis=2).transpose(1, 2, 0)
+    near = {id(p): scaled(Polynomial.from_raw(p)) for p in polynomials}
     with np.errstate(all="ignore"):  # what is not finite is rounded
-        both = np.concatenate([table, np.abs(table)], axis=1), np.concatenate([places, np.abs(places)], axis=2)
-        forms, sizes = np.split(np.stack(list(_blossom(both[0], degree, both[1])), axis=1), 2)
+        forms, errors = polar_forms([near[id(p)] for p in polynomials], corner_points(simplices), degree)
         largest = np.abs(forms).max(axis=1)
-        errors = 2 * (5 * degree + 3) * UNIT_ROUNDOFF * sizes.max(axis=1) / largest + UNIT_ROUNDOFF
+        errors = errors / largest + UNIT_ROUNDOFF
         forms /= largest[:, None]
-    near = (errors <= LARGEST_ERROR) & (largest > SMALLEST)
-    for i in np.flatnonzero(~near).tolist():
+    sure = (errors <= LARGEST_ERROR) & (largest > SMALLEST)
+    for i in np.flatnonzero(~sure).tolist():
         forms[i] = _rounded_form(polynomials[i], simplices[i], degree)
-    return forms, float(errors[near].max(initial=UNIT_ROUNDOFF))
+    return forms, float(errors[sure].max(initial=UNIT_ROUNDOFF))
 
 
-def _polar_table(polynomial: fmpq_mpoly, degree: int) -> Floats:
-    """The polar form of the scaled polynomial at unit vectors and 0, in the order of `exponents`."""
-    return scaled(Polynomial.from_raw(polynomial)).dense(degree) * _polar_weights(degree)
+def polar_forms(
+    polynomials: Sequence[Polynomial], corners: Floats, degree: int, moved: int = 0, reach: float = 0.0
+) -> tuple[Floats, Floats]:
+    """B-coefficients (N, m), not scaled, of a polynomial on each of N simplices (N, d + 1, 3), and by how much each
+    simplex' may be off (N,): see `nearby_forms`.
+
+    Corners may be off by so many roundings of `reach`, besides their own one.
+    """
+    known = {id(p): p.dense(degree) * _polar_weights(degree) for p in {id(p): p for p in polynomials}.values()}
+    table = np.stack([known[id(p)] for p in polynomials], axis=1)  # most are many times
+    places = np.concatenate([np.ones((*corners.shape[:2], 1)), corners], axis=2).transpose(1, 2, 0)
+    both = np.concatenate([table, np.abs(table)], axis=1)
+    at = np.concatenate([places, np.maximum(np.abs(places), reach)], axis=2)
+    forms, sizes = np.split(np.stack(list(_blossom(both, degree, at)), axis=1), 2)
+    return forms, 2 * ((5 + moved) * degree + 3) * UNIT_ROUNDOFF * sizes.max(axis=1)
 
 
 @cache

@@ -19,7 +19,7 @@ are compared with 2 (1 + |t|) times the bound.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -72,50 +72,45 @@ class _Claim(Simplices):
         return replace(self, table=np.concatenate([-self.value, *self.zeros], axis=1))
 
 
+Anew: TypeAlias = Callable[[Floats, NDArray[np.intp]], tuple[Floats, float]]
+"""Works out the values (K, m), scaled to at most 1, on parts (K, d + 1, 3) of simplices of given numbers (K,), and by
+how much each may be off."""
+
+LOST = 2.0**16
+"""Values are worked out anew where the largest coefficient is below so many times what rounding counts: a value of a
+high degree is much smaller near the surface than elsewhere in its cell."""
+
+
 def prove_positive(
     value: Floats,
     corners: Floats,
     where_zero: Floats | Sequence[Floats] | None = None,
     limits: Limits | None = None,
     error: float = UNIT_ROUNDOFF,
+    anew: Anew | None = None,
+    *,
+    below: bool = False,
 ) -> SignResult:
-    """Prove that `value > 0` on simplices, or only where another polynomial (or several) vanish.
+    """Prove that `value > 0` on simplices, or only where another polynomial (or several) vanish, or with `below` where
+    none of them is positive.
 
     `value` (N, m) and `where_zero` (N, m') are B-coefficients scaled to at most 1 (see
     `pas.bernstein.forms.rounded`), each off by at most `error`, `corners` (N, d+1, 3) the simplices.  Nothing is
-    claimed of no simplices, which is proved.  UNDECIDED where the limits are reached first.
+    claimed of no simplices, which is proved.  UNDECIDED where the limits are reached first.  With `anew` values that
+    became as small as what rounding counts are worked out again on the parts.
     """
     zeros = (where_zero,) if isinstance(where_zero, np.ndarray) else tuple(where_zero or ())
-    return _searched((value, *zeros), corners, limits, error, below=False)
-
-
-def _searched(
-    forms: Sequence[Floats], corners: Floats, limits: Limits | None, error: float, *, below: bool
-) -> SignResult:
-    """Branch and bound over simplices."""
     if not len(corners):
         return SignResult(Status.PROVED, np.empty((0, 3)), np.empty(0, dtype=np.intp), 0)
-    batch = replace(_Claim.of(forms, corners, error), below=below)
-    found = search(batch, _judged, _Claim.halved, limits or Limits(), "proving signs")
+    batch = replace(_Claim.of((value, *zeros), corners, error), below=below)
+
+    def split(some: _Claim) -> _Claim:
+        return (some if anew is None else _renewed(some, anew)).halved()
+
+    found = search(batch, _judged, split, limits or Limits(), "proving signs")
     sources = np.concatenate([found.refuted.source, found.open.source])
     witness = _witness(found.refuted) if len(found.refuted) else None
     return SignResult(found.status, found.open.corners.mean(axis=1), sources, found.examined, witness)
-
-
-def prove_positive_inside(
-    value: Floats,
-    inside: Floats | Sequence[Floats],
-    corners: Floats,
-    limits: Limits | None = None,
-    error: float = UNIT_ROUNDOFF,
-) -> SignResult:
-    """Prove that `value > 0` wherever another polynomial, `inside`, is not positive, or none of several: arguments as
-    `prove_positive` has.
-
-    A simplex is settled when all coefficients of `value` or all of one that is `inside` are positive.
-    """
-    walls = (inside,) if isinstance(inside, np.ndarray) else tuple(inside)
-    return _searched((value, *walls), corners, limits, error, below=True)
 
 
 def prove_apart(zeros: Sequence[Floats], corners: Floats, limits: Limits | None = None) -> SignResult:
@@ -149,7 +144,7 @@ def positive_on(
     """
     found = [_forms(raws, simplices, degree, near) for raws, degree in (values, *others)]
     (value, *rest), error = [form for form, _ in found], max(off for _, off in found)
-    return _searched((value, *rest), corner_points(simplices), limits, error, below=inside)
+    return prove_positive(value, corner_points(simplices), rest, limits, error, below=inside)
 
 
 def apart_on(simplices: Sequence[Sequence[Vector]], polynomials: Sequence[fmpq_mpoly]) -> SignResult:
@@ -164,6 +159,17 @@ def _forms(
         return nearby_forms(raws, simplices, degree)
     forms = [rounded_forms(raw, [simplex], degree)[0] for raw, simplex in zip(raws, simplices, strict=True)]
     return np.array(forms), UNIT_ROUNDOFF
+
+
+def _renewed(batch: _Claim, anew: Anew) -> _Claim:
+    """The batch with the values that halving left too small worked out anew; the error is the largest of all."""
+    rows = np.flatnonzero(np.abs(batch.value).max(axis=1) < LOST * batch.bound)
+    if not len(rows):
+        return batch
+    values, error = anew(batch.corners[rows], batch.source[rows])
+    table = batch.table.copy()
+    table[rows, : values.shape[1]] = values
+    return replace(batch, table=table, error=max(error, batch.error))
 
 
 def _judged(batch: _Claim, _: int) -> Fates:

@@ -18,7 +18,7 @@ dimension of the nullspace is that of the space of surfaces.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import lcm
 
@@ -52,11 +52,13 @@ class Conditions:
         for face in self.placed.local.interior_faces:
             if id(face) not in tree:
                 form = NormalForm([face.plane.raw ** (self.placed.order + 1)])
-                rows += _remainders(form, degree, patches[face.second], patches[face.first])
+                crossing = _difference(patches[face.second], patches[face.first])
+                rows += form.rows(((u, column.items()) for u, column in crossing), degree)
         for number, pieces in enumerate(self.placed.carriers):
             for piece in pieces:
                 if piece != self._root or number != self._root_contact:
-                    rows += _remainders(self.contact_form(number), degree, patches[piece])
+                    terms = ((u, column.items()) for u, column in patches[piece].items())
+                    rows += self.contact_form(number).rows(terms, degree)
         basis, denominator = integral_nullspace(rows, unknowns)
         common = lcm(*(int(v.q) for patch in patches for column in patch.values() for v in column.values()))
         tables = tuple(_table(patch, unknowns, common, degree) for patch in patches)
@@ -120,25 +122,10 @@ def _plus(a: Exponents, b: Exponents) -> Exponents:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-def _remainders(
-    form: NormalForm,
-    degree: int,
-    patch: Mapping[int, Column],
-    minus: Mapping[int, Column] | None = None,
-) -> list[dict[int, fmpq]]:
-    """Rows saying that the normal form of `patch` (less `minus`) is zero."""
-    images = form.images(degree)
-    rows: dict[Exponents, dict[int, fmpq]] = {}
-    shared = minus or {}
-    for signed, other, sign in ((patch, shared, 1), (shared, patch, -1)):
-        for unknown, column in signed.items():
-            if unknown in other:
-                continue
-            for monomial, coefficient in column.items():
-                for target, value in images[monomial].items():
-                    row = rows.setdefault(target, {})
-                    row[unknown] = row.get(unknown, 0) + sign * coefficient * value
-    return [{u: v for u, v in row.items() if v != 0} for row in rows.values()]
+def _difference(patch: Mapping[int, Column], other: Mapping[int, Column]) -> Iterator[tuple[int, Column]]:
+    """What each unknown adds to the difference of two patches, which have many in common."""
+    yield from ((u, column) for u, column in patch.items() if u not in other)
+    yield from ((u, {e: -c for e, c in column.items()}) for u, column in other.items() if u not in patch)
 
 
 def _table(patch: Mapping[int, Column], unknowns: int, common: int, degree: int) -> fmpz_mat:

@@ -31,17 +31,10 @@ def lift(polynomial: Any, contact: Contact, order: int) -> tuple[Polynomial, Pol
     target, f, power = Polynomial(polynomial), contact.surface, contact.clip ** (order + 1)
     top = product_degree(contact, order, max(target.degree, 0))
     form = NormalForm([power.raw])
-    images = form.images(max(top, target.degree, 0))
     unknowns = form.standard(top - f.degree)
-    rows: dict[Exponents, dict[int, fmpq]] = {}
-    for number, shift in enumerate([*unknowns, (0, 0, 0)]):
-        column = f.raw if number < len(unknowns) else -target.raw
-        for exponent, c in column.to_dict().items():
-            e = tuple(int(a) + b for a, b in zip(exponent, shift, strict=True))
-            for monomial, value in images[e].items():
-                row = rows.setdefault(monomial, {})
-                row[number] = row.get(number, fmpq(0)) + c * value
-    system = [{n: v for n, v in row.items() if v != 0} for row in rows.values()]
+    columns = [(number, _shifted(f.raw, shift)) for number, shift in enumerate(unknowns)]
+    columns.append((len(unknowns), _shifted(-target.raw, (0, 0, 0))))
+    system = form.rows(columns, max(top, target.degree, 0))
     # f is no zero divisor modulo h^(k+1): the target's own unknown is the only one that can be free
     solutions = [row for row in nullspace(system, len(unknowns) + 1).tolist() if row[-1] != 0]
     if not solutions:
@@ -73,6 +66,12 @@ def product_degree(contact: Contact, order: int, degree: int) -> int:
         while own <= degree and not basis.reduce(encoding.write((g,), own + excess)).is_zero():
             excess += 1
     return degree + excess
+
+
+def _shifted(polynomial: fmpq_mpoly, shift: Exponents) -> list[tuple[Exponents, fmpq]]:
+    """The terms of a polynomial times a monomial."""
+    i, j, k = shift
+    return [((int(a) + i, int(b) + j, int(c) + k), value) for (a, b, c), value in polynomial.to_dict().items()]
 
 
 def _top(polynomial: fmpq_mpoly) -> fmpq_mpoly:

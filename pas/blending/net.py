@@ -80,6 +80,15 @@ def members(solved: Solved, points: int) -> list[dict[int, int]]:
     return found
 
 
+def bernstein_polynomials(coordinates: Sequence[fmpq_mpoly], degree: int) -> list[fmpq_mpoly]:
+    """Those of a simplex whose barycentric coordinates are given as linear forms, by multi-index."""
+    powers = [[form**k for k in range(degree + 1)] for form in coordinates]
+    return [
+        prod((powers[i][k] for i, k in enumerate(index)), start=RING.constant(1)) * multinomial(index)
+        for index in homogeneous_exponents(degree, len(coordinates))
+    ]
+
+
 def multinomial(index: Exponents) -> int:
     """The number of words with so many letters of each kind."""
     return factorial(sum(index)) // prod(map(factorial, index))
@@ -130,23 +139,14 @@ class Net:
         for contact, pieces in zip(self.placed.local_contacts, self.placed.carriers, strict=True):
             form = NormalForm([contact.surface.raw, contact.clip.raw ** (self.placed.order + 1)])
             for piece in pieces:
-                yield from self._contact_rows(form, piece)
+                terms = (polynomial.to_dict().items() for polynomial in self._bernstein(piece))
+                yield from form.rows(zip(self._numbers(piece), terms, strict=True), self.degree)
 
     def _across(self, triangle: Exponents, first: int, second: int, s: int) -> Iterator[Row]:
         """The conditions of order s across a face, a row for each index (i, j, k) of degree n - s."""
         a, b = (self._opposite(cell, triangle) for cell in (first, second))
         coordinates = _barycentric(self.partition.corners((a, *triangle)), self.partition.vertices[b])
         yield from across(self.points, self.degree, triangle, a, b, coordinates, s)
-
-    def _contact_rows(self, form: NormalForm, piece: int) -> Iterator[Row]:
-        images = form.images(self.degree)
-        rows: dict[Exponents, Row] = {}
-        for unknown, polynomial in zip(self._numbers(piece), self._bernstein(piece), strict=True):
-            for e, c in polynomial.to_dict().items():
-                for target, value in images[e].items():
-                    row = rows.setdefault(target, {})
-                    row[unknown] = row.get(unknown, fmpq(0)) + c * value
-        yield from ({u: v for u, v in row.items() if v != 0} for row in rows.values())
 
     def _patch(self, piece: int, members: list[dict[int, int]], dimension: int) -> fmpq_mat:
         """The members' polynomials on a piece, from the B-coefficients on its first cell.
@@ -183,11 +183,7 @@ class Net:
         linear = [
             origin + sum((g * c for g, c in zip(GENERATORS, f[1:], strict=True)), f[0]) for f in _inverse(corners)
         ]
-        powers = [[form**k for k in range(self.degree + 1)] for form in linear]
-        return [
-            prod((powers[i][k] for i, k in enumerate(index)), start=RING.constant(1)) * multinomial(index)
-            for index in homogeneous_exponents(self.degree, 4)
-        ]
+        return bernstein_polynomials(linear, self.degree)
 
     def _opposite(self, cell: int, triangle: Exponents) -> int:
         return next(v for v in self.partition.cells[cell] if v not in triangle)

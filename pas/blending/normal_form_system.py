@@ -16,7 +16,7 @@ as a square.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,7 +24,7 @@ from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import check_degree, check_order
-from pas.algebra.monomials import count, exponents
+from pas.algebra.monomials import Exponents, count, exponents
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
@@ -127,18 +127,10 @@ def _equations(contact: Contact, order: int, degree: int) -> Iterator[Form]:
             [gradient[a] * m[b] - gradient[b] * m[a] for m in gradients] for a, b in ((1, 2), (0, 2), (0, 1))
         ]
     for images in conditions:
-        yield from _coefficient_forms(normal, images)
+        yield from normal.rows(_terms(images), max(0, *(int(p.total_degree()) for p in images)))
 
 
-def _coefficient_forms(normal: NormalForm, images: Sequence[fmpq_mpoly]) -> list[Form]:
-    """The coefficients of `NF(sum_i c_i images_i)`, as forms in the c_i."""
-    forms: dict[tuple[int, ...], dict[int, fmpq]] = {}
-    known = normal.images(max(0, *(int(p.total_degree()) for p in images)))
+def _terms(images: Sequence[fmpq_mpoly]) -> Iterator[tuple[int, Iterable[tuple[Exponents, fmpq]]]]:
     for unknown, polynomial in enumerate(images):
         checkpoint("writing the normal form equations", unknown / len(images))
-        for e, c in polynomial.to_dict().items():
-            for target, value in known[e].items():
-                form = forms.setdefault(target, {})
-                form[unknown] = form.get(unknown, fmpq(0)) + c * value
-    cleared = ({u: c for u, c in form.items() if c != 0} for form in forms.values())
-    return [form for form in cleared if form]
+        yield unknown, polynomial.to_dict().items()

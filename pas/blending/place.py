@@ -7,24 +7,24 @@ touch one another or do not fit the faces they belong to.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any, TypeAlias
 
 from pas.algebra.curve import count_real_points, has_real_curve
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
-from pas.algebra.rational import plain
+from pas.algebra.rational import Vector, plain
 from pas.blending.corner import check_circle, six_tetrahedra
 from pas.certify.contact_proofs import check_join, clip_sided
 from pas.contacts.contact import Contact, as_contact
 from pas.contacts.endless import Circular
 from pas.contacts.joins import Join, joins
 from pas.errors import GeometryError, meant
-from pas.layouts.clips import room_farther_out, with_clips
+from pas.layouts.clips import room_farther_out, with_clips, with_room
 from pas.layouts.kinds import LAYOUTS
 from pas.layouts.nodes import ContactNode
 from pas.layouts.opened import is_opening, open_region, with_cone
-from pas.layouts.region import region
 from pas.layouts.spacing import is_free
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
@@ -39,49 +39,12 @@ SIX = SixTetrahedra.name
 
 
 def place(items: Sequence[Any], order: int, partition: PartitionLike | None = None) -> PlacedContacts:
-    """Pipes or contacts in place on a partition, with their clips turned: the first of `places`."""
-    return next(places(items, order, partition))
+    """Pipes or contacts in place on a partition: the first of `EndedContacts.places`, whose errors it raises."""
+    return next(ended(items, order, partition).places())
 
 
-def places(items: Sequence[Any], order: int, partition: PartitionLike | None = None) -> Iterator[PlacedContacts]:
-    """Pipes or contacts in place on a partition, with their clips turned.
-
-    A clip is turned so that it is negative on the region's side of its faces; one without a face, so
-    that it is negative at the centre.
-
-    Without a partition three perpendicular pipes or contacts that meet in one point get the six-tetrahedra corner,
-    others the layouts of `pas.layouts.nodes`, one after the other.  A layout, or the name of a kind of
-    them, gets a region around the contacts.
-    Raises `GeometryError` (with the offending pipe or contact) where they do not fit, `TypeError`
-    for anything that is no contact or no partition, `ValueError` for an order that is none.
-    """
-    contacts, pipes = _as_contacts(ended(items, order, partition))
-    if isinstance(partition, Partition):
-        if not contacts and len(partition.pieces) == 1:
-            raise ValueError("a single cell needs at least one contact; without any, every polynomial is a solution")
-        yield _placed(contacts, pipes, order, partition)
-    elif isinstance(partition, Layout):
-        yield _on_layout(contacts, pipes, order, partition)
-    elif partition == SIX:
-        yield _placed(contacts, pipes, order, six_tetrahedra(contacts, pipes))
-    elif partition is None and any(map(is_opening, contacts)):
-        yield _placed(contacts, pipes, order, open_region(contacts))
-    elif partition is None or (isinstance(partition, str) and partition in LAYOUTS):
-        corner = _corner(contacts, pipes, order) if partition is None and len(contacts) > 2 else None
-        yield from [corner] if corner is not None else _on_layouts(contacts, pipes, order, partition)
-    elif isinstance(partition, str):
-        names = ", ".join(map(repr, (SIX, *LAYOUTS)))
-        guess = meant(partition, (SIX, *LAYOUTS)) or f"; there are {names}"
-        raise ValueError(f"there is no partition {partition!r}{guess}")
-    else:
-        raise TypeError(
-            "partition must be a pas.Partition such as pas.SixTetrahedra(...) or pas.SingleCell(...), a pas.Layout or "
-            f"the name of a kind of layouts, not {partition!r}"
-        )
-
-
-def ended(items: Sequence[Any], order: int, partition: Any) -> list[Any]:
-    """The items, those that may end anywhere ended where there is room among the others, and plates on cones.
+def ended(items: Sequence[Any], order: int, partition: PartitionLike | None = None) -> EndedContacts:
+    """Pipes or contacts, those that may end anywhere ended where there is room among the others, and plates on cones.
 
     Raises `TypeError` for what is no list of contacts, `ValueError` for an order that is none, `GeometryError` where
     there is no room.
@@ -91,9 +54,7 @@ def ended(items: Sequence[Any], order: int, partition: Any) -> list[Any]:
         raise TypeError(f"contacts must be a list of pipes, contacts or pairs (surface, clip), not {items!r}")
     items = list(items) if partition is not None else with_cone(list(items))
     free = [number for number, item in enumerate(items, start=1) if is_free(item)]
-    if not free:
-        return items
-    if isinstance(partition, Partition):
+    if free and isinstance(partition, Partition):
         raise GeometryError(
             f'contact {free[0]} has the clip "auto", for which the program makes a region; where the partition is '
             "given, its clip must be a number"
@@ -101,93 +62,131 @@ def ended(items: Sequence[Any], order: int, partition: Any) -> list[Any]:
     for i, item in enumerate(items):
         if i + 1 not in free:
             as_contact(item, f"contacts[{i}]")  # says what is wrong with it before others are placed
+
+    def all_ended(items: Sequence[Any], laid: ContactNode | PlacedContacts | None = None) -> EndedContacts:
+        circles = tuple(item if isinstance(item, Circular) else None for item in items)
+        return EndedContacts(tuple(map(as_contact, items)), circles, order, partition, laid)
+
+    if not free:
+        return all_ended(items)
     if partition == SIX:
-        return with_clips(items, order, serves=lambda ended: _corner(*_as_contacts(ended), order) is not None)
-    return with_clips(items, order, partition if isinstance(partition, Layout) or partition in LAYOUTS else None)
+        return all_ended(*with_room(items, lambda ended, _: all_ended(ended).corner()))
+    known = isinstance(partition, Layout) or (isinstance(partition, str) and partition in LAYOUTS)
+    wanted = partition if known and not isinstance(partition, Partition) else None
+    return all_ended(*with_clips(items, order, wanted))
 
 
-def _as_contacts(items: Sequence[Any]) -> tuple[list[Contact], list[Circular | None]]:
-    """The contacts, and of which pipe or cone each is."""
-    contacts = [as_contact(item, f"contacts[{i}]") for i, item in enumerate(items)]
-    return contacts, [item if isinstance(item, Circular) else None for item in items]
+@dataclass(frozen=True)
+class EndedContacts:
+    """Contacts that all have ends, and what they are to be placed on: made once, by `ended`, and passed on.
 
+    `circles` says of which pipe or cone each is, where it is one.  `laid` is what was found of them when their ends
+    were looked for.
+    """
 
-def _on_layouts(
-    contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int, kind: str | None
-) -> Iterator[PlacedContacts]:
-    """The contacts on the regions of all layouts that fit; raises the error of the last where none does."""
-    if len(contacts) < 2:
-        raise GeometryError(
-            f"a blend joins two contacts or more, and here {'is one' if contacts else 'are none'}; for a surface "
-            "that meets one contact give a partition, such as pas.SingleCell(lower, upper)"
-        )
-    try:
-        yield from _on_regions(contacts, pipes, order, kind)
-    except GeometryError as error:
+    contacts: tuple[Contact, ...]
+    circles: tuple[Circular | None, ...]
+    order: int
+    partition: PartitionLike | None
+    laid: ContactNode | PlacedContacts | None = None
 
-        def fits(moved: Sequence[Contact]) -> bool:
-            return any(True for _ in _on_regions(moved, [None] * len(moved), order, kind))
+    def places(self) -> Iterator[PlacedContacts]:
+        """The contacts in place on a partition, with their clips turned.
 
-        raise _with_room(error, room_farther_out(contacts, fits)) from None
+        A clip is turned so that it is negative on the region's side of its faces; one without a face, so
+        that it is negative at the centre.
 
-
-def _on_layout(
-    contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int, layout: Layout
-) -> PlacedContacts:
-    def placed(moved: Sequence[Contact]) -> PlacedContacts:
-        return _placed(moved, pipes, order, region(layout, ContactNode.of(moved, layout.center).discs))
-
-    try:
-        return placed(contacts)
-    except GeometryError as error:
-        raise _with_room(error, room_farther_out(contacts, lambda moved: bool(placed(moved)), layout.center)) from None
-
-
-def _with_room(error: GeometryError, where: str) -> GeometryError:
-    return GeometryError(f"{error}; {where}") if where else error
-
-
-def _on_regions(
-    contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int, kind: str | None
-) -> Iterator[PlacedContacts]:
-    failure: GeometryError | None = None
-    found = False
-    for made in ContactNode.of(contacts).regions(order, kind):
-        try:
-            placed = _placed(contacts, pipes, order, made)
-        except GeometryError as error:
-            failure = error
-            continue
-        found = True
-        yield placed
-    if not found and failure is not None:
-        raise failure
-
-
-def _corner(contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int) -> PlacedContacts | None:
-    """The contacts on six tetrahedra; None where they make no such corner, or do not fit its faces."""
-    try:
-        return _placed(contacts, pipes, order, six_tetrahedra(contacts, pipes))
-    except GeometryError:
-        return None
-
-
-def _placed(
-    contacts: Sequence[Contact], pipes: Sequence[Circular | None], order: int, partition: Partition
-) -> PlacedContacts:
-    turned = tuple(map(_turned, joins(partition, contacts)))
-    placed = joins(partition, turned)
-    _check_closed(partition, placed)
-    for number, (join, pipe) in enumerate(zip(placed, pipes, strict=True), start=1):
-        if join.faces:
-            if pipe is not None:
-                check_circle(number, pipe, join)
-            check_join(number, join)
+        Without a partition three perpendicular pipes or contacts that meet in one point get the six-tetrahedra corner,
+        others the layouts of `pas.layouts.nodes`, one after the other.  A layout, or the name of a kind of
+        them, gets a region around the contacts.
+        Raises `GeometryError` (with the offending pipe or contact) where they do not fit, `TypeError`
+        for anything that is no partition, `ValueError` for a name that is none.
+        """
+        contacts, partition = self.contacts, self.partition
+        if isinstance(partition, Partition):
+            if not contacts and len(partition.pieces) == 1:
+                raise ValueError(
+                    "a single cell needs at least one contact; without any, every polynomial is a solution"
+                )
+            yield self.placed_on(partition)
+        elif partition == SIX:
+            known = self.laid if isinstance(self.laid, PlacedContacts) else None
+            yield known or self.placed_on(six_tetrahedra(contacts, self.circles))
+        elif partition is None and any(map(is_opening, contacts)):
+            yield self.placed_on(open_region(contacts))
+        elif isinstance(partition, Layout) or (isinstance(partition, str) and partition in LAYOUTS):
+            yield from self._with_room()
+        elif partition is None:
+            corner = self.corner() if len(contacts) > 2 else None
+            yield from [corner] if corner is not None else self._with_room()
+        elif isinstance(partition, str):
+            names = ", ".join(map(repr, (SIX, *LAYOUTS)))
+            guess = meant(partition, (SIX, *LAYOUTS)) or f"; there are {names}"
+            raise ValueError(f"there is no partition {partition!r}{guess}")
         else:
-            _check_curve(number, join.contact)
-    if len(partition.pieces) == 1:
-        _check_apart(turned)
-    return PlacedContacts(partition, turned, order)
+            raise TypeError(
+                "partition must be a pas.Partition such as pas.SixTetrahedra(...) or pas.SingleCell(...), a pas.Layout "
+                f"or the name of a kind of layouts, not {partition!r}"
+            )
+
+    def corner(self) -> PlacedContacts | None:
+        """The contacts on six tetrahedra; None where they make no such corner, or do not fit its faces."""
+        try:
+            return self.placed_on(six_tetrahedra(self.contacts, self.circles))
+        except GeometryError:
+            return None
+
+    def placed_on(self, partition: Partition) -> PlacedContacts:
+        """The contacts on one partition."""
+        turned = tuple(map(_turned, joins(partition, self.contacts)))
+        placed = joins(partition, turned)
+        _check_closed(partition, placed)
+        for number, (join, circle) in enumerate(zip(placed, self.circles, strict=True), start=1):
+            if join.faces:
+                if circle is not None:
+                    check_circle(number, circle, join)
+                check_join(number, join)
+            else:
+                _check_curve(number, join.contact)
+        if len(partition.pieces) == 1:
+            _check_apart(turned)
+        return PlacedContacts(partition, turned, self.order)
+
+    def _with_room(self) -> Iterator[PlacedContacts]:
+        """The contacts on regions; the error that there are none says how far out clips leave room."""
+        layout = self.partition if isinstance(self.partition, Layout) else None
+        if len(self.contacts) < 2 and layout is None:
+            raise GeometryError(
+                f"a blend joins two contacts or more, and here {'is one' if self.contacts else 'are none'}; for a "
+                "surface that meets one contact give a partition, such as pas.SingleCell(lower, upper)"
+            )
+        center = None if layout is None else layout.center
+        try:
+            yield from self._on_regions(center)
+        except GeometryError as error:
+
+            def fits(moved: Sequence[Contact]) -> bool:
+                there = replace(self, contacts=tuple(moved), circles=(None,) * len(moved), laid=None)
+                return any(True for _ in there._on_regions(center))
+
+            where = room_farther_out(self.contacts, fits, center)
+            raise (GeometryError(f"{error}; {where}") if where else error) from None
+
+    def _on_regions(self, center: Vector | None) -> Iterator[PlacedContacts]:
+        """The contacts on the regions of all layouts that fit; raises the error of the last where none does."""
+        node = self.laid if isinstance(self.laid, ContactNode) else ContactNode.of(self.contacts, center)
+        failure: GeometryError | None = None
+        found = False
+        for made in node.regions(self.order, None if isinstance(self.partition, Partition) else self.partition):
+            try:
+                placed = self.placed_on(made)
+            except GeometryError as error:
+                failure = error
+                continue
+            found = True
+            yield placed
+        if not found and failure is not None:
+            raise failure
 
 
 def _turned(join: Join) -> Contact:

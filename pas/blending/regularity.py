@@ -1,4 +1,4 @@
-"""Which members of a space are of use at its contacts, and what of it is trivial: a user who gets only that is told so.
+"""Which members of a space are of use at its contacts, what of it is trivial, and what generates all of any degree.
 
 A member g that meets a contact (f, h) is `alpha f + beta h^(k+1)`.  Where alpha vanishes on all of the curve V(f, h),
 g is singular along it and continues nothing.  Such members are *singular*.  Of little use are also *products*,
@@ -8,20 +8,21 @@ multiples of such as `f1 f2` or `f1 h2^2` and their sums, which exist whatever t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from math import prod
-from typing import Any
 
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.brief import brief
 from pas.algebra.monomials import Exponents, count, exponents
-from pas.algebra.normal_form import NormalForm, Sparse
+from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial
+from pas.blending.multipliers import Multipliers, consistency
+from pas.blending.solving import intersection
 from pas.blending.space import Space
 from pas.contacts.contact import Contact
 from pas.contacts.joins import Join
@@ -32,15 +33,11 @@ def vanishing_alpha(space: Space, contact: int) -> fmpq_mat:
 
     `g = alpha f + beta h^(k+1)` has alpha in `<f, h>` iff g lies in `<f^2, h>`.
     """
-    join = space.placed.joins[contact]
-    images = _form(join.contact).images(space.degree)
-    rows: dict[Any, dict[int, fmpq]] = {}
+    join, rows = space.placed.joins[contact], list[dict[int, fmpq]]()
     for piece in join.pieces:
-        for number, coefficients in enumerate(space.patches[piece].tolist()):
-            terms = zip(exponents(space.degree), coefficients, strict=True)
-            for target, value in _remainder(images, terms).items():
-                rows.setdefault((piece, target), {})[number] = value
-    return nullspace(rows.values(), space.dimension)
+        members = enumerate(space.patches[piece].tolist())
+        rows += _form(join.contact).rows(((i, _terms(row, space.degree)) for i, row in members), space.degree)
+    return nullspace(rows, space.dimension)
 
 
 def is_regular(space: Space) -> bool:
@@ -59,28 +56,18 @@ def is_regular(space: Space) -> bool:
 
 def _some_beyond(space: Space, join: Join, form: NormalForm) -> bool:
     """Whether some member is not in an ideal, in a piece that carries a contact: the first that is found will do."""
-    images = form.images(space.degree)
-    for piece in join.pieces:
-        for member in range(space.dimension):
-            row = map(fmpq, space.source.row(piece, member))
-            if _remainder(images, zip(exponents(space.degree), row, strict=True)):
-                return True
-    return False
+    rows = (map(fmpq, space.source.row(piece, member)) for piece in join.pieces for member in range(space.dimension))
+    return any(form.rows([(0, _terms(row, space.degree))], space.degree) for row in rows)
+
+
+def _terms(row: Iterable[fmpq], degree: int) -> Iterator[tuple[Exponents, fmpq]]:
+    """The terms of a row of coefficients."""
+    return ((e, c) for e, c in zip(exponents(degree), row, strict=True) if c != 0)
 
 
 def _form(contact: Contact) -> NormalForm:
     """Modulo `<f^2, h>`, in which members with alpha = 0 lie."""
     return NormalForm([contact.surface.raw**2, contact.clip.raw])
-
-
-def _remainder(images: Mapping[Exponents, Sparse], terms: Iterable[tuple[Exponents, fmpq]]) -> Sparse:
-    """The normal form of a polynomial, given those of the monomials."""
-    found: Sparse = {}
-    for e, c in terms:
-        if c != 0:
-            for target, value in images[e].items():
-                found[target] = found.get(target, fmpq(0)) + c * value
-    return {target: value for target, value in found.items() if value != 0}
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,3 +164,51 @@ def _same_everywhere(space: Space) -> Space:
             rows.append({j: u - v for j, (u, v) in enumerate(zip(a, b, strict=True)) if u != v})
     found: fmpq_mat = nullspace(rows, space.dimension)
     return space.subspace(found)
+
+
+@dataclass(frozen=True, eq=False)
+class Generator:
+    """One generator: a polynomial for each piece (user's coordinates).
+
+    `multipliers` are those of the contacts and faces (`gamma f + beta h^(k+1)`, `alpha plane^(k+1)`);
+    `regular[i]` says whether alpha is not identically zero on the curve of contact i.
+    """
+
+    polynomials: tuple[Polynomial, ...]
+    multipliers: Multipliers
+    regular: tuple[bool, ...]
+
+    __repr__ = brief
+
+    @property
+    def degree(self) -> int:
+        """The largest degree of its polynomials."""
+        return max(p.degree for p in self.polynomials)
+
+    def __str__(self) -> str:
+        return ", ".join(map(str, self.polynomials))
+
+
+def generators(space: Space) -> tuple[Generator, ...]:
+    """Generators of all solutions of any degree, by ascending degree.
+
+    For a single cell the reduced graded Groebner basis of the ideal that they form; for
+    several pieces generators of the module over Q[x, y, z].
+    """
+    system = consistency(space.placed)
+    if len(space.patches) == 1:
+        basis = intersection(space.contacts, space.order).groebner_basis()
+        found: list[tuple[Polynomial, ...]] = [(g.primitive(),) for g in basis]
+    else:
+        found = [s.patches for s in system.generators()]
+    forms = [NormalForm([c.surface.raw**2, c.clip.raw]) for c in space.contacts]
+    carriers = [pieces[0] for pieces in space.placed.carriers]
+    made = [
+        Generator(
+            member,
+            system.multipliers(member),
+            tuple(not form.reduce(member[piece].raw).is_zero() for form, piece in zip(forms, carriers, strict=True)),
+        )
+        for member in found
+    ]
+    return tuple(sorted(made, key=lambda g: g.degree))

@@ -24,11 +24,11 @@ from pas.algebra.brief import brief
 from pas.algebra.monomials import Floats, exponents, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.products import Products
-from pas.algebra.rational import rational, to_float, to_fraction, vector
+from pas.algebra.rational import Exact, rational, to_float, to_fraction, vector
 from pas.blending.refining import refined
 from pas.blending.space import Space
 from pas.certify.free_curves import transversality
-from pas.errors import InfeasibleError, NoSolutionError
+from pas.errors import InfeasibleError
 from pas.fairing.basis import orthonormal, to_doubles
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.functionals import Handle, b_coefficient, value_at
@@ -36,13 +36,16 @@ from pas.fairing.optimum import ExactProgramme, solve_exactly
 from pas.fairing.wishes import (
     MeanAlpha,
     PointOptions,
+    PointsLike,
     SumOfCoefficients,
     UnitCoefficients,
     ValueAt,
     Wishes,
     check_member,
     check_point_options,
+    exact_points,
 )
+from pas.limits import Report, limited
 from pas.piecewise import PiecewiseSurface
 
 
@@ -80,16 +83,26 @@ class LeastSquares:
     __repr__ = brief
 
 
-def optimum(space: Space, energy: Energy | None = None, **options: Unpack[PointOptions]) -> Optimum:
+@limited("finding the optimum", "a lower degree")
+def optimum(
+    space: Space,
+    energy: Energy | None = None,
+    *,
+    seconds: float | None = None,
+    progress: Report | None = None,
+    **options: Unpack[PointOptions],
+) -> Optimum:
     """The exact member of least energy, with its certificate of optimality.
 
-    The options are those of `Wishes` that are linear; `margin` is 0 by default, and the sum of
-    coefficients 1, unless a handle or a coefficient with a value other than 0 fixes the scale.
+    `options` are those of `fit` that are linear: `inside`, `outside` (`margin` 0 by default),
+    `through`, `near`, `near_weight`, `handles`, `coefficients`, and `normalize`: the sum of coefficients
+    is 1 by default, unless a handle or a coefficient with a value other than 0 fixes the scale.  No condition of
+    a clean sheet is asked.
 
     Raises `InfeasibleError` for constraints that contradict, `NoSolutionError` for an empty space.
     """
     check_point_options(options)
-    _not_empty(space)
+    space.check_not_empty()
     wishes = Wishes(**options)
     free = options.get("normalize") is None and any(value != 0 for _, value in wishes.handles + wishes.coefficients)
     if options.get("normalize") is None:
@@ -136,7 +149,8 @@ def determining_set(space: Space, prefer: Sequence[Handle] = ()) -> tuple[Handle
     """B-coefficients that can be set freely and determine the member: `dimension` many.
 
     Each is (cell, multi-index of the cell's corners); those in `prefer` come first, as far as
-    they are independent.
+    they are independent.  Set some of them with `optimum(handles=...)` or `fit(handles=...)`,
+    and the rest follow.
     """
     candidates = tuple(dict.fromkeys((*prefer, *handles(space))))
     functionals = [b_coefficient(space.partition, handle, space.degree) for handle in candidates]
@@ -146,16 +160,23 @@ def determining_set(space: Space, prefer: Sequence[Handle] = ()) -> tuple[Handle
 
 
 def least_squares(
-    space: Space, points: Sequence[Any], weights: Sequence[Any] | None = None, *, by_gradient: bool = False
+    space: Space, points: PointsLike, weights: Sequence[Exact] | None = None, *, by_gradient: bool = False
 ) -> LeastSquares:
     """The member with the least `sum w_i f(p_i)^2 / |f|^2`, |f| the length of its coefficients.
 
-    With `by_gradient` the divisor is `sum w_i |grad f(p_i)|^2`.  `points` are three numbers each
-    (floats as the exact rationals they are), `weights` one positive number for each.
+    With `by_gradient` the divisor is `sum w_i |grad f(p_i)|^2` instead: the quotient is then a mean
+    squared distance to first order, whatever the place and size of the figure (Taubin 1991).  Of f and -f, which
+    have the same quotient, it is the one that is negative at the centre of the partition, or has alpha > 0 on the
+    contacts' curves where there is no centre.
+
+    `points` are three numbers each (floats as the exact rationals they are), `weights` one positive number for each.
+    For members through other points take `space.through(...)` first; with energy, inside or outside points use
+    `fit(near=..., normalize=pas.UnitCoefficients())`.
 
     Raises `ValueError` for fewer points than dimensions less one.
     """
-    _not_empty(space)
+    points = exact_points(points, "points")
+    space.check_not_empty()
     if len(points) < space.dimension - 1:
         raise ValueError(
             f"{len(points)} points do not determine one of {space.dimension} dimensions; "
@@ -164,20 +185,26 @@ def least_squares(
     given = [fmpq(1)] * len(points) if weights is None else [rational(w, "weights") for w in weights]
     if len(given) != len(points) or any(w <= 0 for w in given):
         raise ValueError(f"weights must be {len(points)} positive numbers, one for each point")
-    rows = [[v for patch in member for v in patch.row(space.degree)] for member in space.basis]
-    vectors = fmpq_mat(rows)
+    vectors = fmpq_mat([[v for patch in member for v in patch.row(space.degree)] for member in space.basis])
     change = orthonormal(Products.of((vectors,)), lambda tables: tables[0].T)[0].matrix
-    basis = change * vectors
-    values = to_doubles(change * space.values(points).transpose()).T
-    roots = np.sqrt([to_float(w) for w in given])
-    measured = _gradient_rows(space, points, change, roots) if by_gradient else to_doubles(basis).T
+    if by_gradient:
+        below, below_weights = change * _gradients(space, points).transpose(), [w for w in given for _ in range(3)]
+    else:
+        below, below_weights = change * vectors, [fmpq(1)] * vectors.ncols()
+    above = change * space.values(points).transpose()
+    weighted = ((above, given), (below, below_weights))
+    scaled, measured = (to_doubles(m).T * np.sqrt([to_float(w) for w in ws])[:, None] for m, ws in weighted)
+    if by_gradient and np.linalg.matrix_rank(measured) < space.dimension:
+        raise ValueError(
+            "some member has no gradient at any of the points, so distances cannot be measured by gradients; "
+            "give points off its singular curve, or leave by_gradient False"
+        )
     triangular: Floats = np.asarray(np.linalg.qr(measured, mode="r"))
-    scaled = roots[:, None] * values
     # singular values, not eigenvalues: small quotients keep their digits
     _, singular, right = svd(np.linalg.solve(triangular.T, scaled.T).T, full_matrices=True)
     last = np.linalg.solve(triangular, right[-1])
     smallest = float(singular[-1]) if len(singular) == space.dimension else 0.0
-    sharp = _refined(space, points, given, change, last, by_gradient=by_gradient)
+    sharp = refined(last, above, below, (list(map(arb, given)), list(map(arb, below_weights))), change)
     found, quotient = (last @ to_doubles(change), smallest**2) if sharp is None else sharp
     coefficients = np.asarray(found)
     significant = np.flatnonzero(np.abs(coefficients) > 1e-9 * np.abs(coefficients).max())
@@ -206,20 +233,6 @@ def orientation(surface: PiecewiseSurface) -> int:
     return -1 if alpha < 0 else 1
 
 
-def _refined(
-    space: Space, points: Sequence[Any], weights: list[fmpq], change: fmpq_mat, start: Floats, *, by_gradient: bool
-) -> tuple[list[float], float] | None:
-    """The least member to the last digit of a double, and its quotient; None where several are least."""
-    scales = [arb(w) for w in weights]
-    if by_gradient:
-        below, doubled = _gradients(space, points), [w for w in scales for _ in range(3)]
-    else:
-        rows = [[v for patch in member for v in patch.row(space.degree)] for member in space.basis]
-        below, doubled = fmpq_mat(rows).transpose(), [arb(1)] * len(rows[0])
-    above, under = (change * m.transpose() for m in (space.values(points), below))
-    return refined(start, above, under, (scales, doubled), change)
-
-
 def _gradients(space: Space, points: Sequence[Any]) -> fmpq_mat:
     """The exact gradients of the members at points, a row for each coordinate: (3 m, dimension)."""
     rows = []
@@ -238,25 +251,6 @@ def _slope(powers: list[list[fmpq]], exponent: Sequence[int], axis: int) -> fmpq
         return fmpq(0)
     lowered = [e - (i == axis) for i, e in enumerate(exponent)]
     return exponent[axis] * powers[0][lowered[0]] * powers[1][lowered[1]] * powers[2][lowered[2]]
-
-
-def _gradient_rows(space: Space, points: Sequence[Any], change: fmpq_mat, roots: Floats) -> Floats:
-    """The weighted gradients at the points (3 m, dimension) of the changed basis' members."""
-    array = np.array([[to_float(rational(c)) for c in p] for p in points])
-    units = np.eye(space.dimension, dtype=int).tolist()
-    rows = np.array([(space.member(u).gradient(array) * roots[:, None]).ravel() for u in units])
-    result = (to_doubles(change) @ rows).T
-    if np.linalg.matrix_rank(result) < space.dimension:
-        raise ValueError(
-            "some member has no gradient at any of the points, so distances cannot be measured by gradients; "
-            "give points off its singular curve, or leave by_gradient False"
-        )
-    return np.asarray(result)
-
-
-def _not_empty(space: Space) -> None:
-    if space.dimension == 0:
-        raise NoSolutionError(f"the solution space of degree {space.degree} is empty", space.degrees_tried)
 
 
 def _values(space: Space, wishes: Wishes, kind: str) -> list[list[fmpq]]:

@@ -1,15 +1,16 @@
 """Solution spaces, exact: all surfaces of a degree that meet contacts in place, as a vector space.
 
 Here is linear algebra alone: members, coordinates, subspaces, values.  What is worked out from a
-space is a function beside it: the use of its members (`pas.blending.regularity`, `trivial`),
-generators and multipliers, optima and handles (`shaping`).
+space is a function beside it: the use of its members (`pas.blending.regularity`),
+generators and multipliers, optima and handles (`shaping`).  `pas.SolutionSpace` is a space with all these as methods,
+and with the choice of a member: it stands above, since they are functions of spaces.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, Self, TypeAlias
 
 from flint import fmpq, fmpq_mat
@@ -19,7 +20,9 @@ from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.products import Products
 from pas.algebra.rational import Exact, VectorLike, rational, to_fraction, vector
+from pas.errors import NoSolutionError
 from pas.fairing.functionals import Functional, value_at
+from pas.fairing.prepared import PreparedSpace
 from pas.piecewise import PiecewiseSurface
 from pas.surface.placed import InPlace, PlacedContacts
 
@@ -50,10 +53,30 @@ class Space(InPlace):
         patches: Sequence[fmpq_mat] | Products,
         given_basis: tuple[Member, ...] | None = None,
         degrees_tried: Mapping[int, int] | None = None,
+        prepare: Callable[[], PreparedSpace] | None = None,
     ) -> None:
         self.placed, self.degree, self.given_basis = placed, degree, given_basis
         self.source = patches if isinstance(patches, Products) else Products.of(tuple(patches))
         self.degrees_tried = dict(degrees_tried or {degree: self.dimension})
+        self.prepare = prepare or cache(lambda: PreparedSpace(placed, degree, self.source))
+
+    @classmethod
+    def of(cls, space: Space) -> Self:
+        """A space as one of this class; what is known of it is not worked out again."""
+        if isinstance(space, cls):
+            return space
+        known = space.placed, space.degree, space.source, space.given_basis, space.degrees_tried, space.prepare
+        return cls(*known)
+
+    @property
+    def prepared(self) -> PreparedSpace:
+        """The members in floating point, with what the fit asks of them; made once."""
+        return self.prepare()
+
+    def check_not_empty(self) -> None:
+        """Raise `NoSolutionError` where it has no members but 0."""
+        if self.dimension == 0:
+            raise NoSolutionError(f"the solution space of degree {self.degree} is empty", self.degrees_tried)
 
     @property
     def dimension(self) -> int:

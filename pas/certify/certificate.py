@@ -12,7 +12,7 @@ from pas.algebra.brief import brief
 from pas.algebra.monomials import Floats
 from pas.bernstein.signs import SignResult
 from pas.surface.function import PiecewisePolynomial
-from pas.verdicts import Point, Status, Verdict, Verdicts
+from pas.verdicts import Status, Verdict, Verdicts
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,13 @@ class Proposition:
 
     def refuted(self, reason: str, place: Floats | None = None, measure: int = 0) -> Verdict:
         """The verdict that it fails, at a place (3,) if there is one."""
-        return Verdict(Status.REFUTED, self.words, reason, None if place is None else self._point(place), measure)
+        return Verdict(
+            Status.REFUTED,
+            self.words,
+            reason,
+            None if place is None else self.surface.partition.frame.place(place),
+            measure,
+        )
 
     def failed(self, signs: SignResult, reason: str) -> Verdict | None:
         """The verdict of a proof of signs that did not succeed, None where it did; `reason` says what is wrong where it
@@ -97,7 +103,7 @@ class Proposition:
             return None
         if signs.witness is not None:
             return self.refuted(reason, signs.witness, signs.examined)
-        x, y, z = self._point(signs.undecided[0])
+        x, y, z = self.surface.partition.frame.place(signs.undecided[0])
         place = f"{len(signs.undecided)} simplices undecided, one around ({x:.4g}, {y:.4g}, {z:.4g})"
         said = f"open whether {reason}: {place}"
         return Verdict(Status.UNDECIDED, self.words, said, measure=signs.examined)
@@ -106,7 +112,3 @@ class Proposition:
         """The verdict of a proof of signs, whose reason is `right` where it is proved; see `failed`."""
         failed = self.failed(signs, wrong)
         return self.proved(right, signs.examined) if failed is None else failed
-
-    def _point(self, place: Floats) -> Point:
-        x, y, z = self.surface.partition.frame.global_points(place).tolist()
-        return x, y, z

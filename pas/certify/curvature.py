@@ -20,16 +20,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
+from typing import TypeVar
 
 import numpy as np
 from flint import fmpq, fmpq_mpoly
+from numpy.typing import NDArray
 
 from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal
+from pas.algebra.monomials import Floats
 from pas.algebra.normal_form import NormalForm
-from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
-from pas.algebra.rational import Vector, cross, plain
-from pas.bernstein.forms import b_form, on_simplex, rounded
+from pas.algebra.polynomial import Polynomial, PolynomialLike
+from pas.algebra.rational import cross, dot, plain, to_float
+from pas.bernstein.forms import nearby_forms, polar_forms
+from pas.bernstein.products import BoundedForms
+from pas.bernstein.search import Limits
 from pas.bernstein.signs import prove_positive
 from pas.certify.certificate import Proposition
 from pas.contacts.contact import ContactLike, as_contact, contact_ideal
@@ -38,9 +44,9 @@ from pas.limits import checkpoint
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Verdict
 
-ZERO = RING.constant(0)
+R = TypeVar("R")
 
-Matrix = Sequence[Sequence[fmpq_mpoly]]
+Matrix = Sequence[Sequence[R]]
 
 
 @dataclass(frozen=True)
@@ -147,16 +153,16 @@ def _gradient(raw: fmpq_mpoly, curve: NormalForm) -> list[fmpq_mpoly]:
 def _curvature(raw: fmpq_mpoly, grad: Sequence[fmpq_mpoly], curve: NormalForm) -> tuple[fmpq_mpoly, fmpq_mpoly]:
     """`|grad|^2` and `grad^T adj(Hess) grad` modulo the ideal of the curve."""
     rows = [[curve.reduce(raw.derivative(i).derivative(j)) for j in range(3)] for i in range(3)]
-    return curve.reduce(sum((c * c for c in grad), ZERO)), curve.reduce(_form(grad, _adjugate(rows)))
+    return curve.reduce(dot(grad, grad)), curve.reduce(_form(grad, _adjugate(rows)))
 
 
-def _adjugate(rows: Matrix) -> Matrix:
+def _adjugate(rows: Matrix[R]) -> Matrix[R]:
     """That of a symmetric matrix: its rows are the cross products of the matrix's rows."""
     return [cross(rows[(i + 1) % 3], rows[(i + 2) % 3]) for i in range(3)]
 
 
-def _form(g: Sequence[fmpq_mpoly], matrix: Matrix) -> fmpq_mpoly:
-    return sum((g[i] * matrix[i][j] * g[j] for i in range(3) for j in range(3)), ZERO)
+def _form(g: Sequence[R], matrix: Matrix[R]) -> R:
+    return dot(g, [dot(row, g) for row in matrix])
 
 
 def _proportional(a: fmpq_mpoly, b: fmpq_mpoly) -> bool:
@@ -180,28 +186,44 @@ def curvature_below(surface: PiecewisePolynomial, bound: fmpq) -> Verdict:
     of these does, and slowly along it.  A pipe, one of whose curvatures is 0, has its own curvature for the root.
     """
     claim = Proposition(surface, f"sqrt(k1^2 + k2^2) below {plain(bound)}")
-    local = surface.local
-    square = (bound * surface.partition.frame.scale) ** 2
-    zero, value, degree = [], [], 6 * max(surface.degree - 1, 0)
-    for cell, piece in zip(local.cells, local.piece_of, strict=True):
+    local, degree = surface.local, 6 * max(surface.degree - 1, 0)
+    pieces, square = local.piece_of.tolist(), to_float((bound * surface.partition.frame.scale) ** 2)
+
+    def values(parts: Floats, numbers: NDArray[np.intp]) -> tuple[Floats, float]:
         checkpoint("bounding curvature")
-        corners, patch = local.corners(cell), surface.patches[int(piece)].raw
-        zero.append(rounded(b_form(on_simplex(patch, corners), degree, 3)))
-        value.append(rounded(b_form(_difference(patch, corners, square), degree, 3)))
-    result = prove_positive(np.array(value), local.points[np.array(local.cells)], np.array(zero))
+        patches = [surface.scaled.polynomials[pieces[number]] for number in numbers.tolist()]
+        jet = _jet(patches, parts, surface.degree, float(np.abs(local.points).max()))
+        return _difference(*jet, square).raised(degree).scaled()
+
+    cells = [local.corners(cell) for cell in local.cells]
+    found, off = nearby_forms([surface.patches[piece].raw for piece in pieces], cells, surface.degree)
+    zero, error = BoundedForms(found, surface.degree, np.full(len(found), off)).raised(degree).scaled()
+    corners = local.points[np.array(local.cells)]
+    value, other = values(corners, np.arange(len(cells)))
+    result = prove_positive(value, corners, zero, error=max(error, other), anew=values)
     reason = f"K^2 |g|^6 > M^2 - 2 |g|^2 g^T adj(H) g wherever f = 0; {result.examined} tetrahedra"
     return claim.settled(result, "it is larger somewhere", reason)
 
 
-def _difference(patch: fmpq_mpoly, corners: Sequence[Vector], square: fmpq) -> fmpq_mpoly:
-    """`K^2 |g|^6 - M^2 + 2 |g|^2 g^T adj(H) g` on a tetrahedron.
+def _jet(
+    patches: Sequence[Polynomial], corners: Floats, degree: int, reach: float
+) -> tuple[list[BoundedForms], list[list[BoundedForms]]]:
+    """The first and the second derivatives of polynomials, one on each tetrahedron (N, 4, 3), made by halving some
+    whose corners are up to `reach` in size."""
+    moved = Limits().depth  # each halving rounds the new corner
 
-    The derivatives are brought there one by one: the whole has thousands of terms.
-    """
-    slopes = [patch.derivative(i) for i in range(3)]
-    g = [on_simplex(slope, corners) for slope in slopes]
-    upper = {(i, j): on_simplex(slopes[i].derivative(j), corners) for i in range(3) for j in range(i, 3)}
-    h = [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
-    length = sum((a * a for a in g), ZERO)
+    def forms(order: int, *along: int) -> BoundedForms:
+        known = {p: reduce(Polynomial.diff, along, p) for p in dict.fromkeys(patches)}
+        lower = max(degree - order, 0)
+        values, error = polar_forms([known[p] for p in patches], corners, lower, moved, reach)
+        return BoundedForms(values, lower, error)
+
+    second = {(i, j): forms(2, i, j) for i in range(3) for j in range(i, 3)}
+    return [forms(1, i) for i in range(3)], [[second[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
+
+
+def _difference(g: Sequence[BoundedForms], h: Matrix[BoundedForms], square: float) -> BoundedForms:
+    """`K^2 |g|^6 - M^2 + 2 |g|^2 g^T adj(H) g` of first and second derivatives."""
+    length = dot(g, g)
     bent = length * (h[0][0] + h[1][1] + h[2][2]) - _form(g, h)
     return length * length * length * square - bent * bent + length * _form(g, _adjugate(h)) * 2

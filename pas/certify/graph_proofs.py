@@ -23,8 +23,8 @@ from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
 from pas.certify.local_mesh import OFF, FramedMesh
 from pas.kernels.library import compiled
-from pas.mesh.edges import Edges
 from pas.mesh.rows import Integers, cross, dots, norms
+from pas.mesh.topology import Edges
 from pas.surface.boundary_loops import BoundaryLoop
 from pas.verdicts import Point, Status, Verdict
 
@@ -33,8 +33,6 @@ CLAIM, BORDER = "the topology of the surface", "a manifold that ends on the cont
 SURE = 2.0**-46
 """Determinants over the product of their rows' lengths are wrong by less: by some dozen roundings."""
 
-GRAZING = 1e-9
-"""By which cosines of angles may be wrong without a triangle being missed."""
 
 SEPARATE = 1e-6
 """Radians that are left at least between loops."""
@@ -49,7 +47,7 @@ def certify_graph(mesh: FramedMesh, edges: Edges, promised: Callable[[], Certifi
         rings = surface.placed.loops
     except ArithmeticError as unseen:
         return Verdict(Status.UNDECIDED, BORDER, str(unseen)), _open(str(unseen))
-    loops = _loops(edges)
+    loops = edges.loops
     rim = edges.rim[:, 0]
     off = np.array([ring.off(points[rim]) for ring in rings])
     far = np.flatnonzero(off.min(axis=0) > OFF)
@@ -84,20 +82,6 @@ def certify_graph(mesh: FramedMesh, edges: Edges, promised: Callable[[], Certifi
 
 def _open(reason: str, place: Point | None = None) -> Verdict:
     return Verdict(Status.UNDECIDED, CLAIM, reason, place)
-
-
-def _loops(edges: Edges) -> list[Integers]:
-    """The vertices of each loop of the boundary, in order."""
-    after = dict(edges.rim.tolist())
-    found = []
-    while after:
-        start, here = next(iter(after)), []
-        at = start
-        while at in after:
-            here.append(at)
-            at = after.pop(at)
-        found.append(np.array(here, dtype=np.intp))
-    return found
 
 
 def _parted(points: Floats, loops: Sequence[Integers], owner: Integers, rings: Sequence[BoundaryLoop]) -> str:
@@ -154,10 +138,11 @@ def crossed(points: Floats, triangles: Integers, origin: Floats, ends: Floats) -
     det(p, b, d) and det(p, d, a) have one sign, at the share det(a, b, d) over their sum.  Each is known to `SURE`
     times the lengths of its rows; what is not surely crossed nor surely missed makes the number of p unknown.
     """
+    grazing = 1e-9  # by which cosines of angles may be wrong without a triangle being missed
     ways = ends - origin
     towards = ways / np.maximum(norms(ways), 1e-300)[:, None]
     times, known = np.empty(len(ways), dtype=np.intp), np.empty(len(ways), dtype=np.bool_)
-    given = (len(triangles), triangles, points, origin, len(ways), ways, towards, GRAZING, SURE)
+    given = (len(triangles), triangles, points, origin, len(ways), ways, towards, grazing, SURE)
     compiled().call("pas_crossed", *given, times, known)
     return times, known
 

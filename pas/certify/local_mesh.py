@@ -75,8 +75,7 @@ class FramedSurface:
 
     def point(self, place: Floats) -> Point:
         """The user's coordinates of a place (3,)."""
-        x, y, z = self.frame.global_points(place).tolist()
-        return x, y, z
+        return self.frame.place(place)
 
     def jets(self, points: Floats) -> tuple[Floats, Floats]:
         """Values (N,) and gradients (3, N) at points (N, 3), all by one positive factor; NaN outside of the region."""

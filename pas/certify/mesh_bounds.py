@@ -14,7 +14,7 @@ from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.certify.local_mesh import LARGER, ROUNDINGS, FramedMesh, FramedSurface
 from pas.certify.triangle_forms import on_corners
-from pas.mesh.rows import Integers, any_of, cross, dots
+from pas.mesh.rows import Integers, any_of, cross, dots, quarters
 
 CUTS = 6
 """How often triangles are cut into four where bounds on them do not do."""
@@ -49,8 +49,8 @@ class Parts(Cells):
 
     def quarters(self) -> Parts:
         """Those with marks among the four of each, cut at the middles of sides, which are marked if both ends are."""
-        marks = _quarters(self.marks.astype(float)) == 1
-        parts = Parts(_quarters(self.corners), np.repeat(self.owner, 4), marks)
+        marks = quarters(self.marks.astype(float)).reshape(-1, 3) == 1
+        parts = Parts(quarters(self.corners).reshape(-1, 3, 3), np.repeat(self.owner, 4), marks)
         return parts if marks.all() else parts.select(marks.any(axis=1))
 
 
@@ -132,14 +132,6 @@ def _bounded(
         part = rows[large[rows]]
         closer[part] = np.maximum(closer[part], _largest(maker.ranges(corners[part], closer=True)) + maker.value_error)
     return np.where(large, closer, most), least, several
-
-
-def _quarters(corners: Floats) -> Floats:
-    """The four parts (4 T, 3, ...) of triangles (T, 3, ...), cut at the middles of their sides."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    p, q, r = (a + b) / 2, (b + c) / 2, (c + a) / 2
-    parts = [np.stack(part, axis=1) for part in ((a, p, r), (p, b, q), (r, q, c), (p, q, r))]
-    return np.stack(parts, axis=1).reshape(-1, *corners.shape[1:])
 
 
 def _largest(ranges: tuple[Floats, Floats]) -> Floats:

@@ -33,9 +33,8 @@ from pas.certify.critical_points import CriticalParts, critical_parts
 from pas.certify.graph_proofs import CLAIM, certify_graph, crossed
 from pas.certify.local_mesh import OFF, ON_WALL, SCALED, FramedMesh, FramedSurface
 from pas.certify.mesh_bounds import BoxTable, TriangleBounds, along_walls, apart, bounds, farthest
-from pas.mesh.edges import Edges
 from pas.mesh.rows import Integers
-from pas.mesh.topology import same_places
+from pas.mesh.topology import Edges, same_places
 from pas.verdicts import Findings, Point, Status, Verdict
 
 BORDER = "a manifold that ends on the walls"

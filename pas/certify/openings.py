@@ -25,7 +25,7 @@ from itertools import combinations
 from flint import fmpq, fmpq_mat, fmpq_mpoly
 
 from pas.algebra.monomials import exponents
-from pas.algebra.polynomial import GENERATORS, RING, Polynomial
+from pas.algebra.polynomial import RING, Polynomial
 from pas.bernstein.signs import SignResult, alike, positive_on
 from pas.certify.certificate import Proposition
 from pas.certify.incidence import on_faces
@@ -44,20 +44,13 @@ def cofactor(patch: Polynomial, join: Join, order: int) -> Polynomial | None:
 def _cofactor(patch: Polynomial, f: Polynomial, q: Polynomial, order: int) -> Polynomial | None:
     power = q.raw ** (order + 1)
     degree = max(patch.degree - power.total_degree(), 0)
-    monomials = [_monomial(e) for e in exponents(degree)]
+    monomials = [RING.from_dict({e: 1}) for e in exponents(degree)]
     rests = [divmod(m * power, f.raw)[1] for m in monomials]
     beta = _combination(divmod(patch.raw, f.raw)[1], rests)
     if beta is None:
         return None
     rest = patch.raw - power * sum((b * m for b, m in zip(beta, monomials, strict=True)), RING.constant(0))
     return Polynomial.from_raw(divmod(rest, f.raw)[0])
-
-
-def _monomial(exponent: Sequence[int]) -> fmpq_mpoly:
-    result = RING.constant(1)
-    for generator, power in zip(GENERATORS, exponent, strict=True):
-        result *= generator**power
-    return result
 
 
 def _combination(wanted: fmpq_mpoly, given: Sequence[fmpq_mpoly]) -> list[fmpq] | None:

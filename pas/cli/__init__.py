@@ -22,9 +22,6 @@ from pas.cli.parser import parser
 from pas.errors import InputError, PasError
 from pas.limits import limit
 
-LONGEST = 600
-"""Characters of an error that are printed."""
-
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
@@ -64,4 +61,4 @@ def _fail(options: argparse.Namespace, error: Exception, code: int) -> int:
 def _one_line(text: str) -> str:
     """A sentence on one line; what it quotes (polynomials, say) may be long, and is cut in the middle then."""
     line = " ".join(text.split())
-    return line if len(line) <= LONGEST else f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"
+    return line if len(line) <= 600 else f"{line[:300]} ... {line[-300:]}"

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 def run_solve(options: argparse.Namespace) -> CommandResult:
     """`pas solve`."""
     from pas.exchange.problem import read_problem
+    from pas.pipeline.blend import solutions
     from pas.pipeline.report import report
-    from pas.pipeline.space import solutions
 
     found = cast("CornerProblem", read_problem(problem_file(options.problem), ("corner",)))
     problem = found.changed(order=options.order, degree=options.degree)
@@ -46,13 +46,18 @@ def run_solve(options: argparse.Namespace) -> CommandResult:
     return CommandResult(report(space, options.form, module=options.generators), {})
 
 
-def run_check(options: argparse.Namespace) -> CommandResult:
-    """`pas check`."""
+def _loaded(options: argparse.Namespace, *, edited: bool = False) -> Any:
+    """The shape of the project file that a command is given."""
     from pas.kinds.files import load
 
+    return load(project_file(options.project), edited=edited)
+
+
+def run_check(options: argparse.Namespace) -> CommandResult:
+    """`pas check`."""
     if options.independent:
         return _check_independently(options)
-    shape = load(project_file(options.project), edited=options.edited)
+    shape = _loaded(options, edited=options.edited)
     start = time.perf_counter()
     certificate: Verdicts = shape.certificate
     text, stored = str(certificate), getattr(shape, "stored", None)
@@ -87,12 +92,11 @@ def run_mesh(options: argparse.Namespace) -> CommandResult:
     from pas.exchange.files import target
     from pas.exchange.formats import suffixes_of
     from pas.exchange.write import check_open, write_as
-    from pas.kinds.files import load
     from pas.shape import kind_of
 
     settings = settings_of(MeshSettings, options)
     target(options.output, suffixes_of("triangles"), "a mesh")
-    shape = load(project_file(options.project))
+    shape = _loaded(options)
     kind = kind_of(shape)
     mesh = kind.mesh(shape, settings)
     if not mesh.is_closed:
@@ -105,7 +109,6 @@ def run_mesh(options: argparse.Namespace) -> CommandResult:
 def run_render(options: argparse.Namespace) -> CommandResult:
     """`pas render`."""
     from pas.exchange.picture_options import Picture
-    from pas.kinds.files import load
     from pas.render.picture import draw
 
     picture = settings_of(Picture, options)
@@ -114,23 +117,20 @@ def run_render(options: argparse.Namespace) -> CommandResult:
     coloring = picture.coloring
     if options.curvature is not None and not coloring.curved:
         raise ValueError(f"--curvature shows mean, gauss, max or min, not {coloring.name}; draw it with --style")
-    path = draw(load(project_file(options.project)), options.output, **given(picture))
+    path = draw(_loaded(options), options.output, **given(picture))
     return CommandResult(str(path), {"written": [str(path)]})
 
 
 def run_write(options: argparse.Namespace) -> CommandResult:
     """`pas write`."""
-    from pas.kinds.files import load
-
-    return _written(load(project_file(options.project)), options)
+    return _written(_loaded(options), options)
 
 
 def run_convert(options: argparse.Namespace) -> CommandResult:
     """`pas convert`: `pas write` of the body, where the kind of shape has one."""
-    from pas.kinds.files import load
     from pas.shape import kind_of
 
-    shape = load(project_file(options.project))
+    shape = _loaded(options)
     body = kind_of(shape).body
     if body is not None:
         shape = body(shape, options.length)
@@ -155,10 +155,6 @@ def _written(shape: Any, options: argparse.Namespace) -> CommandResult:
     mesh = settings_of(MeshSettings, options)
     path = write_as(shape, options.output, mesh, unit=options.unit or "millimeter", sew=options.sew)
     return CommandResult(str(path), {"written": [str(path)]})
-
-
-TEAPOT_TOLERANCE = 0.001
-"""Of the teapot's mesh, which is about 5 units long."""
 
 
 def run_problem(options: argparse.Namespace) -> CommandResult:
@@ -208,7 +204,7 @@ def run_teapot(options: argparse.Namespace) -> CommandResult:
     from pas.designs.teapot import teapot
     from pas.exchange.files import together
 
-    settings = replace(MeshSettings(TEAPOT_TOLERANCE), **given(settings_of(MeshSettings, options)))
+    settings = replace(MeshSettings(0.001), **given(settings_of(MeshSettings, options)))
     folder = output_folder(options.output)
     clock = Clock()
     pot = teapot(

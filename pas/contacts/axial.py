@@ -8,11 +8,11 @@ from typing import Any, Literal
 
 from flint import fmpq, fmpq_mpoly
 
+from pas.algebra.affine import away, height
 from pas.algebra.inputs import shown
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, to_float, vector
-from pas.contacts.contact import Contact
-from pas.contacts.movable import Movable
+from pas.contacts.contact import Contact, Movable
 
 ZERO = GENERATORS[0] * 0
 
@@ -59,12 +59,11 @@ class Axial(Movable):
     @property
     def square(self) -> fmpq_mpoly:
         """The square of the distance from the point."""
-        return sum(((g - p) ** 2 for g, p in zip(GENERATORS, self.point, strict=True)), ZERO)
+        return sum((d * d for d in away(self.point)), ZERO)
 
     def part(self, direction: Vector) -> fmpq_mpoly:
         """The coordinate along any vector, 0 at the point and 1 at the vector's tip."""
-        terms = ((g - p) * a for g, p, a in zip(GENERATORS, self.point, direction, strict=True))
-        return sum(terms, ZERO) * (1 / dot(direction, direction))
+        return height(self.point, direction) * (1 / dot(direction, direction))
 
     def squares(self, semiaxes: Sequence[Vector]) -> fmpq_mpoly:
         """The sum of the squared coordinates along some vectors."""

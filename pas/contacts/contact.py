@@ -6,18 +6,70 @@ along the curve V(f, h).  Signs: `f < 0` inside, `f > 0` outside; `h < 0` on the
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import Any, Protocol, TypeAlias, runtime_checkable
+from typing import Any, Protocol, Self, TypeAlias, runtime_checkable
 
+from pas.algebra.affine import Affine, rotation, translation
 from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Vector, VectorLike, vector
+from pas.algebra.rational import Exact, Vector, VectorLike, vector
 from pas.algebra.scaling import scaled
-from pas.contacts.movable import Movable
+from pas.contacts.rims import Rim, rim_of
 from pas.registry import Registry
+
+POINTS = ("point", "near")
+"""Fields that are points of space; other triples of numbers are vectors."""
+
+
+class Movable:
+    """A kind of contact; to be inherited by frozen dataclasses whose fields are the arguments of their constructor.
+
+    A field is moved as what it is: polynomials by their zero sets, the fields `point` and `near` as points, other
+    triples of numbers and tuples of them as vectors; numbers stay.
+    """
+
+    @property
+    def contact(self) -> Contact:
+        """The surface and its clip as polynomials."""
+        raise NotImplementedError(f"{type(self).__name__} does not say which contact it stands for")
+
+    @cached_property
+    def rim(self) -> Rim:
+        """The closed plane curve along which the blend is met; `GeometryError` says why where there is none."""
+        return rim_of(self.contact.surface, self.contact.clip, self.contact.near)
+
+    def check_rim(self) -> None:
+        """Raise `GeometryError` where there is no closed plane curve."""
+        _ = self.rim
+
+    def translate(self, offset: VectorLike) -> Self:
+        """The contact moved by three numbers."""
+        return self._moved(translation(offset))
+
+    def rotate(self, axis: VectorLike, degrees: Exact, center: VectorLike = (0, 0, 0)) -> Self:
+        """The contact turned about an axis through `center`, counterclockwise seen from the axis' tip.
+
+        Exact rotations by rational matrices, as those of solids: the angle is `degrees` up to rounding, and exact for
+        multiples of 90 about an axis of rational length.
+        """
+        return self._moved(rotation(axis, degrees, center))
+
+    def _moved(self, map_: Affine) -> Self:
+        arguments = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
+        points = {name: map_.exact(arguments[name]) for name in POINTS if arguments.get(name) is not None}
+        return type(self)(**{name: _image(value, map_) for name, value in arguments.items()} | points)
+
+
+def _image(value: Any, map_: Affine) -> Any:
+    if isinstance(value, Polynomial):
+        return map_.polynomial(value)
+    if isinstance(value, tuple):
+        inner = isinstance(value[0], tuple)
+        return tuple(_image(v, map_) for v in value) if inner else map_.direction(value)
+    return value
 
 
 @dataclass(frozen=True)
@@ -66,7 +118,7 @@ class Contact(Movable):
 class HasContact(Protocol):
     """Anything that stands for a contact, such as a `Pipe`.
 
-    A class of these is one file; registered in `CONTACTS`, problem files know it by the name of its `table`,
+    A class of these is registered in `CONTACTS`: problem files know it by the name of its `table`,
     whose keys are the arguments of its constructor.  One with a static `inner_surface(contact, thickness)` says what is
     inside a wall of contacts of its kind (`pas.contacts.parallels`).
     """
@@ -83,16 +135,16 @@ ContactLike: TypeAlias = "Contact | HasContact | tuple[PolynomialLike, Polynomia
 CONTACTS: Registry[type[Any]] = Registry(
     "table of contacts",
     {
-        "pipes": "pas.contacts.pipe:Pipe",
-        "cones": "pas.contacts.cone:Cone",
-        "elliptic_pipes": "pas.contacts.elliptic_pipe:EllipticPipe",
-        "paraboloids": "pas.contacts.paraboloid:Paraboloid",
-        "hyperboloids": "pas.contacts.hyperboloid:Hyperboloid",
-        "spheres": "pas.contacts.sphere:Sphere",
-        "ellipsoids": "pas.contacts.ellipsoid:Ellipsoid",
+        "pipes": "pas.contacts.endless:Pipe",
+        "cones": "pas.contacts.endless:Cone",
+        "elliptic_pipes": "pas.contacts.axial_quadrics:EllipticPipe",
+        "paraboloids": "pas.contacts.axial_quadrics:Paraboloid",
+        "hyperboloids": "pas.contacts.axial_quadrics:Hyperboloid",
+        "spheres": "pas.contacts.axial_quadrics:Sphere",
+        "ellipsoids": "pas.contacts.axial_quadrics:Ellipsoid",
         "tori": "pas.contacts.torus:Torus",
         "plates": "pas.contacts.plate:Plate",
-        "openings": "pas.contacts.opening:Opening",
+        "openings": "pas.contacts.cones:Opening",
         "quadrics": "pas.contacts.quadric:QuadricContact",
         "contacts": Contact,
     },

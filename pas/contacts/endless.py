@@ -1,15 +1,18 @@
-"""Contacts on surfaces that go on along an axis: they may end anywhere on it, also where the program finds room."""
+"""Contacts on surfaces that go on along an axis, which may end anywhere on it, also where the program finds room.
+
+Pipes and cones are the circular ones.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 from flint import fmpq
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import Exact, VectorLike, dot, rational, to_float
+from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, to_float
 from pas.contacts.axial import Axial, listed, positive
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
@@ -102,3 +105,70 @@ class Circular(Endless):
 
     def _changes(self, clip: fmpq) -> dict[str, Any]:
         return {"clip": clip, "radius": self.radius + self.slope * (clip - self._known_at)}
+
+
+@dataclass(frozen=True)
+class Pipe(Circular):
+    """An infinite circular cylinder, cut off by a plane normal to its axis.
+
+    `axis` is its direction (any nonzero rational vector, of any length), `radius` its radius,
+    `point` a point on its axis.  The clip plane passes through `point + clip * axis`; the blend's
+    side of it is the one with `point` (the side in the direction of -axis where `clip` is 0).
+    With the clip "auto" `pas.blend` ends it where there is room among the other contacts.  All
+    numbers are exact (see `pas.Polynomial`).  Its polynomials are rational, since nothing is
+    normalised by a square root: `|w|^2 - (w . axis)^2 / |axis|^2 - radius^2` with `w = x - point`.
+
+    Raises `ValueError` for a zero axis or a radius that is not positive.
+    """
+
+    table: ClassVar[str] = "pipes"
+
+    axis: Vector
+    radius: fmpq
+    clip: fmpq | Literal["auto"]
+    point: Vector = (fmpq(0), fmpq(0), fmpq(0))
+
+    def __init__(self, axis: VectorLike, radius: Exact, clip: Exact, point: VectorLike = (0, 0, 0)) -> None:
+        self.settle(axis, point, radius=radius, clip=clip)
+
+    @property
+    def clip_scale(self) -> fmpq:
+        """See `Circular.clip_scale`: `w . axis - clip |axis|^2` is what project files have."""
+        return dot(self.axis, self.axis)
+
+    def __str__(self) -> str:
+        return f"pipe of radius {plain(self.radius)} {self.position}, {self.ending}"
+
+
+@dataclass(frozen=True)
+class Cone(Circular):
+    """A circular cone, cut off by a plane normal to its axis: a `Pipe` whose radius grows along it.
+
+    `radius` is that of the circle in the clip plane, which passes through `point + clip * axis`; the radius grows by
+    `slope` for each length of `axis`, away from the point.  All numbers are exact; `slope` may be negative, and 0 makes
+    a pipe.  With the clip "auto" the program ends it where a blend has room, and `radius` is that of the circle around
+    `point`.  With `w = x - point` and `u = w . axis / |axis|^2`, its polynomial is
+    `|w|^2 - u^2 |axis|^2 - (radius + slope (u - clip))^2`.
+
+    Raises `ValueError` for a zero axis or a radius that is not positive.
+    """
+
+    table: ClassVar[str] = "cones"
+
+    axis: Vector
+    radius: fmpq
+    clip: fmpq | Literal["auto"]
+    slope: fmpq
+    point: Vector = (fmpq(0), fmpq(0), fmpq(0))
+
+    def __init__(
+        self, axis: VectorLike, radius: Exact, clip: Exact, slope: Exact, point: VectorLike = (0, 0, 0)
+    ) -> None:
+        self.settle(axis, point, radius=radius, clip=clip, slope=slope)
+
+    def __str__(self) -> str:
+        where = "where" if self.ends else "and at that point"
+        return (
+            f"cone {self.position}, {self.ending} {where} its radius is {plain(self.radius)}, "
+            f"with slope {plain(self.slope)}"
+        )

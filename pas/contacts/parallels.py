@@ -12,13 +12,17 @@ rounded to 32 binary digits.  Not guaranteed: that the inner surface is inside, 
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from itertools import combinations
 from math import frexp, isqrt, ldexp, sqrt
 
-from flint import fmpq
+import numpy as np
+from flint import fmpq, fmpq_mat
 
 from pas.algebra.inputs import short
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import exact, plain, to_float
+from pas.algebra.rational import Vector, cross, dot, exact, plain, to_float, to_floats
 from pas.algebra.scaling import Scaled
 from pas.contacts.cones import apex
 from pas.contacts.contact import CONTACTS, Contact
@@ -26,6 +30,17 @@ from pas.errors import GeometryError
 
 DIGITS = 32
 """Binary digits of numbers that are irrational: few enough for short polynomials, too fine for walls."""
+
+
+LARGEST_DENOMINATOR = 10**6
+"""Of coordinates of a principal axis that is neither the clip's normal nor follows from that: axes are found from
+rounded numbers, and then checked exactly."""
+
+Axes = tuple[tuple[Vector, fmpq], ...]
+"""Three vectors across one another, each with the eigenvalue of the quadratic form that belongs to it."""
+
+ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
+UNITS: tuple[Vector, ...] = tuple((fmpq(i == 0), fmpq(i == 1), fmpq(i == 2)) for i in range(3))
 
 
 def inner_contact(contact: Contact, thickness: fmpq, number: int = 1) -> Contact:
@@ -86,3 +101,73 @@ def rounded(value: float) -> fmpq:
     """A number to its first `DIGITS` binary digits."""
     part, power = frexp(value)
     return exact(ldexp(round(part * 2**DIGITS), power - DIGITS))
+
+
+def principal_axes_of(surface: Polynomial, contact: Contact) -> Axes | None:
+    """Those of a polynomial's terms of degree 2, one of which may be the normal of a contact's plane clip."""
+    hint = slope_at(contact.clip, ORIGIN) if contact.clip.degree == 1 else None
+    return principal_axes(quadratic_terms(surface), hint)
+
+
+def principal_axes(matrix: fmpq_mat, hint: Vector | None = None) -> Axes | None:
+    """Three rational eigenvectors of a symmetric matrix, with their eigenvalues, exact; None where there are none.
+
+    `hint` may be one of them.  Others are looked for in the kernel, and near eigenvectors in doubles.
+    """
+    for first in _candidates(matrix, hint):
+        value = _eigenvalue(matrix, first)
+        if value is None:
+            continue
+        least = min(range(3), key=lambda i: abs(first[i]))
+        across = cross(first, UNITS[least])
+        for second in _turned(matrix, across, cross(first, across)):
+            third = cross(first, second)
+            values = [_eigenvalue(matrix, v) for v in (second, third)]
+            if values[0] is not None and values[1] is not None:
+                return (first, value), (second, values[0]), (third, values[1])
+    return None
+
+
+def _candidates(matrix: fmpq_mat, hint: Vector | None) -> Iterator[Vector]:
+    if hint is not None:
+        yield hint
+    rows: list[Vector] = [(matrix[i, 0], matrix[i, 1], matrix[i, 2]) for i in range(3)]
+    yield from (v for a, b in combinations(rows, 2) if any(v := cross(a, b)))
+    yield from UNITS
+    floats = np.array([to_floats(row) for row in rows])
+    for column in np.linalg.eigh(floats)[1].T.tolist():
+        yield _short([c / max(column, key=abs) for c in column])
+
+
+def _turned(matrix: fmpq_mat, first: Vector, second: Vector) -> Iterator[Vector]:
+    """Candidates for an eigenvector in the plane of two vectors across one another."""
+    yield first
+    a, b = (np.array(to_floats(v)) / sqrt(to_float(dot(v, v))) for v in (first, second))
+    floats = np.array([[to_float(matrix[i, j]) for j in range(3)] for i in range(3)])
+    plane = np.array([[u @ floats @ v for v in (a, b)] for u in (a, b)])
+    for s, t in np.linalg.eigh(plane)[1].T.tolist():
+        found = s * a + t * b
+        yield _short((found / found[np.abs(found).argmax()]).tolist())
+
+
+def _short(values: Sequence[float]) -> Vector:
+    x, y, z = (Fraction(v).limit_denominator(LARGEST_DENOMINATOR) for v in values)
+    return fmpq(x.numerator, x.denominator), fmpq(y.numerator, y.denominator), fmpq(z.numerator, z.denominator)
+
+
+def _eigenvalue(matrix: fmpq_mat, vector: Vector) -> fmpq | None:
+    """The eigenvalue of an eigenvector; None for another vector."""
+    image = matrix * fmpq_mat(3, 1, list(vector))
+    found: Vector = (image[0, 0], image[1, 0], image[2, 0])
+    return None if any(cross(found, vector)) else dot(found, vector) / dot(vector, vector)
+
+
+def quadratic_terms(f: Polynomial) -> fmpq_mat:
+    """The symmetric matrix of the terms of degree 2."""
+    return fmpq_mat(3, 3, [f.diff(i).diff(j).raw(*ORIGIN) / 2 for i in range(3) for j in range(3)])
+
+
+def slope_at(f: Polynomial, point: Vector) -> Vector:
+    """The gradient at a point, exact."""
+    x, y, z = (f.diff(i).raw(*point) for i in range(3))
+    return x, y, z

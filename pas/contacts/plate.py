@@ -14,8 +14,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, Vector, VectorLike, dot, rational
 from pas.contacts.axial import Axial, listed, perpendicular, positive, vectors
 from pas.contacts.contact import Contact
-from pas.contacts.parallels import root
-from pas.contacts.principal_axes import ORIGIN, slope_at
+from pas.contacts.parallels import ORIGIN, root, slope_at
 
 
 @dataclass(frozen=True)

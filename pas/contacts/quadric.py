@@ -11,17 +11,24 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from flint import fmpq, fmpq_mpoly
 
-from pas.algebra.affine import translation
+from pas.algebra.affine import height, translation
 from pas.algebra.brief import brief
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, dot, minus, rational, to_float, to_floats
 from pas.contacts.cones import apex, nappe, nappe_rays
-from pas.contacts.contact import Contact
-from pas.contacts.movable import Movable
-from pas.contacts.parallels import TooThickError, rounded, shrunk
-from pas.contacts.principal_axes import ORIGIN, Axes, principal_axes_of, quadratic_terms, slope_at
+from pas.contacts.contact import Contact, Movable
+from pas.contacts.parallels import (
+    ORIGIN,
+    Axes,
+    TooThickError,
+    principal_axes_of,
+    quadratic_terms,
+    rounded,
+    shrunk,
+    slope_at,
+)
 
 ROUND = 64
 """Points round a curve that is in no plane."""
@@ -114,7 +121,7 @@ def _narrowed(axes: Axes, center: Vector, rest: fmpq, thickness: fmpq) -> Polyno
     for i, (axis, value) in enumerate(axes):
         if value == 0:
             continue
-        along = sum(((g - c) * a for g, c, a in zip(GENERATORS, center, axis, strict=True)), GENERATORS[0] * 0)
+        along = height(center, axis)
         by = 1 / squares[i] if i in squares else value / -rest
         raw += along * along * (scale * by / dot(axis, axis))
     return Polynomial.from_raw(raw)

@@ -19,6 +19,7 @@ from typing import Protocol
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.affine import height
 from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import short
@@ -93,10 +94,7 @@ class Rim:
     @cached_property
     def plane(self) -> Polynomial:
         """The plane as a polynomial that is negative on the blend's side."""
-        raw = sum(
-            ((g - c) * n for g, c, n in zip(GENERATORS, self.center, self.normal, strict=True)), GENERATORS[0] * 0
-        )
-        return Polynomial.from_raw(raw)
+        return Polynomial.from_raw(height(self.center, self.normal))
 
     @cached_property
     def radii(self) -> tuple[float, float]:
@@ -156,11 +154,7 @@ class PlaneChart:
 
     def extended(self, polynomial: Polynomial) -> Polynomial:
         """A polynomial in s and t as one of space, constant along the normal."""
-        offset = [g - o for g, o in zip(GENERATORS, self.origin, strict=True)]
-        s, t = (
-            sum((d * a for d, a in zip(offset, axis, strict=True)), GENERATORS[0] * 0) * (1 / dot(axis, axis))
-            for axis in (self.first, self.second)
-        )
+        s, t = (height(self.origin, axis) * (1 / dot(axis, axis)) for axis in (self.first, self.second))
         return polynomial.compose(Polynomial.from_raw(s), Polynomial.from_raw(t), Polynomial(0))
 
 

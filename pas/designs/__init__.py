@@ -1,4 +1,7 @@
-"""Designs made of patches, joints and solids alone: the classic teapot, of which each part can be changed.
+"""The classic teapot, a design made of patches, joints and solids alone, of which each part can be changed.
+
+`teapot` puts together what the other files of this room make: the `Body`, its `Lid`, a handle and a spout, each a
+frozen dataclass of exact numbers and polynomials (`exact`) with a method that adds it to a solid, joints included.
 
     import pas
     from pas.designs import Handle, Spout

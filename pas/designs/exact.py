@@ -17,8 +17,8 @@ from pas.fairing.energies.squared_derivatives import ThinPlate
 from pas.fairing.functionals import Box
 from pas.fairing.wishes import ValueAt
 from pas.partition.boxes import SingleCell
+from pas.pipeline.blend import solutions
 from pas.pipeline.result import SolutionSpace
-from pas.pipeline.space import solutions
 
 Point = tuple[Fraction, ...]
 Points = tuple[Point, ...]
@@ -36,16 +36,19 @@ def _polynomial(value: Any, name: str) -> Polynomial:
         raise type(error)(f"{name}: {error}") from None
 
 
-def _point(value: Any, name: str) -> Point:
+def _each(value: Any, name: str, what: str, read: Callable[[Any, str], Any]) -> tuple[Any, ...]:
+    """What is read of each entry of a sequence; raises `TypeError` for what is none."""
     if isinstance(value, str) or not isinstance(value, Sequence):
-        raise TypeError(f"{name} must be a point, as (2, 0.5), not {shown(value)}")
-    return tuple(number(c, f"{name}[{i}]") for i, c in enumerate(value))
+        raise TypeError(f"{name} must be {what}, not {shown(value)}")
+    return tuple(read(entry, f"{name}[{i}]") for i, entry in enumerate(value))
+
+
+def _point(value: Any, name: str) -> Point:
+    return _each(value, name, "a point, as (2, 0.5)", number)
 
 
 def _points(value: Any, name: str) -> Points:
-    if isinstance(value, str) or not isinstance(value, Sequence):
-        raise TypeError(f"{name} must be a sequence of points, not {shown(value)}")
-    found = tuple(_point(p, f"{name}[{i}]") for i, p in enumerate(value))
+    found = _each(value, name, "a sequence of points", _point)
     for i, p in enumerate(found):
         if len(p) != len(found[0]):
             raise ValueError(f"{name}[{i}] has {len(p)} coordinates and {name}[0] has {len(found[0])}")
@@ -53,9 +56,7 @@ def _points(value: Any, name: str) -> Points:
 
 
 def _polynomials(value: Any, name: str) -> tuple[Polynomial, ...]:
-    if isinstance(value, str) or not isinstance(value, Sequence):
-        raise TypeError(f"{name} must be a sequence of polynomials, not {shown(value)}")
-    return tuple(_polynomial(p, f"{name}[{i}]") for i, p in enumerate(value))
+    return _each(value, name, "a sequence of polynomials", _polynomial)
 
 
 def points(*rows: Sequence[Exact]) -> Points:
@@ -81,9 +82,6 @@ def settle(design: Any) -> None:
 
 Contacts = Sequence[tuple[Polynomial, Polynomial]]
 
-PART_BOX = Box((Fraction(6, 5), Fraction(-3, 10), Fraction(-3, 5)), (3, Fraction(3, 10), Fraction(11, 10)))
-"""Where the energy is taken."""
-
 
 def even(contacts: Contacts, order: int, degree: int) -> SolutionSpace:
     """All polynomials of the degree that meet the contacts and are even in y."""
@@ -99,8 +97,9 @@ def continued(
     At points `inside` it is below 0 by 20.  The thin-plate energy has a small part, 1/2000, in what is minimised.
     """
     space = even(contacts, order, 3)
+    around = Box((Fraction(6, 5), Fraction(-3, 10), Fraction(-3, 5)), (3, Fraction(3, 10), Fraction(11, 10)))
     best = space.optimum(
-        ThinPlate(PART_BOX, weight=rational("1/2000")), near=points, near_weight=1, inside=inside, margin=20,
+        ThinPlate(around, weight=rational("1/2000")), near=points, near_weight=1, inside=inside, margin=20,
         normalize=ValueAt(center, -1),
     )  # fmt: skip
     return _rounded(space, best.coefficients)

@@ -101,7 +101,7 @@ class SpoutShape(ABC):
 
         Balls at its bends are wider than it by 3/20, so that they cross clearly.
         """
-        points = [self._leaning(x, z, max(z - UPRIGHT, Fraction(0))) for x, z, _ in self.channel]
+        points = [(x + self.tilt * max(z - UPRIGHT, Fraction(0)), Fraction(0), z) for x, z, _ in self.channel]
         cubics = solid.polynomials
         for p in points:
             name = "spout lower" if self.bend.at(p) >= 0 else "spout upper"
@@ -116,9 +116,6 @@ class SpoutShape(ABC):
     def outline(self, points: Points, tilt: Fraction = Fraction(0)) -> list[Point]:
         """Points (x, 0, z) of an outline, leaning outwards by `tilt` per unit of height above the bend."""
         return [(x + tilt * (z - UPRIGHT), Fraction(0), z) for x, z in points]
-
-    def _leaning(self, x: Fraction, z: Fraction, height: Fraction) -> Point:
-        return x + self.tilt * height, Fraction(0), z
 
 
 @dataclass(frozen=True)

@@ -53,19 +53,11 @@ class BoundaryKind:
         return " and ".join([", ".join(self.needs), *one])
 
 
-def _section(table: BoundaryTable, options: dict[str, Any]) -> Boundary:
-    return plane_section(table["quadric"], table["plane"], **options)
-
-
 def _intersection(table: BoundaryTable, options: dict[str, Any]) -> Boundary:
     branches, number = quadric_intersection(table["quadric"], table["other"]), options.pop("branch", 0)
     if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number < len(branches):
         raise ValueError(f"branch must be a whole number from 0 to {len(branches) - 1}, not {number!r}")
     return branches[number].on(0, **options)
-
-
-def _implicit(table: BoundaryTable, options: dict[str, Any]) -> Boundary:
-    return Boundary.on_implicit(table["implicit"], table["curve"], **options)
 
 
 def _parametric(table: BoundaryTable, options: dict[str, Any]) -> Boundary:
@@ -78,18 +70,24 @@ def _parametric(table: BoundaryTable, options: dict[str, Any]) -> Boundary:
     return Boundary.on_parametric(SurfaceCurve(surface, path[0], path[1]), **options)
 
 
-def _along(table: BoundaryTable, options: dict[str, Any]) -> Boundary:
-    return Boundary.along(table["curve"], table.get("normal"), table.get("tangent"), **options)
-
-
-SECTION = BoundaryKind(("quadric", "plane"), (), frozenset({"interval", "branch"}), _section)
+SECTION = BoundaryKind(
+    ("quadric", "plane"), (), frozenset({"interval", "branch"}),
+    lambda table, options: plane_section(table["quadric"], table["plane"], **options),
+)  # fmt: skip
+CURVE = frozenset({"interval", "closed"})
 KINDS = (
     SECTION,
     BoundaryKind(("quadric", "other"), (), frozenset({"interval", "branch"}), _intersection),
-    BoundaryKind(("implicit", "curve"), (), frozenset({"interval", "closed"}), _implicit),
-    BoundaryKind(("x", "y", "z"), ("t", "h", "path"), frozenset({"domain", "interval", "closed"}), _parametric),
-    BoundaryKind(("curve",), ("normal", "tangent"), frozenset({"interval", "closed"}), _along),
-)
+    BoundaryKind(
+        ("implicit", "curve"), (), CURVE,
+        lambda table, options: Boundary.on_implicit(table["implicit"], table["curve"], **options),
+    ),
+    BoundaryKind(("x", "y", "z"), ("t", "h", "path"), CURVE | {"domain"}, _parametric),
+    BoundaryKind(
+        ("curve",), ("normal", "tangent"), CURVE,
+        lambda table, options: Boundary.along(table["curve"], table.get("normal"), table.get("tangent"), **options),
+    ),
+)  # fmt: skip
 KEYS = frozenset().union(*(kind.keys for kind in KINDS))
 
 

@@ -27,9 +27,6 @@ FORMAT = "pas-project"
 VERSION = 1
 SUFFIX = ".pas.json"
 
-LONGEST_INTEGER = 20
-"""Digits of a whole number that is no text: counts and indices; exact numbers are texts."""
-
 MOST_BYTES = 1 << 28
 """Of a project file: a part that is a mesh of a million triangles takes half."""
 
@@ -135,7 +132,7 @@ def _parsed(text: str, name: str) -> Any:
 
 
 def _whole(text: str) -> int:
-    if len(text) > LONGEST_INTEGER:
+    if len(text) > 20:  # counts and indices are shorter, exact numbers are texts
         raise ValueError(f"a whole number of {len(text)} digits is written without quotes")
     return int(text)
 

@@ -60,17 +60,14 @@ from pas.fairing.energy import ENERGIES, read_energy
 from pas.fairing.wishes import PointOptions, Wishes, tensed
 from pas.layouts.kinds import partition_keys, read_partition_like
 from pas.pipeline.blend import blend
-from pas.pipeline.find import check_wanted_degree
 from pas.pipeline.result import Blend
+from pas.pipeline.search import check_wanted_degree
 from pas.registry import constructor_keys, keys_of
 from pas.settings import MeshSettings
 from pas.surface.fairness_limits import FairnessLimits
 
 OWN = ("degree", "guard", "basis", "partition", "energy", "tension", "limits", "points", "normalize")
 """Keys of the whole file that need not be."""
-
-TOLERANCE = 1e-3
-"""Of the mesh where the file says none, in the model's units."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +119,7 @@ def _read(file: Path, text: str, data: dict[str, Any]) -> CornerProblem:
         raise reader.error(f"gives no contacts: none of {', '.join(f'[[{t}]]' for t in CONTACTS)}")
     wishes = _wishes(reader, data)
     return CornerProblem(
-        **common(reader, data, MeshSettings(TOLERANCE), "plain"),
+        **common(reader, data, MeshSettings(1e-3), "plain"),
         prove=wishes.prove,
         contacts=tuple(items),
         order=reader.checked(data, "order", check_order),

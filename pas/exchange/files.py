@@ -11,9 +11,6 @@ from typing import Any
 
 from pas.errors import PasError
 
-LONGEST_NAME = 200
-"""Bytes of a file's name: most systems take 255, of which the name while writing needs some more."""
-
 
 def source(path: Any) -> Path:
     """The path of a file to be read; raises `TypeError` for what is no path, `ValueError` for no possible one."""
@@ -58,8 +55,8 @@ def target(path: Any, suffixes: Sequence[str], what: str, elsewhere: Mapping[str
 
 def check_place(target: Path) -> None:
     """Raise `ValueError` unless a file can be written at `target`."""
-    if len(os.fsencode(target.name)) > LONGEST_NAME:
-        raise ValueError(f"the file name {_short(target.name)} is too long; it may have {LONGEST_NAME} characters")
+    if len(os.fsencode(target.name)) > 200:  # most systems take 255, of which the name while writing needs some more
+        raise ValueError(f"the file name {_short(target.name)} is too long; it may have 200 characters")
     if target.is_dir():
         raise ValueError(f"{target} is a folder; name the file to write")
     if not target.parent.is_dir():

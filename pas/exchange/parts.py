@@ -86,16 +86,19 @@ def _rgb(color: str) -> tuple[int, int, int]:
 
 def joined(parts: Sequence[Piece]) -> tuple[Floats, Integers]:
     """Points and triangles of all parts, with no point shared between parts."""
-    starts = np.cumsum([0, *(len(p.mesh.points) for p in parts)])
-    triangles = [p.mesh.triangles + start for p, start in zip(parts, starts, strict=False)]
-    return np.concatenate([p.mesh.points for p in parts]), np.concatenate(triangles)
+    triangles = counted_on([p.mesh.triangles for p in parts], [len(p.mesh.points) for p in parts])
+    return np.concatenate([p.mesh.points for p in parts]), triangles
+
+
+def counted_on(numbers: Sequence[Integers], sizes: Sequence[int]) -> Integers:
+    """Numbers of points or faces of several parts one after the other, where each part has that many of its own."""
+    starts = np.cumsum([0, *sizes])
+    return np.concatenate([part + start for part, start in zip(numbers, starts, strict=False)])
 
 
 def face_numbers(parts: Sequence[Piece]) -> tuple[Integers, list[str]]:
     """The number of each triangle's face among those of all parts, and their names, `part: face` for several."""
-    starts = np.cumsum([0, *(len(p.mesh.names) for p in parts)])
-    numbers = np.concatenate([p.mesh.faces + start for p, start in zip(parts, starts, strict=False)])
-    return numbers, face_names(parts)
+    return counted_on([p.mesh.faces for p in parts], [len(p.mesh.names) for p in parts]), face_names(parts)
 
 
 def face_names(parts: Sequence[Piece]) -> list[str]:

@@ -19,20 +19,17 @@ from pas.settings import option
 STYLES: Registry[Any] = Registry(
     "style of pictures",
     {
-        "plain": "pas.render.styles.plain:PLAIN",
-        "zebra": "pas.render.styles.zebra:ZEBRA",
-        "highlights": "pas.render.styles.highlights:HIGHLIGHTS",
-        "mean": "pas.render.styles.curvature:MEAN",
-        "gauss": "pas.render.styles.curvature:GAUSS",
-        "max": "pas.render.styles.curvature:MAX",
-        "min": "pas.render.styles.curvature:MIN",
-        "curvature": "pas.render.styles.curvature:CURVATURE",
+        "plain": "pas.render.styles:PLAIN",
+        "zebra": "pas.render.styles:ZEBRA",
+        "highlights": "pas.render.styles:HIGHLIGHTS",
+        "mean": "pas.render.curvature:MEAN",
+        "gauss": "pas.render.curvature:GAUSS",
+        "max": "pas.render.curvature:MAX",
+        "min": "pas.render.curvature:MIN",
+        "curvature": "pas.render.curvature:CURVATURE",
     },
 )
 """What the colours of a picture show; a user's own is added by `STYLES.register(...)`, see `pas.render.scene`."""
-
-MOST_PIXELS = 16384
-"""Width and height of a picture, as graphics libraries have it."""
 
 View = tuple[float, float, float]
 
@@ -103,7 +100,7 @@ class Picture:
         if isinstance(self.size, str) or not hasattr(self.size, "__len__") or len(self.size) != 2:
             raise TypeError(f"size must be width and height in pixels, not {shown(self.size)}")
         for i, pixels in enumerate(self.size):
-            whole(pixels, f"size[{i}]", 1, MOST_PIXELS)
+            whole(pixels, f"size[{i}]", 1, 16384)  # as graphics libraries have it
         if self.view is not None:
             object.__setattr__(self, "view", _direction(self.view))
         if self.tolerance is not None:
@@ -116,7 +113,7 @@ class Picture:
 
     @property
     def coloring(self) -> Any:
-        """What the style does, a `pas.render.coloring.Coloring`."""
+        """What the style does, a `pas.render.scene.Coloring`."""
         return STYLES[self.name]
 
     @property

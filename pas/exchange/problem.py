@@ -1,7 +1,7 @@
 """Problem files (TOML) of every kind: one reader, and what all problems have in common.
 
 A kind of problems says which files are its own and reads them: `ProblemKind`, listed in `PROBLEMS`; what their tables
-hold stands in `corner_problem`, `parametric_problem` and `generatrix_problem`.  All may have
+hold stands in `corner_problem` and `parametric_problem`.  All may have
 
     name = "corner"                # of the files to write; by default that of the problem file
     tolerance = 1e-3               # of the mesh, in the model's units
@@ -130,7 +130,7 @@ class ProblemKind:
 PROBLEMS: Registry[ProblemKind] = Registry(
     "kind of problem",
     {
-        "generatrix": "pas.exchange.generatrix_problem:PROBLEM",
+        "generatrix": "pas.exchange.parametric_problem:GENERATRIX",
         "parametric": "pas.exchange.parametric_problem:PROBLEM",
         "corner": "pas.exchange.corner_problem:PROBLEM",
     },

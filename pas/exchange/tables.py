@@ -14,9 +14,6 @@ from pas.algebra.rational import rational, read_number, to_float, to_fraction
 from pas.errors import LimitError, PasError, ProblemFileError, meant
 from pas.exchange.files import read_text, source
 
-MOST_BYTES = 1 << 22
-"""Of a problem file: the longest example has 5000, and tomllib reads about a million a second."""
-
 WORDS = {bool: "true or false", int: "a whole number", float: "a number", str: "a string", list: "a list"}
 
 T = TypeVar("T")
@@ -28,7 +25,7 @@ def read_toml(path: str | Path) -> tuple[Path, str, dict[str, Any]]:
     Raises `ProblemFileError` with the line for syntax errors, `FileNotFoundError`.
     """
     file = source(path)
-    text = read_text(file, MOST_BYTES, ProblemFileError)
+    text = read_text(file, 1 << 22, ProblemFileError)  # tomllib reads about a million a second
     try:
         data = tomllib.loads(text, parse_float=_decimal)
     except RecursionError:

@@ -21,21 +21,19 @@ from typing import Any
 
 import numpy as np
 
-SAID, GLANCE = "said.txt", 0.2
-"""The file that takes what the other process writes as errors, and seconds between two looks at it."""
+SAID = "said.txt"
+"""The file that takes what the other process writes as errors."""
 
 
 def require_library() -> None:
     """Raise `MissingLibraryError` without pytetwild."""
-    from pas.errors import MissingLibraryError
+    from pas.errors import library
 
-    try:
-        import pytetwild  # noqa: F401
-    except ImportError:
-        raise MissingLibraryError(
-            "tetrahedra need pytetwild: pip install pytetwild (on a Mac there are ready packages for macOS 15 on Apple "
-            "silicon; elsewhere it is built, with a compiler and CMake)"
-        ) from None
+    library(
+        "pytetwild",
+        "tetrahedra need pytetwild: pip install pytetwild (on a Mac there are ready packages for macOS 15 on Apple "
+        "silicon; elsewhere it is built, with a compiler and CMake)",
+    )
 
 
 def tetrahedralize(points: Any, triangles: Any, options: Mapping[str, Any]) -> tuple[Any, Any]:
@@ -81,7 +79,7 @@ def _run(folder: Path, options: str) -> int:
             while process.poll() is None:
                 checkpoint("fTetWild makes tetrahedra")
                 with suppress(subprocess.TimeoutExpired):
-                    process.wait(GLANCE)
+                    process.wait(0.2)
         except BaseException:
             process.kill()
             raise

@@ -22,7 +22,7 @@ from pas.algebra.brief import brief
 from pas.errors import GeometryError
 from pas.exchange.files import target
 from pas.exchange.formats import Content, Request
-from pas.exchange.parts import Piece, face_names, parts_of
+from pas.exchange.parts import Piece, counted_on, face_names, parts_of
 from pas.exchange.tetwild import require_library, tetrahedralize
 from pas.exchange.write import write
 from pas.limits import Report, limited
@@ -38,16 +38,6 @@ if TYPE_CHECKING:
 
 VOLUME_TOLERANCE = 0.02
 """By which the volume of the tetrahedra may be off, relative."""
-
-ENVELOPE = 1e-3
-"""How far the boundary may be moved, over the diagonal of a part's box, where no tolerance is given."""
-
-FLAT = 1e-10
-"""Volumes over cubes of longest edges up to here are degenerate: good tetrahedra have 0.1, poor ones of
-fTetWild 1e-4, and rounding leaves 1e-16."""
-
-MOST_TETRAHEDRA = 2e7
-"""An edge length that would give more is a slip: they would not fit into memory."""
 
 
 @dataclass(frozen=True)
@@ -188,15 +178,14 @@ TETRAHEDRA: Content[VolumeMesh] = Content("tetrahedra", tetrahedra_of, ("toleran
 
 def _together(parts: Sequence[Piece], filled: Sequence[VolumeMesh]) -> VolumeMesh:
     """The tetrahedra of all parts, with no point shared between parts."""
-    points = np.cumsum([0, *(len(f.points) for f in filled)])
-    faces = np.cumsum([0, *(len(f.names) for f in filled)])
+    points = [len(f.points) for f in filled]
     return VolumeMesh(
         np.concatenate([f.points for f in filled]),
-        np.concatenate([f.tetrahedra + start for f, start in zip(filled, points, strict=False)]),
+        counted_on([f.tetrahedra for f in filled], points),
         np.repeat(np.arange(len(filled)), [len(f.tetrahedra) for f in filled]),
         tuple(p.name for p in parts),
-        np.concatenate([f.boundary + start for f, start in zip(filled, points, strict=False)]),
-        np.concatenate([f.faces + start for f, start in zip(filled, faces, strict=False)]),
+        counted_on([f.boundary for f in filled], points),
+        counted_on([f.faces for f in filled], [len(f.names) for f in filled]),
         tuple(face_names(parts)),
     )
 
@@ -213,7 +202,7 @@ def _require_fillable(part: Piece, edge_length: float | None) -> None:
     if not mesh.volume > 0:
         raise GeometryError(f"{name} is inside out or flat: its volume is {mesh.volume:g}")
     number = 0 if edge_length is None else mesh.volume / (edge_length**3 * 2**0.5 / 12)
-    if number > MOST_TETRAHEDRA:
+    if number > 2e7:  # which is a slip: they would not fit into memory
         raise ValueError(f"edge_length {edge_length:g} would give about {number:.0e} tetrahedra in {part.name!r}")
 
 
@@ -227,7 +216,7 @@ def _filled(
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
     length = 1 / 20 if edge_length is None else edge_length / diagonal
-    envelope = ENVELOPE if tolerance is None else tolerance / diagonal
+    envelope = 1e-3 if tolerance is None else tolerance / diagonal
     found, tetrahedra = _tetrahedra((points - middle) / diagonal, triangles, length, envelope, settings)
     found = found * diagonal
     name = f"the tetrahedra of {part.name!r}"
@@ -276,7 +265,8 @@ def _turned(points: Floats, tetrahedra: Integers, name: str) -> Integers:
     volumes = signed_volumes(points, tetrahedra)
     corners = points[tetrahedra]
     longest = np.max([((corners[:, i] - corners[:, j]) ** 2).sum(axis=1) for i in range(4) for j in range(i)], axis=0)
-    flat = int((np.abs(volumes) <= FLAT * longest**1.5).sum())
+    # good tetrahedra have 0.1 of the cube of the longest edge, poor ones 1e-4, and rounding leaves 1e-16
+    flat = int((np.abs(volumes) <= 1e-10 * longest**1.5).sum())
     if flat:
         raise GeometryError(f"{name}: {flat} of {len(tetrahedra)} are flat; set another edge_length")
     negative = int((volumes < 0).sum())

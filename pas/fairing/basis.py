@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from pas.algebra.affine import Frame
-from pas.algebra.monomials import Floats, exponents, monomial_values, positions
+from pas.algebra.monomials import Floats, derivative_matrix, exponents, monomial_values
 from pas.algebra.polynomial import RING, Polynomial
 from pas.algebra.products import Products
 from pas.algebra.rational import to_float
@@ -266,18 +266,6 @@ def _length(values: Iterable[int]) -> int:
     """Binary digits of the largest of some whole numbers."""
     found = list(values)
     return max(max(found, default=0), -min(found, default=0)).bit_length()
-
-
-def derivative_matrix(degree: int, variable: int) -> Floats:
-    """The map from coefficients of a polynomial to those of its derivative."""
-    where = positions(degree)
-    matrix = np.zeros((len(where), len(where)))
-    for e, column in where.items():
-        if e[variable]:
-            lower = list(e)
-            lower[variable] -= 1
-            matrix[where[tuple(lower)], column] = e[variable]
-    return matrix
 
 
 def to_doubles(matrix: fmpq_mat) -> Floats:

@@ -21,6 +21,7 @@ from pas.fairing.surface_points import NAMES, Sizes, SurfacePoints, differences
 from pas.surface.directions import Directions
 from pas.surface.fairness_limits import FairnessLimits, neighbour
 from pas.surface.placed import PlacedContacts
+from pas.surface.straight_runs import straight_runs
 
 LEAST_RAYS, RAYS_PER_UNKNOWN = 400, 3
 """Rays, at the least."""
@@ -86,7 +87,8 @@ class SurfaceObjective:
         if len(geometries) < len(found):
             return None
         sections.settle_signs(geometries[1])
-        sizes = Sizes(*(float(np.mean([getattr(n, name) for n in neighbours])) for name in ("radius", "distance")))
+        radius, distance = (float(np.mean([getattr(n, name) for n in neighbours])) for name in ("radius", "distance"))
+        sizes = Sizes(radius, distance, center, straight_runs(neighbours))
         check_energy(energy, geometries[0].points, sizes)
         curvature, bulge = CurvatureExcess.of(neighbours, limits), BulgeExcess(rays, neighbours, limits, center)
         terms = (Term(surface, (curvature, bulge)), Term(across, (sections,)))

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from pas.algebra.monomials import Floats
+from pas.surface.straight_runs import StraightRun
 
 QUANTITIES = 14
 """Numbers that `SurfacePoints.quantities` has for each point."""
@@ -74,15 +75,18 @@ class SurfacePoints:
         return {name: getattr(self, name) for name in names}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sizes:
     """Lengths of a problem, in the user's units.
 
-    `radius`: the mean radius of the contact curves; `clip`: the mean distance of their middles from the centre.
+    `radius`: the mean radius of the contact curves; `clip`: the mean distance of their middles from the centre;
+    `center` (3,): the centre; `runs`: the straight tubes between contacts in line, relative to it.
     """
 
     radius: float
     clip: float
+    center: Floats
+    runs: tuple[StraightRun, ...] = ()
 
 
 STEP = 1e-6

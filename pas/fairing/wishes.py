@@ -20,7 +20,7 @@ from pas.errors import meant
 from pas.fairing.energies.curvature_variation import CurvatureVariation
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.functionals import Handle
-from pas.partition.regions import Region
+from pas.partition.cells import Region
 from pas.surface.fairness_limits import FairnessLimits, check_limits, neighbour
 from pas.surface.placed import PlacedContacts
 

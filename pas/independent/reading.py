@@ -15,9 +15,6 @@ from pas.algebra.rational import rational
 from pas.exchange.schema import SURFACE, read_polynomial
 from pas.independent.signs import RING, Point, on_simplex
 
-CORNERS_OF_SIX = ((1, 1, 1), (-1, -1, -1), (1, 0, -1), (0, 1, -1), (-1, 1, 0), (-1, 0, 1), (0, -1, 1), (1, -1, 0))
-"""Z1, Z2, V1, ..., V6 of the six tetrahedra Z1 Z2 V_(i-1) V_i, as sums of the three legs."""
-
 
 class Face(NamedTuple):
     """A triangle as a face of a cell: its corners, the cell's fourth one, and the numbers of the cell and its patch."""
@@ -85,13 +82,15 @@ def _point(coordinates: Iterable[Any]) -> Point:
 
 def _partition(record: dict[str, Any]) -> tuple[Point | None, list[Point], list[Any], list[Any]]:
     """Centre, points, cells (four point numbers each), and the cells of each patch."""
+    # the corners Z1, Z2, V1, ..., V6 of the six tetrahedra Z1 Z2 V_(i-1) V_i, as sums of the three legs
+    corners_of_six = ((1, 1, 1), (-1, -1, -1), (1, 0, -1), (0, 1, -1), (-1, 1, 0), (-1, 0, 1), (0, -1, 1), (1, -1, 0))
     centre = None if record["center"] is None else _point(record["center"])
     match record:
         case {"kind": "tetrahedra" | "region" | "open region", "vertices": vertices, "cells": cells, "pieces": pieces}:
             return centre, [_point(p) for p in vertices], cells, pieces
         case {"kind": "six tetrahedra", "legs": legs} if centre:
             axes = list(zip(centre, *map(_point, legs), strict=True))[:3]
-            points = [_point(o + u * a + v * b + w * c for o, a, b, c in axes) for u, v, w in CORNERS_OF_SIX]
+            points = [_point(o + u * a + v * b + w * c for o, a, b, c in axes) for u, v, w in corners_of_six]
             return centre, points, [(0, 1, 2 + (i - 1) % 6, 2 + i) for i in range(6)], [(i,) for i in range(6)]
         case {"kind": "single cell", "lower": lower, "upper": upper} if centre:
             box = [_point(p) for p in product(*zip(lower, upper, strict=True))]

@@ -27,9 +27,6 @@ PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
 BUDGET = 4_000_000
 """Coefficients examined for one claim: random corners of order 3 took 2 million at most, of order 1 200 000."""
 
-HALVINGS = 800
-"""A simplex halved that often is left open: what fails by 10^-40 only is found in half as many."""
-
 
 class Query(NamedTuple):
     """A simplex, a value in its barycentric coordinates, and what vanishes where the value matters (None: all over)."""
@@ -46,6 +43,7 @@ def positive(parts: Iterable[Query], budget: int = BUDGET) -> tuple[str, tuple[P
     of a segment on all of which value < 0 and at whose ends the other polynomial has opposite signs.  A claim that is
     undecided comes with a point of a simplex that was left open.
     """
+    halvings = 800  # a simplex halved that often is left open: what fails by 10^-40 only is found in half as many
     queue = deque((0, p.corners, [_whole(q) for q in p[1:] if q is not None]) for p in parts)
     while queue:
         checkpoint("proving by the independent checker")
@@ -65,7 +63,7 @@ def positive(parts: Iterable[Query], budget: int = BUDGET) -> tuple[str, tuple[P
         if failing:
             return REFUTED, tuple(failing)
         budget -= sum(map(len, forms))
-        if halved == HALVINGS or budget < 0:
+        if halved == halvings or budget < 0:
             return UNDECIDED, (corners[0],)
         queue.extend((halved + 1, *half) for half in _halves(corners, forms))
     return PROVED, ()

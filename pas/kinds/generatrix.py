@@ -34,17 +34,13 @@ from pas.parametric.generatrix.blend import GeneratrixBlend
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
 from pas.parametric.generatrix.sphere import SphereBlend, blend_through_sphere
-from pas.parametric.meshing import RELATIVE
 from pas.parametric.nets import extent
+from pas.parametric.surface import RELATIVE
 from pas.render.generatrix import layers, sphere_layers
 from pas.settings import MeshSettings
 from pas.shape import Kind
 
 VALUES = ("l1", "l2", "lambda1", "lambda2")
-
-SAME = 1e-6
-"""By how much a shift (of a turn) and a mean distance (over itself) may be found elsewhere on another machine: the best
-shift is found to about 1e-8."""
 
 
 def _boundary_entries(boundary: Boundary) -> dict[str, Any]:
@@ -126,14 +122,19 @@ _BLEND = Table(
 
 
 def _found_again(told: Alignment, first: Boundary, second: Boundary, signs: tuple[int, int]) -> Alignment:
-    """How the second curve was turned, with what is said of it found anew; raises `ValueError` where it was not so."""
+    """How the second curve was turned, with what is said of it found anew; raises `ValueError` where it was not so.
+
+    On another machine a shift (of a turn) and a mean distance (over itself) may come out otherwise by 1e-6: the best
+    shift is found to about 1e-8.
+    """
+    same = 1e-6
     before = second.turned(False, -told.shift) if told.shift else second
     before = before.turned(told.reversed, 0.0)
     for turn in (True, False):  # a blend may have been made of curves as they are
         found = alignment(first, before, signs, turn)
         apart = abs((found.shift - told.shift + 0.5) % 1.0 - 0.5)
-        near = abs(found.distance - told.distance) <= SAME * found.distance
-        if found.reversed == told.reversed and apart <= SAME and near:
+        near = abs(found.distance - told.distance) <= same * found.distance
+        if found.reversed == told.reversed and apart <= same and near:
             break
     else:
         raise ValueError("alignment must be how the second curve was turned to fit the first, and it was not so")

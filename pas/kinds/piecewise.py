@@ -14,6 +14,7 @@ from flint import fmpq
 
 from pas.algebra.rational import plain, rational
 from pas.blending.solving import solve
+from pas.blending.space import Space
 from pas.certify.certificate import Certificate
 from pas.exchange.records import CONSTRAINTS, ENERGY, VERDICT, kept
 from pas.exchange.records import SURFACE as FORM
@@ -38,8 +39,8 @@ from pas.partition.layout import Layout
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import body
 from pas.pipeline.chosen import Attempt
-from pas.pipeline.hollow import check_sides
-from pas.pipeline.result import Blend, HollowBlend, SolutionSpace
+from pas.pipeline.hollow import HollowBlend, check_sides
+from pas.pipeline.result import Blend
 from pas.render.layout import layers as layout_layers
 from pas.render.parts import solid_layers
 from pas.render.piecewise import layers
@@ -111,8 +112,8 @@ def _blend(surface: PiecewiseSurface, problem: Wishes, solution: dict[str, Any],
     wishes, basis = problem, None if solution["basis"] is None else tuple(map(tuple, solution["basis"]))
 
     @cache
-    def find_space() -> SolutionSpace:
-        space = SolutionSpace.of(solve(surface.placed, surface.degree))
+    def find_space() -> Space:
+        space = solve(surface.placed, surface.degree)
         return space if basis is None else space.restricted(basis)
 
     def find_coefficients() -> list[fmpq]:
@@ -194,7 +195,7 @@ BLEND = Kind(
 )
 
 
-def _hollow(outer: Blend, inner: Blend, thickness: str | None) -> HollowBlend:
+def _hollow(outer: Blend, inner: Blend, thickness: str | None) -> HollowBlend[Blend]:
     """The hollow blend of two; that the one is inside the other is proved again when it is asked for.
 
     The inner contacts must be those that the outer ones and the thickness come to.

@@ -6,7 +6,7 @@ from collections.abc import Callable, Hashable, Sequence
 from contextlib import suppress
 from functools import lru_cache
 from math import ceil, log, radians
-from typing import Any
+from typing import Any, TypeVar
 
 from flint import fmpq
 
@@ -19,7 +19,6 @@ from pas.layouts.fan import best_gaps
 from pas.layouts.kinds import LAYOUTS
 from pas.layouts.nodes import MANY, ContactNode, center_of
 from pas.layouts.planes import symmetric
-from pas.layouts.region import region
 from pas.layouts.spacing import arms_of, is_free, nearest
 from pas.partition.layout import Layout
 
@@ -34,74 +33,81 @@ FAR, PARTS, COARSE = 64, 100, 50
 """Clips that leave no room are moved up to so many times as far; parts of one in which that factor is given, since what
 is said has no more digits; and it is found to one part in so many of its own."""
 
-Serves = Callable[[Sequence[Any]], bool]
+T = TypeVar("T")
+Fits = Callable[[Sequence[Contact]], bool]
 """Whether contacts with ends have room."""
 
 
 def with_clips(
-    items: Sequence[Any], order: int, wanted: Layout | str | None = None, serves: Serves | None = None
-) -> list[Any]:
-    """The contacts, those with the clip "auto" ended as near as a fair blend of this order allows.
+    items: Sequence[Any], order: int, wanted: Layout | str | None = None
+) -> tuple[Sequence[Any], ContactNode | None]:
+    """The contacts, those with the clip "auto" ended as near as a fair blend of this order allows, and their node.
 
     Clips that are numbers stay and are kept apart from.  No two curves take up more than 0.6 of the angle between their
     directions, an arc of 0.6 of the wider radius fits between any two, and a layout keeps them apart: the `wanted` one
-    or kind, else a fan of half-planes, from order 2 or four contacts on with some room; or something else that `serves`
-    the contacts.
+    or kind, else a fan of half-planes, from order 2 or four contacts on with some room.  The node, which has its
+    layouts already, is None where all clips are numbers and where no layout has room.
 
     Raises `GeometryError` for directions that are too close.
     """
     if not any(map(is_free, items)):
-        return list(items)
-    key = tuple(items)
-    if serves is None and all(isinstance(item, Hashable) and not isinstance(item, tuple) for item in key):
-        return list(_known_clips(key, order, wanted))
-    return _clipped(items, order, wanted, serves)
+        return items, None
+    known = all(isinstance(item, Hashable) and not isinstance(item, tuple) for item in items)
+    return (_known_clips if known else _clipped)(tuple(items), order, wanted)
 
 
-@lru_cache(maxsize=256)
-def _known_clips(items: tuple[Any, ...], order: int, wanted: Layout | str | None) -> tuple[Any, ...]:
-    """Looking for room takes longer than finding the blend of a node that is known, so it is done once."""
-    return tuple(_clipped(items, order, wanted, None))
+def _clipped(
+    items: tuple[Any, ...], order: int, wanted: Layout | str | None
+) -> tuple[Sequence[Any], ContactNode | None]:
+    center = wanted.center if isinstance(wanted, Layout) else None
+    return with_room(items, lambda ended, roomy: _served(list(map(as_contact, ended)), order, wanted, roomy), center)
 
 
-def _clipped(items: Sequence[Any], order: int, wanted: Layout | str | None, serves: Serves | None) -> list[Any]:
-    arms, ends = arms_of(items, wanted.center if isinstance(wanted, Layout) else None)
+_known_clips = lru_cache(maxsize=256)(_clipped)
+"""Looking for room takes longer than finding the blend of a node that is known, so it is done once."""
+
+
+def with_room(
+    items: Sequence[Any], serves: Callable[[Sequence[Any], bool], T | None], center: Vector | None = None
+) -> tuple[Sequence[Any], T | None]:
+    """The contacts with the nearest ends for which something `serves` them, and that: with room, else without.
+
+    Where nothing does, the nearest ends that keep them apart, and None.
+    """
+    arms, ends = arms_of(items, center)
     distances = nearest(arms)
-
-    def ended(factor: float) -> list[Any]:
-        return [end(factor * far) for end, far in zip(ends, distances, strict=True)]
-
-    def served(placed: Sequence[Any], roomy: bool) -> bool:
-        return serves(placed) if serves else _served([as_contact(item) for item in placed], order, wanted, roomy)
-
     tried = []
     with suppress(GeometryError):  # cones that narrow end somewhere
         for n in range(1 + ceil(log(FARTHEST, OUTWARDS))):
-            tried.append(ended(OUTWARDS**n))
-    tried = tried or [ended(1.0)]
+            tried.append([end(OUTWARDS**n * far) for end, far in zip(ends, distances, strict=True)])
+    tried = tried or [[end(far) for end, far in zip(ends, distances, strict=True)]]
     for roomy in (True, False):
         # what has no room far out has none nearer, and looking for it takes long
-        if served(tried[-1], roomy):
-            return next(placed for placed in tried if served(placed, roomy))
-    return tried[0]
+        if serves(tried[-1], roomy) is not None:
+            served = ((placed, serves(placed, roomy)) for placed in tried)
+            return next((placed, found) for placed, found in served if found is not None)
+    return tried[0], None
 
 
-def _served(contacts: Sequence[Contact], order: int, wanted: Layout | str | None, roomy: bool) -> bool:
-    """Whether a layout fits; if `roomy` a fan, with gaps where there are four contacts or more or at higher orders."""
+def _served(contacts: Sequence[Contact], order: int, wanted: Layout | str | None, roomy: bool) -> ContactNode | None:
+    """The node, where a layout fits; if `roomy` a fan, with gaps for four contacts or more and at higher orders."""
     try:
         if isinstance(wanted, Layout):
-            return bool(region(wanted, ContactNode.of(contacts, wanted.center).discs).cells)
+            node = ContactNode.of(contacts, wanted.center)
+            next(node.regions(order, wanted))
+            return node
         node = ContactNode.of(contacts)
         any_kind = not roomy or symmetric(node.discs)  # strips serve few contacts by ugly surfaces alone
         next(node.regions(order, wanted if wanted in LAYOUTS else None if any_kind else "fan"))
         wide = any_kind or (order < 2 and len(contacts) < 4)
         gap = WIDE_GAP if len(contacts) >= MANY else GAP
-        return wide or wanted not in (None, "fan") or min(best_gaps(node.discs).sizes) >= gap
+        served = wide or wanted not in (None, "fan") or min(best_gaps(node.discs).sizes) >= gap
+        return node if served else None
     except GeometryError:
-        return False
+        return None
 
 
-def room_farther_out(contacts: Sequence[Contact], fits: Serves, center: Vector | None = None) -> str:
+def room_farther_out(contacts: Sequence[Contact], fits: Fits, center: Vector | None = None) -> str:
     """The sentence that says at which distances from the centre clips leave room; empty where none are found.
 
     All planes are moved by one factor, exactly, and there was room at the one that is said.  It is found by bisection,
@@ -132,7 +138,7 @@ def moved_out(contact: Contact, center: Vector, factor: fmpq) -> Contact:
     return Contact(contact.surface, Polynomial.from_raw(contact.clip.raw + (factor - 1) * height), contact.near)
 
 
-def _fits(contacts: Sequence[Contact], center: Vector, parts: int, fits: Serves) -> bool:
+def _fits(contacts: Sequence[Contact], center: Vector, parts: int, fits: Fits) -> bool:
     try:
         return fits([moved_out(contact, center, fmpq(parts, PARTS)) for contact in contacts])
     except GeometryError:

@@ -13,7 +13,7 @@ from flint import fmpq
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, binary_exponent, dot, exact, minus, to_float, to_floats
-from pas.contacts.movable import Movable
+from pas.contacts.contact import Movable
 from pas.contacts.rims import Rim
 from pas.errors import GeometryError
 from pas.partition.layout import Layout, Ray

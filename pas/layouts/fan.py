@@ -42,9 +42,6 @@ EDGE, LEAST_SHARE, MOST_SHARE = 0.07, 0.15, 0.36
 WIDE_GAP = 60
 """Degrees of a gap for each of which, after the first, one more half-plane is put in."""
 
-WIDEST = radians(170)
-"""A piece between two half-planes must be clearly less than half a turn."""
-
 LENGTHS = (10, 16, 24, 40)
 """Entries of the rays, tried in turn until every disc fits."""
 
@@ -119,7 +116,7 @@ def _with_rays(discs: Sequence[Disc], center: Vector, gaps: Gaps, each: int, lon
     first, second = gaps.frame @ np.array(rays, dtype=float).T
     turned = np.arctan2(second, first)
     for a, b in pairwise([*turned, turned[0]]):
-        if not 0.01 < turn(a, b) < WIDEST:
+        if not 0.01 < turn(a, b) < pi:  # else two nearly coincide, or a piece between them is half a turn
             raise GeometryError(f"two half-planes of a fan are {degrees(turn(a, b)):.2g} degrees apart")
     count = len(rays)
     layout = Layout(

@@ -5,11 +5,13 @@ The centre is the point next to the lines that go through the contacts' curves; 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache, cached_property
 from itertools import combinations
 from math import degrees, sqrt
+from typing import TypeVar
 
 import numpy as np
 from flint import fmpq, fmpq_mat
@@ -21,10 +23,12 @@ from pas.contacts.contact import Contact
 from pas.contacts.rims import Rim, outlook
 from pas.errors import GeometryError
 from pas.layouts.discs import Disc, angle_between, power_of_two, rim_of, rounded
-from pas.layouts.kinds import NEAR_WALLS, Maker, trials
+from pas.layouts.kinds import NEAR_WALLS, LayoutTrial, Maker, trials
 from pas.layouts.region import region
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
+
+T = TypeVar("T")
 
 SPREAD, ROOMY = 0.95, 0.8
 """Share of the angle between two contacts that their curves may take up, and around the centre of a bend."""
@@ -87,37 +91,52 @@ class ContactNode:
         _check_apart(discs, spread)
         return cls(place, discs)
 
-    def regions(self, order: int, kind: str | None = None) -> Iterator[Partition]:
-        """The regions of all layouts that fit, of one kind only where that is said.
+    def regions(self, order: int, wanted: Layout | str | None = None) -> Iterator[Partition]:
+        """The regions of all layouts that fit; of the layout or the kind only that is wanted.
 
         Raises `GeometryError` where none does, with the reason of the last.
         """
-        todo = trials(order, kind)
+        if wanted is not None and not isinstance(wanted, str):
+            yield region(wanted, self.discs)
+            return
+        todo = trials(order, wanted)
         if order > 1 and len(self.discs) >= MANY:
             todo = tuple(sorted(todo, key=lambda trial: trial.walls > NEAR_WALLS))  # stable
-        made: dict[Maker, Layout | GeometryError] = {}  # what differs in its walls alone has one layout
         failures: list[GeometryError] = []
         for trial in todo:
-            if trial.make not in made:
-                made[trial.make] = self._layout(trial.make)
-            layout = made[trial.make]
-            try:
-                if isinstance(layout, GeometryError):
-                    raise layout
-                found = region(layout, self.discs, trial.walls)
-            except GeometryError as error:
-                failures.append(error)
+            found = self._region(trial)
+            if isinstance(found, GeometryError):
+                failures.append(found)
                 continue
             yield found
         if len(failures) == len(todo):
             none = f"no layout keeps these {len(self.discs)} contacts apart: "
-            raise GeometryError(f"{'' if kind else none}{failures[-1]}")
+            raise GeometryError(f"{'' if wanted else none}{failures[-1]}")
 
-    def _layout(self, make: Maker) -> Layout | GeometryError:
-        try:
-            return make(self.discs, self.center)
-        except GeometryError as error:
-            return error
+    @cached_property
+    def _layout(self) -> Callable[[Maker], Layout | GeometryError]:
+        """What a maker makes of the node, once: what differs in its walls alone has one layout."""
+        return cache(lambda make: _made(lambda: make(self.discs, self.center)))
+
+    @cached_property
+    def _region(self) -> Callable[[LayoutTrial], Partition | GeometryError]:
+        """The region of a trial, laid out once, however often contacts are looked at."""
+
+        def tried(trial: LayoutTrial) -> Partition | GeometryError:
+            layout = self._layout(trial.make)
+            return (
+                layout if isinstance(layout, GeometryError) else _made(lambda: region(layout, self.discs, trial.walls))
+            )
+
+        return cache(tried)
+
+
+def _made(make: Callable[[], T]) -> T | GeometryError:
+    """What can be made, or why it cannot."""
+    try:
+        return make()
+    except GeometryError as error:
+        return error
 
 
 def _check_flat(number: int, contact: Contact) -> None:

@@ -22,8 +22,8 @@ from pas.contacts.contact import Contact
 from pas.errors import GeometryError
 from pas.layouts.discs import Disc, power_of_two, rounded
 from pas.layouts.region import Corners, around_clip
+from pas.partition.cells import OpenRegion
 from pas.partition.layout import primitive
-from pas.partition.regions import OpenRegion
 
 CORNERS, LARGER = 12, 1.05
 """Of the polygon round the opening, and how much larger than the smallest one it is."""

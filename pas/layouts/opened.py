@@ -25,7 +25,7 @@ from pas.layouts.discs import Disc, power_of_two, rim_of
 from pas.layouts.nodes import check_outlook
 from pas.layouts.open_cone import open_cone
 from pas.layouts.spacing import is_free
-from pas.partition.regions import OpenRegion
+from pas.partition.cells import OpenRegion
 
 DEPTH = 0.5
 """How far below the plate the centre is, over the smallest radius of its curve: rays through the curve rise by 27

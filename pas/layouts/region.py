@@ -21,8 +21,8 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, determinant, dot, to_float, to_floats
 from pas.errors import GeometryError
 from pas.layouts.discs import Disc, check_fits, power_of_two, sides
+from pas.partition.cells import Region
 from pas.partition.layout import Layout, Ray
-from pas.partition.regions import Region
 
 WALLS = 1.3
 """How far out free rays end, as a multiple of what just leaves all pipes: at 1.0 three pipes at GC^2 have no clean
@@ -37,7 +37,6 @@ STEEPEST = 0.1
 FINE = 16
 """Parts of its length, at least, in which the end of a ray is rounded."""
 
-
 CORNERS = (4, 5, 6, 8, 12, 16)
 """Corners of the polygon round a curve, tried in turn."""
 
@@ -45,17 +44,10 @@ TURNS = 6
 """Ways to turn a polygon."""
 
 LARGER = (1.35, 1.2, 1.1, 1.06, 1.03, 1.02)
-"""How much larger than the smallest polygon round the curve it is, tried in turn; many corners need no more than
-`NARROW`."""
-
-NARROW, MANY = 1.11, 8
+"""How much larger than the smallest polygon round the curve it is, tried in turn."""
 
 ROOM, SHARE = 0.03, 0.2
 """Sine of the angle that a polygon's corners keep from the sides of the piece, or this share of what the curve does."""
-
-FLAT = 1e-4
-"""Volume of the unit vectors of a tetrahedron's corners below which it counts as flat."""
-
 
 Corners = tuple[Vector, Vector, Vector]
 
@@ -138,8 +130,6 @@ def clip_polygon(disc: Disc, rays: Sequence[Ray]) -> list[Vector]:
         for step in range(TURNS):
             chosen = turned[((np.arange(corners) + step / TURNS) * len(turned) / corners).astype(int)]
             for larger in LARGER:
-                if corners >= MANY and larger > NARROW:
-                    continue
                 polygon = disc.middle + larger / cos(pi / corners) * chosen
                 if (normals @ unit(polygon).T).min() > least and _surrounds(disc, polygon):
                     return [disc.on_plane(corner) for corner in polygon]
@@ -212,4 +202,4 @@ def _prices(inner: Floats, outer: Floats) -> Floats:
     volumes = (np.cross(a, b) * third).sum(axis=-1)
     squares = [np.square(p - q).sum(axis=-1) for p, q in ((np.stack([a, a]), b), (b, third), (third, a))]
     priced = np.full(volumes.shape, np.inf)
-    return np.divide(np.max(squares, axis=0), volumes, out=priced, where=volumes > FLAT)
+    return np.divide(np.max(squares, axis=0), volumes, out=priced, where=volumes > 0)

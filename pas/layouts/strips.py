@@ -21,14 +21,15 @@ from pas.layouts.discs import Disc, across, angle_between, check_fits, room, who
 from pas.partition.layout import Layout, Ray
 from pas.surface.fairness import spiral
 
-FARTHEST = (62, 70, 80, 40)
-"""Degrees up to which any direction may be from the nearest site, less half of its disc: tried in turn."""
+FARTHEST = (62, 40)
+"""Degrees up to which any direction may be from the nearest site, less half of its disc; the second where the first
+leaves a piece that is too wide, or no room."""
 
-LENGTHS = (6, 8, 12, 16, 24)
-"""Entries of the rays, tried in turn."""
+LENGTHS = (6, 24)
+"""Entries of the rays: short ones, for short numbers in the algebra, and longer ones where these leave no room."""
 
-SHRUNK = (0.45, 0.6)
-"""How far, from its disc to its Laguerre cell, the piece of a site reaches; tried in turn."""
+SHRUNK = 0.45
+"""How far, from its disc to its Laguerre cell, the piece of a site reaches."""
 
 ROOM = radians(1.5)
 """Between a disc and the sides of its piece, at least: for the polygon round its clip face."""
@@ -39,8 +40,8 @@ MOST_EMPTY = 12
 WIDEST_EMPTY = 0.45
 """Angular radius (radians) of an empty site, at the most."""
 
-LARGEST, THIN = 0.9, 1e-4
-"""Share of its Laguerre cell that a piece may take up; volume of unit rays below which a triangle is turned."""
+LARGEST = 0.9
+"""Share of its Laguerre cell that a piece may take up."""
 
 LOOKED_AT = 3000
 """Directions among which the one that is farthest from all sites is looked for."""
@@ -64,13 +65,12 @@ def strips(discs: Sequence[Disc], center: Vector) -> Layout:
             failure = error
             continue
         for longest in LENGTHS:
-            for shrunk in SHRUNK:
-                try:
-                    layout = net.layout(center, longest, shrunk)
-                    if min(room(layout, p, d) for p, d in zip(check_fits(layout, discs), discs, strict=True)) >= ROOM:
-                        return layout
-                except GeometryError as error:
-                    failure = error
+            try:
+                layout = net.layout(center, longest)
+                if min(room(layout, p, d) for p, d in zip(check_fits(layout, discs), discs, strict=True)) >= ROOM:
+                    return layout
+            except GeometryError as error:
+                failure = error
     raise failure or GeometryError("no layout of strips leaves room round all contacts")
 
 
@@ -99,12 +99,12 @@ class SiteTriangulation:
             sites.append(Site(looked[worst], min(gap / 2, WIDEST_EMPTY)))
         raise GeometryError("the sphere of directions is not filled by a few more sites")
 
-    def layout(self, center: Vector, longest: int, shrunk: float) -> Layout:
+    def layout(self, center: Vector, longest: int) -> Layout:
         """The pieces, with rays of entries up to `longest`."""
         corners: dict[tuple[int, int], Ray] = {}
         cycles: list[list[Ray]] = []
         for number in range(len(self.sites)):
-            around = self._corners(number, shrunk)
+            around = self._corners(number)
             rays = [(t, whole_ray(direction, longest)) for t, direction in around]
             corners |= {(number, t): ray for t, ray in rays}
             cycles.append([ray for _, ray in rays])
@@ -126,7 +126,7 @@ class SiteTriangulation:
         count = len(self.sites) - self.contacts
         return f"{count} empty site{'' if count == 1 else 's'}"
 
-    def _corners(self, number: int, shrunk: float) -> list[tuple[int, Floats]]:
+    def _corners(self, number: int) -> list[tuple[int, Floats]]:
         """The corners of a site's piece, counterclockwise, each with the number of its triangle: its Laguerre cell,
         in the plane that touches the sphere at it, shrunk towards it."""
         site = self.sites[number]
@@ -145,7 +145,7 @@ class SiteTriangulation:
         if least < radius:
             raise GeometryError("a disc reaches beyond its Laguerre cell")
         every = number < self.contacts
-        share = max((radius + shrunk * (x - radius)) / x for x in (depths if every else [least]))
+        share = max((radius + SHRUNK * (x - radius)) / x for x in (depths if every else [least]))
         share = min(share, LARGEST)
         if share * least < radius:
             raise GeometryError("a piece would shrink into its disc")
@@ -160,7 +160,7 @@ def _layout(cycles: Sequence[Sequence[Ray]], center: Vector, name: str) -> Layou
         rays = [a for a, b in zip(cycle, [*cycle[1:], cycle[0]], strict=True) if a != b]
         if len(set(rays)) < 3:
             continue
-        if len(rays) == 3 and _volume(rays) <= THIN:
+        if len(rays) == 3 and determinant(*rays) <= 0:
             raise GeometryError("a triangle between pieces is turned when its corners are rounded")
         pieces.append([numbers.setdefault(ray, len(numbers)) for ray in rays])
     try:

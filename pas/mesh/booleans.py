@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pas.errors import GeometryError, MissingLibraryError
+from pas.errors import GeometryError, library
 from pas.mesh.rows import Floats, Integers
 
 
@@ -23,10 +23,7 @@ def boolean(first: Triangles, second: Triangles, operation: str) -> Triangles:
 
     Raises `GeometryError` where one is refused or the result is empty, `MissingLibraryError` without manifold3d.
     """
-    try:
-        import manifold3d
-    except ImportError:
-        raise MissingLibraryError("booleans of meshes need manifold3d: pip install manifold3d") from None
+    manifold3d = library("manifold3d", "booleans of meshes need manifold3d: pip install manifold3d")
     solids = [_manifold(manifold3d, mesh) for mesh in (first, second)]
     result = manifold3d.Manifold.batch_boolean(solids, getattr(manifold3d.OpType, operation))
     _check_status(result, "the result")

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.bracket import sign_change
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField
 from pas.mesh.rows import Floats, Integers, dots
 
-ROOT_STEPS, ROOT_STILL = 24, 1e-10
-"""Of Newton's method along a lattice edge, and the step, over the edge's length, where it ends."""
+ROOT_STILL = 1e-10
+"""The step of Newton's method along a lattice edge, over the edge's length, where it ends."""
 
 MOST_CHANGES = 12
 """Functions that may change sign along one lattice edge and still be told apart."""
@@ -20,30 +19,6 @@ MOST_CHANGES = 12
 NEAR, BISECTIONS = 1e-6, 40
 """How far before and after a crossing, over the edge's length, the side is checked; and how often an
 edge is halved where it is not what it should be."""
-
-
-def node_numbers(nodes: Floats) -> Floats:
-    """A number of its own for each node (N,), the same in all lattices of which one is finer than another."""
-    return np.asarray(nodes[:, 0] + np.sqrt(2) * nodes[:, 1] + np.sqrt(3) * nodes[:, 2])
-
-
-@dataclass(frozen=True)
-class Changes:
-    """Where edges (E, 2) between nodes of given numbers (N,) are crossed, sorted by their ends, and on which face."""
-
-    numbers: Floats
-    edges: Integers
-    where: Floats
-    label: Integers
-
-    def rows(self, numbers: Floats, edges: Integers) -> Integers:
-        """Where edges (K, 2) of another lattice stand here (K,), -1 for those that are not here."""
-        order = np.argsort(self.numbers, kind="stable")
-        at = order[np.minimum(np.searchsorted(self.numbers, numbers, sorter=order), len(order) - 1)]
-        same, ends = np.where(self.numbers[at] == numbers, at, -1)[edges], np.array([len(order), 1])
-        keys, wanted = self.edges @ ends, same @ ends
-        found = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-        return np.where((same[:, 0] >= 0) & (same[:, 1] >= 0) & (keys[found] == wanted), found, -1)
 
 
 def side_changes(
@@ -125,25 +100,14 @@ def _check_crossings(
 
 
 def _roots(field: FaceField, labels: Integers, a: Floats, b: Floats) -> Floats:
-    """Parameters in [0, 1] where functions (N,) that change sign from a to b vanish (bracketed Newton)."""
-    low, high = np.zeros(len(a)), np.ones(len(a))
+    """Parameters in [0, 1] where functions (N,) that change sign from a to b vanish."""
     first, last = field.jets(a, labels)[:, 0], field.jets(b, labels)[:, 0]
-    rising = first <= 0
-    t = np.clip(first / np.where(first != last, first - last, 1.0), 0.0, 1.0)
-    active = np.arange(len(a))
-    for _ in range(ROOT_STEPS):
-        checkpoint()
-        here, along = t[active], b[active] - a[active]
-        jets = field.jets(a[active] + here[:, None] * along, labels[active])
-        before = (jets[:, 0] <= 0) == rising[active]
-        low[active], high[active] = np.where(before, here, low[active]), np.where(before, high[active], here)
-        slope = dots(jets[:, 1:], along)
-        step = jets[:, 0] / np.where(slope != 0, slope, np.inf)
-        new = here - step
-        outside = (slope == 0) | (new < low[active]) | (new > high[active])
-        new = np.where(outside, (low[active] + high[active]) / 2, new)
-        t[active] = new
-        active = active[np.abs(new - here) > ROOT_STILL]
-        if not len(active):
-            break
-    return t
+    turned = np.where(first <= 0, 1.0, -1.0)
+    start = np.clip(first / np.where(first != last, first - last, 1.0), 0.0, 1.0)
+
+    def jets(at: Floats, rows: Integers) -> tuple[Floats, Floats]:
+        along = b[rows] - a[rows]
+        found = field.jets(a[rows] + at[:, None] * along, labels[rows])
+        return turned[rows] * found[:, 0], turned[rows] * dots(found[:, 1:], along)
+
+    return sign_change(jets, np.zeros(len(a)), np.ones(len(a)), start, ROOT_STILL)

@@ -16,12 +16,12 @@ from functools import partial
 import numpy as np
 
 from pas.mesh.cleaning import FOLD
+from pas.mesh.diagnostics import diagnosis
 from pas.mesh.face_ground import FaceGround
 from pas.mesh.field import FaceField
 from pas.mesh.first import first_lattice, first_mesh, unsound
 from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.hollowed import mesh_hollowed, too_thick
-from pas.mesh.kissing import mesh_touching
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.octree import Octree
@@ -30,8 +30,7 @@ from pas.mesh.quality import Quality
 from pas.mesh.refusals import Made, Refusal, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
 from pas.mesh.rows import Floats
-from pas.mesh.shells import mesh_apart, together
-from pas.mesh.trouble import find_trouble
+from pas.mesh.surfaces import mesh_apart, mesh_touching, together
 
 THIN = 0.3
 """Share of the cubes of the first lattice that do not show one sheet, above which surfaces are meshed one by one."""
@@ -157,7 +156,7 @@ def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quali
     if isinstance(found, Failure):
         if found.crowded:
             return too_many(field, found.triangles, LARGEST, tolerance, found.reached)
-        trouble = find_trouble(field, found.place[None], found.size)
+        trouble = diagnosis(field, found.place[None], found.size)
         why = "a face may have a singular point" if trouble is None else trouble.sentence
         return not_reached(field, found.triangles, tolerance, found.reached, why)
     reason, _ = unsound(found.mesh, field, tolerance)

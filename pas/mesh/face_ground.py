@@ -22,7 +22,7 @@ INNER = 4
 
 
 class FaceGround:
-    """The faces of a field by their labels; see `pas.mesh.ground.Ground`.
+    """The faces of a field by their labels; see `pas.mesh.grading.Ground`.
 
     Where long triangles are not wanted no face counts as ruled.
     """

@@ -14,20 +14,19 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from pas.limits import checkpoint
-from pas.mesh.changes import Changes, node_numbers, side_changes
+from pas.mesh.changes import side_changes
 from pas.mesh.contour import crossings, knotted, oriented, snapped
+from pas.mesh.contraction import contracted
 from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import NOWHERE, Known, Nodes, contracted, find_nodes
+from pas.mesh.nodes import NOWHERE, Cones, Nodes, find_nodes
 from pas.mesh.projection import least_norm, newton, placing
 from pas.mesh.refusals import Refusal
 from pas.mesh.rows import Floats, Integers, cross, norms
 from pas.mesh.shading import unit_rows
-from pas.mesh.topology import edge_table, pinched
+from pas.mesh.topology import connected, edge_table, pinched
 
 SNAP = 0.4
 """Share of a lattice edge from its node within which crossings merge."""
@@ -45,12 +44,12 @@ _CORNERS = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 class BoundaryCrossings:
     """Where the boundary crosses a lattice: a closed mesh, with a vertex on each crossed edge.
 
-    `edges` (E, 2) are the crossed ones, as rows of `nodes` (N, 3); `triangles` (T, 3) are rows of these.  What is
-    `known` from other lattices of the same boundary is not looked for again.
+    `edges` (E, 2) are the crossed ones, as rows of `nodes` (N, 3); `triangles` (T, 3) are rows of these.  The `cones`
+    are known from other lattices of the same boundary.
     """
 
-    def __init__(self, field: FaceField, nodes: Floats, tetrahedra: Integers, known: Known | None = None) -> None:
-        self.field, self.nodes, self._known = field, nodes, known
+    def __init__(self, field: FaceField, nodes: Floats, tetrahedra: Integers, cones: Cones | None = None) -> None:
+        self.field, self.nodes, self._cones = field, nodes, cones
         checkpoint(f"finding the boundary in a lattice of {len(tetrahedra)} tetrahedra")
         self._signs = field.signs(nodes)
         self._inside = field.inside(self._signs)
@@ -66,36 +65,17 @@ class BoundaryCrossings:
     @cached_property
     def _components(self) -> Integers:
         """The component of each vertex (E,)."""
-        rows, columns = self.triangles[:, [0, 1]].ravel(), self.triangles[:, [1, 2]].ravel()
-        graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(self.edges),) * 2)
-        return np.asarray(connected_components(graph, directed=False)[1])
+        return connected(self.triangles[:, [0, 1, 1, 2]].reshape(-1, 2), len(self.edges))
 
     @cached_property
     def crossed(self) -> tuple[Floats, Integers]:
         """Where along each edge the boundary is (E,), and the label of the face there (E,)."""
-        if self._known is None:
-            return self._changes(slice(None))
-        before, numbers = self._known.changes, node_numbers(self.nodes)
-        known = np.full(len(self.edges), -1) if before is None else before.rows(numbers, self.edges)
-        where, label = np.empty(len(known)), np.empty(len(known), dtype=np.intp)
-        new, old = np.flatnonzero(known < 0), np.flatnonzero(known >= 0)
-        where[new], label[new] = self._changes(new)
-        if before is not None:
-            where[old], label[old] = before.where[known[old]], before.label[known[old]]
-        if len(self.edges):
-            self._known.changes = Changes(numbers, self.edges, where, label)
-        return where, label
+        return side_changes(self.field, self.nodes, self.edges, self._signs, self._inside)
 
-    def _changes(self, rows: Integers | slice) -> tuple[Floats, Integers]:
-        """Where edges in some rows cross the boundary (K, 3), and the labels (K,) there."""
-        return side_changes(self.field, self.nodes, self.edges[rows], self._signs, self._inside)
-
-    def shows_faces_of(self, finer: BoundaryCrossings) -> bool:
-        """Whether a finer lattice, which has this one's nodes as well, crosses no other faces."""
-        known, new = (node_numbers(c.nodes) for c in (self, finer))
-        rows = np.flatnonzero((~np.isin(new, known))[finer.edges].any(axis=1))
-        labels = finer._changes(rows)[1]
-        return set(labels.tolist()) <= set(self.crossed[1].tolist())
+    @cached_property
+    def faces(self) -> frozenset[int]:
+        """The labels of the faces that it crosses."""
+        return frozenset(self.crossed[1].tolist())
 
     def mesh(self) -> Labelled | Floats | Refusal:
         """The mesh, cut along the curves between faces, with crossings close to nodes merged.
@@ -112,7 +92,7 @@ class BoundaryCrossings:
         unclear, flat = _unclear(self.field, points, triangles, labels)
         nodes = Nodes(NOWHERE, np.empty(0))
         if 0 < len(unclear) + len(flat) <= MOST_UNCLEAR:
-            found = find_nodes(self.field, points, triangles, labels, unclear, flat, self._known)
+            found = find_nodes(self.field, points, triangles, labels, unclear, flat, self._cones)
             if isinstance(found, Refusal):
                 return found
             nodes = found

@@ -34,9 +34,6 @@ class RimCurve(Protocol):
     def fixed(self) -> bool:
         """Whether its points are ends of curves, which stay where they are."""
 
-    def distances(self, points: Floats) -> Floats:
-        """Distances (N,) in the wall, to first order."""
-
     def off(self, points: Floats) -> Floats:
         """Distances (N,) from the wall, or from the curve."""
 
@@ -117,7 +114,7 @@ class RayField(SheetField, Protocol):
 
     @property
     def first(self) -> Labelled | None:
-        """Its first mesh (see `pas.mesh.star.first`), kept; None where it is no graph."""
+        """Its first mesh (see `pas.mesh.graph.first`), kept; None where it is no graph."""
 
     @property
     def rims(self) -> Sequence[RingCurve]:
@@ -283,6 +280,11 @@ class FaceField(Field, Protocol):
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         """The labels whose functions' common zeros are where faces of given labels meet."""
+
+
+def extent_of(field: FaceField) -> float:
+    """The longest side of the box."""
+    return float(np.ptp(field.box, axis=0).max())
 
 
 def place_of(field: FaceField, point: Floats) -> str:

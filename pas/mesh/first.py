@@ -2,7 +2,7 @@
 
 Cubes are halved where the boundary is not proved to be one sheet, then about the places where the mesh that they give
 is not sound, until there are none and the next lattices show the same pieces, holes and faces.  That ends with a reason
-where it is in vain (see `trouble`), or has cost many times what the first lattice did.
+where it is in vain (see `diagnostics`), or has cost many times what the first lattice did.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ import numpy as np
 
 from pas.errors import GeometryError
 from pas.mesh.cleaning import FOLD, cleaned
+from pas.mesh.diagnostics import Diagnosis, diagnosis
 from pas.mesh.faces import BoundaryCrossings
-from pas.mesh.field import FaceField, place_of
+from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import Known
+from pas.mesh.nodes import Cones
 from pas.mesh.octree import DEEPEST, MOST_CUBES, NOWHERE, OPEN, QUIET, Octree
 from pas.mesh.projection import cosines, least_norm, placing
 from pas.mesh.refusals import Refusal
 from pas.mesh.rows import Floats, norms
-from pas.mesh.trouble import Trouble, find_trouble
 
-FIRST_PARTS, OTHER_PARTS, HALVINGS, COMPARED = 25, 27, 9, 3
-"""Small cubes along the longest side of the box in the first lattice, and in another one that is tried; how many finer
-ones are tried at most, and how many must show the same pieces, holes and faces, unless all of the boundary is clear."""
+PARTS, HALVINGS, COMPARED = 25, 9, 3
+"""Small cubes along the longest side of the box in the first lattice; how many finer ones are tried at most, and how
+many must show the same pieces, holes and faces, unless all of the boundary is clear."""
 
 MANY = 0.01
 """Share of the cubes in which more than one sheet may be, above which a lattice is made finer without a look."""
@@ -42,26 +42,15 @@ a reason is looked for why it does not come out."""
 MOST_UNSEEN = 30_000
 """Cubes above which a set of which no sample was inside counts as empty: to show it would take far more."""
 
-FEW = 0.002
-"""Number of places, over that of the cubes, below which the lattice is made finer twice there: another look takes more
-time than more cubes."""
-
 ROOM, TIMES = 30_000, 3
 """Cubes, and times the first lattice's, that all lattices together may have in which the boundary does not come out."""
-
-ON_FACE = 1e-7
-"""Distance from its faces, over the length of its edges, up to which a vertex counts as placed."""
-
-CORNER = 0.5
-"""How far a corner may be off each of its faces, over the tolerance."""
-
 
 CROWDED = Refusal(f"the solid is empty or too thin for its size: its lattice needs more than {MOST_CUBES} cubes")
 
 
-def first_lattice(field: FaceField, parts: int = FIRST_PARTS) -> Octree:
+def first_lattice(field: FaceField) -> Octree:
     """The lattice to begin with."""
-    return Octree(field, float(np.ptp(field.box, axis=0).max()) / parts)
+    return Octree(field, extent_of(field) / PARTS)
 
 
 def first_mesh(
@@ -70,22 +59,12 @@ def first_mesh(
     """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do.
 
     The `octree` to begin with is that of `first_lattice`, if it is known.  An `even` mesh has triangles about as
-    large as the lattice's cubes, on planes as well.  Where finer lattices are in vain one that begins elsewhere is
-    tried: the planes of the first may lie unluckily.
+    large as the lattice's cubes, on planes as well.
     """
-    found = _searched(field, tolerance, first_lattice(field) if octree is None else octree, even)
-    if isinstance(found, Refusal) and found.in_vain and field.needed() is field:
-        other = _searched(field, tolerance, first_lattice(field, OTHER_PARTS), even)
-        return found if isinstance(other, Refusal) else other
-    return found
-
-
-def _searched(field: FaceField, tolerance: float, octree: Octree, even: bool) -> Labelled | Refusal:
-    """The first mesh, from a lattice and those that it is refined to."""
-    start = _cleared(field, octree)
+    start = _cleared(field, first_lattice(field) if octree is None else octree)
     if isinstance(start, Refusal):
         return start
-    ahead, failures, reason = [_Lattice(field, start, Known())], list[tuple[int, int]](), ""
+    ahead, failures, reason = [_Lattice(field, start, {})], list[tuple[int, int]](), ""
     for _ in range(HALVINGS):
         found = _shown(ahead, tolerance, even)
         if not isinstance(found, _Failed):
@@ -99,13 +78,12 @@ def _searched(field: FaceField, tolerance: float, octree: Octree, even: bool) ->
         if not any(len(one.crossings.edges) for one in ahead):
             ahead = [ahead[-1].refined(least=QUIET)]
         elif len(places) or len(ahead) == 1:
-            finer = ahead[0].refined(places)
-            ahead = [finer.refined(places) if len(places) < FEW * first.count else finer]
+            ahead = [ahead[0].refined(places)]
         else:
             ahead = ahead[1:]
     if not reason:
         return Refusal(f"the solid is empty, or thinner everywhere than {ahead[-1].octree.finest}")
-    trouble = find_trouble(field, places, ahead[0].octree.spacing)
+    trouble = diagnosis(field, places, ahead[0].octree.spacing)
     return Refusal(_sentence(trouble, ahead[-1].octree, reason))
 
 
@@ -124,7 +102,7 @@ def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
         octree = octree.refined(least=QUIET)
     while not octree.crowded and octree.open_share > MANY and octree.levels < DEEPEST:
         places = octree.open_places
-        found = find_trouble(field, places, octree.spacing) if len(places) > UNCLEAR else None
+        found = diagnosis(field, places, octree.spacing) if len(places) > UNCLEAR else None
         if found is not None and found.stays:
             return Refusal(_sentence(found, octree))
         finer = octree.refined()
@@ -136,19 +114,19 @@ def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
 
 @dataclass(frozen=True)
 class _Lattice:
-    """An octree and where the boundary crosses it; and what is known of nodes from other octrees."""
+    """An octree and where the boundary crosses it; and the cones that are known from other octrees."""
 
     field: FaceField
     octree: Octree
-    known: Known
+    cones: Cones
 
     @cached_property
     def crossings(self) -> BoundaryCrossings:
-        return BoundaryCrossings(self.field, *self.octree.tetrahedra(), self.known)
+        return BoundaryCrossings(self.field, *self.octree.tetrahedra(), self.cones)
 
     def refined(self, places: Floats = NOWHERE, least: int = OPEN) -> _Lattice:
         """The next one; see `Octree.refined`."""
-        return _Lattice(self.field, self.octree.refined(places, least), self.known)
+        return _Lattice(self.field, self.octree.refined(places, least), self.cones)
 
 
 @dataclass(frozen=True)
@@ -176,7 +154,7 @@ def _shown(ahead: list[_Lattice], tolerance: float, even: bool) -> Labelled | Re
     others = [other.crossings for other in ahead[1:]]
     if any(first.crossings.shape != other.shape for other in others):
         return _Failed("its pieces or holes are too small")
-    if not all(first.crossings.shows_faces_of(other) for other in others):
+    if not all(other.faces <= first.crossings.faces for other in others):
         return _Failed("its faces are too small")
     if not len(first.crossings.edges):
         return _Failed("")
@@ -197,13 +175,13 @@ def _given_up(
     spare = several and field.needed() is not field
     if not (spare or spent or (several and 2 * places[-1] > places[-PATIENCE])):
         return None
-    found = find_trouble(field, last.places, octree.spacing)
+    found = diagnosis(field, last.places, octree.spacing)
     if not (spare or spent or (found is not None and found.stays)):
         return None
-    return Refusal(_sentence(found, octree, last.reason), in_vain=not spent)
+    return Refusal(_sentence(found, octree, last.reason))
 
 
-def _sentence(found: Trouble | None, octree: Octree, reason: str = "") -> str:
+def _sentence(found: Diagnosis | None, octree: Octree, reason: str = "") -> str:
     if found is not None and found.stays:
         return f"the solid could not be meshed: {found.sentence}"
     why = reason if found is None else found.sentence
@@ -212,6 +190,7 @@ def _sentence(found: Trouble | None, octree: Octree, reason: str = "") -> str:
 
 def unsound(mesh: Labelled, field: FaceField, tolerance: float) -> tuple[str, Floats]:
     """Why the mesh cannot be trusted, or an empty string; and where (K, 3)."""
+    placed, corner_off = 1e-7 * mesh.sizes, 0.5 * tolerance  # how far a vertex may be off its faces, and a corner
     folded = np.flatnonzero(cosines(mesh, field) < FOLD)
     if len(folded):
         places = mesh.points[mesh.triangles[folded]].mean(axis=1)
@@ -220,11 +199,11 @@ def unsound(mesh: Labelled, field: FaceField, tolerance: float) -> tuple[str, Fl
     corner = mesh.topology.label_count > 2
     for vertices, functions in placing(field, mesh.topology.vertex_labels):
         steps = least_norm(field, functions, mesh.points[vertices])
-        far[vertices] = norms(steps) / (ON_FACE * mesh.sizes[vertices])
+        far[vertices] = norms(steps) / placed[vertices]
     vertices, labels = mesh.topology.pairs[corner[mesh.topology.pairs[:, 0]]].T
     far[corner] = 0.0  # a corner may be one only within the tolerance
     steps = least_norm(field, labels[:, None], mesh.points[vertices])
-    np.maximum.at(far, vertices, norms(steps) / (CORNER * tolerance))
+    np.maximum.at(far, vertices, norms(steps) / corner_off)
     if far.max() > 1:
         worst = int(far.argmax())
         around = mesh.topology.vertex_labels[worst]

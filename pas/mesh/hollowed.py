@@ -22,8 +22,9 @@ import numpy as np
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, ShellWall, place_of
 from pas.mesh.first import unsound
+from pas.mesh.halfedges import following
 from pas.mesh.labelled import Labelled
-from pas.mesh.projection import newton, pair_normals, project
+from pas.mesh.projection import newton, pair_normals, project, second_derivatives
 from pas.mesh.refusals import Made, Refusal
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
@@ -40,9 +41,6 @@ SMOOTH = 0.97
 
 BESIDE = 0.1
 """Share of the thickness by which a point is off a triangle, on both sides, where the set must change."""
-
-SLOPE_STEP = 1e-5
-"""Of the differences that give second derivatives, over the extent of the box."""
 
 
 def mesh_hollowed(
@@ -164,10 +162,7 @@ class Doubled:
         image = np.full(t.shape, -1, dtype=np.intp)
         image[kept] = within
         start, end = t.ravel(), t[:, [1, 2, 0]].ravel()
-        order = np.argsort(np.minimum(start, end) * len(self.mesh.points) + np.maximum(start, end), kind="stable")
-        other = np.empty(len(start), dtype=np.intp)
-        other[order[::2]], other[order[1::2]] = order[1::2], order[::2]
-        after = np.arange(len(start)).reshape(-1, 3)[:, [1, 2, 0]].ravel()
+        other, after = self.mesh.topology.twins, following(np.arange(len(start)))
         flat, triangle = image.ravel(), np.arange(len(start)) // 3
         several = np.zeros(len(self.mesh.points), dtype=bool)
         several[[vertex for vertex, own in self._found.items() if len(own) > 1]] = True
@@ -234,16 +229,12 @@ def too_thick(mesh: Labelled, wall: ShellWall) -> str:
     """
     solid = wall.solid
     vertices, labels = mesh.topology.pairs[wall.inner[mesh.topology.pairs[:, 1]] >= 0].T
-    points, apart = mesh.points[vertices], SLOPE_STEP * float(np.ptp(solid.box, axis=0).max())
-    gradients = solid.jets(points, labels)[:, 1:]
-    slopes = [
-        solid.jets(points + apart * axis, labels) - solid.jets(points - apart * axis, labels) for axis in np.eye(3)
-    ]
-    bend = np.stack(slopes, axis=1)[:, :, 1:] / (2 * apart)
+    points = mesh.points[vertices]
+    gradients, bend = solid.jets(points, labels)[:, 1:], second_derivatives(solid, points, labels)
     size = np.maximum(np.linalg.norm(gradients, axis=1), 1e-300)[:, None, None]
     normals = gradients[:, :, None] / size
     across = np.eye(3) - normals @ normals.transpose(0, 2, 1)
-    bend = across @ (bend + bend.transpose(0, 2, 1)) @ across / (2 * size)
+    bend = across @ bend @ across / size
     curvatures = np.linalg.eigvalsh(np.where(np.isfinite(bend), bend, 0.0))[:, 2]
     most = int(curvatures.argmax())
     if curvatures[most] * wall.thickness < 1:

@@ -11,11 +11,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from pas.mesh.rows import Floats, Integers, any_of, norms
-from pas.mesh.topology import numbered, twins_of
+from pas.mesh.topology import connected, numbered, twins_of
 
 NONE = np.empty(0, dtype=np.intp)
 
@@ -96,17 +94,10 @@ class Topology:
         labels = self.edge_table[1]
         return np.asarray(labels[:, 0] != labels[:, 1])
 
-    @cached_property
+    @property
     def seams(self) -> Integers:
         """The edges (S, 2) between different labels."""
         return self.edges[self.seam_mask]
-
-    @cached_property
-    def fixed(self) -> NDArray[np.bool_]:
-        """The corners: vertices with three labels or more, where seams end or cross, or that are pinned on one."""
-        degree = np.bincount(self.seams.ravel(), minlength=self.size)
-        pinned = np.bincount(self.pinned, minlength=self.size) > 0
-        return np.asarray((self.label_count > 2) | ((degree != 2) & (degree != 0)) | (pinned & (degree > 0)))
 
     def around(self, vertices: Integers, rings: int) -> NDArray[np.bool_]:
         """Which vertices (N,) are some given ones, or so many edges from them at most."""
@@ -120,8 +111,7 @@ class Topology:
     def pieces(self) -> list[Integers]:
         """The connected pieces of labels: the rows of the triangles of each, by ascending labels."""
         ends = self.corner_pairs[:, [0, 1, 1, 2]].reshape(-1, 2)
-        graph = coo_array((np.ones(len(ends)), ends.T), shape=(len(self.pairs),) * 2)
-        piece = connected_components(graph, directed=False)[1][self.corner_pairs[:, 0]]
+        piece = connected(ends, len(self.pairs))[self.corner_pairs[:, 0]]
         order = np.lexsort((piece, self.labels))
         return np.split(order, np.flatnonzero(np.diff(piece[order])) + 1)
 

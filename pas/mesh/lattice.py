@@ -173,33 +173,10 @@ def risings(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats
 @cache
 def eighths(degree: int) -> tuple[Integers, Means]:
     """The corners (8, 4, 4) of the eight parts in halves of barycentric coordinates, and the forms on them."""
-    nodes, parts = _freudenthal(2)
-    corners = nodes[parts]
+    # in the coordinates 2 >= x >= y >= z >= 0 each unit cube is cut along its six monotone paths, along which corners
+    # are listed, so that cutting a small tetrahedron again gives tetrahedra of the finer lattice
+    paths = np.array([np.cumsum([np.zeros(3), *np.eye(3)[list(path)]], axis=0) for path in permutations(range(3))])
+    nodes = (paths[:, None] + np.indices((2, 2, 2)).reshape(3, -1).T[:, None]).astype(np.intp).reshape(-1, 4, 3)
+    x, y, z = nodes[(np.diff(nodes, axis=2) <= 0).all(axis=(1, 2))].transpose(2, 0, 1)
+    corners = np.stack([2 - x, x - y, y - z, z], axis=-1)
     return corners, means(degree, [[tuple(node) for node in part] for part in corners.tolist()])
-
-
-def _freudenthal(n: int) -> tuple[Integers, Integers]:
-    """Barycentric indices (m, 4) of the lattice of a tetrahedron, and its n^3 tetrahedra (n^3, 4).
-
-    In the coordinates n >= x1 >= x2 >= x3 >= 0 each unit cube is cut along its six monotone
-    paths; those inside make up the tetrahedron.  Corners are listed along the path, so cutting a
-    small tetrahedron again gives tetrahedra of the finer lattice.
-    """
-    x = np.stack(np.meshgrid(*[np.arange(n + 1)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    inside = (x[:, 0] >= x[:, 1]) & (x[:, 1] >= x[:, 2])
-    number = np.full(len(x), -1)
-    number[inside] = np.arange(inside.sum())
-    x = x[inside]
-    bary = np.stack([n - x[:, 0], x[:, 0] - x[:, 1], x[:, 1] - x[:, 2], x[:, 2]], axis=1)
-    stride = np.array([(n + 1) ** 2, n + 1, 1])
-    corners = x[(x[:, 0] < n)]
-    blocks = []
-    for path in permutations(range(3)):
-        steps = np.zeros((4, 3), dtype=int)
-        for i, axis in enumerate(path):
-            steps[i + 1] = steps[i]
-            steps[i + 1, axis] += 1
-        nodes = corners[:, None] + steps
-        valid = (nodes[..., 0] >= nodes[..., 1]).all(1) & (nodes[..., 1] >= nodes[..., 2]).all(1)
-        blocks.append(number[nodes[valid] @ stride])
-    return bary, np.concatenate(blocks)

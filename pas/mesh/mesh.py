@@ -12,10 +12,9 @@ from numpy.typing import ArrayLike
 
 from pas.errors import GeometryError
 from pas.mesh.booleans import Triangles, boolean
-from pas.mesh.quality import Quality, smallest_angles
+from pas.mesh.quality import Quality, smallest_angles, soundness
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
-from pas.mesh.soundness import soundness
 from pas.mesh.topology import edge_table, euler_characteristic, is_closed_manifold, is_manifold, piece_count, seams
 from pas.shape import Shape, refuse_mixed
 from pas.verdicts import Findings

@@ -1,9 +1,10 @@
 """Nodes of a boundary: points where curves between faces end or cross, however the faces meet there.
 
 Three faces that cross meet in one point, which Newton's method finds on their functions.  Bars from one point,
-equal cylinders and flush ends have more surfaces through a point, and surfaces that touch there; such points are
-zeros of the vector product of two gradients as well.  All of these are overdetermined systems that have a solution,
-for which the Gauss-Newton method converges quadratically (Deuflhard 2011, section 4.3).
+equal cylinders and flush ends have more surfaces through a point, and surfaces that touch there: f = g = 0 and
+grad f x grad g = 0.  All of these are overdetermined systems that have a solution, for which the Gauss-Newton method
+converges quadratically (Deuflhard 2011, section 4.3), but where surfaces touch along a curve: of points on such a curve
+none is given.
 
 What a mesh must know of a node is whether the solid is one cone there, with one sheet of boundary: then what is on a
 small sphere about it inside, and what outside, is connected.  Otherwise there is no manifold.
@@ -12,26 +13,21 @@ small sphere about it inside, and what outside, is connected.  Otherwise there i
 from __future__ import annotations
 
 from dataclasses import dataclass
-from dataclasses import field as field_of
 from functools import cache
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, cKDTree
 
-from pas.mesh.changes import Changes
-from pas.mesh.field import FaceField, place_of
-from pas.mesh.hull import icosphere
-from pas.mesh.projection import least_norm, newton
+from pas.limits import checkpoint
+from pas.mesh.field import FaceField, extent_of, place_of
+from pas.mesh.graph import icosphere
+from pas.mesh.projection import distances, newton, second_derivatives
 from pas.mesh.refusals import Refusal
-from pas.mesh.rows import Floats, Integers, norms
+from pas.mesh.rows import Floats, Integers, cross, norms
 from pas.mesh.shading import unit_rows
-from pas.mesh.stars import Stars
-from pas.mesh.topology import edge_table, numbered
-from pas.mesh.touching import FOUND, touching
+from pas.mesh.topology import connected, edge_table
 
 SAME = 1e-7
 """Distance over the extent of the box between two nodes that are one."""
@@ -56,8 +52,11 @@ PARTS = 40
 
 NOWHERE = np.empty((0, 3))
 
-SHRINKS = (1.0, 1.4, 0.7, 2.0, 0.5, 2.8)
-"""Shares of a node's reach that are tried until what is in it is a disc."""
+FOUND, PARALLEL = 1e-10, 1e-5
+"""Distance over the extent of the box up to which a point is on a surface; sine up to which gradients are parallel."""
+
+ISOLATED = 1e-3
+"""Least singular value, in the scale of `reach`, above which no curve of such points passes."""
 
 
 @dataclass(frozen=True)
@@ -75,18 +74,8 @@ class Nodes:
         return np.asarray((distances < self.reach).any(axis=1))
 
 
-@dataclass
-class Known:
-    """What was found from places that other lattices of a boundary have as well: most of them stay where they are.
-
-    `zeros` of systems of functions by these, the start and the reach; `cones` by the node and the spacing; and where
-    the edges of the last lattice are crossed.
-    """
-
-    changes: Changes | None = None
-
-    zeros: dict[tuple[tuple[int, ...], bytes, float], Floats] = field_of(default_factory=dict)
-    cones: dict[tuple[bytes, float], bool | Refusal] = field_of(default_factory=dict)
+Cones = dict[tuple[bytes, float], bool | Refusal]
+"""Whether the boundary is one sheet at nodes, by their places and the spacing, so that no other lattice looks again."""
 
 
 def find_nodes(
@@ -96,14 +85,14 @@ def find_nodes(
     labels: Integers,
     places: Integers,
     flat: Integers,
-    known: Known | None = None,
+    cones: Cones | None = None,
 ) -> Nodes | Refusal:
     """The nodes near triangles `places` of a mesh (T, 3) whose vertices are on faces of given labels.
 
-    Near triangles `flat`, in which two faces meet flatly, they are looked for where these two touch.  What is `known`
-    is not looked for again, and added to.  Refused where the solid touches itself in a node.
+    Near triangles `flat`, in which two faces meet flatly, they are looked for where these two touch.  The
+    `cones` that are known are added to.  Refused where the solid touches itself in a node.
     """
-    known = Known() if known is None else known
+    cones = {} if cones is None else cones
     all_places = np.concatenate([places, flat])
     corners = points[triangles[all_places]]
     centers = corners.mean(axis=1)
@@ -113,11 +102,11 @@ def find_nodes(
     pairs = [np.unique(columns[row])[:2] for row in triangles[flat]]
     starts = np.concatenate([starts, len(places) + np.arange(len(flat))])
     functions += [(int(pair[0]), int(pair[-1])) for pair in pairs]
-    found, owners = _known_zeros(field, centers[starts], functions, size[starts], known), starts
+    found, owners = _solved(field, centers[starts], functions, size[starts]), starts
     far = np.linalg.norm(found - centers[owners], axis=1) / size[owners]
     kept = np.flatnonzero(far < REACH)
     kept = kept[np.argsort(far[kept], kind="stable")]
-    extent = float(np.ptp(field.box, axis=0).max())
+    extent = extent_of(field)
     nodes, reach, done = [], [], np.zeros(len(all_places), dtype=bool)
     for row in kept:
         if done[owners[row]]:
@@ -125,9 +114,9 @@ def find_nodes(
         own = np.linalg.norm(found - found[row], axis=1) < SAME * extent
         radius = float(np.linalg.norm(centers[owners[own]] - found[row], axis=1).max() + size[owners[own]].max())
         key = found[row].tobytes(), float(size[owners[row]])
-        if key not in known.cones:
-            known.cones[key] = _is_cone(field, found[row], key[1])
-        cone = known.cones[key]
+        if key not in cones:
+            cones[key] = _is_cone(field, found[row], key[1])
+        cone = cones[key]
         if isinstance(cone, Refusal):
             return cone
         if cone:
@@ -151,34 +140,22 @@ def _systems(tree: cKDTree, centers: Floats, size: Floats, columns: Integers) ->
     return np.array(rows, dtype=np.intp), systems
 
 
-def _known_zeros(
-    field: FaceField, starts: Floats, systems: list[tuple[int, ...]], reach: Floats, known: Known
-) -> Floats:
-    """The zeros (K, 3) that `_solved` finds, those that are known looked up."""
-    keys = [(s, p.tobytes(), r) for s, p, r in zip(systems, starts, reach.tolist(), strict=True)]
-    new = [row for row, key in enumerate(keys) if key not in known.zeros]
-    found = _solved(field, starts[new], [systems[row] for row in new], reach[new])
-    known.zeros.update((keys[row], zero) for row, zero in zip(new, found, strict=True))
-    return np.array([known.zeros[key] for key in keys]).reshape(-1, 3)
-
-
 def _solved(field: FaceField, starts: Floats, systems: list[tuple[int, ...]], reach: Floats) -> Floats:
     """A common zero of each system near its start (N, 3), of two functions one where they touch; NaN where none."""
     result = np.full(starts.shape, np.nan)
-    extent = float(np.ptp(field.box, axis=0).max())
+    extent = extent_of(field)
     lengths = np.array([len(s) for s in systems], dtype=np.intp)
     for length in np.unique(lengths):
         rows = np.flatnonzero(lengths == length)
         functions = np.array([systems[row] for row in rows], dtype=np.intp)
         if length == 2:
-            result[rows] = touching(field, starts[rows], functions, reach[rows])
+            result[rows] = _touching(field, starts[rows], functions, reach[rows])
             continue
         end = newton(starts[rows], field, functions, reach[rows])
-        jets = np.stack([field.jets(end, column) for column in functions.T], axis=1)
-        units = unit_rows(jets[..., 1:])
-        off = np.abs(jets[..., 0]) / np.maximum(np.linalg.norm(jets[..., 1:], axis=2), 1e-300)
+        units = np.stack([unit_rows(field.jets(end, column)[:, 1:]) for column in functions.T], axis=1)
+        off = np.max([distances(field, end, column) for column in functions.T], axis=0)
         sharp = np.linalg.svd(units, compute_uv=False)[:, 2] > SHARP
-        result[rows] = np.where((sharp & (off.max(axis=1) < FOUND * extent))[:, None], end, np.nan)
+        result[rows] = np.where((sharp & (off < FOUND * extent))[:, None], end, np.nan)
     return result
 
 
@@ -203,8 +180,7 @@ def _links(field: FaceField, node: Floats, spacing: float, level: int) -> list[t
     inside = field.inside(field.signs((node + radii[:, None, None] * units).reshape(-1, 3)))
     every = (edges + number * np.arange(count)[:, None, None]).reshape(-1, 2)
     kept = every[inside[every[:, 0]] == inside[every[:, 1]]]
-    part = connected_components(coo_array((np.ones(len(kept)), kept.T), shape=(len(inside),) * 2), directed=False)[1]
-    first, times = np.unique(part, return_index=True, return_counts=True)[1:]
+    first, times = np.unique(connected(kept, len(inside)), return_index=True, return_counts=True)[1:]
     parts = [(times[first // number == k], inside[first[first // number == k]]) for k in range(count)]
     return [(sizes[within].tolist(), sizes[~within].tolist()) for sizes, within in parts]
 
@@ -224,37 +200,58 @@ def _apart(points: Floats, reach: Floats) -> Nodes:
     return Nodes(points, reach)
 
 
-def contracted(
-    field: FaceField, points: Floats, triangles: Integers, labels: Integers, nodes: Nodes
-) -> tuple[Floats, Integers, Integers, Integers] | Nodes:
-    """The mesh (points, triangles, labels, the nodes' vertices) with all within reach of a node drawn into one vertex.
+def _touching(field: FaceField, points: Floats, pairs: Integers, reach: Floats) -> Floats:
+    """The points (N, 3) near given ones where the functions of two labels (N, 2) vanish with parallel gradients.
 
-    Only what is a disc is; where it is none the result is the nodes in question.
+    NaN where none is found within steps of `reach` (N,).
     """
-    failed, drawn, close = np.zeros(len(nodes.points), dtype=bool), [], SAME * float(np.ptp(field.box, axis=0).max())
-    stars, points = Stars(triangles, labels, len(points)), points.copy()
-    for number, (node, reach) in enumerate(zip(nodes.points, nodes.reach, strict=True)):
-        distance = np.where(stars.used, norms(points - node), np.inf)
-        center = int(distance.argmin())
-        for share in SHRINKS:
-            found = stars.drawn(np.flatnonzero(distance < share * reach), center)
-            if found is not None and _meet(field, node, found.labels, close):
-                break
-        else:
-            failed[number] = True
-            continue
-        stars.draw(found)
-        points[center] = node
-        drawn.append(center)
-    if failed.any():
-        return Nodes(nodes.points[failed], nodes.reach[failed])
-    triangles, labels = stars.triangles[stars.left], stars.labels[stars.left]
-    used, numbers = numbered(triangles.ravel())
-    return points[used], numbers.reshape(-1, 3), labels, np.flatnonzero(np.isin(used, drawn))
+    extent = extent_of(field)
+    lengths = [np.linalg.norm(field.jets(points, column)[:, 1:], axis=1) for column in pairs.T]
+    scale = 1 / np.maximum(np.stack(lengths, axis=1), 1e-300)
+    points, active, still = points.copy(), np.arange(len(points)), 1e-15 * extent
+    for _ in range(24):  # quadratic convergence takes fewer; where there is none the steps do not become still
+        checkpoint()
+        step = _step(*_system(field, points[active], pairs[active], scale[active], reach[active]))
+        length = np.sqrt((step * step).sum(axis=1))
+        points[active] += step * np.minimum(1.0, reach[active] / np.maximum(length, 1e-300))[:, None]
+        active = active[length > still]  # not where it is NaN
+        if not len(active):
+            break
+    found = _touch(field, points, pairs, FOUND * extent)
+    matrix = _system(field, points[found], pairs[found], scale[found], reach[found])[1]
+    found[found] = np.linalg.svd(matrix, compute_uv=False)[:, 2] > ISOLATED
+    points[~found] = np.nan
+    return points
 
 
-def _meet(field: FaceField, node: Floats, labels: Integers, close: float) -> bool:
-    """Whether the faces of given labels pass through a node."""
-    labels = np.unique(labels)
-    steps = least_norm(field, labels[:, None], np.tile(node, (len(labels), 1)))
-    return bool(np.abs(steps).max(initial=0.0) < close)
+def _system(field: FaceField, points: Floats, pairs: Integers, scale: Floats, size: Floats) -> tuple[Floats, Floats]:
+    """The equations' values (N, 5) and derivatives (N, 5, 3).
+
+    `scale` (N, 2) are factors of functions, `size` (N,) of the gradients' product.
+    """
+    jets = [field.jets(points, label) * factor[:, None] for label, factor in zip(pairs.T, scale.T, strict=True)]
+    (a, b), bends = (jet[:, None, 1:] for jet in jets), (second_derivatives(field, points, label) for label in pairs.T)
+    bend_a, bend_b = (bend * factor[:, None, None] for bend, factor in zip(bends, scale.T, strict=True))
+    turn = np.cross(bend_a, b) + np.cross(a, bend_b)  # row k: the product's derivative along axis k
+    value = np.concatenate([*(jet[:, :1] for jet in jets), size[:, None] * np.cross(a, b)[:, 0]], axis=1)
+    matrix = np.concatenate([a, b, size[:, None, None] * turn.transpose(0, 2, 1)], axis=1)
+    return value, matrix
+
+
+def _step(value: Floats, matrix: Floats) -> Floats:
+    """The least steps (N, 3) of the method; NaN where the equations are not finite."""
+    good = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(value).all(axis=1)
+    result = np.full((len(value), 3), np.nan)
+    inverse = np.linalg.pinv(matrix[good], rcond=1e-6)  # equations that hardly differ from others do not move a point
+    result[good] = -np.einsum("nij,nj->ni", inverse, value[good])
+    return result
+
+
+def _touch(field: FaceField, points: Floats, pairs: Integers, close: float) -> np.ndarray:
+    """Whether both surfaces pass through points (N, 3) with one normal."""
+    result = np.asarray(np.isfinite(points).all(axis=1))
+    here, functions = points[result], pairs[result]
+    off = [distances(field, here, column) for column in functions.T]
+    sine = norms(cross(*(unit_rows(field.jets(here, column)[:, 1:]) for column in functions.T)))
+    result[result] = (np.max(off, axis=0) < close) & (sine < PARALLEL)
+    return result

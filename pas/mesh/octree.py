@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from pas.kernels.library import compiled
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField
+from pas.mesh.field import FaceField, extent_of
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.topology import numbered
 
@@ -111,7 +111,7 @@ class Octree:
     @property
     def finest(self) -> str:
         """The edge of the smallest cubes over the longest side of the box, in words."""
-        return f"1/{round(float(np.ptp(self.field.box, axis=0).max()) / self.spacing)} of its bounding box"
+        return f"1/{round(extent_of(self.field) / self.spacing)} of its bounding box"
 
     @property
     def count(self) -> int:

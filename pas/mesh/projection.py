@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField
+from pas.mesh.field import FaceField, extent_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import Floats, Integers, cross, dots, norms
 from pas.mesh.shading import unit_rows, uprightness_at
@@ -19,6 +19,25 @@ NEARBY = 8
 PARALLEL, WELL_APART, PEAKED = 1e-6, 1e-6, 1e-4
 """Ratio of singular values below which gradients count as parallel; squared sine of the angle between two, and volume
 that three of length 1 span, above which their inverse is written down, with the same bits on every machine."""
+
+
+SLOPE_STEP = 1e-5
+"""Of the differences that give second derivatives, over the extent of the box."""
+
+
+def distances(field: FaceField, points: Floats, labels: Integers) -> Floats:
+    """Distances (N,) of points (N, 3) from the zeros of functions given as labels (N,), to first order."""
+    jets = field.jets(points, labels)
+    return np.asarray(np.abs(jets[:, 0]) / np.maximum(norms(jets[:, 1:]), 1e-300))
+
+
+def second_derivatives(field: FaceField, points: Floats, labels: Integers) -> Floats:
+    """Those (N, 3, 3) of functions given as labels (N,) at points (N, 3), by differences."""
+    apart = SLOPE_STEP * extent_of(field)
+    around = points[:, None] + apart * np.concatenate([np.eye(3), -np.eye(3)])
+    slopes = field.jets(around.reshape(-1, 3), np.repeat(labels, 6))[:, 1:].reshape(-1, 2, 3, 3)
+    result = (slopes[:, 0] - slopes[:, 1]) / (4 * apart)
+    return np.asarray(result + result.transpose(0, 2, 1))
 
 
 def grouped(rows: Integers, span: int) -> list[tuple[Integers, Integers]]:
@@ -76,14 +95,14 @@ def onto_faces(points: Floats, labels: Integers, field: FaceField, reach: Floats
     return points
 
 
-def newton(points: Floats, field: FaceField, functions: Integers, reach: Floats) -> Floats:
+def newton(points: Floats, field: FaceField, functions: Integers, reach: Floats, steps: int = NEWTON_STEPS) -> Floats:
     """Points (N, 3) moved to the common zeros of each one's own functions (N, m), given as labels.
 
     None moves further than `reach` (N,) a step.
     """
     points = points.copy()
     active = np.arange(len(points))
-    for _ in range(NEWTON_STEPS):
+    for _ in range(steps):
         checkpoint()
         step = -least_norm(field, functions[active], points[active])
         length = norms(step)[:, None]
@@ -131,8 +150,6 @@ def _pseudo_inverse(matrix: Floats, values: Floats) -> Floats:
     return np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=PARALLEL), values)
 
 
-def cosines(mesh: Labelled, field: FaceField, chosen: Integers | None = None) -> Floats:
-    """The cosine between each chosen triangle's normal and the sum of its face's at the corners (T,)."""
-    chosen = np.arange(len(mesh.triangles)) if chosen is None else chosen
-    normals = pair_normals(mesh, field)[mesh.topology.corner_pairs[chosen]]
-    return uprightness_at(mesh.points[mesh.triangles[chosen]], normals)
+def cosines(mesh: Labelled, field: FaceField) -> Floats:
+    """The cosine between each triangle's normal and the sum of its face's at the corners (T,)."""
+    return uprightness_at(mesh.points[mesh.triangles], pair_normals(mesh, field)[mesh.topology.corner_pairs])

@@ -1,15 +1,19 @@
-"""What a mesh should have where it cannot have both: good angles, or few triangles."""
+"""What a mesh should have where it cannot have both, good angles or few triangles; and what can be said of it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from enum import Enum
 from typing import Protocol, TypeVar
 
 import numpy as np
 
+from pas.errors import MeshError
 from pas.mesh.rows import Floats, Integers
+from pas.mesh.topology import is_closed_manifold, is_manifold
 from pas.settings import check_quality
+from pas.verdicts import Findings, Status, Verdict
 
 
 class Triangulated(Protocol):
@@ -59,6 +63,15 @@ class Quality(Enum):
         """
         return AIMS[self]
 
+    def best_of(self, makers: Iterable[Callable[[], AnyMesh]]) -> AnyMesh:
+        """The best of the meshes that are made; a `MeshError` of the first is raised, later ones are left out."""
+        first, *others = makers
+        found = [first()]
+        for make in others:
+            with suppress(MeshError):  # too many triangles, or no good mesh: there is one already
+                found.append(make())
+        return self.best(found)
+
     def best(self, meshes: Sequence[AnyMesh]) -> AnyMesh:
         """The one of some meshes that has the largest smallest angle, or the fewest triangles; the first of equals."""
         if self is Quality.ANGLES:
@@ -85,3 +98,38 @@ PRINTABLE, SLENDER = 0.025, 5e-4
 FLAT = 0.1
 """Of triangles on planes, where a few more vertices inside do for good ones; along the lines of a cylinder it takes
 many, and where the sides of a plane are long and near to each other nothing helps."""
+
+
+def soundness(points: Floats, triangles: Integers, normals: Floats, deviation: float | None, proved: bool) -> Findings:
+    """The verdicts on a mesh; `normals` (T, 3, 3) are those of the surface at the corners, `deviation` what is known.
+
+    Manifold is decided by counting, folds are looked for by comparing each triangle with the normals at its corners.
+    """
+    found = [manifold(triangles), _unfolded(points, triangles, normals)]
+    if deviation is not None:
+        status = Status.PROVED if proved else Status.HOLDS_MEASURED
+        claim, reason = f"within {deviation:.3g} of the surface", "bounded" if proved else "the largest distance found"
+        found.append(Verdict(status, claim, reason))
+    return Findings(tuple(found), partly_measured=True)
+
+
+def manifold(triangles: Integers) -> Verdict:
+    """Whether triangles (T, 3) are a manifold, by counting those at edges and vertices."""
+    claim = "a manifold"
+    if is_closed_manifold(triangles):
+        return Verdict(Status.PROVED, claim, "closed: every edge has two triangles, every vertex one fan of them")
+    if is_manifold(triangles):
+        return Verdict(Status.PROVED, claim, "with a boundary; no edge has more than two triangles")
+    return Verdict(Status.REFUTED, claim, "an edge has more than two triangles, or a vertex more than one fan of them")
+
+
+def _unfolded(points: Floats, triangles: Integers, normals: Floats) -> Verdict:
+    claim = "no folds"
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    across = np.cross(b - a, c - a)
+    against = ((across[:, None] * normals).sum(axis=2) < 0).all(axis=1)
+    if not against.any():
+        return Verdict(Status.HOLDS_MEASURED, claim, "every triangle agrees with the normal at some corner")
+    x, y, z = ((a + b + c) / 3)[int(against.argmax())].tolist()
+    reason = f"{int(against.sum())} triangles are turned against the normals at their corners"
+    return Verdict(Status.FAILS_MEASURED, claim, reason, (x, y, z))

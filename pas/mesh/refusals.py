@@ -11,10 +11,9 @@ from pas.mesh.labelled import Labelled
 
 @dataclass(frozen=True)
 class Refusal:
-    """Why a mesh was not made, in a sentence; `in_vain` where finer lattices of the same kind show no more."""
+    """Why a mesh was not made, in a sentence."""
 
     sentence: str
-    in_vain: bool = False
 
     @property
     def error(self) -> MeshError:

@@ -37,3 +37,11 @@ def any_of(table: NDArray[np.bool_]) -> NDArray[np.bool_]:
 def all_of(table: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """In which rows (N,) of a table (N, k) all is true."""
     return ~any_of(~table)
+
+
+def quarters(triangles: Floats) -> Floats:
+    """The four parts (T, 4, 3, ...) of triangles (T, 3, ...), cut at the middles of their sides."""
+    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    p, q, r = (a + b) / 2, (b + c) / 2, (c + a) / 2
+    parts = [np.stack(part, axis=1) for part in ((a, p, r), (p, b, q), (r, q, c), (p, q, r))]
+    return np.stack(parts, axis=1)

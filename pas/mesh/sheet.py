@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pas.mesh.edges import Edges
 from pas.mesh.field import SheetField
 from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind
@@ -16,6 +15,7 @@ from pas.mesh.refusals import too_many
 from pas.mesh.remesher import Failure, Remeshed, Remesher
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
+from pas.mesh.topology import Edges
 
 
 def open_mesh(field: SheetField, points: Floats, triangles: Integers, rim: Integers) -> Labelled:
@@ -96,7 +96,7 @@ def _given(field: SheetField, found: Remeshed | Failure, tolerance: float, setti
 
 
 class SurfaceGround:
-    """A field as a ground; see `pas.mesh.ground.Ground`."""
+    """A field as a ground; see `pas.mesh.grading.Ground`."""
 
     knows_bends = True
 

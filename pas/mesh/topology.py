@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
@@ -122,14 +124,62 @@ def seams(triangles: Integers, faces: Integers) -> Integers:
 
 def euler_characteristic(triangles: Integers) -> int:
     """Vertices - edges + triangles."""
-    ends = triangles[:, [1, 2, 0]]
-    keys = np.minimum(triangles, ends) * (int(triangles.max(initial=0)) + 1) + np.maximum(triangles, ends)
-    return len(distinct(triangles)) - len(distinct(keys)) + len(triangles)
+    return len(distinct(triangles)) - len(edge_table(triangles)[0]) + len(triangles)
+
+
+def connected(ends: Integers, size: int) -> Integers:
+    """The number of the connected piece of each of so many vertices, joined by edges (E, 2)."""
+    graph = coo_array((np.ones(len(ends)), ends.T), shape=(size, size))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.intp)
 
 
 def piece_count(triangles: Integers) -> int:
     """The number of connected pieces."""
     size = int(triangles.max(initial=-1)) + 1
     ends = triangles[:, [0, 1, 1, 2]].reshape(-1, 2)
-    graph = coo_array((np.ones(len(ends)), ends.T), shape=(size, size))
-    return len(distinct(connected_components(graph, directed=False)[1].astype(np.intp)[triangles])) if size else 0
+    return len(distinct(connected(ends, size)[triangles])) if size else 0
+
+
+class Edges:
+    """The edges of an oriented mesh of T triangles on `size` vertices: `every` (E, 2), those of the boundary last."""
+
+    def __init__(self, triangles: Integers, size: int) -> None:
+        self.triangles = triangles
+        self.twins = twins_of(triangles, size)
+        halves = np.arange(len(self.twins))
+        self._inner, self._rim = np.flatnonzero(self.twins > halves), np.flatnonzero(self.twins < 0)
+        rows = np.concatenate([self._inner, self._rim])
+        corners, column = triangles.ravel(), rows % 3
+        self.every = np.stack([corners[rows], corners[rows - column + (column + 1) % 3]], axis=1)
+
+    @property
+    def manifold(self) -> bool:
+        """Whether each edge has one or two triangles, turned alike."""
+        return bool(self.twins.min(initial=-1) >= -1)
+
+    @cached_property
+    def owners(self) -> Integers:
+        """The two triangles (I, 2) of each inner edge; the edge is directed as in the first."""
+        return np.stack([self._inner, self.twins[self._inner]], axis=1) // 3
+
+    @property
+    def inner(self) -> Integers:
+        """The edges (I, 2) between two triangles."""
+        return self.every[: len(self._inner)]
+
+    @property
+    def rim(self) -> Integers:
+        """Those (R, 2) of one triangle, directed as in it."""
+        return self.every[len(self._inner) :]
+
+    @property
+    def loops(self) -> list[Integers]:
+        """The vertices of each loop of the boundary in order, the mesh to their left."""
+        after, found = dict(self.rim.tolist()), []
+        while after:
+            at, loop = next(iter(after)), []
+            while at in after:
+                loop.append(at)
+                at = after.pop(at)
+            found.append(np.array(loop, dtype=np.intp))
+        return found

@@ -18,7 +18,6 @@ from scipy.spatial import cKDTree
 from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
-from pas.mesh.edges import Edges
 from pas.mesh.field import VISIBLE, Beginning, CellField
 from pas.mesh.grading import Settings
 from pas.mesh.labelled import Labelled
@@ -28,7 +27,7 @@ from pas.mesh.quality import AIM
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows, uprightness
 from pas.mesh.sheet import BadMeshError, open_mesh, remeshed
-from pas.mesh.topology import euler_characteristic, is_manifold, piece_count
+from pas.mesh.topology import Edges, euler_characteristic, is_manifold, piece_count
 
 LEAST, FINEST = 2, 8
 """Halvings of the cells, at least and at most."""
@@ -45,17 +44,16 @@ SEARCHED = 20_000
 MANY = 150_000
 """Tetrahedra beyond which a lattice is not refined further."""
 
-SNAPS = (0.42, False), (0.3, True), (0.2, False), (0.0, False)
-"""Shares of an edge within which crossings merge, tried in turn on each lattice; and whether those stay apart whose
-merging would change the topology, and all on walls."""
+SNAPS = 0.42, 0.2, 0.0
+"""Shares of an edge within which crossings merge, tried in turn on each lattice, but for those whose merging would
+change the topology; where there are some all on walls stay apart as well."""
 
 MORE = 0.4
 """Added to the number of parts into which edges of the first triangles are cut, before that is rounded down: these may
 be a little coarser than those of a star, which rays have to see all of."""
 
-FOLDED, FOLDS = 0.3, 0.03
-"""Cosine with the normals below which a triangle counts as folded; and the share of such triangles, and of those
-without area, that coarsening and smoothing may have to mend."""
+FOLDS = 0.03
+"""Share of folded triangles, and of those without area, that coarsening and smoothing may have to mend."""
 
 
 def triangulate(field: CellField, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:
@@ -151,13 +149,10 @@ def _first(field: CellField, grid: Lattice) -> Labelled:
     crossed = grid.points[a] + share[:, None] * (grid.points[b] - grid.points[a])
     plain = oriented(grid.points, negative, ends, crossed, triangles)
     wanted = _topology(plain)
-    for snap, parted in SNAPS:
+    for snap in SNAPS:
         checkpoint("contouring")
-        free = np.zeros(len(negative), dtype=bool)
-        if parted:
-            free = knotted(plain, ends, share, snap, len(negative))
-            if not free.any():
-                continue
+        free = knotted(plain, ends, share, snap, len(negative))
+        if free.any():
             free[ends[Edges(plain, len(ends)).rim]] = True  # near walls merged crossings may leave the region
         points, triangles, _ = snapped(crossed, plain, ends, share, snap, free)
         if not len(triangles) or not is_manifold(triangles) or _topology(triangles) != wanted:
@@ -169,7 +164,7 @@ def _first(field: CellField, grid: Lattice) -> Labelled:
         if not field.within(points):
             continue
         upright = uprightness(points, triangles, unit_rows(field.gradients(points)))
-        if np.mean(~(upright >= FOLDED)) <= FOLDS and _shows_curves(field, points[~inner]):
+        if np.mean(~(upright >= Settings.folded)) <= FOLDS and _shows_curves(field, points[~inner]):
             return open_mesh(field, points, triangles, rim)
     upright = uprightness(crossed, plain, unit_rows(field.gradients(crossed)))
     place = crossed[plain[np.argmin(upright)]].mean(axis=0)

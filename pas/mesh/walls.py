@@ -11,6 +11,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.errors import MeshError
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Floats, Integers
+from pas.mesh.topology import Edges
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,8 @@ def wall_mesh(outer: Mesh, inner: Mesh, ends: Sequence[End], names: Sequence[str
     sheets = [(outer.points, outer.triangles), (inner.points, inner.triangles[:, ::-1])]
     points, start = np.concatenate([p for p, _ in sheets]), len(outer.points)
     triangles = [outer.triangles, sheets[1][1] + start]
-    loops = _loops(outer), [loop + start for loop in _loops(inner)]
+    own, others = (Edges(mesh.triangles, len(mesh.points)).loops for mesh in (outer, inner))
+    loops = own, [loop + start for loop in others]
     normals = [outer.normals, -inner.normals[:, ::-1]]
     for end, name in zip(ends, names[2:], strict=True):
         pair = [min(some, key=lambda loop: end.off(points[loop]), default=None) for some in loops]
@@ -82,23 +84,6 @@ def least_distance(first: Mesh, second: Mesh) -> tuple[float, Floats]:
         if distances.min() < best:
             best, where = float(distances.min()), np.asarray(found.points[distances.argmin()], dtype=float)
     return best, where
-
-
-def _loops(mesh: Mesh) -> list[Integers]:
-    """The closed curves in which a mesh ends: vertices in order, the mesh to their left."""
-    t = mesh.triangles
-    directed = np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]])
-    there = {(a, b) for a, b in directed.tolist()}
-    after = {a: b for a, b in there if (b, a) not in there}
-    loops = []
-    while after:
-        first, following = after.popitem()
-        loop = [first]
-        while following != first:
-            loop.append(following)
-            following = after.pop(following)
-        loops.append(np.array(loop))
-    return loops
 
 
 def _ring(points: Floats, outer: Integers, inner: Integers, normal: Floats, name: str) -> Integers:

@@ -15,7 +15,7 @@ afresh: exact, scaled anew and rounded once.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
 from typing import Any
@@ -26,20 +26,21 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational, to_fraction
-from pas.algebra.rational_function import GENERATORS, ONE
+from pas.algebra.rational_function import GENERATORS, ONE, RING
 from pas.bernstein.boxes import box_form
 from pas.bernstein.forms import UNIT_ROUNDOFF, rounded
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.mesh.rows import Integers
 from pas.parametric.domain import Ends, ExactDomain
 from pas.parametric.nets import Nets
+from pas.parametric.series import in_one, roots_between
 from pas.verdicts import Status
 
 HALF = Fraction(1, 2)
 Place = tuple[fmpq, fmpq]
 
-HALVINGS, WORN = 40, 2.0**-12
-"""Coefficients are worked out afresh after so many halvings, or where they are off by this share of a polynomial's."""
+WORN = 2.0**-12
+"""Coefficients are worked out afresh where they may be off by this share of a polynomial's greatest."""
 
 DEPTH = 200
 """Halvings in all after which a rectangle counts as undecided: it is then 2^-100 wide each way."""
@@ -115,24 +116,31 @@ def _maps(interval: Ends) -> list[tuple[fmpq, ...]]:
 class _Rectangles(Cells):
     """C rectangles of a chart: lower corners `start` / 2^`steps` (C, 2), and nets of all polynomials on them.
 
-    `table` (C, n+1, m+1, k) and `off` (C,) are those of `Nets`, `steps` (C, 2) the halvings so far.
+    `table` (C, n+1, m+1, k) and `off` (C,) are those of `Nets`, `steps` (C, 2) the halvings so far, `start` whole
+    numbers of any size.
     """
 
     chart: RationalChart
     table: Floats
     off: Floats
-    start: Integers
+    start: NDArray[np.object_]
     steps: Integers
 
     def point(self, number: int, shares: Sequence[Any]) -> list[Fraction]:
         """Where shares of a rectangle's sides end, in the chart."""
-        pairs = zip(self.start[number].tolist(), self.steps[number].tolist(), shares, strict=True)
+        pairs = zip(self.start[number], self.steps[number].tolist(), shares, strict=True)
         return [(s + Fraction(share)) / (1 << n) for s, n, share in pairs]
 
     def place(self, number: int, shares: Sequence[Any] = (HALF, HALF)) -> Place | None:
         """The parameters there, by default in the middle."""
         u, v = self.point(number, shares)
         return self.chart.place(u, v)
+
+    @property
+    def worn(self) -> NDArray[np.bool_]:
+        """Which have a polynomial whose coefficients may be off by much of their size."""
+        greatest = np.abs(self.table).max(axis=(1, 2))
+        return ((greatest > 0) & (self.off[:, None] > WORN * greatest)).any(axis=1)
 
     def halves(self) -> _Rectangles:
         """Both halves of all, across the parameter along which the coefficients change more."""
@@ -144,7 +152,7 @@ class _Rectangles(Cells):
 
     def _halved(self, axis: int) -> _Rectangles:
         nets = Nets(self.table, self.off).halves(axis)
-        step = np.arange(2) == axis
+        step = (np.arange(2) == axis).astype(int)
         start = self.start * (1 + step)
         starts, steps = np.concatenate([start, start + step]), np.concatenate([self.steps + step] * 2)
         return _Rectangles(self.chart, nets.table, nets.off, starts, steps)
@@ -160,33 +168,18 @@ def without_common_zero(polynomials: Sequence[fmpq_mpoly], chart: RationalChart,
     if all(p.is_zero() for p in polynomials):
         return ZeroSearch(Status.REFUTED, chart.place(HALF, HALF), True, 1)
     degrees = [max(int(p.degrees()[a]) for p in polynomials if not p.is_zero()) for a in (0, 1)]
-    seeker, pending = _Seeker(polynomials, degrees, effort), [(chart, 0)]
-    while pending:
-        part, depth = pending.pop(0)
-        if depth >= DEPTH or len(pending) > RENEWALS:
-            return ZeroSearch(Status.UNDECIDED, part.place(HALF, HALF), False, seeker.cells)
-        whole = seeker.whole(part)
-        if avoids_origin(whole.table, whole.off)[0]:  # mostly, and then sooner than by a search
-            seeker.cells += 1
-            continue
-        found = search(whole, seeker.judge, _Rectangles.halves, Limits(HALVINGS, effort), "looking for common zeros")
-        if len(found.refuted):
-            return ZeroSearch(Status.REFUTED, seeker.zero, seeker.exact, seeker.cells)
-        if len(found.open):
-            return ZeroSearch(Status.UNDECIDED, found.open.place(0), False, seeker.cells)
-        for number in range(len(found.kept)):
-            steps = found.kept.steps[number].tolist()
-            corner, size = found.kept.point(number, (0, 0)), [Fraction(1, 1 << n) for n in steps]
-            pending.append((part.part(corner, size), depth + sum(steps)))
-    return ZeroSearch(Status.PROVED, cells=seeker.cells)
+    seeker = _Seeker(polynomials, degrees, effort)
+    table, off = seeker.net(chart)
+    whole = _Rectangles(chart, table[None], np.array([off]), np.array([[0, 0]], dtype=object), np.zeros((1, 2), int))
+    found = search(whole, seeker.judge, seeker.split, Limits(DEPTH, effort), "looking for common zeros")
+    if len(found.refuted):
+        return ZeroSearch(Status.REFUTED, seeker.zero, seeker.exact, seeker.cells)
+    return ZeroSearch(found.status, found.open.place(0) if len(found.open) else None, False, seeker.cells)
 
 
 @dataclass
 class _Seeker:
-    """Judges rectangles for common zeros of polynomials of at most these degrees, and counts them.
-
-    `zero` is one, or near one where it is not `exact`.
-    """
+    """What judges the rectangles of a search and halves them: `cells` that it has looked at, and the `zero` found."""
 
     polynomials: Sequence[fmpq_mpoly]
     degrees: list[int]
@@ -195,61 +188,64 @@ class _Seeker:
     zero: Place | None = None
     exact: bool = True
 
-    def whole(self, chart: RationalChart) -> _Rectangles:
-        """A whole chart, coefficients of each polynomial over its greatest, rounded."""
+    def net(self, chart: RationalChart) -> tuple[Floats, float]:
+        """The net (n+1, m+1, k) of all polynomials on a chart, each scaled exactly to at most 1 and rounded once, and
+        what it may be off by."""
         tables = [box_form(_moved(p, chart, self.degrees), self.degrees) for p in self.polynomials]
         nets = [rounded([c for row in table for c in row]).reshape(len(table), -1) for table in tables]
-        none = np.zeros((1, 2), dtype=np.intp)
-        return _Rectangles(chart, np.stack(nets, axis=-1)[None], np.array([UNIT_ROUNDOFF]), none, none)
+        return np.stack(nets, axis=-1), UNIT_ROUNDOFF
 
-    def judge(self, cells: _Rectangles, depth: int) -> Fates:
-        """Settled where there is no zero; kept where coefficients are to be worked out afresh."""
+    def split(self, cells: _Rectangles) -> _Rectangles:
+        """Both halves of all; what is worn is worked out afresh before."""
+        table, off = cells.table.copy(), cells.off.copy()
+        for number in np.flatnonzero(cells.worn).tolist():
+            size = [Fraction(1, 1 << n) for n in cells.steps[number].tolist()]
+            table[number], off[number] = self.net(cells.chart.part(cells.point(number, (0, 0)), size))
+        return replace(cells, table=table, off=off).halves()
+
+    def judge(self, cells: _Rectangles, _: int) -> Fates:
+        """Settled where there is no zero."""
         if self.cells + len(cells) > self.effort:
             return np.full(len(cells), int(Fate.WAIT))
         self.cells += len(cells)
         fates = np.where(avoids_origin(cells.table, cells.off), int(Fate.SETTLED), int(Fate.SPLIT))
-        if not fates.any():
-            return fates
-        greatest, off = np.abs(cells.table).max(axis=(1, 2)), cells.off[:, None]
-        worn = ((greatest > 0) & (off > WORN * greatest)).any(axis=1) | (depth == HALVINGS)
-        fates[worn & (fates == Fate.SPLIT)] = Fate.KEEP
-        number = self._with_zero(cells, fates)
+        left = np.flatnonzero(fates)
+        rest = cells.select(left)
+        worn = np.flatnonzero(rest.worn)
+        number = self._with_zero(rest, worn)
         if number is not None:
-            fates[number] = Fate.REFUTE
+            fates[left[number]] = Fate.REFUTE
+        elif len(worn) > RENEWALS:
+            fates[left] = Fate.WAIT
         return fates
 
-    def _with_zero(self, cells: _Rectangles, fates: Fates) -> int | None:
+    def _with_zero(self, cells: _Rectangles, worn: Integers) -> int | None:
         """A rectangle with a zero: at a corner, where coefficients are values, by a change of sign, or near the middle
-        of one that is worked out afresh."""
+        of one that is to be worked out afresh."""
         ends, off = cells.table[:, [0, 0, -1, -1], [0, -1, 0, -1]], cells.off[:, None]
-        values = ends[:, :, 0]
-        flat = (np.abs(ends).max(axis=2) <= off) & (fates != Fate.SETTLED)[:, None]
-        for number, corner in zip(*(a.tolist() for a in np.nonzero(flat)), strict=True):
+        for number, corner in np.argwhere(np.abs(ends).max(axis=2) <= off).tolist():
             place = cells.place(number, divmod(corner, 2))
             if place is not None and self._vanish(place):
                 self.zero = place
                 return int(number)
-        signs = np.zeros(0, dtype=np.intp)
+        values, signs = ends[:, :, 0], np.zeros(0, dtype=np.intp)
         if len(self.polynomials) == 1:
             signs = np.flatnonzero((values < -off).any(axis=1) & (values > off).any(axis=1))
         for number in signs.tolist():
-            corners = [divmod(int(i), 2) for i in (values[number].argmin(), values[number].argmax())]
-            if all(cells.place(number, corner) is not None for corner in corners):
-                self._bisect(cells.chart, *(cells.point(number, corner) for corner in corners))
+            low, high = (cells.place(number, divmod(int(i(values[number])), 2)) for i in (np.argmin, np.argmax))
+            if low is not None and high is not None:
+                self._between(low, high, cells.chart)
                 return int(number)
-        kept = np.flatnonzero(fates == Fate.KEEP)[:RENEWALS].tolist()
-        return next((number for number in kept if self._near(cells.place(number), cells.chart)), None)
+        return next((n for n in worn[:RENEWALS].tolist() if self._near(cells.place(n), cells.chart)), None)
 
-    def _bisect(self, chart: RationalChart, negative: list[Fraction], positive: list[Fraction]) -> None:
-        """Find a zero between two finite points at which the only polynomial has values of both signs, to 1e-9."""
-        for _ in range(30):
-            u, v = ((a + b) / 2 for a, b in zip(negative, positive, strict=True))
-            place = chart.place(u, v)
-            assert place is not None
-            if self._near(place, chart):
-                return
-            negative, positive = ([u, v], positive) if self.polynomials[0](*place) < 0 else (negative, [u, v])
-        self.zero, self.exact = place, False
+    def _between(self, first: Place, last: Place, chart: RationalChart) -> None:
+        """Find a zero between two places at which the only polynomial has values of different signs, to rounding."""
+        along = [a + (b - a) * GENERATORS[0] for a, b in zip(first, last, strict=True)]
+        line = in_one(self.polynomials[0].compose(*along, ctx=RING), 0)
+        share = rational(roots_between(line, fmpq(0), fmpq(1))[0])
+        place = first[0] + (last[0] - first[0]) * share, first[1] + (last[1] - first[1]) * share
+        if not self._near(place, chart):
+            self.zero, self.exact = place, False
 
     def _near(self, place: Place | None, chart: RationalChart) -> bool:
         """Whether the simplest point near a place is a common zero in a chart."""

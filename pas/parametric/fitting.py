@@ -26,10 +26,9 @@ from pas.errors import GeometryError
 from pas.limits import Report, checkpoint, limited
 from pas.parametric.domain import DomainLike
 from pas.parametric.maps import ParametricMap
-from pas.parametric.meshing import RELATIVE
 from pas.parametric.nets import Framed, Nets, exact_net, exact_rectangle
 from pas.parametric.patches import Knots, RationalPatch
-from pas.parametric.surface import ParametricSurface
+from pas.parametric.surface import RELATIVE, ParametricSurface
 
 PRODUCT = 256 * UNIT_ROUNDOFF
 """Relative error of the coefficients of products of nets by bicubic ones, themselves worked out from control points."""
@@ -186,7 +185,7 @@ def _bound(nets: Nets, knots: Knots, points: Floats, moved: Sequence[float]) -> 
     worst = 0.0
     for number in range(len(strips)):
         checkpoint("bounding the distance of a B-spline", number / len(strips))
-        cells = _spread(strips.part([number]), 1, len(second))
+        cells = _spread(strips.select(np.array([number])), 1, len(second))
         pieces = np.einsum("ai,ijx,cbj->cabx", first[number], points, second, optimize=True)
         tops, weights = cells.table[..., :3], cells.table[..., 3:]
         least = weights.min(axis=(1, 2, 3)) - cells.off
@@ -204,7 +203,7 @@ def _spread(nets: Nets, axis: int, count: int) -> Nets:
     """A net over `count` (a power of 2) equal parts of its interval, in order."""
     while len(nets) < count:
         order = np.arange(2 * len(nets)).reshape(2, -1).T.ravel()
-        nets = nets.halves(axis).part(order)
+        nets = nets.halves(axis).select(order)
     return nets
 
 

@@ -26,6 +26,7 @@ from pas.algebra.rational import rational, to_float
 from pas.algebra.rational_function import GENERATORS, ONE, RING, lcm
 from pas.bernstein.boxes import box_form
 from pas.bernstein.forms import UNIT_ROUNDOFF
+from pas.bernstein.search import Cells
 from pas.bernstein.subdivision import halved, halves
 from pas.errors import GeometryError
 from pas.parametric.domain import Domain, DomainLike, Interval
@@ -193,7 +194,7 @@ class ExactNet:
 
 
 @dataclass(frozen=True)
-class Nets:
+class Nets(Cells):
     """Nets of cells in doubles (C, m+1, n+1, d), and what any coefficient of a cell may be off by (C,).
 
     Of surfaces d is 4, weights last.
@@ -204,13 +205,6 @@ class Nets:
 
     table: Floats
     off: Floats
-
-    def __len__(self) -> int:
-        return len(self.table)
-
-    def part(self, chosen: Any) -> Nets:
-        """Some of the cells."""
-        return Nets(self.table[chosen], self.off[chosen])
 
     def halves(self, axis: int) -> Nets:
         """The first halves of all cells along a parameter, then the second ones."""

@@ -23,9 +23,9 @@ from flint import fmpq
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
+from pas.algebra.callables import on_series
 from pas.algebra.expressions import Names
 from pas.algebra.inputs import short
-from pas.algebra.jets import composed
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import plain, rational, to_float, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE, PARAMETERS, RationalFunction
@@ -37,7 +37,6 @@ from pas.parametric.domain import DomainLike
 from pas.parametric.nets import ExactNet, bernstein_at, bernstein_polynomials, exact_net, exact_rectangle
 from pas.parametric.series import Components
 from pas.parametric.surface import ParametricSurface
-from pas.settings import MeshSettings
 from pas.shape import Shape
 from pas.verdicts import Findings
 
@@ -94,18 +93,14 @@ class RationalPatch(Shape):
     def mesh(
         self,
         tolerance: float | None = None,
+        domain: DomainLike = None,
         *,
         quality: Quality | str = Quality.BALANCED,
         seconds: float | None = None,
         progress: Report | None = None,
     ) -> Mesh:
-        """The patch's mesh; see `ParametricSurface.mesh`."""
-        return self.surface().mesh(tolerance, quality=quality)
-
-    def meshed(self, settings: MeshSettings) -> Mesh:
-        """The patch's mesh by settings, over a part of its domain, too."""
-        mesh: Mesh = self.surface().meshed(settings)
-        return mesh
+        """The patch's mesh, over a part of its domain, too; see `ParametricSurface.mesh`."""
+        return self.surface().mesh(tolerance, domain, quality=quality)
 
     @property
     def degrees(self) -> tuple[int, int]:
@@ -131,8 +126,7 @@ class RationalPatch(Shape):
 
     def __call__(self, u: ArrayLike, v: ArrayLike) -> Floats:
         """Points (..., 3) at parameters within the knots that broadcast to (...)."""
-        first, second = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
-        four = self._homogeneous(first, second, (0, 0))
+        four = self._homogeneous(u, v)
         return np.asarray(four[..., :3] / four[..., 3:])
 
     def surface(self, parameters: Names = PARAMETERS) -> ParametricSurface:
@@ -149,34 +143,25 @@ class RationalPatch(Shape):
         kind = "Bezier" if self.is_bezier else "B-spline"
         return f"a rational {kind} patch of degrees ({m}, {n}), {rows} x {columns} control points"
 
-    def _homogeneous(self, u: Floats, v: Floats, orders: tuple[int, int]) -> Floats:
-        """Partial derivatives of weight times point, and of the weight (..., 4), at u, v of one shape."""
+    def _homogeneous(self, u: ArrayLike, v: ArrayLike, *orders: int) -> Floats:
+        """Partial derivatives of weight times point, and of the weight (..., 4), at u, v that broadcast."""
+        u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
         table = np.concatenate([self.points * self.weights[..., None], self.weights[..., None]], axis=-1)
-        if self.is_bezier and orders == (0, 0):
+        if self.is_bezier and not any(orders):
             shares = ((x - k[0]) / (k[-1] - k[0]) for x, k in zip((u, v), self.knots, strict=True))
             first, second = (bernstein_at(d, share) for d, share in zip(self.degrees, shares, strict=True))
             return np.asarray(np.einsum("...i,...ix->...x", first, np.einsum("...j,ijx->...ix", second, table)))
-        if any(order > degree for order, degree in zip(orders, self.degrees, strict=True)):
+        if any(order > degree for order, degree in zip(orders, self.degrees, strict=False)):
             return np.zeros((*u.shape, 4))
         from scipy.interpolate import NdBSpline
 
-        return np.asarray(NdBSpline(self.knots, table, self.degrees)(np.stack([u, v], axis=-1), nu=list(orders)))
+        return np.asarray(
+            NdBSpline(self.knots, table, self.degrees)(np.stack([u, v], axis=-1), nu=list(orders) or None)
+        )
 
     def _values(self, t: Any, h: Any) -> tuple[Any, ...]:
         """Coordinates at arrays or Taylor series."""
-        places = (np.asarray(getattr(x, "value", x), dtype=float) for x in (t, h))
-        u, v = np.broadcast_arrays(*places)
-        known: dict[tuple[int, int], Floats] = {}
-
-        def spline(axis: int) -> Any:
-            def derivative(first: int, second: int) -> Floats:
-                if (first, second) not in known:
-                    known[first, second] = self._homogeneous(u, v, (first, second))
-                return known[first, second][..., axis]
-
-            return composed(derivative, t, h)
-
-        x, y, z, w = map(spline, range(4))
+        x, y, z, w = on_series(self._homogeneous, 4)(t, h)
         return x / w, y / w, z / w
 
     def _components(self, names: Names) -> Components:

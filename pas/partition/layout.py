@@ -26,7 +26,7 @@ Ray = tuple[int, int, int]
 Triangle = tuple[int, int, int]
 
 SPHERE, PICTURE = "pas.layouts.sphere:sphere_mesh", "pas.render.layout:picture"
-DIMENSIONS = "pas.blending.dimensions:dimensions"
+DIMENSIONS = "pas.blending.solving:dimensions"
 """Where its mesh and its picture are made and its surfaces counted, in rooms above."""
 
 

@@ -9,7 +9,7 @@ carry two interior faces each.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from pas.algebra.affine import Affine
@@ -18,16 +18,17 @@ from pas.algebra.rational import Vector, VectorLike, cross, dot, texts, vector
 from pas.errors import GeometryError
 from pas.partition.cells import Partition
 
-VERTEX_SIGNS = (
-    (1, 1, 1),
-    (-1, -1, -1),
-    (1, 0, -1),
-    (0, 1, -1),
-    (-1, 1, 0),
-    (-1, 0, 1),
-    (0, -1, 1),
-    (1, -1, 0),
-)
+Signs = tuple[int, int, int]
+
+
+def _around(first: Signs) -> Iterator[Signs]:
+    """The hexagon from V1 = `first` on: one of its corners (a, b, c) is followed by (-b, -c, -a)."""
+    for _ in range(6):
+        yield first
+        first = (-first[1], -first[2], -first[0])
+
+
+VERTEX_SIGNS: tuple[Signs, ...] = ((1, 1, 1), (-1, -1, -1), *_around((1, 0, -1)))
 """Z1, Z2, V1, ..., V6 as combinations of the three legs."""
 
 CELLS = tuple((0, 1, 2 + (i - 1) % 6, 2 + i) for i in range(6))
@@ -69,7 +70,7 @@ class SixTetrahedra(Partition):
         assert self.center is not None
         return SixTetrahedra(map_.exact(self.center), [map_.direction(leg) for leg in self.legs])
 
-    def _vertex(self, origin: Vector, signs: tuple[int, int, int]) -> Vector:
+    def _vertex(self, origin: Vector, signs: Signs) -> Vector:
         x, y, z = (
             o + sum(s * leg[axis] for s, leg in zip(signs, self.legs, strict=True)) for axis, o in enumerate(origin)
         )

@@ -18,8 +18,8 @@ from pas.algebra.rational import exact, rational
 from pas.algebra.scaling import Scaled
 from pas.errors import GeometryError
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.mouth import Mouth
-from pas.pipeline.neighbours import NOTHING, walls
+from pas.pipeline.around_opening import AroundOpening
+from pas.pipeline.neighbours import NOTHING, separators
 from pas.solid.assembly import union
 from pas.solid.functions import Pieces, region
 from pas.solid.solid import Solid, patch
@@ -56,7 +56,7 @@ def body(
         end = contact.clip if join.opening else _plane(surface, number)
         ends.append(end)
         if join.opening:
-            opening = Mouth.of(surface, number)
+            opening = AroundOpening.of(surface, number)
             back = opening.back(reach) if floor is None else opening.at(floor)
             solids[0] = solids[0].cap(back, f"{name} back")
             solids[0] = solids[0] if around == "surface" else solids[0].cap(end, "")
@@ -65,7 +65,7 @@ def body(
                 solids.append(opening.ended(plate, reach, length is None) if around == "edged" else plate)
         elif reach + beyond > 0:
             cap = _cap(end, reach + beyond)
-            apart = walls(surface, number, name, reach, beyond)
+            apart = separators(surface, number, name, reach, beyond)
             solids.append(patch(name, contact.surface, end, -cap, *apart).cap(cap, f"{name} end"))
     solid = union(solids)
     for name, contact, end in zip(titles, surface.contacts, ends, strict=True):
@@ -86,7 +86,7 @@ def hollow_body(
     """
     reach = _length(length, outer)
     titles = _names(names, len(outer.contacts))
-    low = next((Mouth.of(inner, number).low for number, join in enumerate(inner.joins) if join.opening), None)
+    low = next((AroundOpening.of(inner, number).low for number, join in enumerate(inner.joins) if join.opening), None)
     floors = (None, None) if low is None else (low / 2, low / 4)
     around: Around = "endless" if reach > 0 else "surface"
     inside, beyond = [f"{INSIDE} {t}" for t in titles], outer.partition.frame.scale / FURTHER

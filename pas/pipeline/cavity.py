@@ -30,15 +30,14 @@ from pas.fairing.solver import FitSolver
 from pas.fairing.wishes import Wishes
 from pas.layouts.discs import power_of_two
 from pas.layouts.nodes import ContactNode
-from pas.partition.cells import Partition
+from pas.partition.cells import Partition, Region
 from pas.partition.layout import Layout
-from pas.partition.regions import Region
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.chosen import B, ChosenBlend
 from pas.pipeline.search import excess
 from pas.surface.depth import Depth
 
-Way: TypeAlias = "tuple[int | None, Partition | Layout]"
+Trial: TypeAlias = "tuple[int | None, Partition | Layout]"
 """A degree, None where it is to be found, and a partition to try."""
 
 EVEN = 0.5, 2.0
@@ -48,7 +47,7 @@ SHALLOW, DEEP = 1 / 16, 1 / 8
 """Shares of the smallest inner radius by which a centre is deeper than the thickness: with less it is moved, towards
 where it is deeper by the other.  Much deeper, surfaces of GC^2 hollow."""
 
-SIGHT = 0.1
+VISIBLE = 0.1
 """How well all contacts should be seen from such a centre: a pipe of radius r as from a point 0.9 r away from its axis.
 With none of it no inner side is found, after many seconds."""
 
@@ -126,7 +125,7 @@ class Cavity:
         own = self.outer.surface.partition
         return [own] if own.open or self._deep_enough else [*self._deeper(), own]
 
-    def ways(self) -> Iterator[Way]:
+    def trials(self) -> Iterator[Trial]:
         """What to try, the likeliest first: the outer degree on each region, and the next; the outer layout with walls
         nearer by."""
         own, degree = self.outer.surface.partition, self.outer.surface.degree
@@ -136,7 +135,7 @@ class Cavity:
         if isinstance(own, Region) and not own.open and own.layout is not None:
             yield None, own.layout
 
-    def last_ways(self) -> Iterator[Way]:
+    def last_trials(self) -> Iterator[Trial]:
         """What to try where all these have nothing that is proved."""
         yield from ((None, region) for region in self._regions)
 
@@ -187,7 +186,7 @@ class Cavity:
         for number in range(int(np.linalg.norm(off, axis=1).min() / radius * FINE)):
             shift = number * radius / FINE * towards / length / to_float(step)
             x, y, z = (c + fmpq(round(float(v))) * step for c, v in zip(center, shift, strict=True))
-            served = min(1.0, self._room(evenness, (x, y, z)), self._sight((x, y, z)) / SIGHT)
+            served = min(1.0, self._room(evenness, (x, y, z)), self._visibility((x, y, z)) / VISIBLE)
             if served > most:
                 most, best = served, (x, y, z)
             if served == 1.0:
@@ -199,7 +198,7 @@ class Cavity:
         point = np.array([to_floats(center)])
         return float(evenness.depth(point)[0][0] / (evenness.thickness(point)[0][0] + DEEP * self._radius))
 
-    def _sight(self, center: Vector) -> float:
+    def _visibility(self, center: Vector) -> float:
         """How well the contacts are seen from a point: 1 from their axes, 0 where one of them turns its back."""
         point = np.array(to_floats(center))
         seen = []

@@ -1,31 +1,32 @@
-"""One chosen surface, and the space that it was chosen from, as the search, the fit and the cavity know them.
+"""One chosen surface: how it is chosen from a space, and what is known of it.
 
-What users call on them, `fit`, `refit`, `hollow` and the like, needs the search, which makes such blends itself.  So it
-stands above, in `pas.pipeline.result`: a search is given the class of the spaces that it solves for, and every such
-space makes the blends of its members.
+What users call on it besides, `refit`, `hollow` and `space.fit`, needs the search, which makes such blends itself: it
+stands above, in `pas.Blend`, and a search is told of which class the blends are that it makes.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property, partial
-from typing import Generic, Self, TypeVar
+from functools import cache, cached_property, partial
+from typing import Self, TypeVar
 
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.rational import to_fraction
+from pas.algebra.inputs import shown
+from pas.algebra.rational import rational, to_fraction
+from pas.blending.solving import solve
 from pas.blending.space import Member, Space
 from pas.certify.certificate import Certificate
-from pas.errors import GeometryError
+from pas.errors import GeometryError, NotProvedError
 from pas.fairing.basis import BasisChange
 from pas.fairing.energy import Energy, as_energy
-from pas.fairing.prepared import PreparedSpace
-from pas.fairing.solver import FittedMember
+from pas.fairing.solver import FitSolver, FittedMember
 from pas.fairing.wishes import Wishes
-from pas.limits import Report, limited
+from pas.limits import Report, checkpoint, limited, note, stage_line
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.piecewise import PiecewiseSurface
@@ -34,6 +35,35 @@ from pas.shape import Shape
 from pas.surface.fairness import Fairness
 from pas.surface.fairness_limits import FairnessLimits
 from pas.verdicts import Status
+
+OnStage = Callable[[str, float], None]
+"""Called at the end of each stage with its name and seconds."""
+
+
+@dataclass
+class Stages:
+    """Seconds spent in each stage, told to a listener as they end."""
+
+    listener: OnStage | None = None
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.listener is not None and not callable(self.listener):
+            raise TypeError(f"on_stage must be a function of a stage's name and seconds, not {shown(self.listener)}")
+
+    @contextmanager
+    def stage(self, name: str, detail: str = "") -> Iterator[None]:
+        """Count the time of a block as stage `name`."""
+        checkpoint(f"{name}{detail}")
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            spent = time.perf_counter() - start
+            self.seconds[name] = self.seconds.get(name, 0.0) + spent
+            note(stage_line(f"{name}{detail}", spent))
+            if self.listener is not None:
+                self.listener(f"{name}{detail}", spent)
 
 
 @dataclass(frozen=True)
@@ -58,7 +88,7 @@ class ChosenBlend(Shape):
     timings: dict[str, float]
     attempts: tuple[Attempt, ...]
     wishes: Wishes
-    find_space: Callable[[], FitSpace[ChosenBlend]]
+    find_space: Callable[[], Space]
     basis: tuple[Member, ...] | None = None
     choice: FittedMember | None = None
     stored: Certificate | None = None
@@ -67,7 +97,7 @@ class ChosenBlend(Shape):
     @classmethod
     def of(
         cls,
-        space: FitSpace[ChosenBlend],
+        space: Space,
         choice: FittedMember,
         wishes: Wishes,
         timings: dict[str, float],
@@ -87,6 +117,34 @@ class ChosenBlend(Shape):
             found_dimension=space.dimension,
         )
 
+    @classmethod
+    def known(
+        cls,
+        surface: PiecewiseSurface,
+        dimension: int,
+        *,
+        energy: float,
+        wishes: Wishes,
+        timings: dict[str, float],
+        attempts: Sequence[Attempt],
+    ) -> Self:
+        """The blend with a surface known to be a member of its space of that dimension, which is solved when asked."""
+
+        @cache
+        def space() -> Space:
+            return solve(surface.placed, surface.degree)
+
+        return cls(
+            surface=surface,
+            find_coefficients=lambda: [rational(c) for c in space().coordinates(surface.polynomials)],
+            energy=energy,
+            timings=timings,
+            attempts=tuple(attempts),
+            wishes=wishes,
+            find_space=space,
+            found_dimension=dimension,
+        )
+
     @property
     def dimension(self) -> int:
         """That of the solution space."""
@@ -98,7 +156,7 @@ class ChosenBlend(Shape):
         return tuple(map(to_fraction, self.find_coefficients()))
 
     @cached_property
-    def space(self) -> FitSpace[ChosenBlend]:
+    def space(self) -> Space:
         """The solution space it was chosen from (solved again after loading from a file)."""
         return self.find_space()
 
@@ -165,41 +223,27 @@ class ChosenBlend(Shape):
 
 
 B = TypeVar("B", bound=ChosenBlend)
-B_co = TypeVar("B_co", bound=ChosenBlend, covariant=True)
 
 
-class FitSpace(Space, ABC, Generic[B_co]):
-    """A solution space from which members are chosen, whose blends are of one class."""
+def choose(blends: type[B], space: Space, wishes: Wishes, stages: Stages) -> B:
+    """The blend of the member that meets wishes best, which are settled and known not to contradict by themselves.
 
-    @classmethod
-    def of(cls, space: Space) -> Self:
-        """A space with these methods."""
-        return cls(space.placed, space.degree, space.source, space.given_basis, space.degrees_tried)
-
-    @cached_property
-    def prepared(self) -> PreparedSpace:
-        """The members in floating point, with what the fit asks of them; made once."""
-        return PreparedSpace(self.placed, self.degree, self.source)
-
-    @abstractmethod
-    def blend(
-        self, choice: FittedMember, wishes: Wishes, timings: dict[str, float], attempts: Sequence[Attempt]
-    ) -> B_co:
-        """The blend of a member of this space that was chosen by wishes."""
-
-    @classmethod
-    @abstractmethod
-    def blend_with(
-        cls,
-        surface: PiecewiseSurface,
-        dimension: int,
-        *,
-        energy: float,
-        wishes: Wishes,
-        timings: dict[str, float],
-        attempts: Sequence[Attempt],
-    ) -> B_co:
-        """The blend with a surface known to be a member of its space of that dimension, which is solved when asked."""
+    Raises `InfeasibleError` and `NotProvedError`.
+    """
+    began = time.perf_counter()
+    if wishes.basis is not None:
+        space = space.restricted(wishes.basis)
+    stage = "fit and prove" if wishes.prove else "fit"  # a member that is not proved is moved further in
+    with stages.stage(stage, f" (degree {space.degree}, dimension {space.dimension})"):
+        fitted = FitSolver(space.prepared, wishes).fitted()
+    certificate = fitted.surface.certificate if wishes.prove else None
+    outcome = "fitted" if certificate is None else "proved"
+    attempt = Attempt(space.degree, space.dimension, outcome, time.perf_counter() - began, space.partition.title)
+    result = blends.of(space, fitted, wishes, stages.seconds, (attempt,))
+    if certificate is not None and not certificate.proved:
+        failed = next(v for v in certificate.verdicts if not v.proved)
+        raise NotProvedError(f"the surface of degree {space.degree} is not proved: {failed}", result)
+    return result
 
 
 def _entries(row: fmpq_mat, change: BasisChange) -> list[fmpq]:

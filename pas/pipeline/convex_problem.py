@@ -10,7 +10,8 @@ import numpy as np
 
 from pas.algebra.inputs import short, shown, whole
 from pas.algebra.monomials import Floats
-from pas.errors import InfeasibleError, NoSolutionError, NotProvedError, NotSolvedError
+from pas.blending.space import Space
+from pas.errors import InfeasibleError, NotProvedError, NotSolvedError
 from pas.fairing.constraints import Inequalities
 from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import as_energy
@@ -19,7 +20,7 @@ from pas.fairing.prepared import SLIM, SampledConditions
 from pas.fairing.solver import FitSolver, Iterate
 from pas.fairing.wishes import PointsLike, UnitCoefficients, Wishes, exact_points
 from pas.limits import checkpoint
-from pas.pipeline.chosen import B, FitSpace
+from pas.pipeline.chosen import B
 
 SOLVED, INFEASIBLE = ("optimal", "optimal_inaccurate"), ("infeasible", "infeasible_inaccurate")
 """What cvxpy says of programmes."""
@@ -28,12 +29,23 @@ MOST_ROUNDS = 1000
 """Rounds that may be asked for."""
 
 
-class MemberProblem(Generic[B]):
-    """The choice of one member of a space by a quadratic energy, in the language of cvxpy; see `pas.ConvexProblem`."""
+class ConvexProblem(Generic[B]):
+    """The choice of one member of a solution space by a quadratic energy, in the language of cvxpy.
 
-    def __init__(self, space: FitSpace[B], wishes: Wishes) -> None:
-        if space.dimension == 0:
-            raise NoSolutionError(f"the solution space of degree {space.degree} is empty", {space.degree: 0})
+        corner = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1), pas.Pipe((0, 0, 1), "2/5", 1)]
+        problem = pas.solutions(corner, 1, 4).problem()
+        values = problem.values([("1/4", "1/4", "1/4"), ("-3/10", "-3/10", "-3/10")])
+        blend = problem.solve([values[0] == values[1]])
+
+    `variable` (m,) holds the coordinates in the space's working basis; `energy` is the expression that is made small,
+    in the user's units; `constraints` are the normalisation, the points and handles that are wished for, and
+    inequalities at samples that ask for clean walls, clip faces and a centre inside.  That the surface is one sheet
+    cannot be said beforehand: `missed` gives what a solution lacks of it, and `solve` goes on until nothing is missed.
+    Made by `SolutionSpace.problem`.
+    """
+
+    def __init__(self, blends: type[B], space: Space, wishes: Wishes) -> None:
+        space.check_not_empty()
         wishes = wishes.changed(energy=as_energy(wishes.energy))
         if as_energy(wishes.energy).on_surface or isinstance(wishes.normalize, UnitCoefficients):
             raise ValueError(
@@ -41,7 +53,7 @@ class MemberProblem(Generic[B]):
                 "normalisation than pas.UnitCoefficients()"
             )
         check_wishes(wishes, space.placed)
-        self.space, self.wishes = space, wishes
+        self.blends, self.space, self.wishes = blends, space, wishes
         self._solver = FitSolver(space.prepared, wishes)
         self._conditions = SampledConditions(space.prepared, SLIM)
         cvxpy: Any = import_module("cvxpy")
@@ -73,7 +85,7 @@ class MemberProblem(Generic[B]):
         """
         iterate = Iterate(self._found, self._conditions.first, SETTINGS.damping)
         fitted = self._solver.rounded(iterate, self._conditions.share)
-        return self.space.blend(fitted, self.wishes, {}, ())
+        return self.blends.of(self.space, fitted, self.wishes, {}, ())
 
     def solve(self, constraints: Sequence[Any] = (), *, term: Any = 0.0, rounds: int = SETTINGS.rounds) -> B:
         """The member of least energy, and of a convex `term` added to it, under one's own constraints too.

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
-from typing import TypeAlias, TypeVar
+from typing import Generic, TypeAlias
 
 import numpy as np
 from flint import fmpq
@@ -32,10 +32,8 @@ from pas.mesh.walls import End, least_distance, wall_mesh
 from pas.piecewise import DEFAULT_TOLERANCE, PiecewiseSurface
 from pas.pipeline.bodies import hollow_body
 from pas.pipeline.cavity import Cavity
-from pas.pipeline.chosen import ChosenBlend, FitSpace
-from pas.pipeline.find import find
-from pas.pipeline.search import excess
-from pas.pipeline.stages import Stages
+from pas.pipeline.chosen import B, ChosenBlend, Stages
+from pas.pipeline.search import excess, find
 from pas.pipeline.wall_mesh import WallMesh
 from pas.shape import Shape
 from pas.solid.solid import Solid
@@ -66,13 +64,18 @@ class Wall:
         return f"{self.distance:.4g} at {at} (measured, within {2 * self.within:.2g})"
 
 
-@dataclass(frozen=True, eq=False)
-class BlendWall(Shape):
-    """The wall between an `outer` and an `inner` blend of the same contacts' two sides; see `pas.HollowBlend`."""
+@dataclass(frozen=True, eq=False, repr=False)
+class HollowBlend(Shape, Generic[B]):
+    """A blend with a cavity: what is between an `outer` and an `inner` blend of the same contacts' two sides.
 
-    outer: ChosenBlend
-    inner: ChosenBlend
+    `thickness` is that of the wall at the contacts, in the model's units; None where the inner contacts were given.
+    Made by `Blend.hollow`.
+    """
+
+    outer: B
+    inner: B
     thickness: fmpq | None = None
+    kind = "hollow blend"
 
     @cached_property
     def certificate(self) -> Findings:
@@ -157,23 +160,13 @@ class BlendWall(Shape):
         return f"<HollowBlend GC^{self.outer.surface.order}, {degrees}, {word}>"
 
 
-W = TypeVar("W", bound=BlendWall)
-
-
-def hollow(
-    walls: type[W],
-    spaces: type[FitSpace[ChosenBlend]],
-    outer: ChosenBlend,
-    thickness: Exact | None,
-    inner: Sequence[ContactLike] | None,
-    prove: bool,
-) -> W:
-    """The wall whose outer side is given, its inner side chosen from spaces of that class; see `pas.Blend.hollow`."""
+def hollow(outer: B, thickness: Exact | None, inner: Sequence[ContactLike] | None, prove: bool) -> HollowBlend[B]:
+    """The wall whose outer side is given; see `pas.Blend.hollow`."""
     if (thickness is None) == (inner is None):
         raise ValueError("thickness or inner must be given, and not both: how thick the wall is, or what it ends in")
     size = None if thickness is None else rational(thickness, "thickness")
     cavity = Cavity(outer, _inner_contacts(outer, size, inner), size)
-    best = _best(walls, spaces, cavity)
+    best = _best(outer, cavity)
     if prove and not best.certificate.proved:
         failed = next(v for v in best.certificate.verdicts if not v.proved)
         advice = "inner contacts farther inside" if size is None else "a thinner wall"
@@ -206,25 +199,24 @@ def _same(one: Contact, other: Contact) -> bool:
     return rounded and one.clip.primitive() in (other.clip.primitive(), (-other.clip).primitive())
 
 
-def _best(walls: type[W], spaces: type[FitSpace[ChosenBlend]], cavity: Cavity) -> W:
+def _best(outer: B, cavity: Cavity) -> HollowBlend[B]:
     """The first way's hollow blend that is proved, even and fair, or the best of all; one whose ends cross is the last.
 
     Raises `NotProvedError` where no way has an inner surface.
     """
-    best: W | None = None
+    best: HollowBlend[B] | None = None
     least: Rank | None = None
     failure: Exception | None = None
-    ways = chain(((way, False) for way in cavity.ways()), ((way, True) for way in cavity.last_ways()))
-    for (degree, partition), last in ways:
+    trials = chain(((trial, False) for trial in cavity.trials()), ((trial, True) for trial in cavity.last_trials()))
+    for (degree, partition), last in trials:
         if last and least is not None and not least[0]:
             break
         try:
-            order = cavity.outer.surface.order
-            found = find(spaces, cavity.contacts, order, degree, partition, cavity.wishes, Stages())
+            found = find(type(outer), cavity.contacts, outer.surface.order, degree, partition, cavity.wishes, Stages())
         except (NoSolutionError, NotProvedError, InfeasibleError) as error:
             failure = error
             continue
-        made = walls(cavity.outer, cavity.plain(found), cavity.thickness)
+        made = HollowBlend(outer, cavity.plain(found), cavity.thickness)
         rank = not made.certificate.proved, cavity.unevenness(found.surface), excess(made.inner)
         if least is None or rank < least:
             best, least = made, rank

@@ -8,14 +8,14 @@ Degree 2, with sections that are discs, as a closed curve has (its form in the p
 f in a section is a polynomial of degree 2 in t, exact.  The heights with q <= 0 are one interval from 0 on, unless q
 rises to 0 or more and falls again before T.
 
-Other degrees: a round wall w = 0 across the clip, inside of it w < 0, keeps apart what is elsewhere, and it is proved
+Other degrees: a cylinder w = 0 across the clip, inside of it w < 0, keeps apart what is elsewhere, and it is proved
 that in the slab
 
-- f > 0 on the wall,
-- f > 0 inside the wall on the clip beyond the clip faces, where the blend ends,
-- the gradient of f has a part along the sections wherever f = 0 inside the wall.
+- f > 0 on the cylinder,
+- f > 0 inside the cylinder on the clip beyond the clip faces, where the blend ends,
+- the gradient of f has a part along the sections wherever f = 0 inside the cylinder.
 
-So the sections inside the wall change by an isotopy with t (Milnor 1963), and all of the first is in clip faces.
+So the sections inside the cylinder change by an isotopy with t (Milnor 1963), and all of the first is in clip faces.
 
 Around an opening: the neighbour between the opening's cone and a wider one, w <= 0, is cut off by a plane at a height H
 above it, and it is proved that on the rays of the wider cone f < 0 at the height of its back, f > 0 at H, and that f
@@ -33,6 +33,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import fmpq, fmpq_mpoly, fmpq_poly
 
+from pas.algebra.affine import away, height
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact, minus, to_float, to_floats
@@ -47,14 +48,14 @@ if TYPE_CHECKING:
     from pas.piecewise import PiecewiseSurface
 
 ACROSS, ALONG, WIDE = 41, 17, 4.0
-"""Samples across a neighbour and along it, by which the wall's radius is chosen, and how far they reach from the middle
-of its curve, over the curve's radius."""
+"""Samples across a neighbour and along it, by which the cylinder's radius is chosen, and how far they reach from the
+middle of its curve, over the curve's radius."""
 
 ROOM = 1.5
-"""Over the distance of the neighbour from the middle: the wall's radius where nothing else is near."""
+"""Over the distance of the neighbour from the middle: the cylinder's radius where nothing else is near."""
 
 BEYOND = fmpq(21, 20)
-"""How much larger than the wall the box is in which it is looked at."""
+"""How much larger than the cylinder the box is in which it is looked at."""
 
 ADVISED = 1 - 5e-4
 """Of the least length that does not work: its four digits, rounded, are those of one that does."""
@@ -68,7 +69,7 @@ Positive = tuple[Polynomial, tuple[Polynomial, ...]]
 """A polynomial that is to be positive where no other one is."""
 
 
-def walls(
+def separators(
     surface: PiecewiseSurface, number: int, name: str, length: fmpq, beyond: fmpq = NOTHING
 ) -> tuple[Polynomial, ...]:
     """What keeps the part of contact `number` (from 0), called `name`, apart from the rest of its surface: polynomials
@@ -93,7 +94,7 @@ def walls(
             f"{name} is not proved to go on in one piece for {to_float(length):.4g} beyond its clip; "
             "take a shorter length, or compose the solid with pas.solid.patch"
         )
-    return (-frame.globalise(slab.wall(radius)),)
+    return (-frame.globalise(slab.cylinder(radius)),)
 
 
 class Slab:
@@ -136,7 +137,7 @@ class Slab:
         return first * dot(self.normal, self.normal) / self.size
 
     def radius(self) -> fmpq | None:
-        """A radius for the wall, between what goes on from the clip faces and everything else, as samples show it."""
+        """A radius for the cylinder, between what goes on from the clip faces and all else, as samples show it."""
         from scipy.ndimage import label
 
         ways = np.array([to_floats(v) for v in self.across])
@@ -168,17 +169,15 @@ class Slab:
             inside |= weights[0].min(axis=0) > 0
         return inside
 
-    def wall(self, radius: fmpq) -> Polynomial:
-        """The round wall, negative inside."""
-        away = [g - m for g, m in zip(GENERATORS, self.middle, strict=True)]
-        square = dot(self.normal, self.normal)
-        along = sum((n * d for n, d in zip(self.normal, away, strict=True)), 0 * GENERATORS[0])
-        raw = square * sum((d * d for d in away), 0 * GENERATORS[0]) - along * along
+    def cylinder(self, radius: fmpq) -> Polynomial:
+        """The cylinder across the clip around the middle, negative inside."""
+        along, square = height(self.middle, self.normal), dot(self.normal, self.normal)
+        raw = square * sum((d * d for d in away(self.middle)), 0 * along) - along * along
         return Polynomial.from_raw(raw - square * radius * radius)
 
     def is_one_piece(self, radius: fmpq) -> bool:
-        """Whether it is proved that inside the wall there is what goes on from the clip faces, and nothing else."""
-        f, wall = self.surface, self.wall(radius)
+        """Whether it is proved that inside the cylinder there is what goes on from the clip faces, and nothing else."""
+        f, cylinder = self.surface, self.cylinder(radius)
         ways = [tuple(BEYOND * radius * c / exact(float(np.linalg.norm(to_floats(v)))) for c in v) for v in self.across]
         ends = [moved(self.middle, *zip(signs, ways, strict=True)) for signs in product((-1, 1), repeat=2)]
         square = [ends[0], ends[1], ends[3], ends[2]]
@@ -190,23 +189,23 @@ class Slab:
         ]
         along = turned[0] ** 2 + turned[1] ** 2 + turned[2] ** 2
         claims: list[tuple[Positive, Sequence[Sequence[Vector]]]] = [
-            ((wall, ()), sides(square)),
-            ((f, (wall, -wall)), box),
-            ((along, (f, -f, wall)), box),
+            ((cylinder, ()), sides(square)),
+            ((f, (cylinder, -cylinder)), box),
+            ((along, (f, -f, cylinder)), box),
         ]
         inner = self.join.inside_point()
         for first, second in self.join.rim():
             edge = Polynomial.from_raw(_through(first, second, self.normal))
             edge = edge if inner is None or edge.raw(*inner) < 0 else -edge
-            claims.append(((f, (-edge, wall)), halves(square)))
+            claims.append(((f, (-edge, cylinder)), halves(square)))
         return all(proved(claim, simplices) for claim, simplices in claims)
 
 
 def is_left_once(surface: Polynomial, cone: Polynomial, floor: Sequence[Vector], roof: Sequence[Vector]) -> bool:
     """Whether it is proved that each ray from 0 in a cone, `cone <= 0`, leaves a surface once between two plane quads
     across it, four corners each in order on the same four rays, and from inside to outside."""
-    ways = zip(GENERATORS, range(3), strict=True)
-    rising = Polynomial.from_raw(sum((g * surface.raw.derivative(i) for g, i in ways), 0 * GENERATORS[0]))
+    slopes = (g * surface.raw.derivative(i) for i, g in enumerate(GENERATORS))
+    rising = Polynomial.from_raw(sum(slopes, 0 * GENERATORS[0]))
     claims: list[tuple[Positive, Sequence[Sequence[Vector]]]] = [
         ((cone, ()), sides(roof)),
         ((-surface, (cone,)), halves(floor)),
@@ -258,5 +257,4 @@ def _shortened(vector: Vector) -> Vector:
 
 def _through(first: Vector, second: Vector, along: Vector) -> fmpq_mpoly:
     """The plane through two points along a direction, as a polynomial."""
-    normal = cross(minus(second, first), along)
-    return sum((n * (g - c) for n, g, c in zip(normal, GENERATORS, first, strict=True)), 0 * GENERATORS[0])
+    return height(first, cross(minus(second, first), along))

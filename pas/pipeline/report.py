@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 
 from pas.algebra.polynomial import Polynomial
-from pas.blending.generators import Generator
+from pas.blending.regularity import Generator
 from pas.pipeline.result import SolutionSpace
 
 

@@ -1,47 +1,32 @@
-"""What scripts hold: a solution space, the blend chosen from it, its hollow blend, and the choice as a convex problem.
+"""What scripts hold: a solution space and the blend chosen from it.
 
-They stand together, since each gives the next: `SolutionSpace.fit` and `.problem` give a `Blend`, whose `space` is the
-`SolutionSpace`, and `Blend.hollow` a `HollowBlend` of two of them.  The work is done below.
+They stand together, since each gives the other: `SolutionSpace.fit` and `.problem` give a `Blend`, whose `space` is the
+`SolutionSpace`.  The work is done below.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Unpack
 
 from pas.algebra.inputs import check_flag, whole
-from pas.algebra.rational import Exact, rational, to_fraction
-from pas.blending.generators import Generator, generators
-from pas.blending.multipliers import Consistency, Multipliers, consistency
-from pas.blending.regularity import TrivialPart, is_regular, trivial_part
-from pas.blending.shaping import LeastSquares, Optimum, determining_set, least_squares, optimum
-from pas.blending.solving import solve
+from pas.algebra.rational import Exact, to_fraction
+from pas.blending import multipliers, regularity, shaping
+from pas.blending.multipliers import Multipliers
+from pas.blending.space import Space
 from pas.contacts.contact import ContactLike
+from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import Energy, as_energy
-from pas.fairing.functionals import Handle
 from pas.fairing.refit import refitted
-from pas.fairing.solver import FittedMember
-from pas.fairing.wishes import (
-    Options,
-    PointOptions,
-    PointsLike,
-    Sliders,
-    Wishes,
-    as_wishes,
-    check_point_options,
-    exact_points,
-)
+from pas.fairing.wishes import Options, Sliders, Wishes, as_wishes, check_point_options
 from pas.limits import Report, limited
-from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import body
-from pas.pipeline.chosen import Attempt, ChosenBlend, FitSpace
-from pas.pipeline.convex_problem import MemberProblem
-from pas.pipeline.fit import fit
-from pas.pipeline.hollow import BlendWall, hollow
-from pas.pipeline.stages import OnStage, Stages
+from pas.pipeline.chosen import ChosenBlend, OnStage, Stages, choose
+from pas.pipeline.convex_problem import ConvexProblem
+from pas.pipeline.hollow import HollowBlend, hollow
 from pas.pipeline.summary import summary
 from pas.solid.solid import Solid
 
@@ -63,13 +48,12 @@ class Blend(ChosenBlend):
     that was loaded `energy`, `timings` and `attempts` are what its file tells as well; all else is found anew.
     """
 
-    find_space: Callable[[], SolutionSpace]
     kind = "blend"
 
     @cached_property
     def space(self) -> SolutionSpace:
         """The solution space it was chosen from (solved again after loading from a file)."""
-        return self.find_space()
+        return SolutionSpace.of(self.find_space())
 
     @limited("choosing another member", "fewer steps")
     def refit(
@@ -95,7 +79,7 @@ class Blend(ChosenBlend):
             whole(steps, "steps", 1, MOST_STEPS, "or None to settle")
         wishes = self.wishes.changed(**options)
         chosen = refitted(self.space.prepared, self.surface, self.choice, wishes, steps)
-        return self.space.blend(chosen, wishes, {}, self.attempts)
+        return Blend.of(self.space, chosen, wishes, {}, self.attempts)
 
     def solid(self, length: Exact | None = None, names: Sequence[str] | None = None) -> Solid:
         """The solid inside the surface, with its neighbours continued by `length` and capped.
@@ -103,7 +87,8 @@ class Blend(ChosenBlend):
         `length` is in the model's units (by default half of the region's size; 0 ends the solid at the clips), `names`
         are the neighbours' faces ("neighbour 1", ... by default), whose caps are named after them ("neighbour 1 end").
         The contacts are its joints.  Around an opening a plate goes on as a slab and another surface as a piece up to a
-        wider cone, by default half of the opening's radius, with a flat "neighbour 1 back" (see `pas.pipeline.mouth`).
+        wider cone, by default half of the opening's radius, with a flat "neighbour 1 back" (see
+        `pas.pipeline.around_opening`).
 
         Raises `GeometryError` where a clip is neither a plane nor the cone of an opening, where the surface has no
         region, and where the one around an opening does not go on as one sheet so far.
@@ -119,7 +104,7 @@ class Blend(ChosenBlend):
         prove: bool = True,
         seconds: float | None = None,
         progress: Report | None = None,
-    ) -> HollowBlend:
+    ) -> HollowBlend[Blend]:
         """This blend with a cavity: with an inner blend that is proved inside it.
 
         The inner contacts are this blend's a `thickness` inside (the model's units), with the same clips: parallel
@@ -137,7 +122,7 @@ class Blend(ChosenBlend):
         surface, `NotProvedError` where the inner blend is not proved or not inside (with the `HollowBlend`),
         `ValueError` and `TypeError` for wrong arguments.
         """
-        return hollow(HollowBlend, SolutionSpace, self, thickness, inner, check_flag(prove, "prove"))
+        return hollow(self, thickness, inner, check_flag(prove, "prove"))
 
     @property
     def description(self) -> str:
@@ -150,33 +135,24 @@ class Blend(ChosenBlend):
         return f"{self.description}\n\n{proved} of {len(verdicts)} verdicts proved\n{self.certificate}"
 
 
-class SolutionSpace(FitSpace[Blend]):
+class SolutionSpace(Space):
     """All piecewise polynomials of one degree that satisfy every contact and face condition.
 
     `partition`, `contacts`, `order` and `degree` are the problem's; `patches[p]` holds the exact
     coefficients of the basis on piece p, in local coordinates, one member a row.  `given_basis`
     is None for a basis that follows from the problem.  `degrees_tried` maps the degrees that
     were looked at to the dimensions found.
+
+    The linear algebra is that of `pas.blending.space.Space`, of which all that is here is made.
     """
 
-    @cached_property
-    def regular(self) -> bool:
-        """Whether some member meets every contact with alpha not identically zero on its curve."""
-        return is_regular(self)
-
-    @cached_property
-    def trivial_part(self) -> TrivialPart:
-        """The members of little use: singular along a contact, products of the data, reducible."""
-        return trivial_part(self)
-
-    @cached_property
-    def generators(self) -> tuple[Generator, ...]:
-        """Generators of all solutions of any degree, by ascending degree.
-
-        For a single cell the reduced graded Groebner basis of the ideal that they form; for
-        several pieces generators of the module over Q[x, y, z].
-        """
-        return generators(self)
+    regular = cached_property(regularity.is_regular)
+    trivial_part = cached_property(regularity.trivial_part)
+    generators = cached_property(regularity.generators)
+    consistency = cached_property(multipliers.consistency)
+    optimum = shaping.optimum
+    determining_set = shaping.determining_set
+    least_squares = shaping.least_squares
 
     @cached_property
     def multipliers(self) -> tuple[Multipliers, ...]:
@@ -187,51 +163,12 @@ class SolutionSpace(FitSpace[Blend]):
         """
         return tuple(self.consistency.multipliers(member) for member in self.basis)
 
-    @cached_property
-    def consistency(self) -> Consistency:
-        """The system of equations that multipliers satisfy (Xu, Chen and Deng)."""
-        return consistency(self.placed)
-
     def energy_matrix(self, energy: Energy | None = None) -> list[list[Fraction]]:
         """The exact matrix K (dimension, dimension) of the basis: `E = 1/2 a^T K a` for coefficients a.
 
         `energy` is `pas.ThinPlate()` by default.  Raises `ValueError` for one that has no exact form.
         """
         return [[to_fraction(v) for v in row] for row in as_energy(energy).products(self).tolist()]
-
-    def blend(
-        self, choice: FittedMember, wishes: Wishes, timings: dict[str, float], attempts: Sequence[Attempt]
-    ) -> Blend:
-        """The blend of a member of this space that was chosen by wishes."""
-        return Blend.of(self, choice, wishes, timings, attempts)
-
-    @classmethod
-    def blend_with(
-        cls,
-        surface: PiecewiseSurface,
-        dimension: int,
-        *,
-        energy: float,
-        wishes: Wishes,
-        timings: dict[str, float],
-        attempts: Sequence[Attempt],
-    ) -> Blend:
-        """The blend with a surface known to be a member of its space of that dimension, which is solved when asked."""
-
-        @cache
-        def space() -> SolutionSpace:
-            return cls.of(solve(surface.placed, surface.degree))
-
-        return Blend(
-            surface=surface,
-            find_coefficients=lambda: [rational(c) for c in space().coordinates(surface.polynomials)],
-            energy=energy,
-            timings=timings,
-            attempts=tuple(attempts),
-            wishes=wishes,
-            find_space=space,
-            found_dimension=dimension,
-        )
 
     @limited("choosing a surface", "a lower degree")
     def fit(
@@ -249,90 +186,15 @@ class SolutionSpace(FitSpace[Blend]):
         `NoSolutionError` for an empty space, `InfeasibleError` for wishes that contradict,
         `NotProvedError` where the choice does not pass the proofs that were wished for.
         """
-        return fit(self, as_wishes(wishes).changed(**options), Stages(on_stage))
+        wished = as_wishes(wishes).changed(**options)
+        self.check_not_empty()
+        check_wishes(wished, self.placed)
+        return choose(Blend, self, wished.settled(self.placed), Stages(on_stage))
 
-    def problem(self, wishes: Wishes | None = None, **options: Unpack[Options]) -> ConvexProblem:
+    def problem(self, wishes: Wishes | None = None, **options: Unpack[Options]) -> ConvexProblem[Blend]:
         """The choice by a quadratic energy (`pas.ThinPlate()` by default) as a convex programme of cvxpy.
 
         Constraints and terms of one's own are added to it; see `pas.ConvexProblem`.  Raises `NoSolutionError` for an
         empty space, `InfeasibleError` for wishes that contradict, `ValueError` for an energy of the surface.
         """
-        return ConvexProblem(self, as_wishes(wishes).changed(**options))
-
-    @limited("finding the optimum", "a lower degree")
-    def optimum(
-        self,
-        energy: Energy | None = None,
-        *,
-        seconds: float | None = None,
-        progress: Report | None = None,
-        **options: Unpack[PointOptions],
-    ) -> Optimum:
-        """The exact member of least energy, with its certificate of optimality.
-
-        `options` are those of `fit` that are linear: `inside`, `outside` (`margin` 0 by default),
-        `through`, `near`, `near_weight`, `handles`, `coefficients`, and `normalize`: the sum of coefficients
-        is 1 by default, unless a handle or a coefficient with a value other than 0 fixes the scale.  No condition of
-        a clean sheet is asked.
-
-        Raises `InfeasibleError` for constraints that contradict, `NoSolutionError` for an empty space.
-        """
-        return optimum(self, energy, **options)
-
-    def determining_set(self, prefer: Sequence[Handle] = ()) -> tuple[Handle, ...]:
-        """B-coefficients that can be set freely and determine the member: `dimension` many.
-
-        Each is (cell, multi-index of the cell's corners); those in `prefer` come first, as far as
-        they are independent.  Set some of them with `optimum(handles=...)` or `fit(handles=...)`,
-        and the rest follow.
-        """
-        return determining_set(self, prefer)
-
-    def least_squares(
-        self, points: PointsLike, weights: Sequence[Exact] | None = None, *, by_gradient: bool = False
-    ) -> LeastSquares:
-        """The member with the least `sum w_i f(p_i)^2 / |f|^2`, |f| the length of its coefficients.
-
-        With `by_gradient` the divisor is `sum w_i |grad f(p_i)|^2` instead: the quotient is then a mean
-        squared distance to first order, whatever the place and size of the figure (Taubin 1991).  Of f and -f, which
-        have the same quotient, it is the one that is negative at the centre of the partition, or has alpha > 0 on the
-        contacts' curves where there is no centre.
-
-        `points` are three numbers each (floats as the exact rationals they are).  For members through
-        other points take `space.through(...)` first; with energy, inside or outside points use
-        `fit(near=..., normalize=pas.UnitCoefficients())`.
-
-        Raises `ValueError` for fewer points than dimensions less one.
-        """
-        return least_squares(self, exact_points(points, "points"), weights, by_gradient=by_gradient)
-
-
-class ConvexProblem(MemberProblem[Blend]):
-    """The choice of one member of a solution space by a quadratic energy, in the language of cvxpy.
-
-        corner = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1), pas.Pipe((0, 0, 1), "2/5", 1)]
-        problem = pas.solutions(corner, 1, 4).problem()
-        values = problem.values([("1/4", "1/4", "1/4"), ("-3/10", "-3/10", "-3/10")])
-        blend = problem.solve([values[0] == values[1]])
-
-    `variable` (m,) holds the coordinates in the space's working basis; `energy` is the expression that is made small,
-    in the user's units; `constraints` are the normalisation, the points and handles that are wished for, and
-    inequalities at samples that ask for clean walls, clip faces and a centre inside.  That the surface is one sheet
-    cannot be said beforehand: `missed` gives what a solution lacks of it, and `solve` goes on until nothing is missed.
-    Made by `SolutionSpace.problem`.
-    """
-
-    space: SolutionSpace
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class HollowBlend(BlendWall):
-    """A blend with a cavity: what is between an `outer` and an `inner` blend of the same contacts' two sides.
-
-    `thickness` is that of the wall at the contacts, in the model's units; None where the inner contacts were given.
-    Made by `Blend.hollow`.
-    """
-
-    outer: Blend
-    inner: Blend
-    kind = "hollow blend"
+        return ConvexProblem(Blend, self, as_wishes(wishes).changed(**options))

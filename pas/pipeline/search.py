@@ -1,26 +1,33 @@
-"""The search: layouts one after the other, on each the degrees in turn, until a surface is proved and fair.
+"""The whole method on one screen, `find`: problem -> contacts in place -> space -> fit -> proved surface.
 
-On a layout the degree rises from the first with a regular surface.  The first degree that is proved and fair is taken.
+Layouts are tried one after the other, on each the degrees in turn, until a surface is proved and fair.  On a layout the
+degree rises from the first with a regular surface.  The first degree that is proved and fair is taken.
 Once one is proved, a few more are tried for fairness, and the fairest is kept; one that is too stiff to be fair does
-not count as that.  Where none is proved in so many degrees, the next layout is tried.
+not count as that.  Where none is proved in so many degrees, the next layout is tried.  What was tried is said in the
+blend's summary.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import tee
-from typing import Generic
+from itertools import chain, groupby, tee
+from typing import Any, Generic, Literal, cast
 
 from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
+from pas.blending.place import PartitionLike, ended
 from pas.blending.regularity import is_regular
 from pas.blending.solving import solve
-from pas.errors import InfeasibleError, NotProvedError
+from pas.blending.space import Space
+from pas.contacts.contact import ContactLike
+from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
+from pas.fairing.contradictions import check_wishes
 from pas.fairing.wishes import Wishes
-from pas.pipeline.chosen import Attempt, B, ChosenBlend, FitSpace
-from pas.pipeline.fit import choose
-from pas.pipeline.stages import Stages
+from pas.partition.cells import Partition
+from pas.partition.six_tetrahedra import SixTetrahedra
+from pas.pipeline.chosen import Attempt, B, ChosenBlend, Stages, choose
+from pas.pipeline.session import key_of, open_session
 from pas.surface.placed import PlacedContacts
 
 
@@ -55,7 +62,7 @@ class SearchSettings:
     """What is beyond limits by less than the first, in units of the measures, is settled once more under limits that
     lie so many times as far inside: the limits are soft on the way, and give a little."""
 
-    def is_stiff(self, space: FitSpace[ChosenBlend]) -> bool:
+    def is_stiff(self, space: Space) -> bool:
         """Whether a space has few unknowns for its pieces."""
         return space.dimension < max(self.few, self.stiff * len(space.partition.pieces))
 
@@ -75,11 +82,11 @@ shape fairer that another degree did not."""
 class Search(Generic[B]):
     """What was tried.
 
-    `spaces` is the class of the spaces that are solved for; `degree` is the only one to try, or None; `order` that of
+    `blends` is the class of what is found; `degree` is the only one to try, or None; `order` that of
     contact; `raised` says whether degrees are tried for fairness too.
     """
 
-    spaces: type[FitSpace[B]]
+    blends: type[B]
     wishes: Wishes
     degree: int | None
     order: int
@@ -122,10 +129,10 @@ class Search(Generic[B]):
                 break
         return self._with_attempts(best)
 
-    def _space(self, placed: PlacedContacts, degree: int, settings: SearchSettings) -> FitSpace[B] | None:
+    def _space(self, placed: PlacedContacts, degree: int, settings: SearchSettings) -> Space | None:
         """The solution space, where it has regular members and unknowns enough; else that is noted."""
         with self.stages.stage("solve", f" (degree {degree})"):
-            space = self.spaces.of(solve(placed, degree))
+            space = solve(placed, degree)
             small = 0 < space.dimension < settings.fewest
             if not small and is_regular(space):
                 return space
@@ -136,11 +143,11 @@ class Search(Generic[B]):
             self._note(space, reason if small else "all members have alpha = 0 on a contact curve")
         return None
 
-    def _fitted(self, space: FitSpace[B], settings: SearchSettings) -> B | None:
+    def _fitted(self, space: Space, settings: SearchSettings) -> B | None:
         """The blend of a space, measured where that is of use; None where none is proved."""
         began = time.perf_counter()
         try:
-            found = choose(space, self.wishes, self.stages)
+            found = choose(self.blends, space, self.wishes, self.stages)
         except (InfeasibleError, NotProvedError) as error:
             self._note(space, str(error), time.perf_counter() - began)
             self.failure = error
@@ -155,11 +162,11 @@ class Search(Generic[B]):
         self.attempts.append(replace(found.attempts[-1], outcome=outcome))
         return found
 
-    def _pressed(self, space: FitSpace[B], found: B, further: float) -> B:
+    def _pressed(self, space: Space, found: B, further: float) -> B:
         """The surface settled once more under limits further inside, where that makes it fairer."""
         inner = found.surface.fairness().inside(found.limits, further)
         try:
-            moved = choose(space, self.wishes.changed(limits=inner), self.stages)
+            moved = choose(self.blends, space, self.wishes.changed(limits=inner), self.stages)
         except (InfeasibleError, NotProvedError):
             return found
         moved = replace(moved, wishes=found.wishes)
@@ -168,10 +175,123 @@ class Search(Generic[B]):
     def _with_attempts(self, found: B | None) -> B | None:
         return found and replace(found, attempts=tuple(self.attempts))
 
-    def _note(self, space: FitSpace[B], outcome: str, seconds: float = 0.0) -> None:
+    def _note(self, space: Space, outcome: str, seconds: float = 0.0) -> None:
         self.attempts.append(Attempt(space.degree, space.dimension, outcome, seconds, space.partition.title))
+
+
+def find(
+    blends: type[B],
+    contacts: Sequence[ContactLike],
+    order: int,
+    degree: int | Literal["lowest"] | None,
+    partition: PartitionLike | None,
+    wished: Wishes,
+    stages: Stages,
+) -> B:
+    """The blend of contacts by wishes, as one of that class: the arguments and errors of `pas.blend`."""
+    wanted = check_wanted_degree(degree)
+    given = None if wanted is None or wanted == "lowest" else wanted
+    if wished.basis is not None and given is None:
+        raise ValueError("a basis needs the degree of its members: give degree as well")
+    problem = ended(contacts, order, partition)
+    key = key_of(wished, order, wanted, partition) if isinstance(partition, str | None) else None
+    session = None if key is None else open_session()
+    if session is not None:
+        with stages.stage("repeated"):
+            known = session.find(problem.contacts, key)
+        if known is not None:
+            return known.blend(blends, stages.seconds)
+    with stages.stage("partition"):
+        candidates = problem.places()
+        placed = next(candidates)
+        check_wishes(wished, placed)
+        wished = wished.settled(placed)
+    if order == 0 and len(placed.partition.pieces) > 1:
+        raise ValueError(
+            "order must be at least 1 where the region has several pieces: with order 0 they would meet in creases"
+        )
+    raised = degree is None and wished.energy is not None and wished.energy.on_surface
+    search = Search(blends, wished, given, order, raised, stages)
+    corner = isinstance(placed.partition, SixTetrahedra)
+    free = raised and not isinstance(partition, Partition)
+    several = free and not corner
+    ways = [CHOSEN] if several else [CORNER, GIVEN] if free and wished.limits is None else [GIVEN]
+
+    def layout_of(place: PlacedContacts) -> Any:
+        return place.partition.layout if several else place
+
+    for _, regions in groupby(chain([placed], candidates), layout_of):
+        each = zip(tee(regions, len(ways)), ways, strict=True)
+        found = next(filter(None, (search.on_layout(here, settings) for here, settings in each)), None)
+        if found is not None:
+            if session is not None:
+                session.keep(found, key)
+            return found
+    if search.failure is None and given is not None:
+        raise _too_low(search.attempts[-1], _lowest(placed, given), order)
+    raise _given_up(search, order)
 
 
 def excess(found: ChosenBlend) -> float:
     """How far beyond its limits of fairness a blend is, in all: 0 within them."""
     return found.surface.fairness().excess(found.limits)
+
+
+def check_wanted_degree(degree: Any) -> int | Literal["lowest"] | None:
+    """A degree, "lowest" for the lowest that is proved, or None for that at which the surface is fair."""
+    if degree is None or (isinstance(degree, str) and degree == "lowest"):
+        return cast(Literal["lowest"] | None, degree)
+    try:
+        return check_degree(degree)
+    except TypeError as error:
+        raise TypeError(f'{error}; or "lowest", the lowest that is proved') from None
+
+
+def _lowest(placed: PlacedContacts, degree: int) -> int | None:
+    """The lowest degree above `degree` with a regular member, if it is not far."""
+    above = range(degree + 1, HIGHEST_DEGREE + 1)
+    return next((n for n in above if is_regular(solve(placed, n))), None)
+
+
+def _too_low(attempt: Attempt, lowest: int | None, order: int) -> NoSolutionError:
+    known = f"the lowest degree with solutions is {lowest}" if lowest else "nor has a higher one"
+    return NoSolutionError(
+        f"no usable surface of degree {attempt.degree} meets the contacts with GC^{order} "
+        f"(degree {attempt.degree}: dimension {attempt.dimension}, {attempt.outcome}); {known}",
+        {attempt.degree: attempt.dimension},
+    )
+
+
+def _tried(attempts: Sequence[Attempt]) -> str:
+    """The degrees that were tried with their dimensions, on each partition; those without any surface, the first, as
+    one."""
+    found = []
+    for title in dict.fromkeys(a.partition for a in attempts):
+        here = {a.degree: a.dimension for a in attempts if a.partition == title}
+        empty = [n for n, m in here.items() if not m]
+        words = [f"degree{f's {empty[0]} to' if len(empty) > 1 else ''} {empty[-1]}: dimension 0"] if empty else []
+        words += [f"degree {n}: dimension {m}" for n, m in here.items() if m]
+        found.append(f"{title} ({', '.join(words)})")
+    return "; ".join(found)
+
+
+def _ended(attempts: Sequence[Attempt]) -> str:
+    """Where a search through several degrees ended."""
+    last = max(a.degree for a in attempts)
+    beyond = f"degree={last + 1} goes on" if last < HIGHEST_DEGREE else "the highest there is"
+    return f"the search ended at degree {last} ({beyond})"
+
+
+def _given_up(search: Search[Any], order: int) -> Exception:
+    attempts, failure = search.attempts, search.failure
+    ended = f"; {_ended(attempts)}" if search.degree is None else ""
+    tried = f"tried: {_tried(attempts)}"
+    if failure is None:
+        return NoSolutionError(
+            f"no usable surface meets the contacts with GC^{order}{ended}; {tried}",
+            {a.degree: a.dimension for a in attempts},
+        )
+    text = f"{failure}{ended}; {tried}"
+    if isinstance(failure, NotProvedError):
+        return NotProvedError(text, failure.blend)
+    return InfeasibleError(text, failure.conflict)

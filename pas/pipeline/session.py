@@ -37,7 +37,7 @@ from pas.errors import GeometryError
 from pas.fairing.energies.curvature_variation import CurvatureVariation
 from pas.fairing.wishes import MeanAlpha, Wishes
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.chosen import Attempt, B, ChosenBlend, FitSpace
+from pas.pipeline.chosen import Attempt, B, ChosenBlend
 from pas.pipeline.similarities import Anchor, similarities
 
 USUAL, MOST = 64, 10_000
@@ -88,8 +88,8 @@ class Match:
     numbers: tuple[int, ...]
     contacts: tuple[Contact, ...]
 
-    def blend(self, spaces: type[FitSpace[B]], timings: dict[str, float]) -> B:
-        """The blend of these contacts, in a space of that class, with what was proved."""
+    def blend(self, blends: type[B], timings: dict[str, float]) -> B:
+        """The blend of these contacts as one of that class, with what was proved."""
         old = self.found.surface
         partition = old.partition.moved(self.map_)
         back, frame, scale = self.map_.inverse, partition.frame, old.partition.frame.scale
@@ -102,7 +102,7 @@ class Match:
         surface.certificate = self.certificate  # carried over, see above
 
         found = self.found
-        return spaces.blend_with(
+        return blends.known(
             surface, found.dimension, energy=found.energy, wishes=found.wishes, timings=timings, attempts=found.attempts
         )
 

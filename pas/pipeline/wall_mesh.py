@@ -19,8 +19,8 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.certify.local_mesh import OFF
 from pas.mesh.mesh import Mesh
+from pas.mesh.quality import manifold
 from pas.mesh.rows import Integers
-from pas.mesh.soundness import manifold
 from pas.mesh.walls import End
 from pas.verdicts import Findings, Status, Verdict, Verdicts
 

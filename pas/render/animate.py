@@ -29,12 +29,6 @@ from pas.shape import Shape
 
 V = TypeVar("V")
 
-MOST_FRAMES = 1000
-"""Pictures in a row, which are all kept until the camera is known."""
-
-SIZE = (600, 450)
-"""Of moving pictures in pixels, where none is given: a GIF of thirty frames then has some 3 MB."""
-
 
 @limited("animating", "fewer values or a coarser tolerance")
 def animate(
@@ -62,7 +56,7 @@ def animate(
     place = Path(path)
     if place.suffix:
         target(place, (".gif",), "a moving picture")
-    picture = Picture.of({"size": SIZE, **options})
+    picture = Picture.of({"size": (600, 450), **options})  # a GIF of thirty frames then has some 3 MB
     scenes = _scenes(function, values, picture)
     frames = _frames(scenes, picture, turn)
     if not place.suffix:
@@ -88,8 +82,8 @@ def _scenes(function: Callable[[V], Shape], values: Iterable[V], picture: Pictur
     found: list[Scene] = []
     for value in values:
         checkpoint(f"picture {len(found) + 1}")
-        if len(found) == MOST_FRAMES:
-            raise ValueError(f"values must be at most {MOST_FRAMES}")
+        if len(found) == 1000:  # all are kept until the camera is known
+            raise ValueError("values must be at most 1000")
         shape = function(value)
         if id(shape) not in known:
             known[id(shape)] = shape, scene_of(shape, picture)

@@ -16,32 +16,22 @@ from pas.render.scene import Comb, Layer
 CONVEX, CONCAVE, NEARBY = "#b2182b", "#2166ac", "#22303c"
 """Colours of hairs by sign, as in the colours by curvature, and that of the curves they stand on."""
 
-USUAL, LONGEST = 0.16, 0.4
-"""Lengths over the extent of the surface: of nearly the longest hair, and of the longest one at most."""
-
-INNER = 0.8
-"""Length of a concave hair over the radius of curvature that it points to the centre of: longer ones would cross."""
-
-SHORTEST = 0.4
-"""Of the usual length: hairs are not made shorter than that to keep them from crossing."""
-
-NEARLY = 95
-"""Per cent of the hairs are not longer than the usual length."""
-
-ABOVE = 0.002
-"""How far the curves are lifted from the surface, over its extent, so that its triangles do not hide them."""
-
 
 def hair_length(layers: Sequence[Layer]) -> float:
-    """The length of a hair of curvature 1, the same for all of a scene; 0 where all curvatures are."""
+    """The length of a hair of curvature 1, the same for all of a scene; 0 where all curvatures are.
+
+    95 per cent of the hairs have up to 0.16 of the surface's extent, and none more than 0.4.  Concave hairs longer than
+    the radius of curvature, to whose centre they point, would cross: they have up to 0.8 of it, unless hairs would then
+    be shorter than 0.4 of the usual length.
+    """
     sizes = np.abs(np.concatenate([np.zeros(1), *(comb.curvatures for layer in layers for comb in layer.combs)]))
     if sizes.max() == 0:
         return 0.0
     extent = max(_extent(layer) for layer in layers if layer.combs)
-    nearly = float(np.percentile(sizes, NEARLY))
-    usual = min(USUAL / nearly if nearly > 0 else np.inf, LONGEST / float(sizes.max())) * extent
+    nearly = float(np.percentile(sizes, 95))
+    usual = min(0.16 / nearly if nearly > 0 else np.inf, 0.4 / float(sizes.max())) * extent
     hollow = max(0.0, *(-float(comb.curvatures.min()) for layer in layers for comb in layer.combs))
-    return usual if hollow == 0 else max(SHORTEST * usual, min(usual, INNER / hollow**2))
+    return usual if hollow == 0 else max(0.4 * usual, min(usual, 0.8 / hollow**2))
 
 
 def tips(layer: Layer, factor: float) -> Floats:
@@ -54,7 +44,8 @@ def add_combs(plotter: Any, layer: Layer, factor: float, shift: Floats, cut: Any
     import pyvista
 
     for comb in layer.combs:
-        base = comb.points + ABOVE * _extent(layer) * comb.normals + shift
+        # lifted, so that the surface's triangles do not hide them
+        base = comb.points + 0.002 * _extent(layer) * comb.normals + shift
         _add(plotter, cut(pyvista.lines_from_points(base)), NEARBY, 2.5)
         for sign, color in ((1, CONVEX), (-1, CONCAVE)):
             for run in _runs(comb.curvatures * sign > 0):

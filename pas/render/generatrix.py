@@ -19,20 +19,22 @@ from pas.render.neighbours import collar
 from pas.render.parametric import UNKNOWN, blend_curves, combs_on, principal_on
 from pas.render.scene import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Comb, Layer, Scene
 
-GRID, CURVED = (320, 120), (160, 60)
-"""Of the blend's mesh; the second for curvatures, which are smooth but slow."""
+ALONG = 320
+"""Points of a blend's boundaries, and of the surfaces beyond."""
 
-REACH = 0.3
-"""How far the surfaces are shown beyond their curves, over the size of the blend."""
+
+def _size(scene: Scene) -> tuple[int, int]:
+    """Of a blend's mesh: coarser for curvatures, which are smooth but slow."""
+    return (160, 60) if scene.coloring.curved else (ALONG, 120)
 
 
 def layers(blend: GeneratrixBlend, scene: Scene) -> None:
     """Add a blend and its two surfaces."""
-    size = CURVED if scene.coloring.curved else GRID
+    size = _size(scene)
     mesh = scene.mesh(lambda: blend.mesh(scene.picture.tolerance) if scene.picture.tolerance else blend.mesh(size=size))
     if mesh.parameters is None:
         mesh = replace(mesh, parameters=_on_grid(blend, mesh.points, size))
-    reach = REACH * float(np.ptp(mesh.points, axis=0).max())
+    reach = 0.3 * float(np.ptp(mesh.points, axis=0).max())
     scene.layers.append(
         Layer(
             mesh,
@@ -43,16 +45,16 @@ def layers(blend: GeneratrixBlend, scene: Scene) -> None:
             outlined=True,
         )
     )
-    ends = blend.mesh(size=(GRID[0], 2)).point_normals.reshape(GRID[0], 2, 3)
+    ends = blend.mesh(size=(ALONG, 2)).point_normals.reshape(ALONG, 2, 3)
     for number, (boundary, sign) in enumerate(zip(blend.boundaries, blend.frames.signs, strict=True)):
         scene.layers += _neighbour(boundary, sign, reach, ends[:, number], number)
 
 
 def sphere_layers(blend: SphereBlend, scene: Scene) -> None:
     """Add blends through a sphere, and the surfaces that they come from."""
-    size = CURVED if scene.coloring.curved else GRID
+    size = _size(scene)
     mesh = scene.mesh(lambda: blend.mesh(size=size))
-    reach = REACH * float(np.ptp(mesh.points, axis=0).max())
+    reach = 0.3 * float(np.ptp(mesh.points, axis=0).max())
     combs = [comb for part in blend.blends for comb in _combs(part, mesh)] if scene.picture.combs else []
     scene.layers.append(
         Layer(
@@ -61,8 +63,8 @@ def sphere_layers(blend: SphereBlend, scene: Scene) -> None:
         )
     )  # fmt: skip
     for number, part in enumerate(blend.blends):
-        ends = part.mesh(size=(GRID[0], 2)).point_normals.reshape(GRID[0], 2, 3)
-        rim = part.control_points(part.frames.parameters(GRID[0]))[:, -1]
+        ends = part.mesh(size=(ALONG, 2)).point_normals.reshape(ALONG, 2, 3)
+        rim = part.control_points(part.frames.parameters(ALONG))[:, -1]
         outward = np.sign(((rim - np.array(blend.center)) * ends[:, 1]).sum())
         scene.layers += _neighbour(part.boundaries[0], part.frames.signs[0], reach, outward * ends[:, 0], number)
 

@@ -17,20 +17,12 @@ from pas.layouts.discs import Disc, angle_between, check_fits
 from pas.layouts.nodes import ContactNode
 from pas.layouts.sphere import piece_mesh
 from pas.mesh.mesh import Mesh
+from pas.parametric.generatrix.form import connectivity
 from pas.partition.layout import Layout
 from pas.render.picture import draw_scene
+from pas.render.piecewise import VIEW
 from pas.render.scene import CURVE_COLOR, TINTS, Layer, Scene
 from pas.render.window import show_scene
-
-VIEW = (0.62, -0.62, 0.48)
-"""From where one looks: as at blends."""
-
-STEPS, WIDTH, OVER = 64, 0.014, 1.002
-"""Of an arc: the rectangles of its band, its width (radians) and the radius at which it lies."""
-
-DISC, RAISED, RINGS = "#5d6a75", 1.004, 12
-"""The colour of the directions inside a contact's curve, the radius at which they lie over the sphere, and the rings
-of triangles of which they are made."""
 
 
 def layers(layout: Layout, scene: Scene) -> None:
@@ -72,7 +64,7 @@ def picture(
         discs = ContactNode.of(checked, layout.center).discs
         check_fits(layout, discs)
         center = np.array(to_floats(layout.center))
-        scene.layers += [Layer(disc_mesh(disc, center), DISC, outlined=True) for disc in discs]
+        scene.layers += [Layer(disc_mesh(disc, center), "#5d6a75", outlined=True) for disc in discs]
     if path is None:
         show_scene(scene, settings)
         return None
@@ -81,18 +73,19 @@ def picture(
 
 def arc_mesh(layout: Layout, center: Floats) -> Mesh:
     """The arcs between pieces as bands a little over the sphere around a centre (3,)."""
+    steps, width = 64, 0.014
     bands = []
     for arc in layout.arcs:
         start, end = (unit(np.array(layout.rays[i], dtype=float)) for i in (arc.start, arc.end))
         pole = unit(np.cross(start, end))
-        angles = np.linspace(0, angle_between(start, end), STEPS + 1)[:, None]
+        angles = np.linspace(0, angle_between(start, end), steps + 1)[:, None]
         middle = np.cos(angles) * start + np.sin(angles) * np.cross(pole, start)
-        bands.append(unit(np.stack([middle - WIDTH / 2 * pole, middle + WIDTH / 2 * pole], axis=1)).reshape(-1, 3))
-    low = 2 * np.arange(STEPS)[:, None]
-    one = np.concatenate([low + (0, 2, 3), low + (0, 3, 1)])
-    triangles = np.concatenate([one + 2 * (STEPS + 1) * number for number in range(len(bands))])
+        bands.append(unit(np.stack([middle - width / 2 * pole, middle + width / 2 * pole], axis=1)).reshape(-1, 3))
+    triangles = np.concatenate(
+        [connectivity((steps + 1, 2), False, False) + 2 * (steps + 1) * k for k in range(len(bands))]
+    )
     directions = np.concatenate(bands)
-    return Mesh.smooth(center + OVER * directions, triangles.astype(np.intp), directions, "arcs")
+    return Mesh.smooth(center + 1.002 * directions, triangles, directions, "arcs")
 
 
 def disc_mesh(disc: Disc, center: Floats) -> Mesh:
@@ -100,15 +93,12 @@ def disc_mesh(disc: Disc, center: Floats) -> Mesh:
     curve, middle = unit(disc.points), disc.direction
     if float(np.cross(curve[0], curve[1]) @ middle) < 0:
         curve = curve[::-1]
-    count = len(curve)
-    shares = np.arange(1, RINGS + 1)[:, None, None] / RINGS
-    directions = unit(np.concatenate([middle[None], (middle + shares * (curve - middle)).reshape(-1, 3)]))
-    here = np.arange(count)
-    after = (here + 1) % count
-    triangles = [np.stack([np.zeros_like(here), 1 + here, 1 + after], axis=1)]
-    for ring in range(RINGS - 1):
-        low, high = 1 + ring * count, 1 + (ring + 1) * count
-        triangles.append(np.stack([low + here, high + here, high + after], axis=1))
-        triangles.append(np.stack([low + here, high + after, low + after], axis=1))
-    points = center + RAISED * directions
-    return Mesh.smooth(points, np.concatenate(triangles).astype(np.intp), directions, f"contact {disc.number}")
+    count, rings = len(curve), 12
+    shares = np.arange(1, rings + 1)[:, None] / rings
+    grid = (middle + shares * (curve - middle)[:, None]).reshape(-1, 3)
+    directions = unit(np.concatenate([middle[None], grid]))
+    here = 1 + rings * np.arange(count)
+    fan = np.stack([np.zeros_like(here), here, np.roll(here, -1)], axis=1)
+    triangles = np.concatenate([fan, 1 + connectivity((count, rings), True, True)])
+    points = center + 1.004 * directions
+    return Mesh.smooth(points, triangles.astype(np.intp), directions, f"contact {disc.number}")

@@ -20,12 +20,6 @@ from pas.parametric.nets import extent, finite_domain
 from pas.parametric.surface import ParametricSurface
 from pas.render.scene import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Comb, Layer, Scene
 
-SAMPLES = 90
-"""Points of a curve."""
-
-ACROSS, BETWEEN = 6, 3
-"""Curves from one contact to the other, and curves each way of a surface that has no contacts."""
-
 Line = tuple[Floats, Floats]
 """The parameters of a curve's first and last point, (2,) each."""
 
@@ -33,8 +27,8 @@ Line = tuple[Floats, Floats]
 def surface_curves(domain: Domain) -> list[Line]:
     """The borders of a finite domain and the lines in their middle, each way."""
     (a, b), (c, d) = domain
-    first = [(np.array([t, c]), np.array([t, d])) for t in np.linspace(a, b, BETWEEN)]
-    return first + [(np.array([a, h]), np.array([b, h])) for h in np.linspace(c, d, BETWEEN)]
+    first = [(np.array([t, c]), np.array([t, d])) for t in (a, (a + b) / 2, b)]
+    return first + [(np.array([a, h]), np.array([b, h])) for h in (c, (c + d) / 2, d)]
 
 
 def blend_curves(domain: Domain, values: Sequence[float], closed: bool = False) -> list[Line]:
@@ -43,7 +37,7 @@ def blend_curves(domain: Domain, values: Sequence[float], closed: bool = False) 
     `closed`: the first and last line across are one.
     """
     (a, b), (c, d) = domain
-    across = np.linspace(a, b, ACROSS, endpoint=not closed)
+    across = np.linspace(a, b, 6, endpoint=not closed)
     contacts = [(np.array([a, h]), np.array([b, h])) for h in values if c <= h <= d]
     return contacts + [(np.array([t, c]), np.array([t, d])) for t in across]
 
@@ -55,7 +49,7 @@ def combs_on(surface: ParametricSurface, curves: Sequence[Line], mesh: Mesh) -> 
     """
     combs, tree = [], cKDTree(mesh.points)
     for start, end in curves:
-        places = start + np.linspace(0, 1, SAMPLES)[:, None] * (end - start)
+        places = start + np.linspace(0, 1, 90)[:, None] * (end - start)
         forms = Forms.at(surface, places)
         curvatures, points = forms.along(end - start), surface(places)
         known = np.isfinite(curvatures) & np.isfinite(points).all(axis=1)
@@ -67,16 +61,7 @@ def combs_on(surface: ParametricSurface, curves: Sequence[Line], mesh: Mesh) -> 
     return tuple(combs)
 
 
-REACH = 0.4
-"""How far a blend's surfaces are shown beyond their curves, over the range of the blend's second parameter."""
-
-COARSE, FINE = 1e-3, 2e-4
-"""Tolerances over the extent: stripes show facets that shading hides."""
-
 UNKNOWN = "the mesh does not say the parameters of its points, which curvatures need; leave mesh out"
-
-THROUGH = 0.35
-"""The opacity of surfaces in between: the blend touches them and leaves again."""
 
 
 def surface_layers(surface: ParametricSurface, scene: Scene) -> None:
@@ -99,18 +84,18 @@ def blend_layers(blend: ParametricBlend, scene: Scene) -> None:
     size = float(np.ptp(layer.mesh.points, axis=0).max())
     scene.layers.append(layer)
     for number in range(len(blend.data.surfaces)):
-        found = _neighbour(blend, number, rectangle, size * _fineness(scene), size)
+        found = _neighbour(blend, number, rectangle, size * scene.coloring.tolerance, size)
         if found is not None:
             between = rectangle[1][0] < to_float(blend.data.values[number]) < rectangle[1][1]
             place = number % len(COLORS)
-            opacity = THROUGH if between else 1.0
+            opacity = 0.35 if between else 1.0  # the blend touches those in between and leaves again
             scene.layers.append(Layer(found, COLORS[place], TINTS[place], opacity=opacity, aside=True))
 
 
 def _layer(surface: ParametricSurface, scene: Scene, domain: Any, color: str, tint: str) -> Layer:
     def make() -> Mesh:
         bounded = surface.with_domain(finite_domain(surface, domain))
-        return bounded.mesh(scene.picture.tolerance or _fineness(scene) * extent(bounded))
+        return bounded.mesh(scene.picture.tolerance or scene.coloring.tolerance * extent(bounded))
 
     mesh = scene.mesh(make)
     return Layer(mesh, color, tint, lambda: principal_on(mesh, surface), outlined=True)
@@ -123,11 +108,6 @@ def principal_on(mesh: Mesh, surface: ParametricSurface) -> Floats:
     return Forms.at(surface, mesh.parameters).principal_for(mesh.point_normals)
 
 
-def _fineness(scene: Scene) -> float:
-    """The tolerance over the extent."""
-    return FINE if scene.coloring.fine else COARSE
-
-
 def _neighbour(blend: ParametricBlend, number: int, rectangle: Domain, tolerance: float, size: float) -> Mesh | None:
     """The part of a surface beside its curve, as far as it has no poles and is not larger than the blend.
 
@@ -137,7 +117,7 @@ def _neighbour(blend: ParametricBlend, number: int, rectangle: Domain, tolerance
     low, high = rectangle[1]
     if not low <= value <= high:
         return None
-    reach = REACH * (high - low)
+    reach = 0.4 * (high - low)
     for _ in range(6):
         first = value if value == high else value - reach / (1 if value == low else 2)
         last = value if value == low else value + reach / (1 if value == high else 2)

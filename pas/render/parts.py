@@ -7,15 +7,11 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
-from pas.exchange.picture_options import Style
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
 from pas.render.picture import draw
 from pas.render.scene import BLEND_COLOR, Layer, Scene
 from pas.shape import Shape
-
-VIEW = (0.35, -1.0, 0.45)
-"""From where one looks: past the front, from above."""
 
 
 class PartLook(Enum):
@@ -26,16 +22,6 @@ class PartLook(Enum):
     ZEBRA = "zebra"
     EXPLODED = "exploded"
     CUT = "cut"
-
-
-OPTIONS: dict[PartLook, dict[str, Any]] = {
-    PartLook.PLAIN: {},
-    PartLook.FOUR_VIEWS: {"four_views": True},
-    PartLook.ZEBRA: {"style": Style.ZEBRA},
-    PartLook.EXPLODED: {"exploded": True},
-    PartLook.CUT: {"cut": True},
-}
-"""What `pas.draw` calls a look."""
 
 
 @limited("drawing", "a coarser tolerance")
@@ -51,14 +37,15 @@ def draw_parts(
     progress: Report | None = None,
 ) -> Path:
     """`pas.draw` with a look; `meshes`, by part, spare meshing again."""
-    options = {**OPTIONS[look], "tolerance": tolerance, "size": size}
-    return draw(shape, path, mesh=meshes, **options)
+    styled = look in (PartLook.PLAIN, PartLook.ZEBRA)  # the others are options of their own
+    options: Any = {"style": look.value} if styled else {look.name.lower(): True}
+    return draw(shape, path, mesh=meshes, tolerance=tolerance, size=size, **options)
 
 
 def solid_layers(shape: Shape, scene: Scene, name: str = "", color: str = BLEND_COLOR) -> None:
     """Add a solid or a mesh in a colour."""
     mesh = scene.mesh(lambda: shape.mesh(scene.picture.tolerance), name)
-    scene.look(VIEW)
+    scene.look((0.35, -1.0, 0.45))  # past the front, from above
     scene.layers.append(Layer(mesh, color, outlined=True))
 
 

@@ -15,24 +15,9 @@ from pas.exchange.picture_options import Picture, PictureOptions
 from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.render.combs import add_combs, hair_length, tips
-from pas.render.legend import add_comb_legend, add_legend, bar, room
-from pas.render.plotting import FOUR_VIEWS, look_at, offscreen_pyvista, widest_view
+from pas.render.plotting import add_comb_legend, add_legend, bar, look_at, offscreen_pyvista, room, widest_view
 from pas.render.scene import CURVE_COLOR, Layer, Legend, Paint, Scene, scene_of
 from pas.shape import Shape
-
-GAP = 0.35
-"""Between exploded parts, over the size of all."""
-
-SHARP_DEGREES = 35
-"""Between triangles of what is cut in half, for an edge to look sharp."""
-
-SHADING = {"specular": 0.25, "specular_power": 20, "ambient": 0.18}
-
-NEAR = 0.01
-"""Lines up to this far in front of what a picture is cut to are shown, over its size: combs may stand in the plane."""
-
-FAINT = 0.3
-"""The opacity of what stands around a surface whose curvature is shown."""
 
 
 @limited("drawing", "a coarser mesh of your own")
@@ -101,7 +86,9 @@ def _fill(plotter: Any, scene: Scene, picture: Picture, grid: tuple[int, int], a
     if around is not None:
         points = around
     view = scene.view if picture.view is None or around is not None else picture.view
-    views = FOUR_VIEWS if picture.four_views else (widest_view(meshes) if view is None else view,)
+    views = [widest_view(meshes) if view is None else view]
+    if picture.four_views:  # past the front, from the front, from the right, from above
+        views = [(0.35, -1.0, 0.45), (0.0, -1.0, 0.0), (1.0, -0.2, 0.3), (0.0, -0.05, 1.0)]
     low, high = picture.coloring.backdrop
     size = (width // grid[1], height // grid[0])
     for number, direction in enumerate(views):
@@ -129,16 +116,16 @@ def _shift(picture: Picture, place: int, meshes: Sequence[Mesh]) -> Floats:
     if not picture.exploded:
         return np.zeros(3)
     points = np.concatenate([mesh.points for mesh in meshes])
-    return np.array([0.0, 0.0, GAP * place * float(np.ptp(points, axis=0).max())])
+    return np.array([0.0, 0.0, 0.35 * place * float(np.ptp(points, axis=0).max())])
 
 
 def _add(
     plotter: Any, layer: Layer, paint: Paint, picture: Picture, shift: Floats, legend: Legend | None, width: int
 ) -> None:
     """Add a layer in its colours, and its lines."""
-    faint = picture.curved and layer.aside
-    opacity = FAINT if faint else layer.opacity
-    options: dict[str, Any] = {**SHADING, "smooth_shading": True, "opacity": opacity, "show_scalar_bar": False}
+    opacity = 0.3 if picture.curved and layer.aside else layer.opacity
+    shading = {"specular": 0.25, "specular_power": 20, "ambient": 0.18, "smooth_shading": True}
+    options: dict[str, Any] = {**shading, "opacity": opacity, "show_scalar_bar": False}
     data = _data(layer.mesh, paint)
     data.translate(shift, inplace=True)
     if paint.values is None:
@@ -150,7 +137,7 @@ def _add(
             options |= {"show_scalar_bar": True, "scalar_bar_args": bar(legend, width)}
     if picture.cut:
         data = _half(data, layer.mesh)
-        options |= {"split_sharp_edges": True, "feature_angle": SHARP_DEGREES}
+        options |= {"split_sharp_edges": True, "feature_angle": 35}
     options |= paint.options
     # of what is seen through, the far side comes first
     for culling in (None,) if opacity == 1 else ("front", "back"):
@@ -185,9 +172,9 @@ def _middle_plane(points: Floats) -> dict[str, Any]:
 
 
 def _cutter(picture: Picture, mesh: Mesh, shift: Floats) -> Any:
-    """What becomes of lines on a layer where a picture is cut."""
+    """What becomes of lines on a layer where a picture is cut: some just before the plane are shown, as combs in it."""
     points = mesh.points + shift
-    plane = _middle_plane(points - NEAR * float(np.ptp(points, axis=0).max()))
+    plane = _middle_plane(points - 0.01 * float(np.ptp(points, axis=0).max()))
     return (lambda lines: lines.clip(**plane, invert=False)) if picture.cut else (lambda lines: lines)
 
 

@@ -15,20 +15,11 @@ from pas.surface.fairness_limits import neighbour
 VIEW = (0.62, -0.62, 0.48)
 """From where one looks, in the frame of the contact directions: past the pipes, from above."""
 
-COARSE, FINE = 1e-3, 2e-4
-"""Tolerances of the mesh over the extent of the region; stripes show facets that shading hides."""
-
-BEYOND = 0.25
-"""How far neighbours are shown, over the extent of the region."""
-
-FLAT = 1e-9
-"""A curvature, times the size of the region, that is none."""
-
 
 def layers(surface: PiecewiseSurface, scene: Scene) -> None:
     """Add the surface and its neighbours; raises `MeshError` where it has no region."""
     extent = float(np.ptp(surface.partition.points, axis=0).max()) if len(surface.partition.points) else 1.0
-    tolerance = scene.picture.tolerance or extent * (FINE if scene.coloring.fine else COARSE)
+    tolerance = scene.picture.tolerance or extent * scene.coloring.tolerance
     mesh = scene.mesh(lambda: surface.mesh(tolerance))
     scene.look(VIEW, _frame(surface))
     scene.layers.append(
@@ -41,7 +32,7 @@ def layers(surface: PiecewiseSurface, scene: Scene) -> None:
             outlined=True,
         )
     )
-    scene.layers += [Layer(other, PIPE_COLOR, aside=True) for other in neighbours(surface, mesh, extent * BEYOND)]
+    scene.layers += [Layer(other, PIPE_COLOR, aside=True) for other in neighbours(surface, mesh, extent / 4)]
 
 
 def principal_curvatures(surface: PiecewiseSurface, points: Floats) -> Floats:
@@ -54,7 +45,7 @@ def sharpest_neighbour(surface: PiecewiseSurface) -> float | None:
     scale = to_float(surface.partition.frame.scale)
     found = [neighbour(join, scale).curvature for join in surface.joins if np.isfinite(join.radius)]
     most = max(found, default=0.0)
-    return most if most * scale > FLAT else None
+    return most if most * scale > 1e-9 else None  # which rounding alone would make
 
 
 def _frame(surface: PiecewiseSurface) -> Floats:

@@ -98,6 +98,11 @@ class Coloring(ABC):
     curved: bool = False
     backdrop: ClassVar[tuple[str, str]] = ("white", "#dfe8f0")
 
+    @property
+    def tolerance(self) -> float:
+        """Of meshes that are made for it, over the extent of the shape: stripes show facets that shading hides."""
+        return 2e-4 if self.fine else 1e-3
+
     @abstractmethod
     def paint(self, scene: Scene) -> tuple[list[Paint], Legend | None]:
         """The colours of each of the scene's layers, and what they stand for."""

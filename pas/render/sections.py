@@ -16,29 +16,13 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Integers
 from pas.piecewise import PiecewiseSurface
-from pas.render.neighbours import contact_rim
+from pas.render.neighbours import chains, contact_rim
 from pas.render.scene import Comb
 from pas.surface.geometry import FIRST, Geometry
 
-SPACING = 1 / 200
-"""Between hairs, over the extent of the mesh."""
-
 FEWEST = 8
 """Points of a curve below which it is not shown: corners that a plane just touches."""
-
-ASIDE = 1e-7
-"""How far a plane is moved to find the section, over the extent: vertices may lie on the plane itself."""
-
-STEPS = 6
-"""Of Newton's method, from points within the mesh's tolerance."""
-
-PARALLEL = 1e-4
-"""Sines below which axes count as parallel."""
-
-ALIKE = 1e-4
-"""Sines and distances, over the coordinates, below which planes through measured points are one."""
 
 Jet = Callable[[Floats], tuple[Floats, Floats]]
 """Values (n,) and gradients (n, 3) at points (n, 3)."""
@@ -47,21 +31,22 @@ Jet = Callable[[Floats], tuple[Floats, Floats]]
 def combs(surface: PiecewiseSurface, mesh: Mesh) -> tuple[Comb, ...]:
     """The combs of a surface; `mesh` is its own."""
     extent = float(np.ptp(mesh.points, axis=0).max())
+    spacing, aside = extent / 200, 1e-7 * extent  # between hairs, and of planes: vertices may lie on the plane itself
     found, ends = [], []
     for contact in (contact.scaled for contact in surface.contacts):
         rim = contact_rim(contact, mesh)
         if not len(rim):
             continue
-        curves = [_resampled(mesh.points[chain], SPACING * extent) for chain in chains(rim)]
+        curves = [_resampled(mesh.points[chain], spacing) for chain in chains(rim)]
         there = [_comb(surface, curve, _jet(contact.clip)) for curve in curves]
         found += there
-        for part in _neighbours([comb.points for comb in there], SPACING * extent):
+        for part in _neighbours([comb.points for comb in there], spacing):
             mean = _middle(part)
             ends.append((mean, unit(contact.clip.gradient(mean[None]))[0]))
     for place, normal in section_planes(ends):
         plane = _plane(place, normal)
-        for curve in _section(mesh, place + ASIDE * extent * normal, normal):
-            found.append(_comb(surface, _resampled(curve, SPACING * extent), plane))
+        for curve in _section(mesh, place + aside * normal, normal):
+            found.append(_comb(surface, _resampled(curve, spacing), plane))
     return tuple(comb for comb in found if len(comb.points) >= FEWEST)
 
 
@@ -84,7 +69,7 @@ def section_planes(ends: Sequence[tuple[Floats, Floats]]) -> list[tuple[Floats, 
         size = np.linalg.norm(across)
         ways = np.stack([along, other, across / size if size else along])
         _, sizes, axes = np.linalg.svd(ways)
-        if sizes[1] < PARALLEL * sizes[0]:
+        if sizes[1] < 1e-4 * sizes[0]:
             straight += [(first, axes[1]), (first, axes[2])]
         elif not any(_same((first + second) / 2, axes[2], *plane) for plane in planes):
             planes.append(((first + second) / 2, axes[2]))
@@ -92,9 +77,9 @@ def section_planes(ends: Sequence[tuple[Floats, Floats]]) -> list[tuple[Floats, 
 
 
 def _same(place: Floats, normal: Floats, other: Floats, way: Floats) -> bool:
-    """Whether two planes are one."""
+    """Whether two planes through measured points are one."""
     size = 1.0 + float(np.abs(place).max())
-    return bool(np.linalg.norm(np.cross(normal, way)) < ALIKE and abs(way @ (place - other)) < ALIKE * size)
+    return bool(np.linalg.norm(np.cross(normal, way)) < 1e-4 and abs(way @ (place - other)) < 1e-4 * size)
 
 
 def _jet(polynomial: Polynomial) -> Jet:
@@ -108,7 +93,7 @@ def _plane(place: Floats, normal: Floats) -> Jet:
 def _comb(surface: PiecewiseSurface, points: Floats, other: Jet) -> Comb:
     """The comb of the curve where the surface meets another one, near to `points` (n, 3)."""
     scale = to_float(surface.partition.frame.scale)
-    for _ in range(STEPS):
+    for _ in range(6):  # of Newton's method, from points within the mesh's tolerance
         found, _ = geometry_at(surface, points)
         values, slopes = other(points)
         rows = np.stack([found[:, FIRST] / scale, slopes], axis=1)
@@ -133,29 +118,6 @@ def _section(mesh: Mesh, place: Floats, normal: Floats) -> list[Floats]:
     share = (a / np.where(a == b, 1.0, a - b))[:, None]
     points = (1 - share) * mesh.points[edges[:, 0]] + share * mesh.points[edges[:, 1]]
     return [points[chain] for chain in chains(places.reshape(-1, 2))]
-
-
-def chains(edges: Integers) -> list[Integers]:
-    """The vertices of each curve that edges (E, 2) make, in order; closed ones have their first vertex at the end, too.
-
-    Curves begin and end where not just two edges meet.
-    """
-    ends: dict[int, list[tuple[int, int]]] = {}
-    for number, (a, b) in enumerate(edges.tolist()):
-        ends.setdefault(a, []).append((number, b))
-        ends.setdefault(b, []).append((number, a))
-    used, curves = set(), []
-    for vertex in sorted(ends, key=lambda v: len(ends[v]) == 2):
-        for first, _ in ends[vertex]:
-            edge, curve = first, [vertex]
-            while edge not in used:
-                used.add(edge)
-                curve.append(next(other for number, other in ends[curve[-1]] if number == edge))
-                if len(ends[curve[-1]]) == 2:
-                    edge = next(number for number, _ in ends[curve[-1]] if number != edge)
-            if len(curve) > 1:
-                curves.append(np.array(curve))
-    return curves
 
 
 def _neighbours(curves: Sequence[Floats], near: float) -> list[list[Floats]]:

@@ -18,9 +18,6 @@ from pas.render.picture import draw, plotted
 from pas.render.scene import Scene, scene_of
 from pas.shape import Shape
 
-SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
-"""The variables that name a screen where windows need one to be named."""
-
 
 def show(
     shape: Shape | Sequence[Shape],
@@ -38,7 +35,9 @@ def show(
 
 def show_scene(scene: Scene, picture: Picture) -> None:
     """Show a scene in a window; raises `MissingLibraryError` where there is no screen."""
-    if sys.platform not in ("win32", "darwin") and not any(os.environ.get(name) for name in SCREENS):
+    if sys.platform not in ("win32", "darwin") and not any(
+        os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")
+    ):
         raise MissingLibraryError(
             "a window needs a screen, and there is none here (DISPLAY is not set); draw a picture with pas.draw"
         )
@@ -52,9 +51,6 @@ def show_scene(scene: Scene, picture: Picture) -> None:
             os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = hidden
 
 
-SIZE = (480, 360)
-
-
 def html(shape: Shape) -> str:
     """What it is, the table of the verdicts and a picture; where there can be no picture, why not."""
     return f"<pre>{escape(shape.description)}</pre>{shape.certificate._repr_html_()}{_picture(shape)}"
@@ -63,7 +59,7 @@ def html(shape: Shape) -> str:
 def _picture(shape: Shape) -> str:
     with TemporaryDirectory() as folder:
         try:
-            content = draw(shape, Path(folder) / "picture.png", size=SIZE).read_bytes()
+            content = draw(shape, Path(folder) / "picture.png", size=(480, 360)).read_bytes()
         except (PasError, ValueError) as error:
             return f"<p>no picture: {escape(str(error))}</p>"
     return f'<img src="data:image/png;base64,{base64.b64encode(content).decode("ascii")}" alt="{escape(repr(shape))}">'

@@ -28,12 +28,6 @@ LIMITS = Limits(depth=159, cells=60_000)
 PARTS = 32
 """Boxes are small enough when that many fit into each side of their hull."""
 
-EVERYWHERE = 3
-"""Halvings of all boxes, after which only those at the sides of their hull are halved."""
-
-AT_ONCE = 300
-"""Boxes that are halved together though not all of them are at the sides of the hull: rounds take time as well."""
-
 OCTAVES = 30
 """Sizes of the boxes about the origin with which the search begins where planes do not bound the set."""
 
@@ -198,8 +192,8 @@ class _Hull:
         if len(left):
             low, high = left.centers - left.halves, left.centers + left.halves
             self.box = np.stack([low.min(axis=0), high.max(axis=0)])
-            further = _beyond(left, self.seen) if level < EVERYWHERE else _at_sides(left, self.box, self.seen)
-            fates[possible] = np.where(self._large(left).any(axis=1) & further, Fate.SPLIT, Fate.WAIT)
+            split = self._large(left).any(axis=1) & self._at_sides(low, high)
+            fates[possible] = np.where(split, Fate.SPLIT, Fate.WAIT)
         self._waiting = int(np.count_nonzero(fates == Fate.WAIT))
         return fates
 
@@ -210,22 +204,12 @@ class _Hull:
     def _large(self, boxes: Boxes) -> Bools:
         return np.asarray(2 * boxes.halves * PARTS >= np.ptp(self.box, axis=0))
 
-
-def _beyond(boxes: Boxes, seen: Floats) -> Bools:
-    """Which boxes are not within another one."""
-    outside = (boxes.centers - boxes.halves < seen[0]) | (boxes.centers + boxes.halves > seen[1])
-    return np.asarray(outside.any(axis=1))
-
-
-def _at_sides(boxes: Boxes, hull: Floats, seen: Floats) -> Bools:
-    """Which boxes are further out than all points seen; where these are many, only those at the hull's sides."""
-    near, halves = np.ptp(hull, axis=0) / PARTS, boxes.halves
-    low, high = boxes.centers - halves, boxes.centers + halves
-    lowest, highest = low < seen[0] - near, high > seen[1] + near
-    result = (lowest | highest).any(axis=1)
-    if result.sum() > AT_ONCE:
-        result = ((lowest & (low - halves <= hull[0])) | (highest & (high + halves >= hull[1]))).any(axis=1)
-    return np.asarray(result)
+    def _at_sides(self, low: Floats, high: Floats) -> Bools:
+        """Which boxes are at sides of the hull that are further out than all points seen."""
+        near, halves = np.ptp(self.box, axis=0) / PARTS, (high - low) / 2
+        lowest = (low < self.seen[0] - near) & (low - halves <= self.box[0])
+        highest = (high > self.seen[1] + near) & (high + halves >= self.box[1])
+        return np.asarray((lowest | highest).any(axis=1))
 
 
 def _first_boxes(start: Floats) -> Boxes:

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.evaluation import PolynomialBatch
+from pas.algebra.evaluation import CHUNK_ENTRIES, PolynomialBatch
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import to_float
@@ -22,9 +22,6 @@ from pas.solid.taylor import TaylorForms
 from pas.solid.tree import Atom, Bools, Columns, Function, Integers, ScalarField, Tree, atoms
 from pas.solid.truths import CompiledTree
 from pas.surface.geometry import derivative_batch
-
-SPLITS = 6
-"""Columns read from both sides that are tried together as either: a box that meets more is halved first."""
 
 
 @dataclass(frozen=True)
@@ -125,11 +122,8 @@ class TreeEvaluator:
 
     def signs(self, points: Floats) -> Bools:
         """Which columns (M, N) are <= 0 at points (N, 3)."""
-        result = np.empty((self.used, len(points)), dtype=bool)
-        result[self._rows] = self._bank.signs(points)
-        for number in self._fields:
-            result[number] = self._field_jets(number, points)[:, 0] <= 0
-        return result
+        parts = np.array_split(points, 1 + len(points) * self.used // CHUNK_ENTRIES)
+        return np.concatenate([self.values(part) <= 0 for part in parts], axis=1)
 
     def values(self, points: Floats) -> Floats:
         """Values of the tree's columns (M, N) at points (N, 3), each by a positive factor."""
@@ -153,10 +147,8 @@ class TreeEvaluator:
 
     def _true(self, values: Floats) -> Floats:
         """Values (M, N) of the tree's functions themselves, given those of the columns."""
-        exponents = np.zeros(self.used, dtype=np.intp)
-        exponents[self._rows] = [found.exponent for found in self._scaled]
-        for number, field in self._fields.items():
-            exponents[number] = field.exponent
+        scaled: dict[int, ScalarField | Scaled] = {**self._fields, **self._scaled}
+        exponents = np.array([scaled[number].exponent for number in range(self.used)], dtype=np.intp)
         with np.errstate(over="ignore", under="ignore"):
             return np.asarray(np.ldexp(values, exponents[:, None]))
 
@@ -181,10 +173,6 @@ class TreeEvaluator:
         """Centres and half edges of boxes in the user's coordinates."""
         return self.world(centers), np.broadcast_to(halves * to_float(self.scale), centers.shape)
 
-    def _localised(self, p: Polynomial) -> Scaled:
-        moved = [Polynomial.from_raw(g * self.scale + c) for g, c in zip(GENERATORS, self.center, strict=True)]
-        return Scaled.of([p.compose(*moved)])
-
     @cached_property
     def walls(self) -> Bools:
         """Which columns of the tree (M,) are no faces."""
@@ -199,29 +187,27 @@ class TreeEvaluator:
     @cached_property
     def _fields(self) -> dict[int, ScalarField]:
         """The columns that are no polynomials."""
-        functions = enumerate(c.function for c in self.columns[: self.used])
-        return {i: f for i, f in functions if not isinstance(f, Polynomial)}
+        return {i: c.function for i, c in enumerate(self.columns) if not isinstance(c.function, Polynomial)}
+
+    @cached_property
+    def _scaled(self) -> dict[int, Scaled]:
+        """The columns that are polynomials in local coordinates, each scaled by itself."""
+        moved = [Polynomial.from_raw(g * self.scale + c) for g, c in zip(GENERATORS, self.center, strict=True)]
+        known = {i: c.function for i, c in enumerate(self.columns) if isinstance(c.function, Polynomial)}
+        return {i: Scaled.of([f.compose(*moved)]) for i, f in known.items()}
 
     @cached_property
     def _rows(self) -> Integers:
-        """The columns that are polynomials, in the order of the bank."""
-        return np.array([i for i in range(self.used) if i not in self._fields], dtype=np.intp)
-
-    @cached_property
-    def _scaled(self) -> list[Scaled]:
-        """The tree's polynomials in local coordinates, each scaled by itself."""
-        functions = (c.function for c in self.columns[: self.used])
-        return [self._localised(f) for f in functions if isinstance(f, Polynomial)]
+        """The columns of the tree that are polynomials, in the order of the bank."""
+        return np.array([i for i in self._scaled if i < self.used], dtype=np.intp)
 
     @cached_property
     def _bank(self) -> TaylorForms:
-        return TaylorForms([p for found in self._scaled for p in found.polynomials])
+        return TaylorForms([p for i in self._rows.tolist() for p in self._scaled[i].polynomials])
 
     def polynomial(self, number: int) -> Polynomial | None:
         """The polynomial of a column in local coordinates, scaled; None where it is none."""
-        if number in self._fields:
-            return None
-        return self._bank.polynomials[int(np.searchsorted(self._rows, number))]
+        return self._scaled[number].polynomials[0] if number in self._scaled else None
 
     def number(self, other: TreeEvaluator, columns: Integers) -> tuple[Integers, Bools]:
         """The columns that hold those of another evaluator, and whether with the opposite sign."""
@@ -234,15 +220,13 @@ class TreeEvaluator:
     def _places(self) -> Integers:
         """Of each column its number in `_jets`, -1 where it is no polynomial."""
         result = np.full(len(self.columns), -1, dtype=np.intp)
-        known = np.array([i for i in range(len(self.columns)) if i not in self._fields], dtype=np.intp)
-        result[known] = np.arange(len(known))
+        result[[*self._scaled]] = np.arange(len(self._scaled))
         return result
 
     @cached_property
     def _jets(self) -> PolynomialBatch:
         """Values and gradients of the polynomials of all columns, extra ones after those of the tree."""
-        extra = [self._localised(c.function) for c in self.columns[self.used :]]  # type: ignore[arg-type]
-        every = [p for found in (*self._scaled, *extra) for p in found.polynomials]
+        every = [p for found in self._scaled.values() for p in found.polynomials]
         return derivative_batch([p.dense(max(p.degree, 0)) for p in every], (0, 1))
 
     def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
@@ -270,11 +254,11 @@ class TreeEvaluator:
         unknown = np.zeros((self.used, 1), dtype=bool)
         return bool(self.decided(unknown, unknown)[1][0])
 
-    def decided(self, yes: Bools, no: Bools, splits: int = SPLITS) -> tuple[Bools, Bools]:
+    def decided(self, yes: Bools, no: Bools, splits: int = 6) -> tuple[Bools, Bools]:
         """Where the tree is certainly true, and certainly false (N,), as far as its columns say.
 
         `yes` and `no` (M, N) say where columns are certainly <= 0 and > 0.  A column that the tree reads
-        from both sides is tried as either, up to `splits` of them together.
+        from both sides is tried as either, up to `splits` of them together: a box that meets more is halved first.
         """
         true, false = self.holds(yes, no), ~self.holds(~no, ~yes)
         open_ = np.flatnonzero(~(true | false))

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
+from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
@@ -16,8 +17,8 @@ from pas.errors import GeometryError
 from pas.mesh.field import FaceField, ShellWall
 from pas.solid.evaluator import TreeEvaluator, called
 from pas.solid.functions import followed_by
-from pas.solid.implied import PlanesInside, needed
-from pas.solid.seams import Seams, quadratic_form, seams_of
+from pas.solid.implied import needed
+from pas.solid.seams import Seams, seams_of
 from pas.solid.separate import apart, cavities, contacts, is_shell, pieces
 from pas.solid.tree import Function, Tree
 
@@ -25,15 +26,6 @@ Integers = NDArray[np.intp]
 
 STEEP = 0.3
 """Slope, over the gradient's length, with which faces must rise: of sharper edges a lattice shows beads."""
-
-ON = 1e-9
-"""A function's value at points that are on it."""
-
-TOGETHER = 4096
-"""Cubes of which all gradients are kept at once."""
-
-TURNS = 4
-"""How many directions are tried from which a boundary may be seen all at once."""
 
 
 class SolidField:
@@ -60,14 +52,11 @@ class SolidField:
 
     def shells(self) -> list[SolidField]:
         """The surfaces of the boundary that are proved to be apart, each as the boundary of a solid."""
-        tree, box, seams, special = self._made_of
-        for part, others in cavities(tree, box):
-            inner, outer = (SolidField(t, box, (), special) for t in (part, others))
-            if is_shell(part, others) or apart(inner.evaluator, outer.evaluator, self.box):
-                fields = [
-                    SolidField(t, box, seams, special[_on(f, special)]) for t, f in ((part, inner), (others, outer))
-                ]
-                return [shell for found in fields for shell in found.shells()]
+        tree, box, *_ = self._made_of
+        for sets in cavities(tree, box):
+            fields = self._bounded_by(*sets)
+            if is_shell(*sets) or apart(fields[0].evaluator, fields[1].evaluator, self.box):
+                return [shell for field in self._parted(fields, np.empty((0, 3))) for shell in field.shells()]
         return [self]
 
     def wall(self) -> ShellWall | None:
@@ -88,15 +77,29 @@ class SolidField:
 
     def touching(self) -> list[SolidField]:
         """The surfaces of the boundary that meet in points at most, at which both have a special point."""
-        tree, box, seams, special = self._made_of
-        for part, others in pieces(tree, box):
-            inner, outer = (SolidField(t, box, (), special) for t in (part, others))
-            points = contacts(inner.evaluator, outer.evaluator, self.box)
+        tree, box, *_ = self._made_of
+        for sets in pieces(tree, box):
+            fields = self._bounded_by(*sets)
+            points = contacts(fields[0].evaluator, fields[1].evaluator, self.box)
             if points is not None:
-                known = np.concatenate([special, self.world(points)])
-                fields = [SolidField(t, box, seams, known[_on(f, known)]) for t, f in ((part, inner), (others, outer))]
-                return [surface for found in fields for surface in found.touching()]
+                return [part for field in self._parted(fields, self.world(points)) for part in field.touching()]
         return [self]
+
+    def _bounded_by(self, first: Tree, second: Tree) -> tuple[SolidField, SolidField]:
+        """The boundaries of two sets in the same local coordinates, without seams."""
+        _, box, _, special = self._made_of
+        return SolidField(first, box, (), special), SolidField(second, box, (), special)
+
+    def _parted(self, fields: Sequence[SolidField], points: Floats) -> list[SolidField]:
+        """Boundaries with this one's seams, and of its special points and others (N, 3) those that are on them."""
+        _, box, seams, special = self._made_of
+        known = np.concatenate([special, points])
+        return [SolidField(f._made_of[0], box, seams, known[f._holds(known)]) for f in fields]
+
+    def _holds(self, points: Floats) -> NDArray[np.bool_]:
+        """Which points (N, 3) in the user's coordinates are on one of the functions, up to rounding."""
+        values = np.abs(self.evaluator.values(self.evaluator.local(points)))
+        return np.asarray(values.min(axis=0, initial=np.inf) < 1e-9)
 
     def needed(self) -> SolidField:
         """The boundary of the same solid without conditions that others imply; itself if there are none."""
@@ -139,15 +142,15 @@ class SolidField:
         those below it.  A wall that matters from both sides only says which function holds where; the
         two faces are taken to meet on it.
         """
-        parts = [slice(start, start + TOGETHER) for start in range(0, max(len(centers), 1), TOGETHER)]
-        return np.concatenate([self._turning(centers[part], np.full((1, 3), half)) for part in parts])
+        parts = np.array_split(centers, 1 + len(centers) // 4096)  # of which all gradients are kept at once
+        return np.concatenate([self._turning(part, np.full((1, 3), half)) for part in parts])
 
     def _turning(self, centers: Floats, halves: Floats) -> Floats:
         """How much faces turn in few cubes (N,), all functions of each together."""
         yes, no = self.evaluator.taylor(centers, halves)
         below, above = self.evaluator.relevant(yes, no)
         both = below & above
-        switches = both & (self.evaluator.walls[:, None] | self._planes_inside.hidden(yes, no, below, above))
+        switches = both & (self.evaluator.walls[:, None] | self._seams.hidden(yes, no, below, above))
         below, above = below & ~switches, above & ~switches
         faces = below | above
         faces[:, (below & above).any(axis=0)] = False
@@ -164,10 +167,6 @@ class SolidField:
             turn = np.sqrt((changes**2).sum(axis=2) / np.maximum((gradients**2).sum(axis=2), 1e-300)).max(axis=0)
             result[rows] = np.where(_rise(gradients, changes), turn, np.inf)
         return result
-
-    @cached_property
-    def _planes_inside(self) -> PlanesInside:
-        return PlanesInside(self.evaluator)
 
     def signs(self, points: Floats) -> NDArray[np.bool_]:
         """Which columns are <= 0 (M, N)."""
@@ -201,10 +200,8 @@ class SolidField:
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         """The labels whose common zeros are where faces of given labels meet."""
-        if len(labels) == 1:
-            return labels
         if labels not in self._placing:
-            self._placing[labels] = self._functions(labels)
+            self._placing[labels] = self._functions(labels) if len(labels) > 1 else labels
         return self._placing[labels]
 
     @cached_property
@@ -213,15 +210,10 @@ class SolidField:
 
     def _functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         columns = sorted({label // 2 for label in labels})
-        known: list[int] = []
-        free = set(columns)
-        for i, a in enumerate(columns):
-            for b in columns[i + 1 :]:
-                seam = self._seams.between(a, b)
-                if seam:
-                    known += seam
-                    free -= {a, b}
-        return tuple(dict.fromkeys([*(2 * c for c in known), *(2 * c for c in sorted(free))]))
+        seams = {pair: self._seams.between(*pair) for pair in combinations(columns, 2)}
+        joined = {column for pair, seam in seams.items() if seam for column in pair}
+        known = [c for seam in seams.values() for c in seam] + [c for c in columns if c not in joined]
+        return tuple(dict.fromkeys(2 * c for c in known))
 
     def face(self, label: int) -> str:
         """The name of a label's face; of an end left open by walls, its equation."""
@@ -245,28 +237,28 @@ class SolidField:
                 )
 
 
-def _on(field: SolidField, points: Floats) -> NDArray[np.bool_]:
-    """Which points (N, 3) in the user's coordinates are on some function of a field."""
-    values = np.abs(field.evaluator.values(field.evaluator.local(points)))
-    return np.asarray(values.min(axis=0, initial=np.inf) < ON)
-
-
 def _has_lines(function: Function) -> bool:
+    """Whether a function is of degree 2 at most with a symmetric matrix, in x, y, z and 1, without determinant."""
     if not isinstance(function, Polynomial) or function.degree > 2:
         return False
-    return quadratic_form(function).det() == 0
+    entries: dict[tuple[int, int], fmpq] = {}
+    for exponent, coefficient in function.raw.to_dict().items():
+        i, j = [*(axis for axis, power in enumerate(exponent) for _ in range(power)), 3, 3][:2]
+        entries[i, j] = entries[j, i] = coefficient * (2 if i == j else 1)
+    matrix = [entries.get((i, j), fmpq(0)) for i, j in product(range(4), repeat=2)]
+    return bool(fmpq_mat(4, 4, matrix).det() == 0)
 
 
 def _rise(gradients: Floats, changes: Floats) -> NDArray[np.bool_]:
     """Whether functions with gradients (M, N, 3), up to changes, all rise steeply in some direction (N,).
 
-    Tried are the mean of the gradients' directions and some that are turned towards the steepest.
+    Tried are the mean of the gradients' directions and three that are turned towards the steepest.
     """
     size = np.maximum(np.sqrt((gradients * gradients).sum(axis=2)), 1e-300)
     units = gradients / size[..., None]
     direction = units.sum(axis=0)
     result = np.zeros(len(direction), dtype=bool)
-    for _ in range(TURNS):
+    for _ in range(4):
         direction /= np.maximum(np.sqrt((direction * direction).sum(axis=1, keepdims=True)), 1e-300)
         margins = (gradients * direction).sum(axis=2) - (changes * np.abs(direction)).sum(axis=2)
         result |= (margins > STEEP * size).all(axis=0)

@@ -20,9 +20,6 @@ from pas.piecewise import PiecewiseSurface
 from pas.solid.taylor import TaylorForms
 from pas.solid.tree import Atom, Bools, Function, Node, Tree, combined, complement, image, mapped, parts_of, splits_of
 
-CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
-"""Of a cube about the origin."""
-
 
 @dataclass(frozen=True)
 class Followed:
@@ -67,8 +64,8 @@ class Distance(ABC):
     def slopes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
         """Gradients (N, 3) at the centres of boxes, and how much they differ at the corners (N, 3)."""
         gradients = self.jets(centers)[:, 1:]
-        corners = (centers[:, None] + halves[:, None] * CORNERS).reshape(-1, 3)
-        changes = self.jets(corners)[:, 1:].reshape(-1, len(CORNERS), 3) - gradients[:, None]
+        corners = np.stack([centers + halves * side for side in product((-1.0, 1.0), repeat=3)], axis=1)
+        changes = self.jets(corners.reshape(-1, 3))[:, 1:].reshape(corners.shape) - gradients[:, None]
         return gradients, np.abs(changes).max(axis=1)
 
     def moved(self, map_: Affine) -> Distance:
@@ -146,9 +143,7 @@ class Pieces:
 
     def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Whether it is certainly <= 0, and certainly > 0, where boxes meet cells; > 0 where they meet none."""
-        scale = to_float(self.partition.frame.scale)
-        local, half = self.partition.frame.local_points(centers), halves / scale
-        touched = self._touched(local, half)
+        local, half, touched = self._in_cells(centers, halves)
         yes, no = self._bank.taylor(local, half)
         of_cells = self.partition.piece_of
         inside, outside = (np.asarray((side[of_cells] | ~touched).all(axis=0)) for side in (yes, no))
@@ -156,26 +151,26 @@ class Pieces:
 
     def slopes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
         """The middle (N, 3) of all gradients of the cells that boxes meet, and how far these are from it."""
-        scale = to_float(self.partition.frame.scale)
-        local, half = self.partition.frame.local_points(centers), halves / scale
-        touched = self._touched(local, half)[..., None]
+        scale, (local, half, met) = to_float(self.partition.frame.scale), self._in_cells(centers, halves)
+        touched = met[..., None]
         of_pieces = self._bank.slopes(np.arange(len(self._bank)), local, half)
         gradients, changes = (g[self.partition.piece_of] / scale for g in of_pieces)
         highest = np.where(touched, gradients + changes, -np.inf).max(axis=0)
         lowest = np.where(touched, gradients - changes, np.inf).min(axis=0)
-        met = touched.any(axis=0)
-        return np.where(met, (highest + lowest) / 2, 0.0), np.where(met, (highest - lowest) / 2, 0.0)
+        known = touched.any(axis=0)
+        return np.where(known, (highest + lowest) / 2, 0.0), np.where(known, (highest - lowest) / 2, 0.0)
 
     def moved(self, map_: Affine) -> Pieces:
         """The image under an affine map, exact."""
         return Pieces(self.partition.moved(map_), [map_.polynomial(f) for f in self.polynomials])
 
-    def _touched(self, local: Floats, half: Floats) -> Bools:
-        """Which cells (C, N) boxes in local coordinates may meet."""
+    def _in_cells(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats, Bools]:
+        """Boxes in local coordinates, by centres and half edges (N, 3), and which cells (C, N) they may meet."""
         partition = self.partition.local
+        local, half = self.partition.frame.local_points(centers), halves / to_float(self.partition.frame.scale)
         slopes = partition.barycentric(np.eye(3)) - partition.barycentric(np.zeros((3, 3)))
         reach = np.einsum("cbx,nx->cbn", np.abs(slopes), half)
-        return np.asarray((partition.barycentric(local) + reach >= -1e-9).all(axis=1))
+        return local, half, np.asarray((partition.barycentric(local) + reach >= -1e-9).all(axis=1))
 
     @cached_property
     def _bank(self) -> TaylorForms:

@@ -25,30 +25,25 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.monomials import Floats, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
-from pas.algebra.rational import to_float
+from pas.algebra.rational import exact, to_float
 from pas.algebra.scaling import scaled
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.solid.bounds import bounding_box
-from pas.solid.evaluator import TreeEvaluator
-from pas.solid.tree import Atom, Bools, Node, Tree
+from pas.solid.tree import Atom, Node, Tree
 
 AROUND = 0.4
 """Over the box's longest side: how far beyond the box conditions are looked at; a lattice about it goes less far."""
 
-DIGITS = 16
-"""Steps over the box's longest side to which the box looked at is rounded, outwards."""
-
 MOST, HIGHEST = 12, 6
 """Conditions of one intersection, and their degrees, up to which they are looked at: of each three in turn."""
 
-PARTS, TRIED = 4, 17
-"""Parts into which the box is cut in each direction, on each of which B-coefficients are looked at; and points in each
-direction at which it is tried first whether a condition is not implied."""
+PARTS = 4
+"""Parts into which the box is cut in each direction, on each of which B-coefficients are looked at."""
 
-CLEAR, ROUNDED = 1e-6, 1 << 24
-"""The least B-coefficient, over the largest of the space's members, for which it is worth looking exactly; and the
-denominator of the rationals to which weights of members are rounded."""
+ROUNDED = 1 << 24
+"""The denominator of the rationals to which weights of members are rounded: 7 digits, and the least coefficient for
+which it is worth looking exactly is ten times that, over the largest of the space's members."""
 
 
 def needed(tree: Tree, box: Floats) -> tuple[Tree, Floats]:
@@ -90,7 +85,7 @@ def _needed(parts: Sequence[Tree], box: Floats) -> tuple[Tree, ...]:
             known[part] = _in_cube(part.function, part.outside, cube)
     if not 3 <= len(known) <= MOST:
         return tuple(parts)
-    points = np.array(list(product(np.linspace(0, 1, TRIED), repeat=3)))
+    points = np.array(list(product(np.linspace(0, 1, 17), repeat=3)))  # where it is tried first
     kept, values = list(parts), {part: polynomial(points) for part, polynomial in known.items()}
     for atom, g in known.items():
         checkpoint("looking for conditions that others imply")
@@ -103,15 +98,11 @@ def _needed(parts: Sequence[Tree], box: Floats) -> tuple[Tree, ...]:
 
 
 def _cube(box: Floats) -> list[tuple[fmpq, fmpq]]:
-    """Of each coordinate the lower end and the length of a larger box."""
+    """Of each coordinate the lower end and the length of a larger box, rounded outwards to a 16th of it."""
     longest = float(np.ptp(box, axis=0).max())
-    step = 2.0 ** floor(np.log2(longest / DIGITS))
-    result = []
-    for low, high in box.T.tolist():
-        first, last = floor((low - AROUND * longest) / step), ceil((high + AROUND * longest) / step)
-        unit = fmpq(*step.as_integer_ratio())
-        result.append((first * unit, (last - first) * unit))
-    return result
+    step = 2.0 ** floor(np.log2(longest / 16))
+    ends = [(floor((low - AROUND * longest) / step), ceil((high + AROUND * longest) / step)) for low, high in box.T]
+    return [(first * exact(step), (last - first) * exact(step)) for first, last in ends]
 
 
 def _in_cube(function: Polynomial, outside: bool, cube: list[tuple[fmpq, fmpq]]) -> Polynomial:
@@ -168,7 +159,7 @@ def _tried(parts: list[fmpq_mat], degrees: Sequence[int]) -> Iterator[fmpq_mat]:
     cost, ones = np.append(np.zeros(number), -1.0), np.ones((table.shape[1], 1))
     above = np.concatenate([-(table / sizes[:, None]).T, ones], axis=1)
     found = linprog(cost, above, np.zeros(len(above)), bounds=[*[(-1, 1)] * number, (None, 1)])
-    if found.status == 0 and found.x[-1] > CLEAR:
+    if found.status == 0 and found.x[-1] > 10 / ROUNDED:
         scaled = (found.x[:-1] / sizes * sizes.max()).tolist()
         yield fmpq_mat(1, number, [fmpq(round(x * ROUNDED), ROUNDED) for x in scaled])
 
@@ -181,73 +172,13 @@ def _doubles(matrix: fmpq_mat) -> Floats:
 def _b_table(degree: int) -> fmpq_mat:
     """From coefficients of polynomials of a degree n to B-coefficients on all parts of the unit cube, of that degree in
     each variable: those of v^q are `C(i, q) / C(n, q)` (Farin 2002, chapter 6), and x = (j + v) / PARTS."""
-    one = [
-        [
-            sum(
-                (fmpq(comb(p, q) * j ** (p - q) * comb(i, q), PARTS**p * comb(degree, q)) for q in range(p + 1)),
-                fmpq(0),
-            )
-            for j in range(PARTS)
-            for i in range(degree + 1)
-        ]
-        for p in range(degree + 1)
-    ]
+    places = list(product(range(PARTS), range(degree + 1)))
+
+    def value(p: int, j: int, i: int) -> fmpq:
+        """Of x^p on part j the coefficient of number i."""
+        terms = (fmpq(comb(p, q) * j ** (p - q) * comb(i, q), PARTS**p * comb(degree, q)) for q in range(p + 1))
+        return sum(terms, fmpq(0))
+
+    one = [[value(p, *place) for place in places] for p in range(degree + 1)]
     rows = [[a * b * c for a in one[p] for b in one[q] for c in one[r]] for p, q, r in exponents(degree)]
     return fmpq_mat(rows)
-
-
-MOST = 2000
-"""Cubes that are looked at one by one."""
-
-
-class PlanesInside:
-    """Which planes of an evaluator are no boundary in cubes; what is known of functions on planes is kept."""
-
-    def __init__(self, evaluator: TreeEvaluator) -> None:
-        self.evaluator = evaluator
-        self._same: dict[tuple[int, int, int], bool] = {}
-
-    def hidden(self, yes: Bools, no: Bools, below: Bools, above: Bools) -> Bools:
-        """The planes (M, N) that matter from both sides in cubes and are no boundary there.
-
-        `yes` and `no` say where columns are certainly <= 0 and > 0, `below` and `above` from which sides they matter.
-        """
-        both, matter = below & above, below | above
-        result = np.zeros_like(both)
-        cubes = np.flatnonzero((both.sum(axis=0) == 1) & (matter.sum(axis=0) == 3))
-        for cube in cubes[:MOST].tolist():
-            plane = int(both[:, cube].argmax())
-            a, b = (int(i) for i in np.flatnonzero(matter[:, cube]) if i != plane)
-            result[plane, cube] = self._same_on(plane, a, b) and self._passes(yes[:, cube], no[:, cube], plane, (a, b))
-        return result
-
-    def _passes(self, yes: Bools, no: Bools, plane: int, pair: tuple[int, int]) -> bool:
-        """Whether the tree is the same on both sides of a plane, where two columns have the same sign."""
-        signs = np.repeat(yes[:, None], 4, axis=1), np.repeat(no[:, None], 4, axis=1)
-        for table, side in zip(signs, (True, False), strict=True):
-            table[plane] = np.array([side, not side, side, not side])
-            table[list(pair)] = np.array([side, side, not side, not side])
-        holds = self.evaluator.holds(*signs)
-        return bool(holds[0] == holds[1] and holds[2] == holds[3])
-
-    def _same_on(self, plane: int, a: int, b: int) -> bool:
-        """Whether two columns are positive multiples of one another on a plane."""
-        key = plane, a, b
-        if key not in self._same:
-            found = [self.evaluator.columns[i].function for i in key]
-            known = [p for p in found if isinstance(p, Polynomial)]
-            self._same[key] = len(known) == 3 and known[0].degree == 1 and multiples(*known)
-        return self._same[key]
-
-
-def multiples(plane: Polynomial, first: Polynomial, second: Polynomial) -> bool:
-    """Whether two polynomials are positive multiples of one another on a plane, and not 0; exact."""
-    slopes = [plane.diff(i).raw for i in range(3)]
-    axis = next(i for i, slope in enumerate(slopes) if not slope.is_zero())
-    coordinates = [Polynomial.from_raw(g) for g in GENERATORS]
-    coordinates[axis] = Polynomial.from_raw(GENERATORS[axis] - plane.raw / slopes[axis].leading_coefficient())
-    f, g = (p.compose(*coordinates).raw for p in (first, second))
-    if f.is_zero() or g.is_zero():
-        return False
-    a, b = f.leading_coefficient(), g.leading_coefficient()
-    return bool((f * b - g * a).is_zero() and a * b > 0)

@@ -12,21 +12,12 @@ from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton, pair_normals, placing, project
 
-_GAUSS = np.array(
-    [
-        (0.445948490915965, 0.445948490915965, 0.223381589678011),
-        (0.445948490915965, 0.108103018168070, 0.223381589678011),
-        (0.108103018168070, 0.445948490915965, 0.223381589678011),
-        (0.091576213509771, 0.091576213509771, 0.109951743655322),
-        (0.091576213509771, 0.816847572980459, 0.109951743655322),
-        (0.816847572980459, 0.091576213509771, 0.109951743655322),
-    ]
-)
+_GAUSS = [
+    (u, v, weight)
+    for a, weight in ((0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743655322))
+    for u, v in ((a, a), (a, 1 - 2 * a), (1 - 2 * a, a))
+]
 """Points and weights of the rule of degree 4 on the triangle (Dunavant 1985)."""
-
-
-CUTS = 12
-"""How often edges are halved at most."""
 
 THIRD = 0.5
 """Third-order parts of long edges that stay, over those of edges as long as the tolerance makes them on other faces:
@@ -54,7 +45,7 @@ def curved_measures(found: FaceMesh, field: FaceField) -> tuple[float, float]:
         a, b = mesh.triangles[:, i], mesh.triangles[:, j]
         sides.append(middles[np.searchsorted(keys, np.minimum(a, b) * size + np.maximum(a, b))] - center)
     volume = area = 0.0
-    for u, v, weight in _GAUSS.tolist():
+    for u, v, weight in _GAUSS:
         w = 1 - u - v
         shape = (w * (2 * w - 1), u * (2 * u - 1), v * (2 * v - 1), 4 * u * w, 4 * u * v, 4 * v * w)
         by_u = (1 - 4 * w, 4 * u - 1, 0.0, 4 * (w - u), 4 * v, -4 * v)
@@ -71,11 +62,12 @@ def _cut(found: FaceMesh, field: FaceField) -> Labelled:
     """The mesh with edges along curved faces with straight lines halved whose third-order parts are not small.
 
     A parabola's chord makes the same angles with the curve at both ends, so by the normals there these parts are known.
-    They may be `THIRD` times as large as those of edges as long as the tolerance makes them on other faces.
+    They may be `THIRD` times as large as those of edges as long as the tolerance makes them on other faces; edges are
+    halved 12 times at most.
     """
     mesh = found.mesh
     most = THIRD * found.deviation**1.5 / float(np.ptp(field.box, axis=0).max()) ** 0.5
-    for _ in range(CUTS):
+    for _ in range(12):
         edges, labels = mesh.topology.edge_table
         normals, off = pair_normals(mesh, field), np.zeros(len(edges))
         along = mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]

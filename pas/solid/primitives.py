@@ -46,13 +46,9 @@ def box(lower: VectorLike, upper: VectorLike, face: str = "box") -> Solid:
     for axis, a, b in zip("xyz", low, high, strict=True):
         if a >= b:
             raise ValueError(f"lower must be below upper: they are {plain(a)} and {plain(b)} in {axis}")
-    walls = []
-    for name, g, a, b in zip("xyz", GENERATORS, low, high, strict=True):
-        walls += [
-            Atom(Polynomial.from_raw(a - g), f"{face} {name}-"),
-            Atom(Polynomial.from_raw(g - b), f"{face} {name}+"),
-        ]
-    return Solid(combined(False, *walls))
+    sides = zip("xyz", GENERATORS, low, high, strict=True)
+    planes = {f"{face} {name}{sign}": f for name, g, a, b in sides for sign, f in (("-", a - g), ("+", g - b))}
+    return Solid(combined(False, *(Atom(Polynomial.from_raw(f), name) for name, f in planes.items())))
 
 
 def ball(center: VectorLike, radius: Exact, face: str = "ball") -> Solid:
@@ -91,18 +87,11 @@ def cone(start: VectorLike, end: VectorLike, radius: Exact, end_radius: Exact = 
     w = _from(a)
     along = sum((x * c for x, c in zip(w, axis, strict=True)), ZERO) * (1 / square)
     surface = _square(w) - along * along * square - (r0 + along * (r1 - r0)) ** 2
-    parts = [Atom(Polynomial.from_raw(surface), face)]
-    if r0 > 0:
-        parts.append(Atom(Polynomial.from_raw(-along), f"{face} start"))
-    if r1 > 0:
-        parts.append(Atom(Polynomial.from_raw(along - 1), f"{face} end"))
-    if r0 == 0:
-        parts.append(Atom(Polynomial.from_raw(-along), ""))
-    if r1 == 0:
-        parts.append(Atom(Polynomial.from_raw(along - 1), ""))
+    ends = ((-along, r0, f"{face} start"), (along - 1, r1, f"{face} end"))
+    walls = [Atom(Polynomial.from_raw(plane), name if radius > 0 else "") for plane, radius, name in ends]
     apexes = [p for p, r in ((a, r0), (b, r1)) if r == 0]
-    special = tuple((to_float(p[0]), to_float(p[1]), to_float(p[2])) for p in apexes)
-    return Solid(combined(False, *parts), (), special)
+    special = tuple((to_float(x), to_float(y), to_float(z)) for x, y, z in apexes)
+    return Solid(combined(False, Atom(Polynomial.from_raw(surface), face), *walls), (), special)
 
 
 def torus(center: VectorLike, axis: VectorLike, major: Exact, minor: Exact, face: str = "torus") -> Solid:

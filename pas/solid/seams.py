@@ -4,7 +4,8 @@ Where two faces touch, their own two functions do not say where.  What says it i
 a plane touches a cylinder or cone; else a wall that cuts one of the surfaces where the other one does.  Two faces may
 touch along several curves, as a blend does along both circles in which a pipe that goes through it ends: where all of
 them are cut from one surface f by functions h, the faces' seam is f = 0 with the product of the h, so that each point
-is sought on the curve that is nearest to it.
+is sought on the curve that is nearest to it.  And where two faces continue each other across a plane, that is no
+boundary, though a lattice sees three functions.
 
 Not guaranteed: of curves that have no function in common only the first is a seam.
 """
@@ -14,29 +15,18 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import combinations_with_replacement
+from itertools import combinations_with_replacement, product
 
 import numpy as np
-from flint import fmpq, fmpq_mat
-from numpy.typing import NDArray
+from flint import fmpq_mpoly
 
 from pas.algebra.ideal import Ideal
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.scaling import scaled
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import polynomials_of
-from pas.solid.tree import Tree, atoms
+from pas.solid.tree import Bools, Tree, atoms
 
 Curve = tuple[Polynomial, Polynomial]
-
-LINEAR = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0))
-"""The exponents of x, y, z and 1."""
-
-INDEPENDENT = 1e-6
-"""Length of what is left of a vector of length 1 without its parts along others, above which it is not in their span:
-rounding leaves 1e-9 at most."""
 
 
 @dataclass(frozen=True)
@@ -74,64 +64,45 @@ def seams_of(tree: Tree, claimed: Sequence[Curve]) -> list[Seam]:
 def _lines(tree: Tree) -> list[Curve]:
     """The lines along which faces on planes touch others on cylinders or cones: each plane, and one across it.
 
-    On the plane the quadric's form is then c m^2, and the polar plane of a point off the line passes through it.
+    On the plane the quadric's function is then c m^2.
     """
     faces = dict.fromkeys(a.function.primitive() for a in atoms(tree) if a.face and isinstance(a.function, Polynomial))
-    quadrics = [form for form in map(quadratic_form, (f for f in faces if f.degree == 2)) if form.det() == 0]
     result = []
-    for plane in (f for f in faces if f.degree == 1 and quadrics):
-        basis = _basis(plane)
-        for form in quadrics:
-            polars = form * basis
-            on_plane = basis.transpose() * polars
-            if on_plane.rank() == 1:
-                off = next(i for i in range(3) if on_plane[i, i] != 0)
-                numbers = [polars[i, off] for i in range(4)]
-                across: dict[tuple[int, ...], fmpq] = {
-                    exponent: c for exponent, c in zip(LINEAR, numbers, strict=True) if c != 0
-                }
-                result.append((plane, Polynomial(across)))
+    for plane, quadric in product((f for f in faces if f.degree == 1), (f for f in faces if f.degree == 2)):
+        factors = on_plane(quadric, plane).factor()[1]
+        if [power for _, power in factors] == [2]:
+            result.append((plane, Polynomial.from_raw(factors[0][0])))
     return result
 
 
-def quadratic_form(function: Polynomial) -> fmpq_mat:
-    """Twice the symmetric matrix (4, 4) of a polynomial of degree at most 2 in x, y, z and 1."""
-    entries: dict[tuple[int, int], fmpq] = {}
-    for exponent, coefficient in function.raw.to_dict().items():
-        i, j = [*(axis for axis, power in enumerate(exponent) for _ in range(power)), 3, 3][:2]
-        entries[i, j] = entries[j, i] = coefficient * (2 if i == j else 1)
-    return fmpq_mat(4, 4, [entries.get((i, j), fmpq(0)) for i in range(4) for j in range(4)])
-
-
-def _basis(plane: Polynomial) -> fmpq_mat:
-    """Three points (4, 3) in homogeneous coordinates that span a plane."""
-    numbers = [quadratic_form(plane)[i, 3] * (1 if i < 3 else fmpq(1, 2)) for i in range(4)]
-    pivot = next(i for i in range(3) if numbers[i] != 0)
-    others = [i for i in range(4) if i != pivot]
-    return fmpq_mat(
-        [[-numbers[j] / numbers[pivot] if i == pivot else fmpq(int(i == j)) for j in others] for i in range(4)]
-    )
+def on_plane(polynomial: Polynomial, plane: Polynomial) -> fmpq_mpoly:
+    """A polynomial in two coordinates of the points of a plane: the plane's first one is replaced by what it is."""
+    return divmod(polynomial.raw, plane.raw)[1]
 
 
 def _united(common: Polynomial, seams: Sequence[Seam]) -> Seam:
     """The seam of several that have a function in common, up to its factor; each curve once."""
     curves: list[Ideal] = []
-    product = Polynomial(1)
+    others = Polynomial(1)
     for seam in seams:
         if not any(all(map(known.contains, seam.functions)) for known in curves):
             first, second = seam.functions
             other = second if first.primitive() == common else first
             curves += seam.curves
-            product = Polynomial.from_raw(product.raw * other.raw / product.raw.gcd(other.raw))
-    return Seam((common, product), tuple(curves))
+            others = Polynomial.from_raw(others.raw * other.raw / others.raw.gcd(other.raw))
+    return Seam((common, others), tuple(curves))
 
 
 class Seams:
-    """The seams of the faces of an evaluator, in whose extra columns the functions of given ones are, in pairs."""
+    """Where faces of an evaluator meet and do not cross; its extra columns are the functions of given seams, in pairs.
+
+    What is found out about columns is kept.
+    """
 
     def __init__(self, evaluator: TreeEvaluator, given: Sequence[Seam]) -> None:
-        self._program, self._given = evaluator, tuple(given)
+        self._evaluator, self._given = evaluator, tuple(given)
         self._found: dict[tuple[int, int], tuple[int, ...]] = {}
+        self._same: dict[tuple[int, int, int], bool] = {}
 
     def between(self, a: int, b: int) -> tuple[int, ...]:
         """The columns of the curves in which two columns' faces touch, or nothing where they cross."""
@@ -140,44 +111,60 @@ class Seams:
         return self._found[a, b]
 
     def _find(self, a: int, b: int) -> tuple[int, ...]:
-        columns = self._program.columns
+        columns, used = self._evaluator.columns, self._evaluator.used
         first, second = (polynomials_of(columns[c].function) for c in (a, b))
-        for number, seam in enumerate(self._given):
+        for start, seam in zip(range(used, len(columns), 2), self._given, strict=True):
             if seam.is_on(first) and seam.is_on(second):
-                start = self._program.used + 2 * number
                 return start, start + 1
-        if len(first) != 1 or len(second) != 1:
-            return ()
-        f, g = first[0], second[0]
-        for number in np.flatnonzero(self._may_join(a, b)).tolist():
+        if len(first) != 1 or len(second) != 1 or first[0].degree == second[0].degree == 1:
+            return ()  # planes cross
+        for number in np.flatnonzero(self._evaluator.walls).tolist():
             w = columns[number].function
-            if not isinstance(w, Polynomial) or number in (a, b):
-                continue
-            for kept, p, q in ((a, f, g), (b, g, f)):
-                ideal = Ideal(p, w)
-                if ideal.contains(q) and not ideal.is_whole_ring:
-                    return kept, number
+            for kept, p, q in ((a, *first, *second), (b, *second, *first)):
+                if isinstance(w, Polynomial) and number not in (a, b):
+                    ideal = Ideal(p, w)
+                    if ideal.contains(q) and not ideal.is_whole_ring:
+                        return kept, number
         return ()
 
-    def _may_join(self, a: int, b: int) -> NDArray[np.bool_]:
-        """Which columns are walls (M,) on which two faces may touch: three planes must depend on each other."""
-        result, units = self._program.walls.copy(), self._units
-        first, second = units[a], units[b]
-        second = second - (second @ first) * first
-        length = float(np.sqrt(second @ second))
-        if length > INDEPENDENT:  # not where it is NaN
-            second = second / length
-            rest = units - np.outer(units @ first, first) - np.outer(units @ second, second)
-            result &= ~(np.sqrt((rest * rest).sum(axis=1)) > INDEPENDENT)
+    def hidden(self, yes: Bools, no: Bools, below: Bools, above: Bools) -> Bools:
+        """The planes (M, N) that matter from both sides in cubes and are no boundary there: on them two faces meet.
+
+        `yes` and `no` say where columns are certainly <= 0 and > 0, `below` and `above` from which sides they matter.
+        They are looked for one by one, so not in more than 2000 cubes.
+        """
+        both, matter = below & above, below | above
+        result = np.zeros_like(both)
+        cubes = np.flatnonzero((both.sum(axis=0) == 1) & (matter.sum(axis=0) == 3))
+        for cube in cubes[:2000].tolist():
+            plane = int(both[:, cube].argmax())
+            a, b = (int(i) for i in np.flatnonzero(matter[:, cube]) if i != plane)
+            result[plane, cube] = self._same_on(plane, a, b) and self._passes(yes[:, cube], no[:, cube], plane, (a, b))
         return result
 
-    @cached_property
-    def _units(self) -> Floats:
-        """The four coefficients (M, 4) of the tree's planes, as vectors of length 1; NaN for others."""
-        result = np.full((self._program.used, 4), np.nan)
-        for number in np.flatnonzero(self._program.planes).tolist():
-            function = self._program.columns[number].function
-            if isinstance(function, Polynomial):
-                row = scaled(function).dense(1)
-                result[number] = row / np.sqrt(row @ row)
-        return result
+    def _passes(self, yes: Bools, no: Bools, plane: int, pair: tuple[int, int]) -> bool:
+        """Whether the tree is the same on both sides of a plane, where two columns have the same sign."""
+        signs = np.repeat(yes[:, None], 4, axis=1), np.repeat(no[:, None], 4, axis=1)
+        for table, side in zip(signs, (True, False), strict=True):
+            table[plane] = np.array([side, not side, side, not side])
+            table[list(pair)] = np.array([side, side, not side, not side])
+        holds = self._evaluator.holds(*signs)
+        return bool(holds[0] == holds[1] and holds[2] == holds[3])
+
+    def _same_on(self, plane: int, a: int, b: int) -> bool:
+        """Whether two columns are positive multiples of one another on a plane."""
+        key = plane, a, b
+        if key not in self._same:
+            found = [self._evaluator.columns[i].function for i in key]
+            known = [p for p in found if isinstance(p, Polynomial)]
+            self._same[key] = len(known) == 3 and known[0].degree == 1 and multiples(*known)
+        return self._same[key]
+
+
+def multiples(plane: Polynomial, first: Polynomial, second: Polynomial) -> bool:
+    """Whether two polynomials are positive multiples of one another on a plane, and not 0; exact."""
+    f, g = on_plane(first, plane), on_plane(second, plane)
+    if f.is_zero() or g.is_zero():
+        return False
+    a, b = f.leading_coefficient(), g.leading_coefficient()
+    return bool((f * b - g * a).is_zero() and a * b > 0)

@@ -31,15 +31,8 @@ LIMITS = Limits(depth=13, cells=20_000)
 MOST_CONTACTS, NEAR = 100, 40.0
 """Points in which boundaries may touch; how far around each cubes are left, over their half edge."""
 
-STEPS, STILL, MET = 30, 1e-15, 1e-12
-"""Of Newton's method for a point of contact, in local coordinates: its length, and that of a step and a distance there
-that are rounding."""
-
 BESIDE, FLATTEST = 1e-2, 1e-3
 """How far from a cube a contact may be; the least difference of curvatures there, both in local coordinates."""
-
-SLACK = 1 / 16
-"""Share of a box by which that of a hollow may be larger, where it touches the sides: boxes are known no better."""
 
 MOST_PARTS = 8
 """Parts of an intersection whose boxes are looked for one by one."""
@@ -57,8 +50,11 @@ def cavities(tree: Tree, box: Floats) -> Iterator[tuple[Tree, Tree]]:
 
 
 def pieces(tree: Tree, box: Floats) -> Iterator[tuple[Tree, Tree]]:
-    """The `cavities` in a box a little larger, and each part of a union with the union of the others."""
-    yield from cavities(tree, box + SLACK * np.ptp(box, axis=0) * np.array([[-1.0], [1.0]]))
+    """The `cavities` in a box larger by a 16th, and each part of a union with the union of the others.
+
+    Boxes of hollows that touch the sides are known no better.
+    """
+    yield from cavities(tree, box + np.ptp(box, axis=0) / 16 * np.array([[-1.0], [1.0]]))
     if len(parts_of(tree, union=True)) <= MOST_PARTS:
         yield from splits_of(tree, union=True)
 
@@ -125,7 +121,7 @@ def _contact(first: TreeEvaluator, second: TreeEvaluator, start: Floats) -> Floa
         (p, q) for i, j in product(_near(first, start), _near(second, start))
         if (p := first.polynomial(i)) is not None and (q := second.polynomial(j)) is not None
     ]  # fmt: skip
-    found = [point for p, q in pairs if (point := _kiss(p, q, start)) is not None]
+    found = [point for p, q in pairs if (point := _tangency(p, q, start)) is not None]
     return found[0] if len(pairs) == len(found) == 1 else None
 
 
@@ -135,7 +131,7 @@ def _near(evaluator: TreeEvaluator, point: Floats) -> list[int]:
     return [i for i, (value, *slope) in enumerate(jets) if abs(value) <= BESIDE * np.linalg.norm(slope)]
 
 
-def _kiss(p: Polynomial, q: Polynomial, start: Floats) -> Floats | None:
+def _tangency(p: Polynomial, q: Polynomial, start: Floats) -> Floats | None:
     """The point near another at which p = q = 0 and p - m q has no gradient, by Newton's method for (x, m).
 
     None where it is not found, or p - m q is not definite there across the normal.
@@ -144,7 +140,7 @@ def _kiss(p: Polynomial, q: Polynomial, start: Floats) -> Floats | None:
         return None  # planes
     functions = derivative_batch([f.dense(f.degree) for f in (p, q)], (0, 1, 2))
     point, factor = start.copy(), None
-    for _ in range(STEPS):
+    for _ in range(30):  # fewer where it converges; else there is no contact
         jets = functions(np.tile(point, (2, 1)), np.arange(2))
         values, hessians = jets[:, :4], symmetric(jets[:, 4:], 2)
         (_, *a), (_, *b) = values
@@ -155,12 +151,12 @@ def _kiss(p: Polynomial, q: Polynomial, start: Floats) -> Floats | None:
         rest = np.append(across[0] - factor * across[1], values[0, 0])
         step, *_ = np.linalg.lstsq(matrix, -rest, rcond=None)
         point, factor = point + step[:3], factor + step[3]
-        if np.linalg.norm(step[:3]) < STILL:
+        if np.linalg.norm(step[:3]) < 1e-15:  # rounding, in local coordinates; so is 1e-12 of a distance
             break
     size = np.linalg.norm(values[:, 1:], axis=1)
     tangents = np.linalg.svd(across[0][None])[2][1:]
     curvatures = np.linalg.eigvalsh(tangents @ bend @ tangents.T) / max(size[0], 1e-300)
-    met = (np.abs(values[:, 0]) <= MET * size).all() and np.linalg.norm(point - start) < BESIDE
+    met = (np.abs(values[:, 0]) <= 1e-12 * size).all() and np.linalg.norm(point - start) < BESIDE
     return point if met and curvatures.prod() > 0 and np.abs(curvatures).min() > FLATTEST else None
 
 

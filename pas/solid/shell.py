@@ -20,29 +20,19 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.mesh.closed import FaceMesh
-from pas.mesh.field import FaceField
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import least_norm, project
 from pas.mesh.rows import Integers, cross
+from pas.mesh.shading import unit_rows
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.functions import Distance, Followed
 from pas.solid.joints import Joint
 from pas.solid.tree import Atom, Bools, Node, Tree, combined, complement
-
-SHARP = 0.97
-"""Cosine of the angle between two faces' normals below which they meet in a sharp edge."""
-
-ALONG = 20
-"""Edges at least along the longest side of the box, where feet are looked for."""
-
-STEPS, STILL = 80, 1e-13
-"""Steps to the foot of a point, and their size (over the local extent, 2) where they may end."""
 
 BESIDE = 1e-7
 """How far on both sides of a foot the solid is looked for, over the local extent."""
@@ -103,15 +93,16 @@ class FaceDistance(Distance):
         self.solid, self.faces, self.thickness, self.tolerance = solid, tuple(faces), thickness, tolerance
         mesh, field = _dense(solid, tolerance), solid.field
         self._field, self._scale = field, field.scale
-        names = {int(label): field.face(int(label)) for label in np.unique(mesh.labels)}
+        names = {label: field.face(label) for label in np.unique(mesh.labels).tolist()}
         labels = [label for label, name in names.items() if name in self.faces]
         self.follows = Followed(solid.tree, frozenset(self.faces), frozenset(names.values()), thickness)
         triangles = mesh.triangles[np.isin(mesh.labels, labels)]
         self._targets = [_target(mesh, field, (label,), mesh.triangles[mesh.labels == label]) for label in labels]
         edges = LabelEdges.of(mesh, field)
-        for a, b in sorted({(int(a), int(b)) for a, b in np.sort(edges.labels[edges.grooves], axis=1)}):
+        pairs = np.sort(edges.labels, axis=1)
+        for a, b in np.unique(pairs[edges.grooves], axis=0).tolist():
             if a in labels and b in labels:
-                chosen = edges.grooves & (np.sort(edges.labels, axis=1) == (a, b)).all(axis=1)
+                chosen = edges.grooves & (pairs == (a, b)).all(axis=1)
                 self._targets.append(_target(mesh, field, (a, b), edges.ends[chosen]))
         self._targets += _corners(mesh, field, set(labels))
         self._all = _target(mesh, field, tuple(labels), triangles)
@@ -181,7 +172,7 @@ class FaceDistance(Distance):
         """Where each point's nearest vertex goes when it follows the point inside its face or groove; the normal."""
         feet = target.vertices[target.tree.query(points)[1]]
         active = np.arange(len(points) if len(target.labels) < 3 else 0)  # corners stay
-        for _ in range(STEPS if len(active) else 0):
+        for _ in range(80 if len(active) else 0):  # convergence is linear where faces bend
             checkpoint()
             p = feet[active]
             move = points[active] - p
@@ -190,11 +181,10 @@ class FaceDistance(Distance):
                 size = np.maximum((jets[:, 1:] ** 2).sum(axis=1), 1e-300)
                 move -= (((move * jets[:, 1:]).sum(axis=1) + jets[:, 0]) / size)[:, None] * jets[:, 1:]
             else:
-                along = cross(*(_normals(self._field, p, label) for label in target.labels))
-                along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+                along = unit_rows(cross(*(_normals(self._field, p, label) for label in target.labels)))
                 move = (move * along).sum(axis=1, keepdims=True) * along - least_norm(self._field, target.labels, p)
             feet[active] = p + move
-            active = active[(move * move).sum(axis=1) > STILL**2]
+            active = active[(move * move).sum(axis=1) > 1e-13**2]  # steps of rounding, where the extent is 2
             if not len(active):
                 break
         outward = [_normals(self._field, feet, label) for label in target.labels]
@@ -208,40 +198,29 @@ class FaceDistance(Distance):
 
     def _covered(self, points: Floats, normals: Floats) -> Bools:
         """Whether the solid is above points of the curve on which a groove lies: the groove does not go there."""
-        above = points + BESIDE * normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-        return np.asarray(self._field.inside(self._field.signs(above)))
+        return np.asarray(self._field.inside(self._field.signs(points + BESIDE * unit_rows(normals))))
 
 
 def _corners(mesh: Labelled, field: SolidField, labels: set[int]) -> list[_Target]:
     """The vertices at which three or more of some labels meet."""
-    around = mesh.topology.vertex_labels[mesh.topology.label_count > 2]
-    result = []
-    for row in np.unique(around, axis=0):
-        own = tuple(int(label) for label in row if label in labels)
-        if len(own) > 2:
-            at = np.flatnonzero(mesh.topology.label_count > 2)[(around == row).all(axis=1)]
-            result.append(_target(mesh, field, own, at))
-    return result
+    rows, places = np.unique(mesh.topology.vertex_labels, axis=0, return_inverse=True)
+    found = [(tuple(label for label in row if label in labels), i) for i, row in enumerate(rows.tolist())]
+    return [_target(mesh, field, own, np.flatnonzero(places == i)) for own, i in found if len(own) > 2]
 
 
-def _normals(field: SolidField, points: Floats, label: int) -> Floats:
-    gradient = field.jets(points, label)[:, 1:]
-    return gradient / np.maximum(np.linalg.norm(gradient, axis=1, keepdims=True), 1e-300)
-
-
-def _subdivided(mesh: Labelled, field: FaceField, longest: float) -> Labelled:
-    """The mesh with edges of at most a given length."""
-    while (long := mesh.lengths > longest).any():
-        checkpoint(f"subdividing the mesh ({len(mesh.triangles)} triangles)")
-        finer = halved(mesh, np.flatnonzero(long))
-        mesh = project(finer, field, finer.sizes)
-    return mesh
+def _normals(field: SolidField, points: Floats, label: int | Integers) -> Floats:
+    return unit_rows(field.jets(points, label)[:, 1:])
 
 
 def _dense(solid: Hollowable, tolerance: float) -> Labelled:
-    """A mesh of the faces with vertices everywhere, flat or not."""
-    longest = float(np.ptp(solid.field.box, axis=0).max()) / ALONG
-    return _subdivided(solid.face_mesh(tolerance).mesh, solid.field, longest)
+    """A mesh of the faces with vertices everywhere, flat or not: 20 along the longest side of the box."""
+    longest = float(np.ptp(solid.field.box, axis=0).max()) / 20
+    mesh = solid.face_mesh(tolerance).mesh
+    while (long := mesh.lengths > longest).any():
+        checkpoint(f"subdividing the mesh ({len(mesh.triangles)} triangles)")
+        finer = halved(mesh, np.flatnonzero(long))
+        mesh = project(finer, solid.field, finer.sizes)
+    return mesh
 
 
 def _target(mesh: Labelled, field: SolidField, labels: tuple[int, ...], cells: Integers) -> _Target:
@@ -266,25 +245,20 @@ class LabelEdges:
 
     @classmethod
     def of(cls, mesh: Labelled, field: SolidField) -> LabelEdges:
-        """Those of a mesh; normals are the functions' own."""
-        t = mesh.triangles
-        start, end = t.ravel(), t[:, [1, 2, 0]].ravel()
-        order = np.argsort(np.minimum(start, end) * len(mesh.points) + np.maximum(start, end), kind="stable")
-        first, second = order[::2], order[1::2]
-        differ = mesh.labels[first // 3] != mesh.labels[second // 3]
-        first, second = first[differ], second[differ]
-        labels = np.stack([mesh.labels[first // 3], mesh.labels[second // 3]], axis=1)
-        middle = (mesh.points[start[first]] + mesh.points[end[first]]) / 2
-        normals = np.zeros((2, len(first), 3))
-        for side in (0, 1):
-            for label in np.unique(labels[:, side]):
-                rows = labels[:, side] == label
-                normals[side, rows] = field.jets(middle[rows], int(label))[:, 1:]
-        normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-300)
-        smooth = (normals[0] * normals[1]).sum(axis=1) > SHARP
-        opposite = mesh.points[t[second // 3, (second + 2) % 3]]
-        convex = ((opposite - middle) * normals[0]).sum(axis=1) < 0
-        return cls(np.stack([start[first], end[first]], axis=1), labels, smooth, ~convex & ~smooth)
+        """Those of a mesh; normals are the functions' own.
+
+        Edges are smooth where these differ by less than 14 degrees.
+        """
+        topology = mesh.topology
+        halves = topology.halves[topology.seam_mask]
+        twins = topology.twins[halves]
+        labels = np.stack([mesh.labels[halves // 3], mesh.labels[twins // 3]], axis=1)
+        middle = mesh.points[topology.seams].mean(axis=1)
+        first, second = (_normals(field, middle, column) for column in labels.T)
+        smooth = (first * second).sum(axis=1) > 0.97
+        opposite = mesh.points[mesh.triangles[twins // 3, (twins + 2) % 3]]
+        convex = ((opposite - middle) * first).sum(axis=1) < 0
+        return cls(topology.seams, labels, smooth, ~convex & ~smooth)
 
 
 def shelled(solid: Hollowable, thickness: float, without: Iterable[str], tolerance: float) -> Tree:
@@ -293,7 +267,7 @@ def shelled(solid: Hollowable, thickness: float, without: Iterable[str], toleran
     Raises `GeometryError` where nothing would be hollow, for unknown faces, or where none is left.
     """
     mesh, field = _dense(solid, tolerance), solid.field
-    names = {int(label): field.face(int(label)) for label in np.unique(mesh.labels)}
+    names = {label: field.face(label) for label in np.unique(mesh.labels).tolist()}
     left_out = tuple(without)
     for name in left_out:
         if name not in names.values():
@@ -321,12 +295,12 @@ def shelled(solid: Hollowable, thickness: float, without: Iterable[str], toleran
 
 def _groups(edges: LabelEdges, names: dict[int, str], kept: list[str]) -> list[list[str]]:
     """Faces whose inner faces are one: all that meet otherwise than in sharp convex edges."""
-    joined = edges.labels[edges.smooth | edges.grooves]
-    rows = [(kept.index(names[a]), kept.index(names[b])) for a, b in joined.tolist() if {names[a], names[b]} <= {*kept}]
-    pairs = np.array(rows, dtype=np.intp).reshape(-1, 2)
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(kept),) * 2)
+    number = np.array([kept.index(n) if (n := names.get(i)) in kept else -1 for i in range(max(names) + 1)])
+    pairs = number[edges.labels[edges.smooth | edges.grooves]]
+    pairs = pairs[(pairs >= 0).all(axis=1)]
+    graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(len(kept),) * 2)
     group = connected_components(graph, directed=False)[1]
-    return [[f for f, g in zip(kept, group, strict=True) if g == number] for number in dict.fromkeys(group.tolist())]
+    return [[f for f, g in zip(kept, group, strict=True) if g == own] for own in dict.fromkeys(group.tolist())]
 
 
 def _depth(solid: Hollowable, vertices: Floats) -> float:
@@ -334,4 +308,4 @@ def _depth(solid: Hollowable, vertices: Floats) -> float:
     low, high = solid.field.box
     grid = np.stack(np.meshgrid(*np.linspace(low, high, 41).T, indexing="ij"), axis=-1).reshape(-1, 3)
     inside = grid[solid.field.inside(solid.field.signs(grid))]
-    return float(cKDTree(vertices).query(inside)[0].max(initial=0.0)) * to_float(solid.field.evaluator.scale)
+    return float(cKDTree(vertices).query(inside)[0].max(initial=0.0)) * solid.field.scale

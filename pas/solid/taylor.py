@@ -14,21 +14,15 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.evaluation import CHUNK_ENTRIES, evaluate
-from pas.algebra.monomials import Floats, count, exponents, positions
+from pas.algebra.evaluation import evaluate
+from pas.algebra.monomials import Floats, derivative_matrix, exponents, positions
 from pas.algebra.polynomial import Polynomial
 from pas.solid.tree import Bools
 
 Integers = NDArray[np.intp]
 
-BOX_CHUNK = 1 << 22
+HELD = 1 << 22
 """Numbers held at once while boxes are bounded."""
-
-MOST_BENT, TOGETHER = 5, 4096
-"""Degree above which boxes have too many B-coefficients for what they tell; and boxes of which all are held at once."""
-
-NOISE = 1e-13
-"""Over what a polynomial may change in a box: what rounding leaves unknown of its B-coefficients."""
 
 
 class TaylorForms:
@@ -39,14 +33,6 @@ class TaylorForms:
 
     def __len__(self) -> int:
         return len(self.polynomials)
-
-    def signs(self, points: Floats) -> Bools:
-        """Which polynomials (M, N) are <= 0 at points (N, 3)."""
-        result = np.empty((len(self), len(points)), dtype=bool)
-        step = max(1, CHUNK_ENTRIES // max(len(self._matrix), 1))
-        for start in range(0, len(points), step):
-            result[:, start : start + step] = self.values(points[start : start + step]) <= 0
-        return result
 
     def values(self, points: Floats) -> Floats:
         """Values (M, N) at points (N, 3)."""
@@ -97,16 +83,10 @@ class TaylorForms:
         return [_Expansion(self.polynomials, np.flatnonzero(degrees == d), int(d)) for d in np.unique(degrees)]
 
     @cached_property
-    def _degree(self) -> int:
-        return max((p.degree for p in self.polynomials), default=0)
-
-    @cached_property
     def _matrix(self) -> Floats:
         """The coefficients as columns (count, M)."""
-        matrix = np.zeros((count(self._degree), len(self)))
-        for k, p in enumerate(self.polynomials):
-            matrix[:, k] = p.dense(self._degree)
-        return matrix
+        degree = max(p.degree for p in self.polynomials)
+        return np.stack([p.dense(degree) for p in self.polynomials], axis=1)
 
 
 class _Expansion:
@@ -118,7 +98,7 @@ class _Expansion:
         size = len(self.exponents)
         self._table = np.zeros((size, len(rows), size))
         self._table[:, :, 0] = np.stack([polynomials[row].dense(degree) for row in rows], axis=1)
-        operators = [_shift_operator(degree, i) for i in range(3)]
+        operators = [derivative_matrix(degree, i) for i in range(3)]
         for e in exponents(degree)[1:]:  # p^(a) / a! from that of the lower exponent
             axis = next(i for i in range(3) if e[i])
             lower = tuple(v - (i == axis) for i, v in enumerate(e))
@@ -129,7 +109,7 @@ class _Expansion:
     ) -> Iterator[tuple[slice, Floats, Floats]]:
         """Coefficients (n, m, count) about centres, powers (n or 1, count) of half edges, some boxes at a time."""
         table = self._table[:, members]
-        step = max(1, BOX_CHUNK // max(1, table[0].size))
+        step = max(1, HELD // max(1, table[0].size))
         for start in range(0, len(centers) if table.shape[1] else 0, step):
             part = slice(start, start + step)
             values = evaluate(centers[part], table.reshape(len(table), -1))
@@ -143,16 +123,18 @@ class _Expansion:
         """The least and greatest values (n, count) that polynomials may have in boxes; see `about`.
 
         By the Taylor expansion, and where that leaves the sign open by B-coefficients: blends touch the walls in which
-        they end, and beside a multiple zero the terms are large, of opposite signs.
+        they end, and beside a multiple zero the terms are large, of opposite signs.  Above degree 5 boxes have too many
+        B-coefficients for what they tell.
         """
         middle, powers = values[:, :, 0], np.broadcast_to(powers, (len(values), powers.shape[1]))
         change = (np.abs(values[:, :, 1:]) @ powers[:, 1:, None])[..., 0]
         below, above = middle - change, middle + change
-        boxes, members = np.nonzero((below <= 0) & (above > 0) & (2 <= self.degree <= MOST_BENT))
-        for start in range(0, len(boxes), TOGETHER):
-            row, member = boxes[start : start + TOGETHER], members[start : start + TOGETHER]
+        boxes, members = np.nonzero((below <= 0) & (above > 0) & (2 <= self.degree <= 5))
+        step = HELD // (self.degree + 1) ** 3
+        for start in range(0, len(boxes), step):
+            row, member = boxes[start : start + step], members[start : start + step]
             forms = (values[row, member] * powers[row]) @ b_forms(self.degree)
-            noise = NOISE * change[row, member]
+            noise = 1e-13 * change[row, member]  # what rounding leaves unknown of B-coefficients
             below[row, member], above[row, member] = forms.min(axis=1) - noise, forms.max(axis=1) + noise
         return below, above
 
@@ -175,13 +157,3 @@ def b_forms(degree: int) -> Floats:
     polar = sums / np.array([comb(degree, a) for a in range(degree + 1)])[:, None]
     x, y, z = (polar[[e[axis] for e in exponents(degree)]] for axis in range(3))
     return np.asarray(np.einsum("ai,aj,ak->aijk", x, y, z).reshape(len(x), -1))
-
-
-def _shift_operator(degree: int, axis: int) -> Floats:
-    """The matrix that maps a polynomial's coefficients to those of its derivative."""
-    where = positions(degree)
-    result = np.zeros((len(where), len(where)))
-    for e, column in where.items():
-        if e[axis]:
-            result[where[tuple(v - (i == axis) for i, v in enumerate(e))], column] = e[axis]
-    return result

@@ -81,20 +81,19 @@ class CompiledTree:
 
     def holds(self, yes: Bools, no: Bools) -> Bools:
         """Where the tree is certainly true (N,), given where each column is certainly <= 0 or > 0 (M, N)."""
-        first, second = _packed(yes), _packed(no)
-        found = [self._all(first[:, at], second[:, at])[-1] for at in _blocks(first.shape[1])]
+        found = [self._all(*block)[-1] for block in _blocks(yes, no)]
         return _unpacked(np.concatenate(found), yes.shape[1])
 
     def relevant(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
         """Which columns (M, N) the tree depends on where it reads them `<= 0`, and where it reads them `> 0`."""
-        first, second = _packed(yes), _packed(no)
-        found = [self._relevant(first[:, at], second[:, at]) for at in _blocks(first.shape[1])]
-        below, above = (np.concatenate(side, axis=1) for side in zip(*found, strict=True))
-        return _unpacked(below, yes.shape[1]), _unpacked(above, yes.shape[1])
+        found = np.concatenate([self._relevant(*block) for block in _blocks(yes, no)], axis=1)
+        below, above = np.split(_unpacked(found, yes.shape[1]), 2)
+        return below, above
 
     def extremes(self, values: Floats) -> Floats:
         """Minima for unions and maxima for intersections (N,) of the columns' values (M, N), those negated turned."""
-        return np.concatenate([self._extremes(values[:, at]) for at in _blocks(values.shape[1])])
+        parts = np.array_split(values, 1 + values.shape[1] // TOGETHER, axis=1)
+        return np.concatenate([self._extremes(part) for part in parts])
 
     def _all(self, yes: Bits, no: Bits) -> Bits:
         """Where each branch is certainly true, (size, N / 8)."""
@@ -106,7 +105,8 @@ class CompiledTree:
             found[level.numbers] = np.bitwise_and.reduceat(parts, level.starts, axis=0) ^ unions[:, None]
         return found
 
-    def _relevant(self, yes: Bits, no: Bits) -> tuple[Bits, Bits]:
+    def _relevant(self, yes: Bits, no: Bits) -> Bits:
+        """Those that are read `<= 0`, and then those that are read `> 0`, (2 M, N / 8)."""
         open_ = ~self._all(yes, no) & self._all(~no, ~yes)
         for level in reversed(self.levels):
             open_[level.parts] &= open_[level.numbers][level.owners]
@@ -114,7 +114,7 @@ class CompiledTree:
         rows, starts = np.unique(self.rows[order], return_index=True)
         result = np.zeros((2 * self.columns, yes.shape[1]), dtype=np.uint8)
         result[rows] = np.bitwise_or.reduceat(open_[order], starts, axis=0)
-        return result[: self.columns], result[self.columns :]
+        return result
 
     def _extremes(self, values: Floats) -> Floats:
         found = np.empty((self.size, values.shape[1]))
@@ -126,19 +126,16 @@ class CompiledTree:
         return found[-1]
 
 
-def _packed(table: Bools) -> Bits:
-    """A table of truth values, eight to a byte."""
-    return np.packbits(table, axis=-1)
+def _blocks(yes: Bools, no: Bools) -> list[tuple[Bits, Bits]]:
+    """Two tables of truth values, eight to a byte, so many columns at a time; one block, which is empty, of none."""
+    first, second = np.packbits(yes, axis=-1), np.packbits(no, axis=-1)
+    blocks = [slice(start, start + TOGETHER) for start in range(0, max(first.shape[1], 1), TOGETHER)]
+    return [(first[:, block], second[:, block]) for block in blocks]
 
 
 def _unpacked(bits: Bits, number: int) -> Bools:
     """The first so many truth values of each row."""
     return np.unpackbits(bits, axis=-1, count=number).view(bool)
-
-
-def _blocks(number: int) -> list[slice]:
-    """Slices of so many boxes; one, which is empty, of none."""
-    return [slice(start, start + TOGETHER) for start in range(0, max(number, 1), TOGETHER)]
 
 
 Truth = Callable[[int], bool | None]

@@ -23,13 +23,8 @@ from pas.solid.functions import Distance
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Bools, combined
 
-SAMPLES, MOST_SAMPLES = 512, 1 << 17
-PER_RADIUS = 16
-"""Samples of the curve along one radius of the tube."""
-
-NEWTON_STEPS, STILL = 8, 1e-12
-CLOSED = 1e-9
-"""How far apart the ends of a closed curve may be, over its extent."""
+SAMPLES = 512
+"""Of a curve, at least."""
 
 
 class TubeCurve:
@@ -54,14 +49,12 @@ class TubeCurve:
     def jets(self, t: Floats) -> Floats:
         """Points, first and second derivatives at t (N,): (3, N, 3)."""
         line, _ = variables(t, np.zeros_like(t), (2, 0))
-        with np.errstate(all="ignore"):
-            parts = [part(line, 0.0) for part in self._parts]
-        flat = np.zeros_like(t)
-        rows = [
-            [p.derivative(k, 0) if isinstance(p, Jet) else (flat + p if k == 0 else flat) for p in parts]
-            for k in range(3)
-        ]
-        result = np.array(rows).transpose(0, 2, 1)
+        result = np.zeros((3, len(t), 3))
+        for axis, formula in enumerate(self._parts):
+            with np.errstate(all="ignore"):
+                part = formula(line, 0.0)
+            for k in range(3 if isinstance(part, Jet) else 1):
+                result[k, :, axis] = part.derivative(k, 0) if isinstance(part, Jet) else part
         if not np.isfinite(result).all():
             bad = float(t[~np.isfinite(result).all(axis=(0, 2))][0])
             raise GeometryError(f"the curve ({', '.join(self.formulas)}) is not defined or not smooth at t = {bad:.6g}")
@@ -79,14 +72,14 @@ class TubeCurve:
         points, tangents = self.ends
         extent = float(np.ptp(self.jets(np.linspace(*self.interval, SAMPLES))[0], axis=0).max())
         apart = float(np.linalg.norm(points[1] - points[0]))
-        return apart < CLOSED * extent and float(tangents[0] @ tangents[1]) > 1 - CLOSED
+        return apart < 1e-9 * extent and float(tangents[0] @ tangents[1]) > 1 - 1e-9  # formulas are rounded
 
     def sampled(self, step: float) -> Floats:
-        """Parameters (n,) whose points are about `step` apart."""
+        """Parameters (n,) whose points are about `step` apart, but no more than 131,072."""
         t = np.linspace(*self.interval, SAMPLES)
         speed = np.linalg.norm(self.jets(t)[1], axis=1)
         length = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2 * np.diff(t))])
-        count = int(np.clip(length[-1] / step, SAMPLES, MOST_SAMPLES))
+        count = int(np.clip(length[-1] / step, SAMPLES, 1 << 17))
         return np.interp(np.linspace(0, length[-1], count), length, t)
 
 
@@ -98,7 +91,7 @@ class Tube(Distance):
         if self.exact_radius <= 0:
             raise ValueError(f"radius must be positive, not {plain(self.exact_radius)}")
         self.radius = to_float(self.exact_radius)
-        self.parameters = curve.sampled(self.radius / PER_RADIUS)
+        self.parameters = curve.sampled(self.radius / 16)
         points, slopes, bends = curve.jets(self.parameters)
         speed = np.linalg.norm(slopes, axis=1)
         turned = (slopes[1:] * slopes[:-1]).sum(axis=1) <= 0
@@ -123,19 +116,22 @@ class Tube(Distance):
         return np.concatenate([(distance - self.radius)[:, None], gradient], axis=1)
 
     def nearest(self, points: Floats) -> tuple[Floats, Floats]:
-        """The parameters (N,) of the nearest points of the curve, and these points (N, 3)."""
+        """The parameters (N,) of the nearest points of the curve, and these points (N, 3).
+
+        By eight steps of Newton's method at most, from the nearest of samples a 16th of the radius apart.
+        """
         _, index = self._tree.query(points)
         last = len(self.parameters) - 1
         low, high = self.parameters[np.maximum(index - 1, 0)], self.parameters[np.minimum(index + 1, last)]
         start, t = self.parameters[index], self.parameters[index]
         kept, d, d2 = (table[index] for table in self._table)
         p = kept
-        for _ in range(NEWTON_STEPS):
+        for _ in range(8):
             away, square = p - points, (d * d).sum(axis=1)
             slope = np.maximum(square + (away * d2).sum(axis=1), square * 1e-3)
             before, t = t, np.clip(t - (away * d).sum(axis=1) / slope, low, high)
             p, d, d2 = self.curve.jets(t)
-            if np.abs(t - before).max(initial=0.0) < STILL * (self.parameters[-1] - self.parameters[0]):
+            if np.abs(t - before).max(initial=0.0) < 1e-12 * (self.parameters[-1] - self.parameters[0]):
                 break
         worse = ((p - points) ** 2).sum(axis=1) > ((kept - points) ** 2).sum(axis=1)
         return np.where(worse, start, t), np.where(worse[:, None], kept, p)

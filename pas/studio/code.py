@@ -89,9 +89,9 @@ def wished(name: str, value: Any) -> str:
 
 def literal(value: Any) -> str:
     """Python for plain data; lists of numbers become tuples."""
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         inner = ", ".join(map(literal, value))
-        points = bool(value) and isinstance(value[0], list)
+        points = bool(value) and isinstance(value[0], list | tuple)
         return f"[{inner}]" if points else f"({inner},)" if len(value) == 1 else f"({inner})"
     return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
 
@@ -99,15 +99,7 @@ def literal(value: Any) -> str:
 def _program_of_file(problem: Mapping[str, Any]) -> str:
     text, name = toml(problem), f"{problem.get('name', 'problem')}.toml"
     quoted = text.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
-    return "\n".join(
-        [
-            "from pathlib import Path",
-            "",
-            "import pas",
-            "",
-            f'Path({literal(name)}).write_text("""\\\n{quoted}""")',
-            f"shape = pas.read_problem({literal(name)}).solve()",
-            "print(shape)",
-            "",
-        ]
+    return (
+        f'from pathlib import Path\n\nimport pas\n\nPath({literal(name)}).write_text("""\\\n{quoted}""")\n'
+        f"shape = pas.read_problem({literal(name)}).solve()\nprint(shape)\n"
     )

@@ -96,9 +96,9 @@ def _generatrix(problem: Data) -> Iterator[Control]:
     if "boundaries" not in problem:
         return
     for name, (low, high) in SHAPE.items():
-        value = problem.get("shape", {}).get(name, 1 if name in ("l1", "l2") else 0)
+        usual = "1" if name in LENGTHS else "0"
+        value = problem.get("shape", {}).get(name, usual)
         if not isinstance(value, list | dict):
-            usual = "1" if name in ("l1", "l2") else "0"
             control = _number_control(["problem", "shape", name], name, "Generatrix", low, high)
             yield control | {"usual": usual, "safe": name in LENGTHS}
         elif isinstance(value, dict):

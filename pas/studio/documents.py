@@ -14,20 +14,24 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, cast
 
 from pas.algebra.inputs import DEEPEST, depth, shown
+from pas.algebra.rational import plain, rational
 from pas.designs.teapot import teapot
 from pas.errors import InputError, ProblemFileError
 from pas.exchange.problem import PROBLEMS, Problem
+from pas.fairing.energies.curvature_variation import CurvatureVariation
+from pas.fairing.wishes import DEFAULT_NEAR_WEIGHT, MeanAlpha
 from pas.pipeline.result import Blend
 from pas.registry import Registry
 from pas.shape import Shape
 from pas.studio import code
+from pas.studio.controls import OF_DEGREE, TENSION
 from pas.studio.gallery import TEAPOT, Data
 
 SLIDERS = ("tension", "points")
@@ -106,6 +110,40 @@ def sliders_of(document: Data) -> dict[str, Any]:
     return moved | ({"tension": held["tension"]} if "tension" in held else {})
 
 
+def all_sliders(blend: Any, document: Data) -> dict[str, Any]:
+    """All sliders of a document, those that it does not name at rest."""
+    usual: dict[str, Any] = {}
+    if document["kind"] != "project":  # a file has its own wishes
+        points = dict.fromkeys(("inside", "outside", "through", "near", "handles", "coefficients"), ())
+        tense = {"tension": TENSION} if isinstance(blend.plate, CurvatureVariation) else {}
+        usual = {**points, "near_weight": DEFAULT_NEAR_WEIGHT, **tense}
+    if document["kind"] != "project" and isinstance(blend.wishes.normalize, MeanAlpha):
+        usual["margin"] = None
+    return usual | sliders_of(document)
+
+
+def remedies(document: Data, shape: Any) -> Iterator[Data]:
+    """What may be tried in turn: to ask for proofs, to guard the witness, lighter weights, higher degrees."""
+    problem = {name: value for name, value in document["problem"].items() if name not in ("prove", "guard")}
+    document = {**document, "problem": problem}
+    yield document
+    points = problem.get("points", {})
+    failed = [v.witness for v in shape.certificate.verdicts if v.failed and v.witness is not None]
+    for kind in ("outside", "inside") if failed else ():
+        witnesses = [[repr(round(c, 6)) for c in place] for place in failed]
+        yield _with(document, points={**points, kind: [*points.get(kind, []), *witnesses]})
+    if points.get("near") and not isinstance(points.get("near_weight", ""), list):
+        for share in (10, 100):
+            weight = rational(points.get("near_weight", DEFAULT_NEAR_WEIGHT)) / share
+            yield _with(document, points={**points, "near_weight": plain(weight)})
+    for more in (1, 2) if not any(points.get(name) for name in OF_DEGREE) else ():
+        yield _with(document, degree=shape.surface.degree + more)
+
+
+def _with(document: Data, **changed: Any) -> Data:
+    return {**document, "problem": {**document["problem"], **changed}}
+
+
 def _check_problem(document: Data) -> None:
     if not isinstance(document.get("problem"), dict):
         raise InputError(f"a problem must be a table, not {shown(document.get('problem'))}")
@@ -130,13 +168,9 @@ def _solve_project(document: Data, opened: Opened) -> Shape:
 
 
 def _project_program(document: Data) -> str:
-    moved = ", ".join(f"{name}={code.wished(name, _listed(value))}" for name, value in sliders_of(document).items())
+    moved = ", ".join(f"{name}={code.wished(name, value)}" for name, value in sliders_of(document).items())
     refit = f".refit(steps=None, {moved})" if moved else ""
     return f"import pas\n\nshape = pas.load({code.literal(document['name'])}){refit}\nprint(shape)\n"
-
-
-def _listed(value: Any) -> Any:
-    return [list(p) for p in value] if isinstance(value, list) and value and isinstance(value[0], tuple) else value
 
 
 def _teapot_program(document: Data) -> str:
@@ -147,24 +181,21 @@ def _teapot_program(document: Data) -> str:
 DOCUMENTS: Registry[DocumentKind] = Registry("kind of document")
 """All kinds of documents."""
 
-DOCUMENTS.register(
+for kind in (
     DocumentKind(
         "problem",
         _check_problem,
         lambda document, _: problem_of(document["problem"]).solve(),
         lambda document: code.program(document["problem"]),
         lambda document: code.toml(document["problem"]),
-    )
-)
-DOCUMENTS.register(
+    ),
     DocumentKind(
         "teapot",
         _check_teapot,
         lambda document, _: teapot(**(TEAPOT | document["values"])),
         _teapot_program,
         lambda _: None,
-    )
-)
-DOCUMENTS.register(
+    ),
     DocumentKind("project", _check_project, _solve_project, _project_program, lambda _: None),
-)
+):
+    DOCUMENTS.register(kind)

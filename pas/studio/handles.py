@@ -31,26 +31,8 @@ from pas.pipeline.result import Blend
 from pas.studio.controls import Control
 from pas.studio.gallery import Data
 
-FREE = 1e-6
-"""How far a B-coefficient gives way, over that which gives way most, if it is not settled."""
-
-NEARER = 5.0
-"""How much a handle near by is better than one at the end of the region with which the surface goes along as well."""
-
-LIGHT = 1e-2
-"""How much the function must change where a good handle takes hold, over the coefficient."""
-
-NEAR = 1e-9
-"""Of a domain point to the centre, in local coordinates, from where no ray goes through it."""
-
 MOST_MEMBERS = 40
 """Coefficients that are offered: more are no family that anybody shapes by hand."""
-
-DIGITS = 6
-"""Of a new handle's value: so the surface stays where it is to all that can be seen."""
-
-WIDE = 4.0
-"""Ends of a coefficient that nothing limits, over the larger of its value and what gives the member its own size."""
 
 
 def free_handle(blend: Blend, point: Floats) -> tuple[Handle, float]:
@@ -63,8 +45,10 @@ def free_handle(blend: Blend, point: Floats) -> tuple[Handle, float]:
     places, along = _grips(blend, blend.wishes, candidates)
     local = (point - to_floats(blend.surface.partition.frame.origin)) / to_float(blend.surface.partition.frame.scale)
     size = float(np.linalg.norm(blend.surface.local.points, axis=1).max())
-    near = 1 / (1 + NEARER * np.linalg.norm(places - local, axis=1) / size)
-    good = np.where(along.share > LIGHT, along.correlation * near, 0.0)
+    # a handle near by is six times as good as one at the end of the region with which the surface goes along as well;
+    # where a good one takes hold, the function changes by a hundredth of the coefficient at least
+    near = 1 / (1 + 5.0 * np.linalg.norm(places - local, axis=1) / size)
+    good = np.where(along.share > 0.01, along.correlation * near, 0.0)
     if not good.max() > 0:
         raise InputError("no handle is free: what is held settles the surface, or it goes along with none")
     handle = candidates[int(good.argmax())]
@@ -88,7 +72,7 @@ def _grips(blend: Blend, wishes: Wishes, candidates: Sequence[Handle]) -> tuple[
     surface, prepared = blend.surface, blend.space.prepared
     local, frame, degree = surface.local, surface.partition.frame, surface.degree
     domains = np.array([np.array(index) / degree @ local.points[list(local.cells[cell])] for cell, index in candidates])
-    seen = np.linalg.norm(domains, axis=1) > NEAR
+    seen = np.linalg.norm(domains, axis=1) > 1e-9  # from the centre no ray goes through it
     distances = np.full(len(domains), np.inf)
     distances[seen] = surface.intersect_rays(to_floats(frame.origin), domains[seen]) / to_float(frame.scale)
     met = np.isfinite(distances)
@@ -99,7 +83,7 @@ def _grips(blend: Blend, wishes: Wishes, candidates: Sequence[Handle]) -> tuple[
     follows = compliance(prepared, surface, blend.choice, wishes)
     own, there = (np.einsum("ij,jk,ik->i", a, follows, a) for a in (rows, values))
     both = np.einsum("ij,jk,ik->i", rows, follows, values)
-    free = met & (own > FREE * own.max()) & (there > 0)
+    free = met & (own > 1e-6 * own.max()) & (there > 0)  # it gives way, so it is not settled
     own, there = np.where(free, own, 1.0), np.where(free, there, 1.0)
     return places, Along(np.where(free, np.abs(both) / np.sqrt(own * there), 0.0), np.where(free, both / own, 0.0))
 
@@ -129,7 +113,7 @@ def with_handle(document: Data, blend: Any, point: Any) -> Data:
     table, points, name = path_of(document, "handles")
     held = document.get(table, {})
     there = held.get(points, {})
-    handles = [*there.get(name, []), [[cell, list(index)], f"{value:.{DIGITS}g}"]]
+    handles = [*there.get(name, []), [[cell, list(index)], f"{value:.6g}"]]
     return {**document, table: {**held, points: {**there, name: handles}}}
 
 
@@ -184,7 +168,7 @@ def _members(blend: Blend) -> dict[str, Any]:
     found = [member for (member,) in blend.space.basis]
     whole = np.linalg.norm(blend.surface.polynomials[0].dense(blend.surface.degree))
     sizes = [float(whole / np.linalg.norm(member.dense(blend.surface.degree))) for member in found]
-    wide = [WIDE * max(abs(value), size) for value, size in zip(coefficients_of(blend), sizes, strict=True)]
+    wide = [4.0 * max(abs(value), size) for value, size in zip(coefficients_of(blend), sizes, strict=True)]
     wishes = blend.wishes.without(list(blend.wishes.hard()))
     prepared = blend.space.prepared
     slim = SampledConditions(prepared, SLIM)

@@ -19,9 +19,6 @@ from numpy.typing import NDArray
 TYPES = {"float64": "<f8", "float32": "<f4", "uint32": "<u4", "uint8": "u1"}
 """Types of arrays by the names that JavaScript's have, in lower case."""
 
-ALIGNED = 8
-"""Bytes at multiples of which arrays begin: so much the largest numbers ask for."""
-
 
 @dataclass(frozen=True)
 class Message:
@@ -49,14 +46,10 @@ class Message:
         """All of it in one piece."""
         table, parts = self.parts()
         head = json.dumps(table, separators=(",", ":"), allow_nan=False).encode()
-        head += b" " * (-(4 + len(head)) % ALIGNED)
-        return b"".join([struct.pack("<I", len(head)), head, *(part + bytes(-len(part) % ALIGNED) for part in parts)])
+        head += b" " * (-(4 + len(head)) % 8)
+        return b"".join([struct.pack("<I", len(head)), head, *(part + bytes(-len(part) % 8) for part in parts)])
 
 
 def refusal(error: BaseException) -> Message:
-    """One clear sentence about what could not be done; the picture stays as it is."""
-    return Message({"kind": "refused", "text": " ".join(str(error).split())[:LONGEST]})
-
-
-LONGEST = 600
-"""Characters of a sentence that are shown."""
+    """One clear sentence of up to 600 characters about what could not be done; the picture stays as it is."""
+    return Message({"kind": "refused", "text": " ".join(str(error).split())[:600]})

@@ -1,4 +1,4 @@
-"""What the page draws of a shape: exact polynomials to cast rays at, or triangles.
+"""What the page draws of a shape, exact polynomials to cast rays at or triangles, and tells of it beside its proofs.
 
 Piecewise surfaces go as the coefficients of their pieces in local coordinates, in doubles, with the tetrahedra of their
 region, and with the contacts' own polynomials in boxes beyond their clips.  Clips that pass through the region, curved
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, cast
 
 import numpy as np
@@ -19,27 +19,25 @@ from pas.algebra.affine import ORIGIN
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float, to_floats
-from pas.blending.place import ended, places
+from pas.blending.place import place
 from pas.contacts.joins import Join
 from pas.exchange.picture_options import Picture
 from pas.parametric.generatrix.blend import GeneratrixBlend
 from pas.piecewise import PiecewiseSurface, SurfaceMesh
+from pas.render.combs import hair_length
 from pas.render.piecewise import sharpest_neighbour
 from pas.render.scene import scene_of
 from pas.shape import Shape, kind_of
 from pas.studio.controls import SHAPE
 from pas.studio.messages import Message
-from pas.surface.fairness_limits import neighbour
+from pas.surface.fairness_limits import LOOSE, NODE_SHARPNESS, neighbour
 from pas.surface.placed import PlacedContacts
-
-SIZE = (120, 40)
-"""Points in s and t of what is drawn while a value is dragged."""
 
 
 def legs(shape: Shape) -> tuple[dict[str, Any], dict[str, Any]]:
     """An entry for the head and an array; empty for other kinds of shapes and where shape values are functions of s.
 
-    The array has, in rows of `SIZE[0]` points, for both curves C, C', W, W', E, E', then the middle curve and
+    The array has, in rows of 120 points, for both curves C, C', W, W', E, E', then the middle curve and
     its derivative where there is one.
     """
     if kind_of(shape).name != "generatrix blend":
@@ -49,31 +47,15 @@ def legs(shape: Shape) -> tuple[dict[str, Any], dict[str, Any]]:
     values = {name: function.value for name, function in functions.items() if function is not None}
     if len(values) < len(SHAPE) or None in values.values():
         return {}, {}
-    _, edges, middles = blend.frames.grid(SIZE[0])
-    rows = [part for e in edges for part in (e.point, e.velocity, *e.across, *e.along)] + list(middles or ())
+    here = blend.frames.grid(120)
+    rows = [part for e in here.edges for part in (e.point, e.velocity, *e.across, *e.along)] + list(here.middle or ())
     head = {
-        "size": SIZE,
+        "size": (120, 40),
         "closed": blend.closed,
         "inward": blend.frames.inward,
         "values": {name: float(value) for name, value in values.items()},
     }
     return {"legs": head}, {"legs": np.stack(rows).astype(np.float64)}
-
-
-BEYOND = 0.22
-"""How far neighbours are shown beyond their clips, over the extent of the region."""
-
-ROOM = 1.05
-"""Of the boxes around cylinders, over their radius."""
-
-OVERLAP = 0.01
-"""Of the boxes and the region, over the boxes' length; the clip itself ends a neighbour."""
-
-FLAT = 0.0
-"""Curvature that is shown where there is none, as at poles."""
-
-MOST = 95
-"""Per cent of the points whose mean curvature is within the range of the colours."""
 
 
 def picture(shape: Shape) -> Message:
@@ -102,7 +84,7 @@ def coefficients(surface: PiecewiseSurface) -> Floats:
 
 def outline(contacts: Sequence[Any], order: int, partition: Any) -> Message:
     """The neighbours of a blend that is not solved yet; raises what placing them raises."""
-    placed = next(iter(places(ended(contacts, order, partition), order, partition)))
+    placed = place(contacts, order, partition)
     frame, beyond = placed.partition.frame, _neighbours(placed)
     head = {
         "kind": "outline",
@@ -115,7 +97,7 @@ def outline(contacts: Sequence[Any], order: int, partition: Any) -> Message:
 
 def _neighbours(placed: PlacedContacts) -> list[tuple[dict[str, Any], Floats]]:
     extent = float(np.ptp(placed.local.points, axis=0).max())
-    return [_beyond(join, BEYOND * extent) for join in placed.joins]
+    return [_beyond(join, 0.22 * extent) for join in placed.joins]
 
 
 def _cast(surface: PiecewiseSurface) -> Message:
@@ -168,8 +150,8 @@ def _beyond(join: Join, length: float) -> tuple[dict[str, Any], Floats]:
     along = slope / np.linalg.norm(slope)
     across = np.linalg.svd(along[None])[2][1:]
     straight = np.abs(_change(surface, along)).max() < 1e-12 * np.abs(values).max()
-    radius = rim.radius * ROOM + (0.0 if straight else length)
-    start, stop = -OVERLAP * length, length
+    radius = rim.radius * 1.05 + (0.0 if straight else length)
+    start, stop = -0.01 * length, length  # the clip itself ends the neighbour
     middle = rim.mean + (start + stop) / 2 * along
     halves = np.stack([along * (stop - start) / 2, *(radius * across)])
     box = {"degree": surface.degree, "middle": middle.tolist(), "halves": halves.tolist(), "clips": []}
@@ -215,7 +197,7 @@ def _meshes(shape: Shape) -> Message:
         if layer.principal is not None:
             bent = layer.principal()[layer.mesh.shading_points]
             both = np.stack([bent.mean(axis=1), bent.prod(axis=1)], axis=1)
-            arrays[f"bent {number}"] = np.nan_to_num(both, nan=FLAT, posinf=FLAT, neginf=FLAT).astype(np.float32)
+            arrays[f"bent {number}"] = np.nan_to_num(both, nan=0.0, posinf=0.0, neginf=0.0).astype(np.float32)
     more, parts = legs(shape)
     units = [layer.unit for layer in layers if layer.unit is not None]
     head = {
@@ -241,7 +223,7 @@ def triangles(mesh: SurfaceMesh, surface: PiecewiseSurface) -> dict[str, Any]:
     local = (points - to_floats(frame.origin)) / scale
     for clip in _clips(surface.placed):
         corners = corners[(clip(local) < 0)[corners].any(axis=1)]
-    bent = np.nan_to_num(surface.curvatures(points) * [scale, scale**2], nan=FLAT, posinf=FLAT, neginf=FLAT)
+    bent = np.nan_to_num(surface.curvatures(points) * [scale, scale**2], nan=0.0, posinf=0.0, neginf=0.0)
     return {
         "points 0": local.astype(np.float32),
         "normals 0": normals.astype(np.float32),
@@ -258,6 +240,44 @@ def quick(shape: Shape) -> Message:
 
 
 def _usual(arrays: dict[str, Any]) -> float | None:
-    """A curvature that most of the surface stays below, for the range of colours; None where none is known."""
+    """A curvature that 95 of 100 points stay below, for the range of colours; None where none is known."""
     known = [np.abs(values.reshape(-1, 2)[:, 0]) for name, values in arrays.items() if name.startswith("bent")]
-    return float(np.percentile(np.concatenate(known), MOST)) or 1.0 if known else None
+    return float(np.percentile(np.concatenate(known), 95)) or 1.0 if known else None
+
+
+def measures(shape: Shape | None) -> Message:
+    """The measures of a shape, and what is not fair of it; of other kinds than blends, and of none, there are none."""
+    told = {} if shape is None else kind_of(shape).facts(shape)
+    limits = getattr(shape, "limits", None)
+    facts = {"fairness": told.get("fairness"), "limits": {} if limits is None else vars(limits)}
+    return Message({"kind": "measures", "facts": facts, "unfair": list(_unfair(shape))})
+
+
+def _unfair(shape: Any) -> Iterator[str]:
+    """What is not fair, each in some words.
+
+    Where the neighbours leave no room for a fair surface there is no limit of sharpness: the usual one is looked at.
+    """
+    if getattr(shape, "kind", "") != "blend" or shape.fairness is None:
+        return
+    fairness = shape.fairness
+    yield from fairness.beyond(shape.limits)
+    if shape.limits.sharpness >= LOOSE and fairness.sharpness > NODE_SHARPNESS:
+        times = f"{fairness.sharpness:.3g} times as sharp as its sharpest neighbour"
+        yield f"{times}, for the neighbours leave no room for a fair surface"
+
+
+def hairs(shape: Shape) -> Message:
+    """The combs of a shape: points and tips of hairs, and curvatures, of one curve after the other.
+
+    Raises `ValueError` for a kind of shape of which no curvature is known.
+    """
+    layers = scene_of(shape, Picture(combs=True)).layers
+    length = hair_length(layers)
+    combs = [comb for layer in layers for comb in layer.combs]
+    points = np.concatenate([np.empty((0, 3)), *(comb.points for comb in combs)])
+    normals = np.concatenate([np.empty((0, 3)), *(comb.normals for comb in combs)])
+    curvatures = np.concatenate([np.empty(0), *(comb.curvatures for comb in combs)])
+    tips = points + length * np.abs(curvatures)[:, None] * normals
+    head = {"kind": "combs", "counts": [len(comb.points) for comb in combs]}
+    return Message(head, {"points": points, "tips": tips, "curvatures": curvatures})

@@ -15,7 +15,7 @@ from contextlib import asynccontextmanager, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from pas.errors import InputError, MissingLibraryError
+from pas.errors import InputError, library
 from pas.studio.conversation import LONGEST_FILE, Conversation
 from pas.studio.gallery import GALLERY, Data
 from pas.studio.messages import Message, refusal
@@ -24,15 +24,6 @@ from pas.studio.workers import RefusedError, StoppedError, Worker
 PAGE = Path(__file__).parent / "page"
 
 LOOPBACK = "127.0.0.1"
-
-MOST_PAGES = 6
-"""Pages that are open at once: each has two processes."""
-
-WATCHED = 0.5
-"""Seconds between looks at the file that was opened."""
-
-GRACE = 1
-"""Seconds that conversations are given to end with the server."""
 
 TYPES = {".html": "text/html; charset=utf-8", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 
@@ -95,7 +86,7 @@ class Studio:
             await socket.close(REFUSED)
             return
         await socket.accept("pas")
-        if len(self.pages) >= MOST_PAGES:
+        if len(self.pages) >= 6:  # each has two processes
             await socket.close(BUSY)
             return
         sending = asyncio.Lock()
@@ -154,7 +145,7 @@ class Studio:
             return
         before = stamp(self.file)
         while True:
-            await asyncio.sleep(WATCHED)
+            await asyncio.sleep(0.5)
             now = stamp(self.file)
             if now == before or now is None:
                 continue
@@ -257,13 +248,10 @@ def serve(file: Path | None, port: int, tell: Callable[[str], Any], browser: boo
 
 
 def _run(studio: Studio, door: socket.socket, tell: Callable[[str], Any], browser: bool) -> None:
-    try:
-        import uvicorn
-    except ImportError:
-        raise MissingLibraryError('the studio needs three small libraries: pip install "pas[studio]"') from None
+    uvicorn = library("uvicorn", 'the studio needs three small libraries: pip install "pas[studio]"')
     config = uvicorn.Config(
         application(studio), log_level="critical", ws="websockets-sansio", ws_max_size=LONGEST_FILE,
-        timeout_graceful_shutdown=GRACE, access_log=False,
+        timeout_graceful_shutdown=1, access_log=False,
     )  # fmt: skip
     tell(f"the studio is at {studio.address} (Ctrl-C ends it)")
     if browser and not webbrowser.open(studio.address):

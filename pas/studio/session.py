@@ -40,20 +40,9 @@ from pas.studio.handles import (
     shares_of,
     with_handle,
 )
-from pas.studio.measures import hairs, measures
 from pas.studio.messages import Message
-from pas.studio.scene import coefficients, name_of_scene, outline, picture, quick, triangles
-from pas.studio.sliders import remedies, sliders_of
+from pas.studio.scene import coefficients, hairs, measures, name_of_scene, outline, picture, quick, triangles
 from pas.surface.placed import PlacedContacts
-
-PATIENCE = 120.0
-"""Seconds after which a shape that is not found is given up."""
-
-KEPT = 4
-"""Blends that are kept to begin with, when their document comes back."""
-
-SAMPLED = (48, 12)
-"""Of a blend by a generatrix, where its largest safe lengths are looked for: about a second each."""
 
 PROJECT = ".pas.json"
 """The format that keeps everything exact, of all shapes."""
@@ -76,6 +65,11 @@ class StudioSession:
         self.meshed: tuple[PlacedContacts, SurfaceMesh] | None = None
         self.solved: tuple[Data, Shape] | None = None
 
+    def do(self, verb: str, *arguments: Any) -> Any:
+        """What one of the methods below gives, with all that it does, given up after two minutes or when stopped."""
+        with limit(120.0, stopped=self.stopped):
+            return getattr(self, verb)(*arguments)
+
     def read(self, name: str, text: str) -> Data:
         """The document of a file's text: a problem, or a project, which is open from then on."""
         with TemporaryDirectory() as folder:
@@ -90,13 +84,12 @@ class StudioSession:
 
     def solve(self, document: Data) -> Message:
         """The final picture of a document with its verdicts."""
-        with limit(PATIENCE, stopped=self.stopped):
-            shape = self.shape_of(document)
-            message = picture(shape)
-            head = {**message.head, **_judged(shape), **_texts(document),
-                    "controls": [*controls(document), *handle_controls(document, shape)],
-                    "members": coefficients_of(shape), "shares": shares_of(shape), "formats": formats_for(shape),
-                    "final": True, "scene": name_of_scene(message), "name": name_of(document)}  # fmt: skip
+        shape = self.shape_of(document)
+        message = picture(shape)
+        head = {**message.head, **_judged(shape), **_texts(document),
+                "controls": [*controls(document), *handle_controls(document, shape)],
+                "members": coefficients_of(shape), "shares": shares_of(shape), "formats": formats_for(shape),
+                "final": True, "scene": name_of_scene(message), "name": name_of(document)}  # fmt: skip
         self.solved = (document, shape)
         return Message(head, message.arrays)
 
@@ -139,8 +132,7 @@ class StudioSession:
         shape: Blend = KINDS["blend"].read(content)
         before: Any = self.bases.get(key)
         if before is not None and before.surface.degree == shape.surface.degree:
-            space = before.space
-            shape = replace(shape, find_space=lambda: space)
+            shape = replace(shape, find_space=before.find_space)
         self._keep(key, shape)
         with suppress(InfeasibleError):  # then the first move says so
             self._keep(key, shape.refit())
@@ -156,30 +148,28 @@ class StudioSession:
         return Message({**message.head, "spent": 1000 * (time.perf_counter() - began)}, message.arrays)
 
     def _moved(self, document: Data, scene: str, mesh: bool) -> Message:
-        with limit(PATIENCE, stopped=self.stopped):
-            shape = self._followed(document)
-            self.seen, self.key, self.before = shape, _key(documents.base_of(document)), document
-            if not can_follow(shape):
-                return quick(shape)
-            surface = shape.surface  # type: ignore[attr-defined]  # of blends
-            if surface.placed is self.placed and f"{surface.degree} {self.scene}" == scene:
-                parts = {}
-                with suppress(MeshError):  # what has no mesh is drawn by rays, however slowly
-                    parts = triangles(self._meshed(surface), surface) if mesh else {}
-                head = {"kind": "moved", "scene": scene, "exponent": surface.scaled.exponent}
-                return Message(head, {"coefficients": coefficients(surface), **parts})
-            message = picture(shape)
-            name = name_of_scene(message)
-            self.placed, self.scene = surface.placed, name.partition(" ")[2]
-            return Message({**message.head, "scene": name}, message.arrays)
+        shape = self._followed(document)
+        self.seen, self.key, self.before = shape, _key(documents.base_of(document)), document
+        if not can_follow(shape):
+            return quick(shape)
+        surface = shape.surface  # type: ignore[attr-defined]  # of blends
+        if surface.placed is self.placed and f"{surface.degree} {self.scene}" == scene:
+            parts = {}
+            with suppress(MeshError):  # what has no mesh is drawn by rays, however slowly
+                parts = triangles(self._meshed(surface), surface) if mesh else {}
+            head = {"kind": "moved", "scene": scene, "exponent": surface.scaled.exponent}
+            return Message(head, {"coefficients": coefficients(surface), **parts})
+        message = picture(shape)
+        name = name_of_scene(message)
+        self.placed, self.scene = surface.placed, name.partition(" ")[2]
+        return Message({**message.head, "scene": name}, message.arrays)
 
     def mesh(self, document: Data) -> Message:
         """The mesh of a document's blend, in its local coordinates; raises `InputError` for other kinds."""
         shape: Any = self.shape_of(document)
         if not can_follow(shape):
             raise InputError("only blends are drawn otherwise than by their meshes")
-        with limit(PATIENCE, stopped=self.stopped):
-            return Message({"kind": "mesh"}, triangles(self._meshed(shape.surface), shape.surface))
+        return Message({"kind": "mesh"}, triangles(self._meshed(shape.surface), shape.surface))
 
     def _meshed(self, surface: PiecewiseSurface) -> SurfaceMesh:
         """A mesh of a surface, moved from the last one where that is of a surface near by."""
@@ -203,14 +193,12 @@ class StudioSession:
         """The verdicts on the shape of the last `move`."""
         if self.seen is None:
             raise InputError("nothing was moved yet")
-        with limit(PATIENCE, stopped=self.stopped):
-            return Message({"kind": "verdicts", **_judged(self.seen)})
+        return Message({"kind": "verdicts", **_judged(self.seen)})
 
     def measure(self, document: Data | None = None) -> Message:
         """How fair a document's shape is, or that of the last `move`."""
-        with limit(PATIENCE, stopped=self.stopped):
-            shape = self.seen if document is None else self.shape_of(document)
-            return measures(shape)
+        shape = self.seen if document is None else self.shape_of(document)
+        return measures(shape)
 
     def repair(self, document: Data) -> Data:
         """A document near one whose shape is refuted, of which the shape is proved; raises `InputError` for none."""
@@ -220,15 +208,14 @@ class StudioSession:
         shape = self.shape_of(document)
         if not can_follow(shape):
             raise InputError(only)
-        with limit(PATIENCE, stopped=self.stopped):
-            for other in remedies(document, shape):
-                try:
-                    found = documents.solve(other, self.opened)
-                except (NotProvedError, InfeasibleError, NoSolutionError):
-                    continue
-                if found.certificate.proved:
-                    self.solved = (other, found)
-                    return other
+        for other in documents.remedies(document, shape):
+            try:
+                found = documents.solve(other, self.opened)
+            except (NotProvedError, InfeasibleError, NoSolutionError):
+                continue
+            if found.certificate.proved:
+                self.solved = (other, found)
+                return other
         raise InputError(
             "no repair was found: neither by guarding the witness, nor by lighter weights, nor by a higher degree"
         )
@@ -241,8 +228,7 @@ class StudioSession:
                 "only blends of a single cell with a box have handles; for others add a point to pass through"
             )
         document = at_degree(document, shape.surface.degree)  # which may find it in another region
-        with limit(PATIENCE, stopped=self.stopped):
-            return with_handle(document, self.shape_of(document), point)
+        return with_handle(document, self.shape_of(document), point)
 
     def export(self, document: Data, suffix: str) -> Message:
         """The file of a document's shape in a format that `pas` writes, or its project."""
@@ -251,7 +237,7 @@ class StudioSession:
         shape, name = self.shape_of(document), name_of(document) + suffix
         if suffix != PROJECT and suffix not in (known := formats_for(shape)):
             raise InputError(f"this shape cannot be written as {suffix} here; it can be as {', '.join(known)}")
-        with TemporaryDirectory() as folder, limit(PATIENCE, stopped=self.stopped):
+        with TemporaryDirectory() as folder:
             path = Path(folder) / name
             shape.save(path) if suffix == PROJECT else shape.write(path)
             content = np.frombuffer(path.read_bytes(), dtype=np.uint8)
@@ -261,20 +247,18 @@ class StudioSession:
     def safe(self, document: Data) -> Message:
         """The largest lengths up to which a blend by a generatrix is sound, each for itself; see `largest_safe`."""
         blend: Any = self.shape_of(document)
-        with limit(PATIENCE, stopped=self.stopped):
-            found = {name: blend.largest_safe(number, SAMPLED) for number, name in enumerate(LENGTHS)}
+        found = {name: blend.largest_safe(number, (48, 12)) for number, name in enumerate(LENGTHS)}
         return Message({"kind": "safe", "limits": {name: most for name, most in found.items() if most < inf}})
 
     def combs(self, document: Data) -> Message:
         """The curvature combs of a document's shape."""
-        with limit(PATIENCE, stopped=self.stopped):
-            return hairs(self.shape_of(document))
+        return hairs(self.shape_of(document))
 
     def _followed(self, document: Data) -> Shape:
         key = _key(documents.base_of(document))
         before = self.seen if self.key == key else self.bases.get(key)
         if can_follow(before):
-            return before.refit(**sliders_of(before, document))  # type: ignore[union-attr]  # it is a blend
+            return before.refit(**documents.all_sliders(before, document))  # type: ignore[union-attr]  # it is a blend
         if document["kind"] != "problem":
             return documents.solve(document, self.opened)
         shaped = _shaped(self.before, document)
@@ -298,7 +282,7 @@ class StudioSession:
         self.bases.pop(key, None)
         self.bases[key] = self.seen = shape
         self.key = key
-        while len(self.bases) > KEPT:
+        while len(self.bases) > 4:  # which are enough to begin with when their documents come back
             self.bases.pop(next(iter(self.bases)))
 
 

@@ -17,7 +17,7 @@ from graphlib import TopologicalSorter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from pas.errors import MissingLibraryError, PasError
+from pas.errors import PasError, library
 from pas.shape import Shape
 from pas.studio.gallery import GALLERY, Data
 from pas.studio.messages import Message, refusal
@@ -43,9 +43,7 @@ def module() -> str:
         needed += [other for other in imports[name] if other not in needed]
     parts = []
     for name in TopologicalSorter({name: imports[name] for name in needed}).static_order():
-        text = IMPORT.sub(
-            lambda found: f"const {{{found['names'].replace(' as ', ': ')}}} = {found['module']}_;", texts[name]
-        )
+        text = IMPORT.sub(_taken, texts[name])
         names = ", ".join(found["name"] for found in EXPORT.finditer(text))
         text = EXPORT.sub("", text).replace("export default", "const widget =")
         parts.append(f"const {name}_ = (() => {{\n{text}\nreturn {{ {names or 'widget'} }};\n}})();")
@@ -67,11 +65,9 @@ def document_of(shape: Shape, session: StudioSession) -> Data:
 @cache
 def widget_class() -> type[Any]:
     """The class of widgets; raises `MissingLibraryError` without the library of `pas[notebook]`."""
-    try:
-        import anywidget
-        import traitlets
-    except ImportError:
-        raise MissingLibraryError('the studio in a notebook needs anywidget: pip install "pas[notebook]"') from None
+    library("anywidget", 'the studio in a notebook needs anywidget: pip install "pas[notebook]"')
+    import anywidget
+    import traitlets
 
     class StudioWidget(anywidget.AnyWidget):
         """A shape that is dragged in a notebook."""
@@ -105,22 +101,20 @@ def widget_class() -> type[Any]:
                 self._tell(refusal(error), request)
 
         def _answers(self, request: dict[str, Any]) -> list[Message]:
-            verb, document = request.get("do"), request.get("document", {})
+            verb, document, do = request.get("do"), request.get("document", {}), self.session.do
             if verb == "move":
-                return [
-                    self.session.move(document, str(request.get("scene", "")), bool(request.get("mesh")), anew=True)
-                ]
+                return [do(verb, document, str(request.get("scene", "")), bool(request.get("mesh")), True)]
             if verb == "rest":
-                return [self.session.solve(document), self.session.measure(document)]
+                return [do("solve", document), do("measure", document)]
             if verb == "export":
-                return [self.session.export(document, str(request.get("format")))]
+                return [do(verb, document, str(request.get("format")))]
             if verb in ("combs", "safe", "mesh"):
-                return [getattr(self.session, verb)(document)]
+                return [do(verb, document)]
             if verb in ("repair", "handle"):
                 more = (request.get("at"),) if verb == "handle" else ()
-                return [Message({"kind": "changed", "document": getattr(self.session, verb)(document, *more)})]
+                return [Message({"kind": "changed", "document": do(verb, document, *more)})]
             if verb == "read":
-                found = self.session.read(str(request.get("name")), str(request.get("text")))
+                found = do(verb, str(request.get("name")), str(request.get("text")))
                 return [Message({"kind": "document", "document": found})]
             raise ValueError(f"there is no request {verb!r}")
 

@@ -19,10 +19,6 @@ from typing import Any
 
 from pas.errors import LimitError, PasError
 
-THREADS = {"OPENBLAS_NUM_THREADS": "1"}
-"""Matrices here are small, and several processes and the browser compute at once: more threads only wait for one
-another."""
-
 SPAWN = multiprocessing.get_context("spawn")
 
 INSIDE = "something went wrong inside the program; the last picture stays"
@@ -48,8 +44,8 @@ class Worker:
     def _start(self) -> None:
         self._stop: Any = SPAWN.RawValue(ctypes.c_bool, False)
         self._pipe, other = SPAWN.Pipe()
-        for name, number in THREADS.items():  # libraries read it when they are loaded
-            os.environ.setdefault(name, number)
+        # read when libraries are loaded: matrices here are small, and several processes and the browser compute at once
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         self._process = SPAWN.Process(target=work, args=(other, self._stop), daemon=True)
         self._process.start()
         other.close()
@@ -112,7 +108,7 @@ def work(pipe: Connection, stop: Any) -> None:
 
 def _answer(session: Any, verb: str, arguments: tuple[Any, ...], stop: Any) -> tuple[str, Any]:
     try:
-        return "done", getattr(session, verb)(*arguments)
+        return "done", session.do(verb, *arguments)
     except LimitError as error:
         return ("stopped", "") if stop.value else ("refused", str(error))
     except (PasError, ValueError, TypeError, OSError) as error:

@@ -28,12 +28,6 @@ STEPS = 40
 SETTLED = 1e-9
 """Change of the share of a ray that ends that: the next is about its square."""
 
-OFF = 1e-9
-"""Over a curve's size: how far points may be from the curve that is a graph over the angle."""
-
-AROUND = 64
-"""Rays on which the middle is found."""
-
 
 @dataclass(frozen=True, eq=False)
 class ConeLoop:
@@ -56,7 +50,8 @@ class ConeLoop:
     @cached_property
     def middle(self) -> Floats:
         """The point (3,) of the axis in the middle of the curve's height."""
-        return np.asarray(float((self.round(AROUND) @ self.normal).mean()) * self.normal)
+        rays = 64  # a curve's height is that of a polynomial of low degree in the angle, near enough
+        return np.asarray(float((self.round(rays) @ self.normal).mean()) * self.normal)
 
     def round(self, number: int) -> Floats:
         """So many points (N, 3) in turn; raises `ArithmeticError` where rays do not meet the surface."""
@@ -229,12 +224,13 @@ def _plane_loop(curve: Floats, plane: Polynomial, column: Floats) -> PlaneLoop:
     middle = (curve.min(axis=0) + curve.max(axis=0)) / 2
     middle = middle + (offset - middle @ normal) * normal
     size = float(np.sqrt(((curve - middle) ** 2).sum(axis=1).max()))
+    most = 1e-9 * size  # how far points may be from the curve that is a graph over the angle
     loop = PlaneLoop(middle, normal, column, size)
     with np.errstate(all="ignore"):
         ends = loop.at(np.concatenate([curve, loop.round(64)]))
         off = loop.jets(ends)
-        lost = np.abs(off[:, 0]) > OFF * size * np.sqrt((off[:, 1:] ** 2).sum(axis=1))
-        apart = np.sqrt(((ends[: len(curve)] - curve) ** 2).sum(axis=1)) > OFF * size
+        lost = np.abs(off[:, 0]) > most * np.sqrt((off[:, 1:] ** 2).sum(axis=1))
+        apart = np.sqrt(((ends[: len(curve)] - curve) ** 2).sum(axis=1)) > most
     if not np.isfinite(ends).all() or lost.any() or apart.any() or loop.jets(middle[None])[0, 0] >= 0:
         raise ArithmeticError("a contact curve is not one graph over the angle about its middle")
     return loop

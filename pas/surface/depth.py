@@ -29,24 +29,15 @@ if TYPE_CHECKING:
 
     from pas.surface.function import PiecewisePolynomial
 
-SAMPLES = 2000
-"""Points of the surface among which the nearest is looked for."""
-
-STEPS, ENOUGH = 8, 1e-6
-"""Newton steps at the most; a step as short as this, in local units, is the last: the next would be its square."""
-
-LONGEST, FOCAL = 0.2, 0.9
-"""A step is no longer than the first, in local units, and depth times curvature counts as no more than the other: at
-focal points Newton's step has no bound."""
-
 
 class Depth:
     """The depths of points inside a surface that is seen from a centre, all in the user's units."""
 
     def __init__(self, surface: PiecewisePolynomial) -> None:
+        samples = 2000  # points of the surface among which the nearest is looked for
         frame, columns = surface.partition.frame, surface.evaluator.columns
         self._origin, self._scale = np.array(to_floats(frame.origin)), to_float(frame.scale)
-        rays = Directions.of(surface.placed, columns, surface.degree, SAMPLES)
+        rays = Directions.of(surface.placed, columns, surface.degree, samples)
         self._samples = rays.directions * rays.distances[:, None]
         self._numbers = np.concatenate([np.full(here.stop - here.start, piece) for piece, here in rays.slices])
         self._location, self._tolerance = surface.local.location, surface.evaluator.tolerance
@@ -89,8 +80,10 @@ class Depth:
     def _feet(self, points: Floats, near: Floats, numbers: NDArray[np.intp]) -> tuple[Floats, Floats]:
         """The feet (N, 3) of local points on pieces of given numbers (N,), or the contacts' surfaces after these, from
         places near by, and the unit normals (N, 3) there."""
+        steps, enough = 8, 1e-6  # a step as short as this, in local units, is the last: the next would be its square
+        longest = 0.2  # in local units: at focal points Newton's step has no bound
         target, feet, normals = points.T, near.T, np.zeros(points.T.shape)
-        for _ in range(STEPS if len(points) else 0):
+        for _ in range(steps if len(points) else 0):
             jet = self._batch(feet.T, numbers).T
             length = np.sqrt((jet[FIRST] * jet[FIRST]).sum(axis=0))
             normals, bending = jet[FIRST] / length, jet[SECOND] / length
@@ -98,18 +91,19 @@ class Depth:
             depths = -(off * normals).sum(axis=0)
             step = _tangential(off, depths, normals, bending) - jet[0] / length * normals
             lengths = np.sqrt((step * step).sum(axis=0))
-            feet = feet + step * np.minimum(1.0, LONGEST / np.maximum(lengths, ENOUGH))
-            if lengths.max() < ENOUGH:
+            feet = feet + step * np.minimum(1.0, longest / np.maximum(lengths, enough))
+            if lengths.max() < enough:
                 break
         return feet.T, normals.T
 
 
 def _tangential(off: Floats, depths: Floats, normals: Floats, bending: Floats) -> Floats:
     """The u (3, N) across the normals with `u - d S u` the part of `off` across them, S that of `bending` (3, 3, N)."""
+    focal = 0.9  # depth times curvature counts as no more than this: it is 1 at focal points
     first, second = tangent_frame(normals)
     along, across = ((bending * t).sum(axis=1) for t in (first, second))
     s11, s12, s22 = ((a * b).sum(axis=0) for a, b in ((along, first), (along, second), (across, second)))
-    most = FOCAL / np.maximum(np.sqrt(s11 * s11 + 2 * s12 * s12 + s22 * s22), 1e-30)
+    most = focal / np.maximum(np.sqrt(s11 * s11 + 2 * s12 * s12 + s22 * s22), 1e-30)
     d = np.clip(depths, -most, most)
     p, q, r = 1 - d * s11, -d * s12, 1 - d * s22
     u, v = ((off * t).sum(axis=0) for t in (first, second))

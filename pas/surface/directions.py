@@ -21,9 +21,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.bracket import zeros_of_columns
 from pas.algebra.evaluation import PolynomialBatch
 from pas.algebra.monomials import Floats
 from pas.limits import checkpoint
+from pas.mesh.rows import quarters
 from pas.partition.cells import Partition
 from pas.surface.geometry import derivative_batch, profile_batch
 from pas.surface.placed import PlacedContacts
@@ -33,14 +35,6 @@ EVEN, DEEPEST, FACES = 3, 8, 12
 there, so that the area near their curves is the least certain.  That is for so many outer faces, as six tetrahedra
 have; of more, which are smaller, each is quartered less often."""
 
-SHARE = 1.6
-"""Area of the surface that one ray may stand for, over the mean for the number of rays asked for."""
-
-STEEP = 0.05
-"""Cosines between ray and normal count as at least this much where areas are estimated."""
-
-HALVINGS, NEWTON_STEPS = 12, 4
-"""Of the way along a ray, until the surface is met to rounding."""
 
 NOTHING = 1e-9
 """The share of the largest value up to which one counts as none: curves through a corner of a triangle are common."""
@@ -75,6 +69,7 @@ class Directions:
         `columns` are the coefficients of its pieces, all in local coordinates; all outer faces are quartered `even`
         times, and triangles on a contact curve `deepest` times, where these are `FACES`.
         """
+        share = 1.6  # area of the surface that one ray may stand for, over the mean for the number of rays asked for
         local = placed.local
         less = max(0, round(log(len(local.outer_faces) / FACES, 4)))
         even, deepest = max(1, even - less), max(1, deepest - less)
@@ -90,7 +85,7 @@ class Directions:
             distances, areas = member.met(centroids, pieces)
             angles = solid_angles(triangles)
             areas = areas * angles
-            limit = limit or SHARE * float(areas.sum()) / number
+            limit = limit or share * float(areas.sum()) / number
             corners = triangles.reshape(-1, 3)
             values = member.values(corners, np.repeat(pieces, 3))[:, 0]
             beyond = (values > NOTHING * np.abs(values).max()).reshape(-1, 3)
@@ -163,10 +158,7 @@ def _ends(local: Partition, units: Floats) -> tuple[Floats, Pieces]:
 
 
 def _quartered(triangles: Floats, pieces: Pieces) -> tuple[Floats, Pieces]:
-    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-    ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
-    parts = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
-    return np.concatenate([np.stack(part, axis=1) for part in parts]), np.tile(pieces, 4)
+    return quarters(triangles).swapaxes(0, 1).reshape(-1, 3, 3), np.tile(pieces, 4)
 
 
 @dataclass(frozen=True)
@@ -184,37 +176,15 @@ class _Member:
 
     def met(self, ends: Floats, pieces: Pieces) -> tuple[Floats, Floats]:
         """Where rays to given ends meet it, 0 for those that end inside, and the area for a unit of solid angle."""
+        steep = 0.05  # cosines between ray and normal count as at least this much where areas are estimated
         profiles = self.profiles(ends, pieces).T
-        shares = _roots(profiles)
+        shares = zeros_of_columns(profiles)
         lengths = np.linalg.norm(ends, axis=1)
         values = profiles.sum(axis=0)
         distances = np.where(values > NOTHING * np.abs(values).max(initial=0.0), shares * lengths, 0.0)
         gradients = self.gradients(ends * shares[:, None], pieces)
         cosines = (gradients * ends).sum(axis=1) / np.maximum(np.linalg.norm(gradients, axis=1) * lengths, 1e-300)
-        return distances, distances**2 / np.maximum(cosines, STEEP)
-
-
-def _roots(profiles: Floats) -> Floats:
-    """Where polynomials, as columns, that are negative at 0 change their sign before 1; 1 for those that do not."""
-    low, high = np.zeros(profiles.shape[1]), np.ones(profiles.shape[1])
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        inside = _horner(profiles, middle) < 0
-        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
-    shares = (low + high) / 2
-    slopes = profiles[1:] * np.arange(1, len(profiles))[:, None]
-    for _ in range(NEWTON_STEPS):
-        with np.errstate(all="ignore"):
-            steps = _horner(profiles, shares) / _horner(slopes, shares)
-        shares = np.clip(np.where(np.isfinite(steps), shares - steps, shares), low, high)
-    return shares
-
-
-def _horner(profiles: Floats, shares: Floats) -> Floats:
-    values = np.zeros(len(shares))
-    for row in profiles[::-1]:
-        values = values * shares + row
-    return values
+        return distances, distances**2 / np.maximum(cosines, steep)
 
 
 AROUND = 720

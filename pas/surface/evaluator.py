@@ -31,13 +31,6 @@ from pas.surface.rays import RayTarget
 BLOCK = 1 << 14
 """Points that are worked on at once, so that what is needed of them stays in the caches."""
 
-BARYCENTRIC = 1e-12
-"""How far outside all cells, in barycentric coordinates, a point counts as inside: what rounding makes of it."""
-
-SPACINGS = 8
-"""How far outside the region a point counts as inside, in spacings of doubles at the region's furthest point from the
-user's origin, over the region's size."""
-
 
 class Piecewise(Protocol):
     """What can be evaluated: polynomials in the local coordinates of a partition, one for each piece."""
@@ -182,7 +175,8 @@ class Evaluator:
 
         Far from the origin, points on the boundary are off it by the spacing of doubles there.
         """
-        return BARYCENTRIC + SPACINGS * float(np.finfo(float).eps) * self.target.reach
+        rounding, spacings = 1e-12, 8  # of barycentric coordinates; of doubles at the region's furthest point
+        return rounding + spacings * float(np.finfo(float).eps) * self.target.reach
 
     @cached_property
     def target(self) -> RayTarget:

@@ -32,21 +32,14 @@ from pas.surface.fairness_limits import (
 )
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import FIRST, SECOND, Geometry
+from pas.surface.straight_runs import straight_runs, waist
 
 RAYS = 4000
 """Rays that the surface is looked at along; some more where contact curves cross."""
 
-STRAIGHT = 0.03
-"""Curvature of a section, times the largest radius, below which it counts as straight: no inflection there."""
 
-SHORTEST_RUN = 6
-"""Points of a section between two neighbours below which nothing is said of it."""
-
-BALL = 400
-"""Points of the ball around the centre that belongs to the hull."""
-
-SHARP, HOLLOW, BULGE, WRONG = 0.02, 0.5, 0.1, 0.05
-"""Units in which what is beyond the limits counts: of sharpness, hollowness, bulge and wrong-sign curvature."""
+SHARP, HOLLOW, BULGE, WRONG, NARROW = 0.02, 0.5, 0.1, 0.05, 0.03
+"""Units in which what is beyond the limits counts: of sharpness, hollowness, bulge, wrong-sign curvature and waist."""
 
 Place = tuple[float, float, float]
 
@@ -61,7 +54,10 @@ class Fairness:
     where none fits, as between two pipes on one axis, so no limit is passed.  `bulge`: how far the surface leaves
     the hull of the contact curves and of a ball of the largest radius around the centre, over that radius.
     `wrong_sign`: the largest curvature of a plane section through two neighbours' axes that bends against the rest
-    of it, times the largest radius; `inflections`: how often such sections turn.  `variation`: r^2 * integral
+    of it, times the largest radius; `inflections`: how often such sections turn.  `waist`: how far the surface
+    leaves the straight tube between two neighbours in line, inwards or outwards, where no other is near, over its
+    smaller radius (see `pas.surface.straight_runs`), `waisted` where; 0 where none are in line.
+    `variation`: r^2 * integral
     |grad S|^2 dA, r the mean radius, S the shape operator; `bending`: integral of k1^2 + k2^2 dA; `area`; `gradients`:
     least and largest |grad f| over its median.  `points`: how many points were looked at.
     """
@@ -74,6 +70,8 @@ class Fairness:
     bulge: float
     wrong_sign: float
     inflections: int
+    waist: float
+    waisted: Place
     variation: float
     bending: float
     area: float
@@ -83,7 +81,7 @@ class Fairness:
     def __repr__(self) -> str:
         return (
             f"<Fairness: sharpness {self.sharpness:.2f}, {f'hollowness {self.hollowness:.2f}, ' if self.arc else ''}"
-            f"bulge {self.bulge:.2f}, wrong sign {self.wrong_sign:.2f}>"
+            f"bulge {self.bulge:.2f}, wrong sign {self.wrong_sign:.2f}, waist {self.waist:.3f}>"
         )
 
     def to_record(self) -> dict[str, Any]:
@@ -120,6 +118,7 @@ class Fairness:
             ("hollowness", self.hollowness, limits.hollowness, HOLLOW),
             ("bulge", self.bulge, limits.bulge, BULGE),
             ("wrong-sign curvature", self.wrong_sign, limits.wrong_sign, WRONG),
+            ("waist", self.waist, limits.waist, NARROW),
         )
 
     def lines(self) -> list[tuple[str, str]]:
@@ -130,6 +129,10 @@ class Fairness:
             ("hollowness", self._hollow),
             ("bulge", f"{self.bulge:.3f} of the largest radius beyond the hull of the contacts"),
             ("wrong sign", f"{self.wrong_sign:.3f} over the largest radius; sections turn {self._turns}"),
+            (
+                "waist",
+                f"{self.waist:.3f} of the radius of the run, at {_shown(self.waisted)}" if self.waist else "no run",
+            ),
             ("variation", f"{self.variation:.4g}, bending {self.bending:.4g}, area {self.area:.4g}"),
             ("|grad f|", f"{low:.2f} to {high:.2f} of its median"),
             ("measured", f"at {self.points} points"),
@@ -192,15 +195,18 @@ class _Measuring:
         lengths = geometry.length / np.median(geometry.length)
         wrong, turns = self.sections()
         arc = largest_arc(self.neighbours)
+        narrowest, waisted = self.waist(local * self.scale)
         return Fairness(
             sharpness=float(np.abs(curvatures[sharpest]).max()) / sharpest_of(self.neighbours),
-            sharpest=self.place(local[sharpest]),
+            sharpest=self.surface.partition.frame.place(local[sharpest]),
             hollowness=max(0.0, -float(curvatures[hollowest, 1])) * arc,
-            hollowest=self.place(local[hollowest]),
+            hollowest=self.surface.partition.frame.place(local[hollowest]),
             arc=arc,
             bulge=self.bulge(local * self.scale, widest(self.neighbours)),
             wrong_sign=wrong,
             inflections=turns,
+            waist=narrowest,
+            waisted=self.surface.partition.frame.place(local[waisted]),
             variation=float(np.mean(radii)) ** 2 * float(areas @ squares),
             bending=float(areas @ (curvatures**2).sum(axis=1)),
             area=float(areas.sum()),
@@ -208,33 +214,41 @@ class _Measuring:
             points=len(local),
         )
 
-    def place(self, local: Floats) -> Place:
-        x, y, z = self.surface.partition.frame.global_points(local).tolist()
-        return x, y, z
-
     def bulge(self, points: Floats, radius: float) -> float:
         """How far points, relative to the centre, are beyond the hull, over the largest radius."""
-        hull = ConvexHull(np.concatenate([radius * spiral(BALL), *(n.curve for n in self.neighbours)]))
+        ball = 400  # points of the ball around the centre that belongs to the hull
+        hull = ConvexHull(np.concatenate([radius * spiral(ball), *(n.curve for n in self.neighbours)]))
         points = np.concatenate([points, np.zeros((1, 3))])  # with the centre, which a flat surface keeps away from
         outermost = points[ConvexHull(points).vertices]
         far = float((hull.equations[:, :3] @ outermost.T + hull.equations[:, 3:]).max())
         return max(0.0, far) / radius
 
+    def waist(self, points: Floats) -> tuple[float, int]:
+        """How far points, relative to the centre, leave the straight runs, and which of them does most; (0, 0) where
+        there is no run."""
+        found = (0.0, 0)
+        for run in straight_runs(self.neighbours):
+            far = np.nan_to_num(np.abs(waist(run, points)))
+            found = max(found, (float(far.max()), int(far.argmax())))
+        return found
+
     def sections(self) -> tuple[float, int]:
         """The largest wrong-sign curvature over the largest radius, and all inflections, of plane sections."""
         most = widest(self.neighbours)
+        straight = 0.03 / most  # curvature below which a section counts as straight: no inflection there
         wrong, turns = 0.0, 0
         for first, second in planes([n.mean for n in self.neighbours]):
             checkpoint("measuring sections")
             for curvature in self.section(first, second):
                 sign = np.sign(curvature.sum())
                 wrong = max(wrong, float((-sign * curvature).max()) * most)
-                bent = np.sign(curvature[np.abs(curvature) > STRAIGHT / most])
+                bent = np.sign(curvature[np.abs(curvature) > straight])
                 turns += int((bent[1:] != bent[:-1]).sum())
         return wrong, turns
 
     def section(self, first: Floats, second: Floats) -> Iterator[Floats]:
         """Curvatures along the parts of the section in the plane of two unit vectors, between neighbours."""
+        shortest_run = 6  # points of a section between two neighbours below which nothing is said of it
         rays, numbers = Directions.along(self.surface.placed, self.columns, self.degree, circle(first, second))
         local = rays.directions * rays.distances[:, None]
         jet = self.surface.evaluator.batch(0, 1, 2)(local, rays.pieces)
@@ -246,7 +260,7 @@ class _Measuring:
         place = np.full(AROUND, -1)
         place[numbers] = np.arange(len(numbers))
         for run in runs(place >= 0):
-            if len(run) >= SHORTEST_RUN:
+            if len(run) >= shortest_run:
                 yield curvature[place[run]]
 
 

@@ -17,12 +17,11 @@ from pas.algebra.rational import amount, to_float
 from pas.contacts.joins import Join
 from pas.surface.geometry import Geometry, derivative_batch
 
-CURVE = 96
-"""Subdivisions of a clip face's edge by which its curve is found: chords of a coarser one would look like bulges."""
+NODE_SHARPNESS = 1.15
+"""Limit of the sharpness of nodes in any directions, where arcs leave room for it."""
 
-NODE_SHARPNESS, NODE_FILLET, NODE_HOLLOWNESS, NODE_BULGE = 1.15, 1.5, 1.6, 0.1
-"""Limits of nodes in any directions: sharpness, or so many times that of the tightest arc; hollowness; bulge.  Sections
-across no plane of symmetry may bend either way."""
+WAIST = 0.03
+"""Limit of the waist, at every order: up to it no waist is seen in reflections."""
 
 LOOSE = 1000.0
 """A limit that is none."""
@@ -36,7 +35,8 @@ class Neighbour:
     """A contact as the measures see it, in the user's units and relative to the centre.
 
     `mean` is the mean point of its curve, `radius` the largest distance from that, `curvature` the largest principal
-    curvature of its surface on the curve, `curve` (m, 3) points of it.  `normal` (3,) is that of a surface through
+    curvature of its surface on the curve, `curve` (m, 3) points of it, `normals` (m, 3) the unit normals of its surface
+    there.  `normal` (3,) is that of a surface through
     which the region is open, as of a plate, in the mean over its curve; None for others.
     """
 
@@ -44,6 +44,7 @@ class Neighbour:
     radius: float
     curvature: float
     curve: Floats
+    normals: Floats
     normal: Floats | None = None
 
     @property
@@ -60,6 +61,7 @@ class FairnessLimits:
     hollowness: float = 1.5
     bulge: float = 0.05
     wrong_sign: float = 0.2
+    waist: float = WAIST
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -83,14 +85,16 @@ class FairnessLimits:
 
         They leave room for arcs of the radius `largest_arc` only, beside which no fillet can be flatter; where walls
         meet beyond their clips they leave none, and only the bulge is limited, as where all nearly run through.
+        Sections across no plane of symmetry may bend either way.
         """
+        fillet, hollowness, bulge = 1.5, 1.6, 0.1  # the first over the sharpness of the tightest arc
         usual = cls.of_order(order)
         arc = largest_arc(neighbours)
         if not arc:
-            return cls(LOOSE, LOOSE, NODE_BULGE, LOOSE)
+            return cls(LOOSE, LOOSE, bulge, LOOSE)
         tightest = 1 / (arc * sharpest_of(neighbours))
-        sharp = max(NODE_SHARPNESS, NODE_FILLET * tightest)
-        return cls(sharp, max(usual.hollowness, NODE_HOLLOWNESS), NODE_BULGE, LOOSE)
+        sharp = max(NODE_SHARPNESS, fillet * tightest)
+        return cls(sharp, max(usual.hollowness, hollowness), bulge, LOOSE)
 
 
 def check_limits(limits: Any) -> FairnessLimits:
@@ -103,8 +107,9 @@ def check_limits(limits: Any) -> FairnessLimits:
 @lru_cache(maxsize=32)
 def neighbour(join: Join, scale: float) -> Neighbour:
     """What the measures need of a contact; `join` is in local coordinates, a unit of which is `scale` of the user's."""
+    subdivisions = 96  # of a clip face's edge: chords of a coarser curve would look like bulges
     sizes = [np.ptp(join.partition.points[list(face.vertices)], axis=0).max() for face in join.faces] or [1.0]
-    measured = zip(sizes, join.measured_curves(CURVE), strict=True)
+    measured = zip(sizes, join.measured_curves(subdivisions), strict=True)
     parts = [(points, weights * size) for size, (points, weights) in measured]
     curve, weights = (np.concatenate(p) for p in zip(*parts, strict=True))
     contact = join.contact.surface
@@ -116,7 +121,8 @@ def neighbour(join: Join, scale: float) -> Neighbour:
         float(np.linalg.norm(curve - mean, axis=1).max()) * scale,
         float(np.abs(found.principal).max()) / scale,
         curve * scale,
-        _unit(found.normals.mean(axis=0)) if join.opening else None,
+        found.normals,
+        unit(found.normals.mean(axis=0)) if join.opening else None,
     )
 
 
@@ -173,7 +179,8 @@ def _out_of_plate(plate: Neighbour, pipe: Neighbour) -> float:
     return tangent * float(np.tan((np.pi / 2 - lean) / 2))
 
 
-def _unit(vector: Floats) -> Floats:
+def unit(vector: Floats) -> Floats:
+    """A vector (3,) over its length."""
     return np.asarray(vector / np.linalg.norm(vector))
 
 

@@ -18,21 +18,11 @@ from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.local_surface import INSIDE, LocalSurface
 
-STEPS = 20
-"""Of Newton's method along gradients."""
-
-SETTLED = 1e-9
-"""Length of a step, in local units, that ends it: the next is about its square."""
-
-ON_PLANE = 1e-12
-"""In local units: how far corners of the region may be beyond the plane of a wall by rounding, if that is convex."""
-
-FARTHEST = 0.2
-"""Length of a step at most, over the region's reach."""
-
 
 class LocalField(LocalSurface):
     """The surface with its cells, and the walls of the region in which it may end."""
+
+    rims: list[WallCurve]
 
     def __init__(self, surface: PiecewisePolynomial) -> None:
         super().__init__(surface)
@@ -50,15 +40,9 @@ class LocalField(LocalSurface):
         sides = [(wall, {*face.vertices}) for wall, face in zip(self._wall_of.tolist(), outer, strict=True)]
         pairs = {(min(i, j), max(i, j)) for (i, a), (j, b) in combinations(sides, 2) if i != j and len(a & b) == 2}
         self.edges: list[tuple[int, int]] = sorted(pairs)
-        self.rims = [WallCurve(self, planes[[i]]) for i in range(self.walls)]
-        self.rims += [WallCurve(self, planes[list(pair)]) for pair in self.edges]
+        self.rims = [WallCurve(planes[[*numbers]]) for numbers in [*((i,) for i in range(self.walls)), *self.edges]]
         self.curves = [join.curve() for join in surface.joins if np.isfinite(join.radius)]
         self.feature_size = min((join.radius for join in surface.joins), default=np.inf)
-
-    @cached_property
-    def fixed(self) -> NDArray[np.bool_]:
-        """Which of `rims` are edges, and, at the end, that what is on none is not fixed, (R + 1,)."""
-        return np.array([*(curve.fixed for curve in self.rims), False])
 
     @cached_property
     def forms(self) -> Floats:
@@ -95,7 +79,8 @@ class LocalField(LocalSurface):
     @cached_property
     def _convex(self) -> bool:
         """Whether the region is all that is behind its walls."""
-        return not self.surface.local.open and bool((self._heights(self.vertices) <= ON_PLANE).all())
+        on_plane = 1e-12  # in local units: how far corners of a convex region may be beyond a wall by rounding
+        return not self.surface.local.open and bool((self._heights(self.vertices) <= on_plane).all())
 
     def _heights(self, points: Floats) -> Floats:
         """How far points (N, 3) are beyond each wall (W, N)."""
@@ -156,9 +141,12 @@ class LocalField(LocalSurface):
 
     def _slid(self, points: Floats, walls: tuple[Floats, Floats, Floats], numbers: Integers) -> Floats:
         """Points (N, 3) moved along gradients, onto walls (see `_planes`) of given numbers (N,) where there are any."""
+        steps = 20  # of Newton's method along gradients
+        settled = 1e-9  # length of a step, in local units, that ends it: the next is about its square
+        farthest = 0.2  # length of a step at most, over the region's reach
         result = np.array(points, order="C")
         given = (*self._pieces, *self._jets.arrays, len(walls[0]), *walls, numbers)
-        compiled().call("pas_slid", *given, STEPS, SETTLED, FARTHEST * self.reach, len(result), result)
+        compiled().call("pas_slid", *given, steps, settled, farthest * self.reach, len(result), result)
         return result
 
 
@@ -166,24 +154,12 @@ class LocalField(LocalSurface):
 class WallCurve:
     """Where a surface ends on a plane, or on the line of two planes (unit normals and offsets, (k, 4))."""
 
-    field: LocalField
     planes: Floats
 
     @property
     def fixed(self) -> bool:
         """Whether its points are ends of curves, which stay."""
         return len(self.planes) > 1
-
-    @cached_property
-    def across(self) -> Floats:
-        """Orthonormal directions (k, 3) that span the normals."""
-        return np.linalg.qr(self.planes[:, :3].T)[0].T
-
-    def distances(self, points: Floats) -> Floats:
-        """Distances |f| / |grad f| (N,) of points in the plane, to first order."""
-        jets = self.field.jets(points)
-        g = jets[:, 1:] - (jets[:, 1:] @ self.across.T) @ self.across
-        return np.asarray(np.abs(jets[:, 0]) / np.maximum(np.sqrt((g * g).sum(axis=1)), 1e-300))
 
     def off(self, points: Floats) -> Floats:
         """How far points (N, 3) are from the planes."""

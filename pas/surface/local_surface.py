@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,14 +12,13 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_fraction
 from pas.kernels.library import compiled
+from pas.mesh.field import RimCurve
 from pas.mesh.rows import Integers
 from pas.surface.function import PiecewisePolynomial
 
-CLOSING, CLOSE = 6, 1e-11
-"""Steps along gradients, for points very near the surface, and the last that is worth another."""
+CLOSE = 1e-11
+"""The last step along a gradient, in local units, that is worth another."""
 
-LEFT = 0.1
-"""Share of a step along the gradient that the next one would have, above which points are not near the surface."""
 
 INSIDE = 1e-11
 """How far outside the region a point may be by rounding: in local units, barycentric coordinates, or over the way to
@@ -30,6 +31,9 @@ class LocalSurface(ABC):
     The piece of a point is that of the cell it is deepest in; with `faces` that of the outer face through which its ray
     from 0 leaves, given for each by the map (F, 3, 3) from points to weights of the corners, and the piece (F,).
     """
+
+    rims: Sequence[RimCurve]
+    """The curves on which it ends."""
 
     def __init__(self, surface: PiecewisePolynomial, faces: tuple[Floats, Integers] | None = None) -> None:
         local, self.degree, self.evaluator = surface.local, max(surface.degree, 1), surface.evaluator
@@ -45,6 +49,11 @@ class LocalSurface(ABC):
         else:
             maps = np.ascontiguousarray(local.barycentric_maps)
             self._pieces = np.array([pieces, 0, len(maps)]), maps, np.array(local.piece_of, dtype=np.intp)
+
+    @cached_property
+    def fixed(self) -> NDArray[np.bool_]:
+        """Which of `rims` are fixed, and, at the end, that what is on none is not, (R + 1,)."""
+        return np.array([*(curve.fixed for curve in self.rims), False])
 
     def pieces(self, points: Floats) -> Integers:
         """The numbers of the pieces (N,) that hold points, or are nearest to them."""
@@ -82,12 +91,13 @@ class LocalSurface(ABC):
         """Points near the surface moved towards it, but for those that are `still` (N,), and gradients and curvatures
         there.
 
-        By a step along the gradient, or as `near` does where that leaves more than `LEFT` of the way.
+        By a step along the gradient, or as `near` does where the next one would be more than a tenth of it.
         """
+        left = 0.1  # a larger share means that a point was not near the surface
         number = len(points)
         (moved, gradients), bends = np.empty((2, number, 3)), np.empty(number)
         lost = np.empty(number, dtype=np.bool_)
-        given = (*self._pieces, *self._jets.arrays, *self._bends.arrays, number, points, still, LEFT**2, CLOSE**2)
+        given = (*self._pieces, *self._jets.arrays, *self._bends.arrays, number, points, still, left**2, CLOSE**2)
         compiled().call("pas_drawn", *given, moved, gradients, bends, lost)
         if lost.any():
             moved[lost] = self.near(points[lost])
@@ -104,7 +114,8 @@ class LocalSurface(ABC):
 
     def closed(self, points: Floats) -> tuple[Floats, Floats]:
         """Points very near the surface moved onto it along gradients, (N, 3), and the gradients (N, 3) there."""
+        steps = 6  # along gradients: from very near the surface two or three do
         result, gradients = np.array(points, order="C"), np.empty((len(points), 3))
-        given = (*self._pieces, *self._jets.arrays, len(points), CLOSING, CLOSE)
+        given = (*self._pieces, *self._jets.arrays, len(points), steps, CLOSE)
         compiled().call("pas_closed", *given, result, gradients)
         return result, gradients

@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from pas.errors import GeometryError, MeshError
+from pas.mesh.graph import require_once, rim_numbers, star
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.sheet import followed
-from pas.mesh.star import require_once, rim_numbers, star
 from pas.mesh.triangulate import FoldedError, triangulate, wall_numbers
 from pas.partition.complex import OuterFace
 from pas.surface.fairness import fairness
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.local_field import LocalField
 from pas.surface.radial_field import RadialField
-
-FINER = (1.0, 0.5, 0.25)
-"""Shares of the tolerance that are tried in turn where triangles fold: finer ones need not."""
-
-SHARP = 10.0
-"""Times the neighbours' curvature beyond which a surface's own is named where it cannot be meshed."""
 
 
 class Mesher:
@@ -54,12 +47,7 @@ class Mesher:
         a contact curve that is none around its middle) is meshed from a lattice.  Of several meshes the best of a
         quality is taken.
         """
-        first, *others = quality.aims
-        found = [self._triangles(tolerance, most, first)]
-        for aim in others:
-            with suppress(MeshError):  # too many triangles, or no good mesh: there is one already
-                found.append(self._triangles(tolerance, most, aim))
-        return quality.best(found)
+        return quality.best_of(partial(self._triangles, tolerance, most, aim) for aim in quality.aims)
 
     def moved(self, points: Floats, triangles: Integers, tolerance: float) -> Mesh:
         """The mesh of points (N, 3) and triangles (T, 3) near the surface moved onto it, within a tolerance, measured.
@@ -80,8 +68,10 @@ class Mesher:
             return followed(cells, local, triangles, wall_numbers(cells, local, triangles), tolerance / cells.scale)
 
     def _triangles(self, tolerance: float, most: int | None, aim: float) -> Mesh:
+        # shares of the tolerance that are tried in turn where triangles fold: finer ones need not
+        finer = (1.0, 0.5, 0.25)
         field = self.radial_field
-        for share in () if field is None else FINER:
+        for share in () if field is None else finer:
             assert field is not None
             try:
                 with np.errstate(all="ignore"):  # what is not finite is no graph
@@ -122,11 +112,12 @@ def _outside(surface: PiecewisePolynomial, face: OuterFace) -> bool:
 
 def _sharpest(surface: PiecewisePolynomial) -> str:
     """Where a surface bends much more than its neighbours, and what makes room, in words."""
+    sharp = 10.0  # times the neighbours' curvature beyond which a surface's own is named where it cannot be meshed
     try:
         fair = fairness(surface)
     except GeometryError:
         return ""
-    if not fair.sharpness > SHARP:
+    if not fair.sharpness > sharp:
         return ""
     x, y, z = (f"{v:.4g}" for v in fair.sharpest)
     return (

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.kernels.library import compiled
+from pas.mesh.graph import first
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import Integers, dots
-from pas.mesh.star import first
-from pas.surface.boundary_loops import Loops
+from pas.surface.boundary_loops import BoundaryLoop, Loops
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import profile_batch
 from pas.surface.local_surface import INSIDE, LocalSurface
@@ -26,25 +26,11 @@ STEPS = 60
 SETTLED = 1e-9
 """Change of the share of a ray's length that ends the search: by Newton's method the next is about its square."""
 
-OUTWARDS = 1.5
-"""The furthest step outwards along a ray of the skeleton, over the distance from it."""
-
-STEEP = 0.4
-"""Cosine between the surface's normal and a ray from the centre below which one from the skeleton is taken."""
-
-OFF = 1e-6
-"""Distance from the surface, over that from the centre, beyond which a ray from the centre ends without having met it:
-it leaves through a contact's curve."""
-
-AWAY = 10.0
-"""How far, over the distance from the skeleton, such rays are followed at most."""
-
-SAMPLES = 32
-"""Places along a ray where the sign of f is looked at."""
-
 
 class RadialField(LocalSurface):
     """A surface of one sheet around the centre of its partition, in local coordinates with the centre 0."""
+
+    rims: list[BoundaryLoop]
 
     def __init__(self, surface: PiecewisePolynomial) -> None:
         outer = surface.local.outer_faces
@@ -65,11 +51,6 @@ class RadialField(LocalSurface):
             return first(self)
         except ArithmeticError:
             return None
-
-    @cached_property
-    def fixed(self) -> NDArray[np.bool_]:
-        """Which of `rims` are fixed, and, at the end, that what is on none is not, (R + 1,)."""
-        return np.array([*(ring.fixed for ring in self.rims), False])
 
     def between(self, ends: Floats, rims: Integers) -> Integers:
         """See `pas.mesh.field.SheetField`: none, as rings have no ends."""
@@ -96,9 +77,11 @@ class RadialField(LocalSurface):
 
     def _met(self, points: Floats) -> tuple[Floats, NDArray[np.bool_]]:
         """Where rays through points (N, 3) meet the surface, (N, 3), and which of them (N,) graze or miss it."""
+        steep = 0.4  # cosine between normal and ray below which a ray from the skeleton is taken
+        off = 1e-6  # so far from the surface, over the way from 0, a ray has missed it: it left through a contact
         result, grazed = np.empty((len(points), 3)), np.empty(len(points), dtype=np.bool_)
         polynomials = (self.degree + 1, *self._profiles.arrays, *self._jets.arrays)
-        given = (*self._pieces, *polynomials, len(points), points, STEPS, SETTLED, STEEP, OFF)
+        given = (*self._pieces, *polynomials, len(points), points, STEPS, SETTLED, steep, off)
         compiled().call("pas_near", *given, result, grazed)
         return result, grazed
 
@@ -127,14 +110,17 @@ class RadialField(LocalSurface):
         a ring such rays stay in the region, however thin the surface is there.  Points that they do not meet nearby are
         those given `otherwise`.
         """
+        outwards = 1.5  # the furthest step outwards along a ray of the skeleton, over the distance from it
+        away = 10.0  # how far, over the distance from the skeleton, such rays are followed at most
         result, middles = np.array(otherwise, order="C"), self._skeleton
         given = (*self._pieces, *self._jets.arrays, len(middles[0]), *middles, len(points), points)
-        compiled().call("pas_around", *given, STEPS, SETTLED, OUTWARDS, AWAY**2, result)
+        compiled().call("pas_around", *given, STEPS, SETTLED, outwards, away**2, result)
         return result
 
     def once(self, points: Floats) -> bool:
         """Whether f changes its sign once, from inside to outside, along all rays to points, as sampled."""
+        samples = 32  # places along a ray where the sign of f is looked at
         profiles, leave = self.profiles(points)
-        shares, once = np.linspace(0.0, 1.0, SAMPLES + 1), np.empty(1, dtype=np.intp)
+        shares, once = np.linspace(0.0, 1.0, samples + 1), np.empty(1, dtype=np.intp)
         compiled().call("pas_once", *profiles.shape, profiles, leave, len(shares), shares, once)
         return bool(once[0])

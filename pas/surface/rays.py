@@ -49,14 +49,9 @@ RELATIVE = 1e-9
 TINY = 2.0**-1000
 """Numbers of this size may have lost digits by underflow, 2^-1075 each time."""
 
-NODE_BITS = 16
-"""Of the nodes of interpolation, so that the matrix is one of integers, whose inverse is exact."""
 
 HIGHEST = 31
 """Degree above which all rays are worked out exactly: interpolation loses ten of the 16 digits of doubles there."""
-
-ROOM = 4
-"""Crossings of a ray on average, for which there is room at first."""
 
 Integers = NDArray[np.intp]
 Bools = NDArray[np.bool_]
@@ -149,13 +144,14 @@ class RayTarget:
         """The crossings of rays that are not doubtful, ray by ray, and on which of these (N,) doubles decide nothing.
 
         With `first`, those in cells after that of a ray's first crossing may be missing.  There is `room` for so many
-        crossings, or for `ROOM` a ray; where there are more, the search is repeated with room for all.
+        crossings, or for some a ray; where there are more, the search is repeated with room for all.
         """
+        usual = 4  # crossings of a ray on average, for which there is room at first
         number = len(rays.origins)
         if self.degree > HIGHEST or not number:
             none = np.empty(0, dtype=np.intp)
             return (none, np.empty(0), none), np.ones(number, dtype=bool)
-        room = room or ROOM * number + ROOM
+        room = room or usual * (number + 1)
         found, sides, exact = (np.empty(size, dtype=np.intp) for size in (room, room, number))
         parameters, counted = np.empty(room), np.zeros(1, dtype=np.intp)
         sizes = np.array([len(self.local.cells), self.degree, first], dtype=np.intp)
@@ -212,7 +208,8 @@ def interpolation(degree: int, endless: bool) -> tuple[Floats, Floats, float]:
     so are the products with it: (n + 2) roundings in all, less than the samples' own, so that errors count twice the
     norm of the map from values of the polynomial of the form.
     """
-    one = 1 << NODE_BITS
+    node_bits = 16  # of the nodes of interpolation, so that the matrix is one of integers, whose inverse is exact
+    one = 1 << node_bits
     angles = np.pi * (2 * np.arange(degree + 1) + 1) / (2 * degree + 2)
     nodes = np.rint(one * (1 - np.cos(angles)) / 2).astype(int).tolist()
     basis = [comb(degree, j) * (one - s) ** (degree - j) * s**j for s in nodes for j in range(degree + 1)]

@@ -1,6 +1,6 @@
 """Where a ray crosses the zeros of polynomials on closed tetrahedra, exactly, from the definition.
 
-It shares no code with `pas.surface.exact_crossings`: cells are those of the vertices in the user's coordinates, roots
+It shares no code with `pas.surface.crossings`: cells are those of the vertices in the user's coordinates, roots
 are counted and isolated by Sturm's theorem and signs are read off Taylor expansions.
 """
 

@@ -192,7 +192,7 @@ def test_rounding_is_bounded(degrees):
     for count in range(30):
         axis, side = count % 2, draw.randrange(2)
         least = nets.off + (degrees[axis] + 2) * 2.0**-53 * np.abs(nets.table).max()
-        nets = nets.halves(axis).part([side])
+        nets = nets.halves(axis).select(np.array([side]))
         assert (nets.off >= least).all()
         rows = exact if axis else [list(r) for r in zip(*exact, strict=True)]
         rows = [halved_row(row, side) for row in rows]
@@ -244,7 +244,7 @@ def test_bounds_of_cells_count_their_rounding(far, weight):
                 point = surface.at(low[0] + size[0] * u, low[1] + size[1] * v)
                 assert square_distance(point, middle) <= reach**2
         axis, side = step % 2, draw.randrange(2)
-        nets = nets.halves(axis).part([side])
+        nets = nets.halves(axis).select(np.array([side]))
         size[axis] /= 2
         low[axis] += side * size[axis]
     assert finite > 6, "bounds were looked at"

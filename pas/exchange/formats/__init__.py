@@ -1,4 +1,4 @@
-"""File formats of other programs, a file each, by suffix.
+"""File formats of other programs, by suffix.
 
 A format is a `Format` with a suffix, what it holds (`TRIANGLES` or `PATCHES` of `pas.exchange.parts`, ...) and a
 function that writes that.  `FORMATS.register(Format(...))` adds one from outside, for all that can be written so.
@@ -102,16 +102,16 @@ class Format(Generic[C]):
 FORMATS: Registry[Format[Any]] = Registry(
     "file format",
     {
-        ".stl": "pas.exchange.formats.stl:STL",
-        ".obj": "pas.exchange.formats.obj:OBJ",
-        ".ply": "pas.exchange.formats.ply:PLY",
-        ".3mf": "pas.exchange.formats.threemf:THREE_MF",
-        ".glb": "pas.exchange.formats.glb:GLB",
-        ".vtp": "pas.exchange.formats.vtp:VTP",
+        ".stl": "pas.exchange.formats.plain:STL",
+        ".obj": "pas.exchange.formats.plain:OBJ",
+        ".ply": "pas.exchange.formats.plain:PLY",
+        ".3mf": "pas.exchange.formats.libraries:THREE_MF",
+        ".glb": "pas.exchange.formats.libraries:GLB",
+        ".vtp": "pas.exchange.formats.libraries:VTP",
         ".step": "pas.exchange.formats.step:STEP",
         ".stp": "pas.exchange.formats.step:STEP",
-        ".vtu": "pas.exchange.formats.vtu:VTU",
-        ".msh": "pas.exchange.formats.msh:MSH",
+        ".vtu": "pas.exchange.formats.cells:VTU",
+        ".msh": "pas.exchange.formats.cells:MSH",
     },
 )
 

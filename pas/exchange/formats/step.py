@@ -18,20 +18,13 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.errors import GeometryError, MissingLibraryError
+from pas.errors import GeometryError, MissingLibraryError, library
 from pas.exchange.formats import Format, Request
 from pas.exchange.parts import PATCHES
 from pas.parametric.patches import RationalPatch
 
 UNITS = {"micrometer": "UM", "millimeter": "MM", "centimeter": "CM", "meter": "M", "inch": "INCH", "foot": "FT"}
 """Units of lengths by name, and what Open Cascade calls them."""
-
-DEGENERATE = 1e-9
-"""Sides of patches that are shorter, over the patch's size, are points to Open Cascade."""
-
-FORMAT = "%.16E"
-"""Of numbers: doubles come back as they were, which Open Cascade's own twelve digits would round.  Its
-suppression of zeros must stay off: it drops exponents of this format."""
 
 
 def write_faces(patches: Sequence[RationalPatch], path: Path, request: Request) -> None:
@@ -43,11 +36,8 @@ def write_faces(patches: Sequence[RationalPatch], path: Path, request: Request) 
         _export(whole, path, request.name, UNITS[request.unit])
 
 
-def _require_library() -> None:
-    try:
-        import OCP.STEPControl  # noqa: F401
-    except ImportError:
-        raise MissingLibraryError("STEP files need Open Cascade: pip install 'pas[step]'") from None
+def _require_library() -> Any:
+    return library("OCP.STEPControl", "STEP files need Open Cascade: pip install 'pas[step]'")
 
 
 @contextmanager
@@ -85,7 +75,7 @@ def _face(patch: RationalPatch, number: int) -> Any:
     else:
         (u, many), (v, times) = (_open_knots(k) for k in patch.knots)
         surface = Geom_BSplineSurface(points, weights, u, v, many, times, *patch.degrees)
-    made = BRepBuilderAPI_MakeFace(surface, DEGENERATE * size)
+    made = BRepBuilderAPI_MakeFace(surface, 1e-9 * size)  # shorter sides are points to Open Cascade
     if not made.IsDone():
         raise GeometryError(f"patches[{number}] is no surface to Open Cascade: {made.Error().name}")
     return made.Face()
@@ -152,7 +142,8 @@ def _export(shape: Any, path: Path, name: str, unit: str) -> None:
     if status != IFSelect_ReturnStatus.IFSelect_RetDone:
         raise GeometryError(f"Open Cascade could not translate the patches to STEP ({status.name})")
     text, buffer = StepData_StepWriter(writer.Model()), BytesIO()
-    text.FloatWriter().SetFormat(FORMAT)
+    # doubles come back as they were, which its own twelve digits would round; its suppression of zeros stays off
+    text.FloatWriter().SetFormat("%.16E")
     text.SendModel(STEPEdit.Protocol_s())
     if not text.Print(buffer):
         raise GeometryError("Open Cascade could not write the patches as STEP")

@@ -6,6 +6,7 @@ What is proved and what only measured of it is said by its `certificate`.
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -17,10 +18,8 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.parametric.generatrix.align import Alignment, aligned, alignment, require_apart, sides
 from pas.parametric.generatrix.boundary import Boundary
-from pas.parametric.generatrix.checks import closes, refuse_both
-from pas.parametric.generatrix.form import GeneratrixForm
-from pas.parametric.generatrix.frames import Frames, with_lengths
-from pas.parametric.generatrix.paths import CurveLike, space_curve, value_at
+from pas.parametric.generatrix.form import Frames, GeneratrixForm, with_lengths
+from pas.parametric.generatrix.paths import CurveLike, closes, space_curve, value_at
 from pas.parametric.generatrix.sections import plane_section
 from pas.parametric.generatrix.shape import GeneratrixShape, ShapeLike
 from pas.parametric.generatrix.verdicts import GeneratrixCertificate, certify, is_safe
@@ -193,6 +192,19 @@ def generatrix_blend(
     return _shortened(blend, open_lengths) if open_lengths and align else blend
 
 
+def refuse_both(tolerance: Any, size: Any) -> None:
+    """Raise `ValueError` where a mesh is asked for by its size and by its tolerance, or its quality where that is None.
+
+    Raises `TypeError` for a size as tolerance.
+    """
+    if size is not None and tolerance is None:
+        raise ValueError("of a mesh with a given size no quality can be chosen; give a tolerance, or nothing, instead")
+    if size is not None:
+        raise ValueError("tolerance and size are two ways to say how fine the mesh is; give one of them")
+    if isinstance(tolerance, tuple):
+        raise TypeError(f"tolerance must be a positive number; a grid is given as size={tolerance}")
+
+
 def _shortened(blend: GeneratrixBlend, names: list[str]) -> GeneratrixBlend:
     """The blend with the lengths of these names halved up to six times until it is sound; else as it is."""
     trial = blend
@@ -208,7 +220,7 @@ def _checked(blend: GeneratrixBlend) -> GeneratrixBlend:
     if blend.closed:
         blend.shape.require_periodic()
     with np.errstate(all="ignore"):
-        controls, slopes = blend.frames.controls(blend.shape, blend.frames.parameters(16))
+        controls, slopes = blend.frames.grid(16).controls(blend.shape)
     if not (np.isfinite(controls).all() and np.isfinite(slopes).all()):
         raise GeometryError("the control points are beyond the range of doubles (1.8e308); give shorter l1, l2")
     return blend

@@ -26,16 +26,19 @@ from pas.algebra.rational import Exact
 from pas.algebra.rational_function import RationalFunction
 from pas.errors import GeometryError
 from pas.parametric.curves import SurfaceCurve
-from pas.parametric.generatrix.checks import CHECKED, closes, require_boundary, require_on
 from pas.parametric.generatrix.paths import (
+    CHECKED,
     NAMES,
     Curve,
     CurveLike,
     ExactCurve,
     by_length,
+    closes,
     exact_cross,
     on_unit_interval,
     read_path,
+    require_boundary,
+    require_on,
     splined,
     value_at,
 )

@@ -7,33 +7,200 @@ For each s the segment runs from C1(s) to C2(s) with inner control points C_i + 
 W_i across the curve in the tangent plane (N_i x C_i' or V_i) and E_i along it (C_i'), both of length one, the sign
 such that T_i points to the other surface.  Where the curves are regular the blend meets both with G1, whatever
 0 < l_i and -1 < lambda_i < 1 are.  A middle curve makes the segments quartic.
+
+What does not depend on the shape values is kept (`Frames`): C, C', W, E, and the derivatives of these two in s
+(differences; C' itself comes from the curve).  With them a point is the Bernstein sum of four or five control points,
+and its normal P_s x P_t: a few products of small matrices.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 
 import numpy as np
 from flint import fmpq
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
-from pas.algebra.callables import plain
-from pas.algebra.jets import Jet, composed
+from pas.algebra.callables import on_series
+from pas.algebra.lengths import exponent, lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational
 from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction, total
 from pas.mesh.mesh import Mesh
+from pas.mesh.rows import Integers
 from pas.parametric.generatrix.align import Alignment
 from pas.parametric.generatrix.boundary import Boundary
-from pas.parametric.generatrix.frames import Frames, connectivity
-from pas.parametric.generatrix.paths import NAMES
+from pas.parametric.generatrix.paths import NAMES, value_at
 from pas.parametric.generatrix.shape import FOUR, GeneratrixShape, ShapeFunction
 from pas.parametric.nets import bernstein_at, bernstein_polynomials
 from pas.parametric.series import Components, square_root
 from pas.parametric.surface import ParametricSurface
+
+STEP = 3e-6
+"""Of the differences: truncation (2 pi step)^2 / 6 and rounding 1e-16 / step are both about 1e-10."""
+
+
+@dataclass(frozen=True)
+class Edge:
+    """At n values of s: C and C' (n, 3), W and E as first rows, their derivatives as second rows (2, n, 3)."""
+
+    point: Floats
+    velocity: Floats
+    across: Floats
+    along: Floats
+
+    def leg(self, length: ShapeFunction, slant: ShapeFunction, s: Floats) -> tuple[Floats, Floats]:
+        """C + l T and its derivative, (n, 3) each."""
+        size, growth = length(s)[:, None], length(s, 1)[:, None]
+        slope, dslope = slant(s)[:, None], slant(s, 1)[:, None]
+        rest = np.sqrt(1.0 - slope * slope)
+        tangent = rest * self.across[0] + slope * self.along[0]
+        change = rest * self.across[1] + slope * self.along[1]
+        if dslope.any():
+            change = change + dslope * (self.along[0] - slope / rest * self.across[0])
+        return self.point + size * tangent, self.velocity + growth * tangent + size * change
+
+
+@dataclass(frozen=True)
+class Stations:
+    """Both edges at n values of s, and the middle curve there with its derivative, (n, 3) each."""
+
+    s: Floats
+    edges: tuple[Edge, Edge]
+    middle: tuple[Floats, Floats] | None
+
+    def controls(self, shape: GeneratrixShape) -> tuple[Floats, Floats]:
+        """Control points and their derivatives in s, (m + 1, n, 3) each."""
+        assert shape.l1 is not None and shape.l2 is not None
+        start, end = self.edges
+        one, two = start.leg(shape.l1, shape.lambda1, self.s), end.leg(shape.l2, shape.lambda2, self.s)
+        middle = [] if self.middle is None else [self.middle]
+        rows = [(start.point, start.velocity), one, *middle, two, (end.point, end.velocity)]
+        return np.stack([r[0] for r in rows]), np.stack([r[1] for r in rows])
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """The two boundaries, turned to fit, their signs, and what was computed of them.
+
+    With `unit` false W and E are N x C' (or V) and C' as they are, not made of length one.
+    """
+
+    boundaries: tuple[Boundary, Boundary]
+    signs: tuple[int, int]
+    unit: bool
+    middle: ParametricSurface | None = None
+    kept: dict[int, Stations] = field(default_factory=dict)
+
+    @property
+    def closed(self) -> bool:
+        """Whether the curves are."""
+        return self.boundaries[0].closed
+
+    @property
+    def degree(self) -> int:
+        """Of the generatrices: 3, or 4 with a middle curve."""
+        return 3 if self.middle is None else 4
+
+    @cached_property
+    def inward(self) -> bool:
+        """Whether P_s x P_t at the first boundary is opposed to the normal of its surface, where that is known."""
+        first = self.boundaries[0]
+        if not first.has_normal:
+            return False
+        s = self.parameters(16)
+        made = np.cross(unit(first.derivative(s)), self.signs[0] * unit(first.across(s)))
+        return bool((made * unit(first.field(s))).sum() < 0)
+
+    def parameters(self, size: int) -> Floats:
+        """`size` values of s, evenly: for closed curves without s = 1."""
+        return np.linspace(0.0, 1.0, size, endpoint=not self.closed)
+
+    def grid(self, size: int) -> Stations:
+        """Those at so many values of s, computed once."""
+        if size not in self.kept:
+            self.kept[size] = self.at(self.parameters(size))
+        return self.kept[size]
+
+    def at(self, s: Floats) -> Stations:
+        """Both edges and the middle curve at s (n,)."""
+        first, second = (self._edge(b, sign, s) for b, sign in zip(self.boundaries, self.signs, strict=True))
+        middle = None if self.middle is None else (value_at(self.middle, s), value_at(self.middle, s, 1))
+        return Stations(s, (first, second), middle)
+
+    def _edge(self, boundary: Boundary, sign: int, s: Floats) -> Edge:
+        center = s if self.closed else np.clip(s, STEP, 1.0 - STEP)
+        low, mid, high = (self._vectors(boundary, sign, center + k * STEP) for k in (-1, 0, 1))
+        slope = (high - low) / (2 * STEP) + ((s - center) / STEP**2)[:, None] * (high - 2 * mid + low)
+        here = mid if center is s else self._vectors(boundary, sign, s)
+        both = np.stack([here, slope], axis=1)
+        return Edge(boundary(s), boundary.derivative(s), both[0], both[1])
+
+    def _vectors(self, boundary: Boundary, sign: int, s: Floats) -> Floats:
+        """W and E (2, n, 3)."""
+        both = np.stack([sign * boundary.across(s), boundary.derivative(s)])
+        return unit(both) if self.unit else both
+
+    def sheet(self, shape: GeneratrixShape, size: tuple[int, int]) -> tuple[Floats, Floats]:
+        """Points and P_s x P_t over a common number on a grid: (n, m, 3) each."""
+        controls, slopes = self.grid(size[0]).controls(shape)
+        t = np.linspace(0.0, 1.0, size[1])
+        value, slope = bernstein_at(self.degree, t), bernstein_at(self.degree, t, 1)
+        points = _combined(value, controls)
+        across, along = (_combined(b, np.ldexp(c, -exponent(c))) for b, c in ((value, slopes), (slope, controls)))
+        return points, _crossed(across, along)
+
+
+def _combined(weights: Floats, controls: Floats) -> Floats:
+    """sum_i weights[j, i] controls[i, k]: (k, j, 3)."""
+    size = controls.shape[1]
+    flat = weights @ controls.reshape(len(controls), -1)
+    return np.ascontiguousarray(flat.reshape(len(weights), size, 3).swapaxes(0, 1))
+
+
+def _crossed(a: Floats, b: Floats) -> Floats:
+    """The vector product along the last axis, with fewer copies than numpy's."""
+    result = np.empty_like(a)
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        np.multiply(a[..., j], b[..., k], out=result[..., i])
+        result[..., i] -= a[..., k] * b[..., j]
+    return result
+
+
+@lru_cache(maxsize=32)
+def connectivity(size: tuple[int, int], closed: bool, flipped: bool) -> Integers:
+    """Triangles of a grid of points numbered row by row; a closed one is welded, its last row to the first."""
+    n, m = size
+    rows = np.arange(n if closed else n - 1)
+    a = (rows[:, None] * m + np.arange(m - 1)[None]).ravel()
+    b = (((rows + 1) % n)[:, None] * m + np.arange(m - 1)[None]).ravel()
+    triangles = np.concatenate([np.stack([a, b, b + 1], axis=1), np.stack([a, b + 1, a + 1], axis=1)])
+    return np.ascontiguousarray(triangles[:, ::-1] if flipped else triangles).astype(np.intp)
+
+
+def with_lengths(shape: GeneratrixShape, frames: Frames) -> GeneratrixShape:
+    """The shape with open lengths filled in: a third of the distance of corresponding points, rounded.
+
+    A straight generatrix has its inner control points at thirds.  It is the mean distance, for closed curves with its
+    first harmonic, so that the outside of a bend bulges as it should.
+    """
+    missing = [name for name in ("l1", "l2") if getattr(shape, name) is None]
+    if not missing:
+        return shape
+    s = frames.parameters(120)
+    first, second = frames.boundaries
+    distance = 1 / 3 * lengths(first(s) - second(s))
+    mean = float(distance.mean())
+    wave = complex(2 * (distance * np.exp(2j * np.pi * s)).mean())
+    swing = min(abs(wave), 0.9 * mean)  # more would not be positive
+    if not frames.closed or not frames.unit or swing < 0.02 * mean:  # not worth it
+        length = ShapeFunction.constant(f"{mean:.3g}")
+    else:
+        start = (np.angle(wave) / (2 * np.pi) + 0.5) % 1.0
+        length = ShapeFunction.cosine(*(f"{x:.3g}" for x in (mean - swing, mean + swing, start)))
+    return shape.changed(**dict.fromkeys(missing, length))
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +240,7 @@ class GeneratrixForm:
         bad = array[~((array >= 0.0) & (array <= 1.0))]
         if bad.size:
             raise ValueError(f"parameter s = {bad[0]:.6g} lies outside [0, 1]")
-        points, _ = self.frames.controls(self.shape, array.ravel())
+        points, _ = self.frames.at(array.ravel()).controls(self.shape)
         return np.moveaxis(points, 0, 1).reshape(*array.shape, self.degree + 1, 3)
 
     @cached_property
@@ -85,7 +252,7 @@ class GeneratrixForm:
         """
         reason = self._why_inexact
         source = None if reason else self._components
-        return ParametricSurface.from_parts(self._values, source, NAMES, ((0, 1), (0, 1)), reason)
+        return ParametricSurface.from_parts(on_series(self._derivative), source, NAMES, ((0, 1), (0, 1)), reason)
 
     def sheet(self, size: tuple[int, int] = (100, 100)) -> tuple[Floats, Floats]:
         """Points and unit normals on a grid of parameters, (n, m, 3) each; for closed curves s < 1."""
@@ -100,18 +267,6 @@ class GeneratrixForm:
         triangles = connectivity(size, self.closed, self.frames.inward)
         return Mesh.smooth(points.reshape(-1, 3), triangles, normals.reshape(-1, 3), "blend")
 
-    def _values(self, s: Any, t: Any) -> tuple[Any, ...]:
-        known: dict[tuple[int, int], Floats] = {}
-
-        def at(first: int, second: int) -> Floats:
-            if (first, second) not in known:
-                known[first, second] = self._derivative(plain(s), plain(t), first, second)
-            return known[first, second]
-
-        if not isinstance(s, Jet) and not isinstance(t, Jet):
-            return tuple(np.moveaxis(at(0, 0), -1, 0))
-        return tuple(composed(lambda i, j, axis=axis: at(i, j)[..., axis], s, t) for axis in range(3))  # type: ignore[misc]
-
     def _derivative(self, s: ArrayLike, t: ArrayLike, first: int, second: int) -> Floats:
         """d^(i+j) P / ds^i dt^j at arrays that broadcast; from the second order in s on by differences."""
         u, v = np.asarray(s, dtype=float), np.asarray(t, dtype=float)
@@ -120,7 +275,7 @@ class GeneratrixForm:
 
     def _controls(self, s: Floats, order: int) -> Floats:
         if order <= 1:
-            return self.frames.controls(self.shape, s)[order]
+            return self.frames.at(s).controls(self.shape)[order]
         step = 1e-4
         center = s if self.closed else np.clip(s, order * step, 1 - order * step)
         low, high = (self._controls(center + k * step, order - 1) for k in (-1, 1))

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import combinations
 from typing import Any
 
@@ -27,9 +27,8 @@ from pas.limits import Report, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
-from pas.parametric.generatrix.blend import GeneratrixBlend, generatrix_blend
+from pas.parametric.generatrix.blend import GeneratrixBlend, generatrix_blend, refuse_both
 from pas.parametric.generatrix.boundary import Boundary
-from pas.parametric.generatrix.checks import refuse_both
 from pas.parametric.generatrix.quadric import text
 from pas.parametric.generatrix.sections import plane_section
 from pas.parametric.generatrix.shape import GeneratrixShape
@@ -87,14 +86,8 @@ class SphereBlend(Shape):
             return self._gridded(size or GRID)
         refuse_both(tolerance, size)
         wanted = self._measured(GRID).deviation if tolerance is None else check_tolerance(tolerance, self.radius)
-        found: list[Mesh] = []
-        for share in (1.0,) if how is Quality.BALANCED else (1.0, 0.7, 0.5, 0.35, 1.4):  # of the usual points in t
-            try:
-                found.append(self._near(wanted or 0.0, share))
-            except MeshError:  # there is a mesh already
-                if not found:
-                    raise
-        return how.best(found)
+        shares = (1.0,) if how is Quality.BALANCED else (1.0, 0.7, 0.5, 0.35, 1.4)  # of the usual points in t
+        return how.best_of(partial(self._near, wanted or 0.0, share) for share in shares)
 
     def _near(self, wanted: float, share: float) -> Mesh:
         """The mesh on the coarsest grid that is as near as wanted, with a share of the usual points in t.

@@ -30,7 +30,9 @@ from pas.algebra.lengths import exponent, lengths
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import dot, rational
 from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction
+from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.bernstein.subdivision import halves
+from pas.mesh.rows import Integers
 from pas.parametric.common_zeros import avoids_origin
 from pas.parametric.generatrix.align import alignment
 from pas.parametric.generatrix.crossings import crossings, double_point, is_injective
@@ -165,7 +167,7 @@ def regular_verdict(blend: GeneratrixForm) -> Verdict:
         if exact.status in (Status.PROVED, Status.REFUTED):
             return Verdict(exact.status, claim, exact.reason, exact.witness, exact.measure)
     s = blend.frames.parameters(number)
-    controls, slopes = blend.frames.controls(blend.shape, s)
+    controls, slopes = blend.frames.at(s).controls(blend.shape)
     forms = _normal_forms(*(np.ldexp(c, -exponent(c)) for c in (controls, slopes)))
     points, normals = blend.frames.sheet(blend.shape, (number, 33))
     if not (np.isfinite(points).all() and np.isfinite(forms).all()):
@@ -202,19 +204,32 @@ def _normal_forms(controls: Floats, slopes: Floats) -> Floats:
     return forms
 
 
+@dataclass(frozen=True)
+class _NormalArcs(Cells):
+    """Bernstein forms (C, k, 3) of normals over parts of generatrices (C,), of one width, that begin at t (C,)."""
+
+    forms: Floats
+    rows: Integers
+    starts: Floats
+    width: float = 1.0
+
+    def halves(self) -> _NormalArcs:
+        """Both halves of all."""
+        starts = np.concatenate([self.starts, self.starts + self.width / 2])
+        return _NormalArcs(np.concatenate(halves(self.forms, 1)), np.tile(self.rows, 2), starts, self.width / 2)
+
+
 def _vanishing(forms: Floats, halvings: int) -> tuple[int, float] | None:
     """Of curves of vectors (n, k, 3), Bernstein forms in t, the number of one that may meet the origin, and t near."""
-    rows, starts, width = np.arange(len(forms)), np.zeros(len(forms)), 1.0
-    for depth in range(halvings + 1):
-        rounding = 1e-13 * np.abs(forms).max(axis=(1, 2))
-        open_ones = ~avoids_origin(forms[:, :, None], rounding)
-        forms, rows, starts = forms[open_ones], rows[open_ones], starts[open_ones]
-        if not len(rows) or depth == halvings:
-            break
-        width /= 2
-        forms, rows = np.concatenate(halves(forms, 1)), np.concatenate([rows, rows])
-        starts = np.concatenate([starts, starts + width])
-    return (int(rows.min()), float(starts[rows.argmin()] + width / 2)) if len(rows) else None
+
+    def judge(arcs: _NormalArcs, _: int) -> Fates:
+        clear = avoids_origin(arcs.forms[:, :, None], 1e-13 * np.abs(arcs.forms).max(axis=(1, 2)))
+        return np.where(clear, int(Fate.SETTLED), int(Fate.SPLIT))
+
+    whole, limits = _NormalArcs(forms, np.arange(len(forms)), np.zeros(len(forms))), Limits(halvings, 1 << 20)
+    left = search(whole, judge, _NormalArcs.halves, limits, "looking for vanishing normals").open
+    first = left.rows.argmin() if len(left) else 0
+    return (int(left.rows[first]), float(left.starts[first] + left.width / 2)) if len(left) else None
 
 
 def _largest_turn(normals: Floats, closed: bool) -> tuple[float, tuple[int, int]]:

@@ -3,7 +3,7 @@ import { make } from "./controls.js";
 import { same, short } from "./values.js";
 
 const SIGNS = { proved: "✓", refuted: "✗", undecided: "?", "holds, measured": "≈", "fails, measured": "✗", checking: "…" };
-const MEASURES = { sharpness: "sharpness", hollowness: "hollowness", bulge: "bulge", wrong_sign: "wrong sign" };
+const MEASURES = { sharpness: "sharpness", hollowness: "hollowness", bulge: "bulge", wrong_sign: "wrong sign", waist: "waist" };
 
 // Of a studio { s, $, view, panel, say, overlay }: `stale` where another state is asked for, `judge` and `measures` with
 // what comes of it, `settled` with every picture.

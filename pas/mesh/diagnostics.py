@@ -9,7 +9,7 @@ of them.  Measured, not proved; a sentence of an error stands on it, nothing els
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, product
@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, place_of
-from pas.mesh.projection import least_norm
-from pas.mesh.rows import Floats, Integers, cross, norms
+from pas.mesh.field import FaceField, extent_of, place_of
+from pas.mesh.projection import distances, newton, second_derivatives
+from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.shading import unit_rows
 
 PLACES = 10
@@ -30,8 +30,8 @@ NEAR, FARTHEST = 4.0, 0.3
 """Distance, to first order and over the lattice's spacing, up to which a face counts as there; and how far from
 the place a point may be found, over the extent of the box."""
 
-STEPS, SLOPE_STEP = 40, 1e-5
-"""Of Newton's method; of the differences that give second derivatives, over the extent of the box."""
+STEPS = 40
+"""Of Newton's method."""
 
 ZERO, PARALLEL = 1e-7, 1e-5
 """Distance over the extent of the box up to which a function vanishes at a point; sine of the angle up to which
@@ -62,7 +62,7 @@ PASSING = ("close", "bent", "many")
 
 
 @dataclass(frozen=True)
-class Trouble:
+class Diagnosis:
     """What is wrong and where: "near (0, 0, 1) the faces 'a' and 'b' touch".
 
     `stays` says whether it is so on every finer lattice, and near most of the places looked at.
@@ -72,7 +72,7 @@ class Trouble:
     stays: bool
 
 
-def find_trouble(field: FaceField, places: Floats, spacing: float) -> Trouble | None:
+def diagnosis(field: FaceField, places: Floats, spacing: float) -> Diagnosis | None:
     """The trouble that most of some places (K, 3) are near to, on a lattice of a given spacing; None if unknown."""
     checkpoint("looking at where the boundary is not clear")
     chosen = places[np.unique(np.linspace(0, len(places) - 1, min(len(places), PLACES)).astype(int))]
@@ -84,7 +84,7 @@ def find_trouble(field: FaceField, places: Floats, spacing: float) -> Trouble | 
     kind, names = max(times, key=lambda k: (k[0] not in PASSING, times[k]))
     point = next(point for *what, point in found if what == [kind, names])
     lasting = sum(n for (other, _), n in times.items() if other not in PASSING)
-    return Trouble(f"near {place_of(field, point)} {WORDS[kind].format(names)}", 2 * lasting > len(chosen))
+    return Diagnosis(f"near {place_of(field, point)} {WORDS[kind].format(names)}", 2 * lasting > len(chosen))
 
 
 Found = tuple[str, str, Floats]
@@ -96,7 +96,7 @@ class _Place:
 
     def __init__(self, field: FaceField, place: Floats, spacing: float) -> None:
         self.field, self.place, self.spacing = field, place, spacing
-        self.extent = float(np.ptp(field.box, axis=0).max())
+        self.extent = extent_of(field)
         every = np.arange(len(field.signs(place[None])))
         self.near: list[int] = every[self._distances(place, every) < NEAR * spacing].tolist()
 
@@ -193,92 +193,65 @@ class _Place:
 
     def _critical(self, column: int) -> Floats | None:
         """A point where a function and its gradient vanish."""
-        point, size = self.place, 0.0
-        for _ in range(STEPS):
-            jet, slopes = self._jet(point, column), self._slopes(point, column)
-            size = max(size, float(np.abs(slopes).max()))
-            step = self._step(-self._solve(slopes, jet[1:]))
-            point = point + step
-            if not np.isfinite(point).all() or self._far(point):
-                return None
-            if np.abs(step).max() < ZERO * self.spacing:
-                break
-        jet = self._jet(point, column)
-        close = ZERO * self.extent
+        point = self._followed(self.place, lambda p: self._solve(self._slopes(p, column), self._jet(p, column)[1:]))
+        if point is None:
+            return None
+        jet, close = self._jet(point, column), ZERO * self.extent
+        size = max(float(np.abs(self._slopes(p, column)).max()) for p in (self.place, point))
         return point if np.abs(jet[1:]).max() <= size * close and abs(jet[0]) <= size * close**2 else None
 
     def _parallel(self, a: int, b: int) -> Floats | None:
         """A point on one surface with the other's normal, less than the spacing away from that one."""
-        point = self._feet[b]
-        if point is None:
+        foot = self._feet[b]
+        bends = 1 / self._radii[a] + 1 / self._radii[b]
+        if foot is None or self._sine(foot, a, b) > 2 * FARTHEST * self.extent * bends:
+            return None  # where they bend too little for their normals to become parallel
+        scales = [1 / max(float(np.linalg.norm(self._jet(foot, c)[1:])), 1e-300) for c in (a, b)]
+
+        def step(point: Floats) -> Floats:
+            """Newton's for a multiple of one gradient that is the other, and the second function's zero."""
+            f, g = (self._jet(point, c) * scale for c, scale in zip((a, b), scales, strict=True))
+            bend_f, bend_g = (self._slopes(point, c) * scale for c, scale in zip((a, b), scales, strict=True))
+            share, matrix = float(f[1:] @ g[1:]) / max(float(g[1:] @ g[1:]), 1e-300), np.zeros((4, 4))
+            matrix[:3, :3], matrix[:3, 3], matrix[3, :3] = bend_f - share * bend_g, -g[1:], g[1:]
+            return self._solve(matrix, np.append(f[1:] - share * g[1:], g[0]))[:3]
+
+        point = self._followed(foot, step)
+        if point is None or self._distance(point, b) >= ZERO * self.extent or self._sine(point, a, b) >= PARALLEL:
             return None
-        if self._turned[a, b] > 2 * FARTHEST * self.extent * (1 / self._radii[a] + 1 / self._radii[b]):
-            return None  # they bend too little for their normals to become parallel
-        scale = [1 / max(float(np.linalg.norm(self._jet(point, c)[1:])), 1e-300) for c in (a, b)]
-        f, g = (self._jet(point, c) * s for c, s in zip((a, b), scale, strict=True))
-        share = float(f[1:] @ g[1:])
+        return point if self._distance(point, a) < self.spacing else None
+
+    def _followed(self, point: Floats, step: Callable[[Floats], Floats]) -> Floats | None:
+        """Where steps against those given lead to, none longer than the reach of the place; None if far away."""
         for _ in range(STEPS):
-            f, g = (self._jet(point, c) * s for c, s in zip((a, b), scale, strict=True))
-            if abs(g[0]) < ZERO * self.extent and self._sine(point, a, b) < PARALLEL:
-                break
-            matrix = np.zeros((4, 4))
-            matrix[:3, :3] = self._slopes(point, a) * scale[0] - share * self._slopes(point, b) * scale[1]
-            matrix[:3, 3], matrix[3, :3] = -g[1:], g[1:]
-            move = -self._solve(matrix, np.append(f[1:] - share * g[1:], g[0]))
-            step = self._step(move[:3])
-            point, share = point + step, share + float(move[3])
-            if not np.isfinite(point).all() or self._far(point):
+            move = step(point)
+            move = move * min(1.0, NEAR * self.spacing / max(float(np.linalg.norm(move)), 1e-300))
+            point = point - move
+            if not float(np.linalg.norm(point - self.place)) <= FARTHEST * self.extent:  # nor where it is no number
                 return None
-        on = self._distance(point, b) < ZERO * self.extent and self._sine(point, a, b) < PARALLEL
-        return point if on and self._distance(point, a) < self.spacing else None
+            if np.abs(move).max() < ZERO * self.spacing:
+                break
+        return point
 
     @cached_property
     def _feet(self) -> dict[int, Floats | None]:
         """A point of each surface near the place."""
         return dict(zip(self.near, self._common([[c] for c in self.near]), strict=True))
 
-    @cached_property
-    def _turned(self) -> dict[tuple[int, int], float]:
-        """Of each pair of surfaces the sine of the angle between their normals, at the foot of the second."""
-        result = {}
-        for b, foot in self._feet.items():
-            if foot is not None:
-                here = np.broadcast_to(foot, (len(self.near), 3))
-                units = unit_rows(self.field.jets(here, 2 * np.array(self.near))[:, 1:])
-                own = units[self.near.index(b)]
-                sines = norms(cross(units, np.broadcast_to(own, units.shape)))
-                result.update({(a, b): float(sine) for a, sine in zip(self.near, sines, strict=True)})
-        return result
-
     def _common(self, groups: Sequence[Sequence[int]]) -> list[Floats | None]:
         """A common zero of the functions of each group, all of one length; None where there is none nearby."""
-        labels = 2 * np.array(groups, dtype=np.intp)
-        points, active = np.tile(self.place, (len(groups), 1)), np.arange(len(groups))
-        there = np.ones(len(groups), dtype=bool)
-        for _ in range(STEPS):
-            if not len(active):
-                break
-            step = -least_norm(self.field, labels[active], points[active])
-            step *= np.minimum(1.0, NEAR * self.spacing / np.maximum(np.linalg.norm(step, axis=1), 1e-300))[:, None]
-            points[active] += step
-            away = np.linalg.norm(points[active] - self.place, axis=1)
-            there[active] = away <= FARTHEST * self.extent  # not where it is no number
-            active = active[there[active] & (np.abs(step).max(axis=1) >= ZERO * self.spacing)]
-        for row in np.flatnonzero(there).tolist():
-            there[row] = self._distances(points[row], groups[row]).max() <= ZERO * self.extent
-        return [point if good else None for point, good in zip(points, there, strict=True)]
+        starts, reach = np.tile(self.place, (len(groups), 1)), np.full(len(groups), NEAR * self.spacing)
+        points = newton(starts, self.field, 2 * np.array(groups, dtype=np.intp), reach, STEPS)
+        near = norms(points - self.place) <= FARTHEST * self.extent  # not where it is no number
+        return [
+            point if close and self._distances(point, group).max() <= ZERO * self.extent else None
+            for point, group, close in zip(points, groups, near, strict=True)
+        ]
 
     def _solve(self, matrix: Floats, right: Floats) -> Floats:
         if not (np.isfinite(matrix).all() and np.isfinite(right).all()):
             return np.full(len(right), np.nan)
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-9)[0])
-
-    def _step(self, step: Floats) -> Floats:
-        """A step no longer than the reach of the place."""
-        return step * min(1.0, NEAR * self.spacing / max(float(np.linalg.norm(step)), 1e-300))
-
-    def _far(self, point: Floats) -> bool:
-        return float(np.linalg.norm(point - self.place)) > FARTHEST * self.extent
 
     def _jet(self, point: Floats, column: int) -> Floats:
         return self.field.jets(point[None], 2 * column)[0]
@@ -289,23 +262,17 @@ class _Place:
     def _distances(self, points: Floats, columns: Sequence[int] | Integers) -> Floats:
         """Of points (N, 3), or of one, from the surfaces of functions (N,), to first order."""
         labels = 2 * np.asarray(columns, dtype=np.intp)
-        jets = self.field.jets(np.broadcast_to(points, (len(labels), 3)), labels)
-        return np.asarray(np.abs(jets[:, 0]) / np.maximum(norms(jets[:, 1:]), 1e-300))
+        return distances(self.field, np.broadcast_to(points, (len(labels), 3)), labels)
 
     def _normal(self, point: Floats, column: int) -> Floats:
-        gradient = self._jet(point, column)[1:]
-        return np.asarray(gradient / max(float(np.linalg.norm(gradient)), 1e-300))
+        return unit_rows(self._jet(point, column)[1:])
 
     def _sine(self, point: Floats, a: int, b: int) -> float:
         """Of the angle between two surfaces' normals."""
         return float(np.linalg.norm(np.cross(self._normal(point, a), self._normal(point, b))))
 
     def _slopes(self, point: Floats, column: int) -> Floats:
-        """Second derivatives (3, 3), by differences."""
-        step = SLOPE_STEP * self.extent
-        around = self.field.jets(point + step * np.concatenate([np.eye(3), -np.eye(3)]), 2 * column)[:, 1:]
-        slopes = (around[:3] - around[3:]) / (2 * step)
-        return np.asarray(slopes + slopes.T) / 2
+        return np.asarray(second_derivatives(self.field, point[None], np.array([2 * column]))[0])
 
     @cached_property
     def _radii(self) -> dict[int, float]:

@@ -1,4 +1,4 @@
-"""Vertices of a closed mesh drawn into one, many times, each time with a look at the triangles around them alone."""
+"""Vertices of a closed mesh drawn into one at each node, each time with a look at the triangles around them alone."""
 
 from __future__ import annotations
 
@@ -7,12 +7,54 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.mesh.rows import Integers
-from pas.mesh.topology import edge_table, pinched
+from pas.mesh.field import FaceField, extent_of
+from pas.mesh.nodes import SAME, Nodes
+from pas.mesh.projection import least_norm
+from pas.mesh.rows import Floats, Integers, norms
+from pas.mesh.topology import edge_table, numbered, pinched
+
+SHARES = (1.0, 1.4, 0.7)
+"""Of a node's reach: what is within one of these is a disc, or finer triangles are needed."""
+
+
+def contracted(
+    field: FaceField, points: Floats, triangles: Integers, labels: Integers, nodes: Nodes
+) -> tuple[Floats, Integers, Integers, Integers] | Nodes:
+    """The mesh (points, triangles, labels, the nodes' vertices) with all within reach of a node drawn into one vertex.
+
+    Only what is a disc is; where it is none the result is the nodes in question.
+    """
+    failed, drawn, close = np.zeros(len(nodes.points), dtype=bool), [], SAME * extent_of(field)
+    rings, points = OneRings(triangles, labels, len(points)), points.copy()
+    for number, (node, reach) in enumerate(zip(nodes.points, nodes.reach, strict=True)):
+        distance = np.where(rings.used, norms(points - node), np.inf)
+        center = int(distance.argmin())
+        for share in SHARES:
+            found = rings.contraction(np.flatnonzero(distance < share * reach), center)
+            if found is not None and _meet(field, node, found.labels, close):
+                break
+        else:
+            failed[number] = True
+            continue
+        rings.contract(found)
+        points[center] = node
+        drawn.append(center)
+    if failed.any():
+        return Nodes(nodes.points[failed], nodes.reach[failed])
+    triangles, labels = rings.triangles[rings.left], rings.labels[rings.left]
+    used, numbers = numbered(triangles.ravel())
+    return points[used], numbers.reshape(-1, 3), labels, np.flatnonzero(np.isin(used, drawn))
+
+
+def _meet(field: FaceField, node: Floats, labels: Integers, close: float) -> bool:
+    """Whether the faces of given labels pass through a node."""
+    labels = np.unique(labels)
+    steps = least_norm(field, labels[:, None], np.tile(node, (len(labels), 1)))
+    return bool(np.abs(steps).max(initial=0.0) < close)
 
 
 @dataclass(frozen=True)
-class Drawn:
+class Contraction:
     """What triangles of given `rows` become (K, 3) when vertices `near` are drawn into the `center`, which of them are
     `kept` (K,), and the labels of those about it."""
 
@@ -24,7 +66,7 @@ class Drawn:
     labels: Integers
 
 
-class Stars:
+class OneRings:
     """The triangles (T, 3) of a mesh, their labels (T,), which of them are `left` (T,), and those around each vertex.
 
     Vertices (N,) are `used` until they are drawn into others.
@@ -48,7 +90,7 @@ class Stars:
         rows = np.unique(np.concatenate(parts)) if parts else np.empty(0, dtype=np.intp)
         return rows[self.left[rows]]
 
-    def drawn(self, near: Integers, center: int) -> Drawn | None:
+    def contraction(self, near: Integers, center: int) -> Contraction | None:
         """What vertices drawn into one would leave; None where these are no disc, or a label would be lost.
 
         Where none is near the centre stays what it is.
@@ -67,9 +109,9 @@ class Stars:
         if not (lost < self._times)[lost > 0].all() or self._pinched(rows, after, kept):
             return None
         about = kept & (after == center).any(axis=1)
-        return Drawn(near, center, rows, after, kept, self.labels[rows[about]])
+        return Contraction(near, center, rows, after, kept, self.labels[rows[about]])
 
-    def draw(self, found: Drawn) -> None:
+    def contract(self, found: Contraction) -> None:
         """Draw vertices into one."""
         gone = found.rows[~found.kept]
         self.triangles[found.rows], self.left[gone] = found.triangles, False

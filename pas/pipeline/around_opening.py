@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.affine import height
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, exact, to_float, to_floats
@@ -42,7 +43,7 @@ FINE = 2**20
 
 
 @dataclass(frozen=True, eq=False)
-class Mouth:
+class AroundOpening:
     """The opening through contact `number` (from 1), as it is seen along its `axis`, which points outwards.
 
     Heights are `axis . (x - center)`, and `low` is the least one of its curve.  `middle` is that of a plate's curve,
@@ -60,7 +61,7 @@ class Mouth:
     scale: fmpq
 
     @classmethod
-    def of(cls, surface: PiecewiseSurface, number: int) -> Mouth:
+    def of(cls, surface: PiecewiseSurface, number: int) -> AroundOpening:
         """That of a contact through which a surface's region is open."""
         contact, center = surface.contacts[number].scaled, surface.partition.center
         join, scale = surface.joins[number], surface.partition.frame.scale
@@ -82,12 +83,11 @@ class Mouth:
 
     @property
     def _height(self) -> Polynomial:
-        raw = sum((a * (g - c) for a, g, c in zip(self.axis, GENERATORS, self.center, strict=True)), 0 * GENERATORS[0])
-        return Polynomial.from_raw(raw)
+        return Polynomial.from_raw(height(self.center, self.axis))
 
-    def at(self, height: fmpq) -> Polynomial:
+    def at(self, level: fmpq) -> Polynomial:
         """The plane at a height, positive below."""
-        return Polynomial(height) - self._height
+        return Polynomial(level) - self._height
 
     def back(self, reach: fmpq) -> Polynomial:
         """The plane that is `reach` below the opening, but no nearer to the centre than to it; half way with 0."""

@@ -16,24 +16,6 @@ from pas.algebra.monomials import Floats
 from pas.mesh.mesh import Mesh
 from pas.render.scene import Coloring, Layer, Legend, Paint, Scene
 
-SHARE = 0.02
-"""Of the area at either end that the range of colours leaves out."""
-
-FLAT = 0.02
-"""A range narrower than this, over its larger end, is widened to it: rounding is no pattern."""
-
-SIGNED = 0.01
-"""A sign counts where it reaches this much of the range's other end."""
-
-DIVERGING, RISING = "coolwarm", "YlOrRd"
-"""Colours where the sign changes, and where it does not."""
-
-SHADING = {"specular": 0.05, "ambient": 0.65, "diffuse": 0.4}
-"""Little light and shadow, which would make other colours of those of the legend."""
-
-NOWHERE = "#dddddd"
-"""Where a surface has no curvature, as at poles."""
-
 
 @dataclass(frozen=True)
 class Curvature(Coloring):
@@ -53,8 +35,10 @@ class Curvature(Coloring):
         values = [self._values(layer, unit) for layer in scene.layers]
         known = [(v, point_areas(layer.mesh)) for v, layer in zip(values, scene.layers, strict=True) if v is not None]
         limits = color_range(*(np.concatenate(parts) for parts in zip(*known, strict=True)))
-        cmap = DIVERGING if limits[0] < 0 < limits[1] else RISING if limits[1] > 0 else f"{RISING}_r"
-        options = {"cmap": cmap, "clim": limits, "nan_color": NOWHERE, **SHADING}
+        cmap = "coolwarm" if limits[0] < 0 < limits[1] else "YlOrRd" if limits[1] > 0 else "YlOrRd_r"
+        # little light and shadow, which would make other colours of those of the legend
+        shading = {"specular": 0.05, "ambient": 0.65, "diffuse": 0.4}
+        options = {"cmap": cmap, "clim": limits, "nan_color": "#dddddd", **shading}
         paints = [
             Paint() if v is None else Paint(v[layer.mesh.shading_points], options)
             for v, layer in zip(values, scene.layers, strict=True)
@@ -84,20 +68,25 @@ def point_areas(mesh: Mesh) -> Floats:
 
 
 def color_range(values: Floats, areas: Floats) -> tuple[float, float]:
-    """Between which values the colours change: all but the extreme ones, symmetric about 0 where the sign changes."""
+    """Between which values the colours change: symmetric about 0 where the sign changes.
+
+    They leave out 1/50 of the area at either end; a sign counts where it reaches 1/100 of the other end, and a range
+    narrower than 1/50 of its larger end, which may be rounding alone, is widened to it.
+    """
+    share, flat, signed = 0.02, 0.02, 0.01
     there = np.isfinite(values) & (areas > 0)
     if not there.any():
         return -1.0, 1.0
     order = np.argsort(values[there])
     ranked, part = values[there][order], np.cumsum(areas[there][order])
-    low, high = (float(ranked[np.searchsorted(part, share * part[-1])]) for share in (SHARE, 1 - SHARE))
+    low, high = (float(ranked[np.searchsorted(part, s * part[-1])]) for s in (share, 1 - share))
     most = max(abs(low), abs(high))
     if most == 0:
         return -1.0, 1.0
-    if min(-low, high) > SIGNED * most:
+    if min(-low, high) > signed * most:
         return -most, most
-    if high - low < FLAT * most:
-        middle, half = (low + high) / 2, FLAT * most / 2
+    if high - low < flat * most:
+        middle, half = (low + high) / 2, flat * most / 2
         return middle - half, middle + half
     return (max(low, 0.0), high) if high == most else (low, min(high, 0.0))
 
@@ -106,20 +95,8 @@ def _mean(principal: Floats) -> Floats:
     return principal.mean(axis=1)
 
 
-def _gauss(principal: Floats) -> Floats:
-    return principal.prod(axis=1)
-
-
-def _larger(principal: Floats) -> Floats:
-    return principal[:, 0]
-
-
-def _smaller(principal: Floats) -> Floats:
-    return principal[:, 1]
-
-
 MEAN = Curvature("mean", "colours by mean curvature", "mean curvature", _mean)
 CURVATURE = Curvature("curvature", "the older name of mean", "mean curvature", _mean)
-GAUSS = Curvature("gauss", "colours by Gauss curvature", "Gauss curvature", _gauss, power=2)
-MAX = Curvature("max", "colours by the larger principal curvature", "larger principal\ncurvature", _larger)
-MIN = Curvature("min", "colours by the smaller principal curvature", "smaller principal\ncurvature", _smaller)
+GAUSS = Curvature("gauss", "colours by Gauss curvature", "Gauss curvature", lambda p: p.prod(axis=1), power=2)
+MAX = Curvature("max", "colours by the larger principal curvature", "larger principal\ncurvature", lambda p: p[:, 0])
+MIN = Curvature("min", "colours by the smaller principal curvature", "smaller principal\ncurvature", lambda p: p[:, 1])

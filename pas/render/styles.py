@@ -1,4 +1,7 @@
-"""Highlight lines: where the line of the surface's normal meets one of a family of parallel light lines.
+"""Pictures in the layers' colours, with isophotes, and with highlight lines.
+
+Isophotes are stripes along which the normal keeps its angle with a direction.  A highlight line is where the line of
+the surface's normal meets one of a family of parallel light lines.
 
 K.-P. Beier and Y. Chen, Highlight-line algorithm for real-time surface-quality assessment (1994).  A light line is
 A + s B; the distance between it and the normal's line at P, d = (B x N) . (A - P) / |B x N|, vanishes along the
@@ -14,23 +17,43 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.render.scene import Coloring, Legend, Paint, Scene
 
+
+class Plain(Coloring):
+    """Each layer in its colour."""
+
+    name = "plain"
+    shows = "the shape alone"
+
+    def paint(self, scene: Scene) -> tuple[list[Paint], Legend | None]:
+        """Nothing but the layers' own colours."""
+        return [Paint() for _ in scene.layers], None
+
+
+def _unit(*parts: float) -> Floats:
+    return np.array(parts) / np.linalg.norm(parts)
+
+
+class Zebra(Coloring):
+    """Dark and bright bands between isophotes: across a joint broken for C^0, with kinks for GC^1, smooth for GC^2."""
+
+    name = "zebra"
+    shows = "isophotes, which show the order of continuity"
+    fine = True
+    backdrop = ("#aebac4", "#c9d3dc")
+
+    def paint(self, scene: Scene) -> tuple[list[Paint], Legend | None]:
+        """Bands over the cosine of the angle between the normal and a direction of the scene's frame."""
+        paints = []
+        for layer in scene.layers:
+            _, _, normals = layer.mesh.shading
+            options = {"cmap": [layer.tint, "black"] * 14, "clim": (-1, 1), "n_colors": 28}
+            shading = {"specular": 0.0, "ambient": 0.6, "diffuse": 0.4}
+            paints.append(Paint(normals @ (_unit(0.35, 0.85, 0.4) @ scene.frame), options | shading))
+        return paints, None
+
+
 LIGHTS = 36
 """Lines around the cylinder."""
-
-ALONG = np.array([0.75, 0.6, 0.25]) / np.linalg.norm([0.75, 0.6, 0.25])
-"""The direction of the lights, in the scene's frame.  All lines meet where the normal has it: this is along no axis,
-and across the usual views, so that these places are not seen in the middle of a surface."""
-
-AWAY = 1.5
-"""The cylinder's radius over the distance of the farthest point from its axis."""
-
-SHADES, WIDTH = 20, 5
-"""Steps of colour from the middle between two lights to the next middle, and how many of them are bright."""
-
-EDGES = (SHADES - WIDTH) // 2, (SHADES - WIDTH + 1) // 2
-
-BODY = 0.42
-"""Brightness between the lines, over that of the layer's colour."""
 
 
 class Highlights(Coloring):
@@ -48,8 +71,8 @@ class Highlights(Coloring):
         axes, center, radius = tunnel(np.concatenate([layer.mesh.points for layer in scene.layers]), scene.frame)
         paints = []
         for layer in scene.layers:
-            dark = tuple(BODY * part for part in to_rgb(layer.color))
-            band = [dark] * EDGES[0] + [(1.0, 1.0, 1.0)] * WIDTH + [dark] * EDGES[1]
+            dark = tuple(0.42 * part for part in to_rgb(layer.color))
+            band = [dark] * 7 + [(1.0, 1.0, 1.0)] * 5 + [dark] * 8  # from the middle of two lights to the next one
             colors = ListedColormap(band * (LIGHTS * 3 // 2))
             options = {"cmap": colors, "clim": (-np.pi, 2 * np.pi), "n_colors": colors.N}
             shading = {"specular": 0.0, "ambient": 0.55, "diffuse": 0.5}
@@ -67,12 +90,14 @@ def unwrapped(angles: Floats) -> Floats:
 
 def tunnel(points: Floats, frame: Floats) -> tuple[Floats, Floats, float]:
     """The cylinder of lights around points (N, 3): axes (3, 3), the lights' direction last; a centre; the radius."""
-    along = ALONG @ frame
+    # all lines meet where the normal is along the lights: along no axis, and across the usual views, so that these
+    # places are not seen in the middle of a surface
+    along = _unit(0.75, 0.6, 0.25) @ frame
     across = np.cross(along, frame[int(np.abs(frame @ along).argmin())])
     across /= np.linalg.norm(across)
     axes = np.stack([across, np.cross(along, across), along])
     center = (points.min(axis=0) + points.max(axis=0)) / 2
-    return axes, center, AWAY * float(np.linalg.norm((points - center) @ axes[:2].T, axis=1).max())
+    return axes, center, 1.5 * float(np.linalg.norm((points - center) @ axes[:2].T, axis=1).max())
 
 
 def meeting_angles(points: Floats, normals: Floats, axes: Floats, center: Floats, radius: float) -> Floats:
@@ -86,4 +111,4 @@ def meeting_angles(points: Floats, normals: Floats, axes: Floats, center: Floats
     return np.arctan2(met[:, 1], met[:, 0])
 
 
-HIGHLIGHTS = Highlights()
+PLAIN, ZEBRA, HIGHLIGHTS = Plain(), Zebra(), Highlights()

@@ -1,27 +1,44 @@
-"""Boundaries whose surfaces touch in points: each surface is meshed by itself, with a vertex of its own there.
+"""Meshes of boundaries that are several surfaces, apart or with points in common: each surface is meshed by itself.
 
-Such a boundary is no manifold, but each of its surfaces is one: a ball less one that touches it from inside is bounded
-by two spheres, and as a set of triangles by two closed meshes with two vertices at one place.  That they have nothing
-else in common is looked at on the triangles themselves: no edge of one crosses or meets a triangle of the other.
+Of the pieces of each those count that bound the whole set.  Surfaces that are apart, such as both sides of a thin wall,
+keep their distance: the cubes about points of one, three times as large as the tolerance, certainly miss the others.
+
+A boundary whose surfaces touch in points is no manifold, but each of them is one: a ball less one that touches it from
+inside is bounded by two spheres, and as a set of triangles by two closed meshes with two vertices at one place.  That
+they have nothing else in common is looked at on the triangles themselves: no edge of one crosses or meets a triangle of
+the other.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache
 from itertools import permutations, product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pas.limits import checkpoint
-from pas.mesh.face_ground import FaceGround, deviation
-from pas.mesh.field import FaceField
+from pas.mesh.face_ground import FaceGround, deviation, inner_points
+from pas.mesh.field import FaceField, extent_of
 from pas.mesh.first import unsound
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.labelled import Labelled
+from pas.mesh.projection import newton
 from pas.mesh.refusals import Made, Refusal
 from pas.mesh.rows import Floats, cross
-from pas.mesh.shells import together
+from pas.mesh.shading import unit_rows
+from pas.mesh.topology import connected
+
+ROOM = 3.0
+"""Half of a cube about a point of one surface that must miss the others, over the tolerance."""
+
+HALVINGS = 6
+"""Of the tolerance, until there is that room."""
+
+BESIDE, MOSTLY = 1e-6, 0.5
+"""How far on both sides of a piece the set is looked at, over the extent of the box; share of a piece's triangles
+across which it must change."""
 
 SHARES = (1 / 4, 1 / 16)
 """Of the tolerance, to which one of the surfaces after the other is meshed until they do not cross: where two bend the
@@ -37,11 +54,68 @@ ON = 1e-9
 """Share of a volume of six lengths, or of an area, up to which rounding leaves open on which side of a triangle or of
 its edge something is."""
 
-RINGS = 2
-"""Of triangles about a point of contact, in which edges are flipped."""
 
-TABLE = 1 << 18
-"""Pairs of edges and triangles that are looked at together."""
+def mesh_apart(
+    field: FaceField,
+    shells: Sequence[FaceField],
+    tolerance: float,
+    mesh: Callable[[FaceField, float], Made],
+) -> Made | None:
+    """The mesh of all of a boundary, and how near it is, from those of its surfaces, by `mesh(shell, tolerance)`.
+
+    None where there is no room between them.
+    """
+    for halving in range(HALVINGS):
+        checkpoint("meshing surfaces one by one")
+        aim = tolerance / 2**halving
+        found = _all_made(mesh(shell, aim) for shell in shells)
+        if isinstance(found, Refusal):
+            return found
+        meshes, reached = zip(*found, strict=True)
+        pairs = permutations(zip(shells, meshes, strict=True), 2)
+        if not any(other.crossed(_points(one), ROOM * aim).any() for (_, one), (other, _) in pairs):
+            return together(field, shells, meshes), max(reached)
+    return None
+
+
+def _all_made(meshes: Iterable[Made]) -> list[tuple[Labelled, float]] | Refusal:
+    """Meshes and how near they are, or why the first that is refused is."""
+    found = []
+    for made in meshes:
+        if isinstance(made, Refusal):
+            return made
+        found.append(made)
+    return found
+
+
+def _points(mesh: Labelled) -> Floats:
+    """The vertices and points inside the triangles (K, 3)."""
+    return np.concatenate([mesh.points, inner_points(mesh.points[mesh.triangles])])
+
+
+def together(field: FaceField, shells: Sequence[FaceField], meshes: Sequence[Labelled]) -> Labelled:
+    """The mesh of a boundary from those of its surfaces, without the pieces of these that bound nothing."""
+    points, triangles, labels, pinned, start = [], [], [], [], 0
+    for shell, mesh in zip(shells, meshes, strict=True):
+        kept = _bounding(field, shell, mesh)
+        used, numbers = np.unique(mesh.triangles[kept], return_inverse=True)
+        points.append(mesh.points[used])
+        triangles.append(numbers.reshape(-1, 3) + start)
+        labels.append(field.labels_of(shell, mesh.labels[kept]))
+        pinned.append(np.flatnonzero(np.isin(used, mesh.topology.pinned)) + start)
+        start += len(used)
+    return Labelled.of(*map(np.concatenate, (points, triangles, labels, pinned)))
+
+
+def _bounding(field: FaceField, shell: FaceField, mesh: Labelled) -> np.ndarray:
+    """Which triangles (T,) are on pieces that bound the set: it changes across most triangles of each."""
+    middles = mesh.points[mesh.triangles].mean(axis=1)
+    at = newton(middles, shell, mesh.labels[:, None], mesh.sizes[mesh.triangles].max(axis=1))
+    step = BESIDE * extent_of(field) * unit_rows(shell.jets(at, mesh.labels)[:, 1:])
+    changes = field.inside(field.signs(at - step)) & ~field.inside(field.signs(at + step))
+    pieces = connected(mesh.topology.edges, len(mesh.points))[mesh.triangles[:, 0]]
+    share = np.bincount(pieces, changes) / np.maximum(np.bincount(pieces), 1)
+    return np.asarray(share[pieces] > MOSTLY)
 
 
 def mesh_touching(
@@ -51,18 +125,19 @@ def mesh_touching(
 
     None where they are not near enough, or cross, however fine one of them is.
     """
-    known: dict[tuple[int, float], tuple[Labelled, float]] = {}
+
+    @cache
+    def made(number: int, aim: float) -> Made:
+        found = mesh(surfaces[number], aim)
+        return found if isinstance(found, Refusal) else _with_contacts(found[0], surfaces[number], aim)
+
     finer = [(-1, 1.0), *product(range(len(surfaces)), SHARES)]
     for number, share in sorted(finer, key=lambda pair: -pair[1]):
         checkpoint("meshing surfaces that touch")
-        keys = [(i, LEFT * tolerance * (share if i == number else 1.0)) for i in range(len(surfaces))]
-        for i, aim in keys:
-            if (i, aim) not in known:
-                made = mesh(surfaces[i], aim)
-                if isinstance(made, Refusal):
-                    return made
-                known[i, aim] = _with_contacts(made[0], surfaces[i], aim)
-        meshes, reached = zip(*(known[key] for key in keys), strict=True)
+        found = _all_made(made(i, LEFT * tolerance * (share if i == number else 1.0)) for i in range(len(surfaces)))
+        if isinstance(found, Refusal):
+            return found
+        meshes, reached = zip(*found, strict=True)
         pairs = permutations(zip(surfaces, meshes, strict=True), 2)
         if max(reached) <= tolerance and not any(_crosses(one, *other) for (_, one), other in pairs):
             return together(field, surfaces, meshes), max(reached)
@@ -80,7 +155,7 @@ def _with_contacts(mesh: Labelled, surface: FaceField, aim: float) -> tuple[Labe
             mesh = mesh.moved(points)
         else:
             mesh, nearest = _inserted(mesh, point), len(mesh.points)
-        mesh = _flipped(mesh, surface, aim, mesh.topology.around(np.array([nearest]), RINGS))
+        mesh = _flipped(mesh, surface, aim, mesh.topology.around(np.array([nearest]), rings=2))
     if unsound(mesh, surface, aim)[0]:
         return mesh, np.inf
     return mesh, deviation(mesh, surface)
@@ -122,7 +197,7 @@ def _crosses(mesh: Labelled, surface: FaceField, other: Labelled) -> bool:
     near[near] = surface.crossed(ends[near].mean(axis=1), float(lengths.max()))
     ends, corners = ends[near], other.points[other.triangles]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    step = max(1, TABLE // max(len(corners), 1))
+    step = max(1, (1 << 18) // max(len(corners), 1))  # so many pairs are looked at together
     for start in range(0, len(ends), step):
         checkpoint("looking whether surfaces cross")
         part = ends[start : start + step]

@@ -1,4 +1,5 @@
-"""VTU (VTK's XML of cells), by pyvista: the tetrahedra of a volume, or a piecewise surface's cells with polynomials.
+"""VTU (VTK's XML of cells), by pyvista: the tetrahedra of a volume, or a piecewise surface's cells with polynomials;
+and Gmsh's .msh of tetrahedra, version 2.2, by meshio, with parts and faces as physical groups.
 
 A polynomial of degree n is given on its tetrahedron by its values at the nodes `(i a + j b + k c + l d) / n`,
 `i + j + k + l = n`, which is VTK_LAGRANGE_TETRAHEDRON of degree n.  Bezier cells would be shorter, but VTK
@@ -12,6 +13,7 @@ its own polynomial.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -19,8 +21,10 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.monomials import homogeneous_exponents
+from pas.errors import library
 from pas.exchange.formats import Content, Format, Request
-from pas.exchange.volume import is_filled, tetrahedra_of
+from pas.exchange.parts import all_different
+from pas.exchange.volume import TETRAHEDRA, VolumeMesh, is_filled, tetrahedra_of
 from pas.piecewise import PiecewiseSurface
 from pas.shape import Shape, kind_of
 from pas.surface.function import Cell
@@ -103,3 +107,30 @@ def write_vtu(grid: Any, path: Path, request: Request) -> None:
 
 
 VTU: Format[Any] = Format(".vtu", Content("cells", grid_of, ("tolerance",), has_cells), write_vtu)
+
+
+def _require_meshio() -> Any:
+    return library("meshio", "files of Gmsh need meshio: pip install meshio")
+
+
+def write_msh(mesh: VolumeMesh, path: Path, request: Request) -> None:
+    """In version 2.2, which every reader knows; faces are groups 1 to F, parts F + 1 onwards."""
+    meshio = _require_meshio()
+    faces = len(mesh.names)
+    tags = [(mesh.faces + 1).astype(np.int32), (mesh.regions + 1 + faces).astype(np.int32)]
+    names = _quotable([*mesh.names, *mesh.region_names])
+    groups = {name: np.array([i + 1, 2 if i < faces else 3]) for i, name in enumerate(names)}
+    meshio.Mesh(
+        mesh.points,
+        [("triangle", mesh.boundary), ("tetra", mesh.tetrahedra)],
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data=groups,
+    ).write(path, file_format="gmsh22", binary=False)
+
+
+def _quotable(names: Sequence[str]) -> list[str]:
+    """The names without quotes and line ends, all different (a part may be named as a face)."""
+    return all_different((" ".join(name.replace('"', "'").split()) for name in names), " ")
+
+
+MSH = Format(".msh", TETRAHEDRA, write_msh, _require_meshio)

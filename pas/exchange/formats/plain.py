@@ -1,0 +1,125 @@
+"""STL, OBJ and PLY, which are written here, without a library.
+
+STL, binary: bare triangles with the normals of the facets, in single precision.  Parts are put together without a
+boolean, and there are no points to share.
+
+OBJ: an object for each part, a group for each face, normals of the corners, double precision.  Colours stand after the
+coordinates of the points, since materials need a second file.
+
+PLY, binary: points in double precision, colours, `face` and `part` of each triangle, their names as comments.  Points
+have normals where no part has a sharp edge, at which a point has several.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from pas.exchange.formats import Format, Request
+from pas.exchange.parts import (
+    TRIANGLES,
+    Piece,
+    all_different,
+    face_names,
+    face_numbers,
+    joined,
+    points_of,
+    repeated_colors,
+    triangles_of,
+)
+from pas.limits import checkpoint
+from pas.mesh.rows import Floats, Integers
+
+
+def write_stl(parts: Sequence[Piece], path: Path, request: Request) -> None:
+    """All parts' triangles."""
+    path.write_bytes(binary_stl(*joined(parts)))
+
+
+def binary_stl(points: Floats, triangles: Integers) -> bytes:
+    """A binary STL file of points (N, 3), rounded to single precision, and triangles (T, 3)."""
+    corners = points[triangles]
+    facets = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    facets /= np.maximum(np.linalg.norm(facets, axis=1, keepdims=True), 1e-300)
+    record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    data = np.zeros(len(corners), dtype=record)
+    data["normal"], data["corners"] = facets, corners
+    return b"binary STL".ljust(80) + np.uint32(len(corners)).tobytes() + data.tobytes()
+
+
+STL = Format(".stl", TRIANGLES, write_stl)
+
+
+def write_obj(parts: Sequence[Piece], path: Path, request: Request) -> None:
+    """All parts, closed meshes closed."""
+    lines = [f"# unit: {request.unit}"]
+    objects = _words([p.name for p in parts])
+    names = iter(_words(face_names(parts)))
+    points_before = normals_before = 1
+    for part, title in zip(parts, objects, strict=True):
+        mesh = part.mesh
+        color = " ".join(f"{c / 255:.6g}" for c in part.color)
+        normals, numbers = np.unique(mesh.normals.reshape(-1, 3).round(7), axis=0, return_inverse=True)
+        corners = np.stack([mesh.triangles.ravel() + points_before, numbers.ravel() + normals_before], axis=1)
+        rows = corners.reshape(-1, 6).tolist()
+        lines.append(f"o {title}")
+        checkpoint()
+        lines += [f"v {x!r} {y!r} {z!r} {color}" for x, y, z in mesh.points.tolist()]
+        checkpoint()
+        lines += [f"vn {x:.7g} {y:.7g} {z:.7g}" for x, y, z in normals.tolist()]
+        for face in range(len(mesh.names)):
+            group = next(names)
+            here = np.flatnonzero(mesh.faces == face).tolist()
+            checkpoint()
+            if here:
+                lines.append(f"g {group}")
+                lines += ["f {}//{} {}//{} {}//{}".format(*rows[i]) for i in here]
+        points_before += len(mesh.points)
+        normals_before += len(normals)
+    checkpoint()
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _words(names: Sequence[str]) -> list[str]:
+    """The names as single words, since OBJ reads spaces as several names, all different."""
+    return all_different(("_".join(name.split()) for name in names), "_")
+
+
+OBJ = Format(".obj", TRIANGLES, write_obj)
+
+
+def write_ply(parts: Sequence[Piece], path: Path, request: Request) -> None:
+    """All parts put together, closed meshes closed."""
+    points, triangles = joined(parts)
+    numbers, names = face_numbers(parts)
+    smooth = all(len(p.mesh.shading_points) <= len(p.mesh.points) for p in parts)
+    fields = [("point", "<f8", 3), *([("normal", "<f8", 3)] if smooth else []), ("color", "u1", 3)]
+    vertices = np.zeros(len(points), dtype=fields)
+    vertices["point"], vertices["color"] = points, repeated_colors(parts, points_of)
+    if smooth:
+        vertices["normal"] = np.concatenate([p.mesh.point_normals for p in parts])
+    record = [("count", "u1"), ("corners", "<i4", 3), ("color", "u1", 3), ("face", "<i4"), ("part", "<i4")]
+    faces = np.zeros(len(triangles), dtype=record)
+    faces["count"], faces["corners"], faces["face"] = 3, triangles, numbers
+    faces["color"] = repeated_colors(parts, triangles_of)
+    faces["part"] = np.repeat(np.arange(len(parts)), [len(p.mesh.triangles) for p in parts])
+    colors = [f"property uchar {c}" for c in ("red", "green", "blue")]
+    header = [
+        *("ply", "format binary_little_endian 1.0", f"comment unit: {request.unit}"),
+        *(f"comment part {i}: {_ascii(p.name)}" for i, p in enumerate(parts)),
+        *(f"comment face {i}: {_ascii(name)}" for i, name in enumerate(names)),
+        *(f"element vertex {len(points)}", *(f"property double {c}" for c in "xyz")),
+        *(f"property double n{c}" for c in "xyz" if smooth),
+        *(*colors, f"element face {len(triangles)}", "property list uchar int vertex_indices", *colors),
+        *("property int face", "property int part", "end_header"),
+    ]
+    path.write_bytes(("\n".join(header) + "\n").encode("ascii") + vertices.tobytes() + faces.tobytes())
+
+
+def _ascii(text: str) -> str:
+    return " ".join(text.split()).encode("ascii", "backslashreplace").decode("ascii")
+
+
+PLY = Format(".ply", TRIANGLES, write_ply)

@@ -1,1 +1,0 @@
-"""The styles of pictures, one short file each."""

@@ -1,0 +1,213 @@
+"""Straight runs: tubes that continue one another through a node, as the run of a T does behind its branch.
+
+Two neighbours make a run where each leaves its contact curve like a tube, along its axis and round, and their axes lie
+on one line, or meet in the centre and bend by 30 degrees at the most; three of a star of equal angles, as of a Y, make
+three.  A run that bends follows the arc tangent to both axes.  A contact in a run continues no other.  Away from other
+contacts the fair surface along a run is the tube between its two ends:
+
+    d = |x - foot| - R(s)          how far a point x is outside of it
+    w = prod_k s(1 - 2 c_k)        0 towards another contact k and 1 away from it
+
+with s the length along the run, c_k the cosine of the angle, about the run, from contact k, and s(u) = 3 u^2 - 2 u^3
+for u in [0, 1].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.surface.fairness_limits import Neighbour, unit
+
+ROUND = 0.01
+"""How far the curve of a tube is from round about its axis, over its radius, at the most."""
+
+ALONG = 0.02
+"""Cosine between a tube's axis and its surface's normals, at the most: cones are no tubes."""
+
+IN_LINE = np.cos(np.radians(1))
+"""Cosine of the angle between axes on one line, at the least."""
+
+APART = 0.02
+"""How far two axes on one line, or three through a point, may miss one another, over the smaller radius."""
+
+BEND = np.cos(np.radians(150))
+"""Cosine of the angle between the axes of a run, at the most: beyond a bend of 30 degrees a rolled tube is not the
+shape that is wanted, measured on nodes in random directions."""
+
+STAR = np.cos(np.radians(118))
+"""Cosine of the angle between any two of three equal branches, at the most."""
+
+ASIDE = 0.15
+"""Sine of the angle between a run and another contact, at the least, for that to be a branch of it: towards one
+nearer to its axis there is no side."""
+
+AWAY, TOWARDS = 0.1, 0.5
+"""Cosines from another contact: below the first a point belongs to the run alone and its waist is measured; above the
+second it belongs to the other."""
+
+
+@dataclass(frozen=True)
+class StraightEnd:
+    """A neighbour that leaves its curve like a tube, relative to the centre.
+
+    `foot` (3,): the point of its axis next to the centre; `axis` (3,): unit, outwards; `length`: from the foot to the
+    curve, in the mean; `radius`.
+    """
+
+    foot: Floats
+    axis: Floats
+    length: float
+    radius: float
+
+
+@dataclass(frozen=True, eq=False)
+class StraightRun:
+    """The tube between two neighbours, in the user's units and relative to the region's centre.
+
+    `contacts`: their numbers.  `middle` (3,): where the axes meet, or a point of their line; `first`, `second` (3,):
+    the unit axes, outwards; `lengths`, `radii`: those of the two; `branches` (K, 3): unit vectors across the run
+    towards other contacts.
+    """
+
+    contacts: tuple[int, int]
+    middle: Floats
+    first: Floats
+    second: Floats
+    lengths: tuple[float, float]
+    radii: tuple[float, float]
+    branches: Floats
+
+    @property
+    def radius(self) -> float:
+        """The smaller one."""
+        return min(self.radii)
+
+    @cached_property
+    def half(self) -> float:
+        """Half of the angle between the axes: pi / 2 for those on one line."""
+        turn = float(self.first @ self.second)
+        return np.pi / 2 if turn < -IN_LINE else float(np.arccos(turn)) / 2
+
+    @cached_property
+    def tangent(self) -> float:
+        """From where the axes meet to the ends of the arc; 0 on one line."""
+        return min(self.lengths) if self.half < np.pi / 2 else 0.0
+
+    @cached_property
+    def reach(self) -> tuple[float, float]:
+        """The lengths of the middle line from its middle to both ends."""
+        arc = self.tangent * np.tan(self.half) * (np.pi / 2 - self.half) if self.tangent else 0.0
+        first, second = (length - self.tangent + arc for length in self.lengths)
+        return first, second
+
+    def seen(self, points: Floats) -> tuple[Floats, Floats]:
+        """How far points (N, 3) are outside of the tube (N,), and the cosines (N, K) from other contacts; both are nan
+        for points beyond the ends."""
+        across, along = self._across(points - self.middle)
+        far = np.linalg.norm(across, axis=1)
+        share = np.clip((along + self.reach[1]) / sum(self.reach), 0, 1)
+        eased = share * share * (3 - 2 * share)
+        distance = far - (self.radii[1] + (self.radii[0] - self.radii[1]) * eased)
+        inside = (along > -self.reach[1]) & (along < self.reach[0])
+        cosines = (across @ self.branches.T) / np.maximum(far, 1e-12)[:, None]
+        return np.where(inside, distance, np.nan), np.where(inside[:, None], cosines, np.nan)
+
+    def _across(self, points: Floats) -> tuple[Floats, Floats]:
+        """The vectors (N, 3) from the middle line to points relative to `middle`, and the lengths (N,) along it from
+        its middle, negative towards the second end."""
+        if not self.tangent:
+            along = points @ self.first
+            return points - along[:, None] * self.first, along
+        inward, onward = unit(self.first + self.second), unit(self.first - self.second)
+        bend = self.tangent * np.tan(self.half)
+        turned = points - inward * self.tangent / np.cos(self.half)  # from the centre of the arc
+        flat = (turned @ inward)[:, None] * inward + (turned @ onward)[:, None] * onward
+        angle = np.arctan2(flat @ onward, -flat @ inward)
+        most = np.pi / 2 - self.half
+        axis = np.where(angle[:, None] > 0, self.first, self.second)
+        straight = (points * axis).sum(axis=1)
+        on_arc = np.abs(angle) <= most
+        from_arc = turned - flat * (bend / np.maximum(np.linalg.norm(flat, axis=1), 1e-12))[:, None]
+        across = np.where(on_arc[:, None], from_arc, points - straight[:, None] * axis)
+        return across, np.where(on_arc, bend * angle, np.sign(angle) * (bend * most + straight - self.tangent))
+
+
+def weights(cosines: Floats) -> Floats:
+    """1 where points belong to a run, 0 towards another contact (N,), by the cosines (N, K) from those."""
+    u = np.clip((TOWARDS - cosines) / TOWARDS, 0, 1)
+    return np.asarray((u * u * (3 - 2 * u)).prod(axis=1))
+
+
+def waist(run: StraightRun, points: Floats) -> Floats:
+    """How far points (N, 3) leave the tube of a run, over its smaller radius, negative inwards (N,); nan for those that
+    do not belong to it."""
+    distance, cosines = run.seen(points)
+    own = (cosines <= AWAY).all(axis=1) & (np.abs(distance) < 2 * run.radius)
+    return np.where(own, distance / run.radius, np.nan)
+
+
+def straight_runs(neighbours: Sequence[Neighbour]) -> tuple[StraightRun, ...]:
+    """The runs between neighbours: pairs on one line, and the three of a star of equal angles around the centre."""
+    tubes = {number: tube for number, one in enumerate(neighbours) if (tube := _tube(one)) is not None}
+    pairs: list[tuple[int, int]] = []
+    for i, j in sorted(combinations(tubes, 2), key=lambda pair: float(tubes[pair[0]].axis @ tubes[pair[1]].axis)):
+        if _continue(tubes[i], tubes[j], BEND) and not any(k in pair for pair in pairs for k in (i, j)):
+            pairs.append((i, j))
+    if not pairs and len(neighbours) == 3 and all(_continue(a, b, STAR) for a, b in combinations(tubes.values(), 2)):
+        pairs = list(combinations(tubes, 2))
+    means = {number: one.mean for number, one in enumerate(neighbours)}
+    return tuple(_run(i, j, tubes, [m for k, m in means.items() if k not in (i, j)]) for i, j in pairs)
+
+
+def _tube(one: Neighbour) -> StraightEnd | None:
+    """A neighbour as a tube; None for those that are none, as cones, plates and flat ovals."""
+    if one.normal is not None:
+        return None
+    axis = np.linalg.svd(one.normals, full_matrices=False)[2][2]
+    axis = axis if float(axis @ one.mean) > 0 else -axis
+    sides = np.linalg.svd(axis[None])[2][1:]
+    flat = one.curve @ sides.T  # |p|^2 = 2 c p + const on a circle
+    center = np.linalg.lstsq(np.c_[2 * flat, np.ones(len(flat))], (flat**2).sum(axis=1), rcond=None)[0][:2]
+    far = np.linalg.norm(flat - center, axis=1)
+    radius = float(far.mean())
+    is_round = float(np.abs(far - radius).max()) <= ROUND * radius
+    is_tube = is_round and float(np.abs(one.normals @ axis).max()) <= ALONG
+    return StraightEnd(center @ sides, axis, float((one.curve @ axis).mean()), radius) if is_tube else None
+
+
+def _continue(a: StraightEnd, b: StraightEnd, most: float) -> bool:
+    """Whether two tubes continue one another: they turn little, and lie on one line or meet in the centre."""
+    turn = float(a.axis @ b.axis)
+    if _on_one_line(a, b):
+        return True
+    return turn < most and all(float(np.linalg.norm(one.foot)) <= APART * one.radius for one in (a, b))
+
+
+def _on_one_line(a: StraightEnd, b: StraightEnd) -> bool:
+    missed = float(np.linalg.norm(a.foot - b.foot))
+    return float(a.axis @ b.axis) < -IN_LINE and missed <= APART * min(a.radius, b.radius)
+
+
+def _run(i: int, j: int, tubes: Mapping[int, StraightEnd], others: Sequence[Floats]) -> StraightRun:
+    a, b = tubes[i], tubes[j]
+    onward = unit(a.axis - b.axis)
+    across = [mean - (mean @ onward) * onward for mean in others]
+    branches = [
+        unit(v) for v, mean in zip(across, others, strict=True) if np.linalg.norm(v) > ASIDE * np.linalg.norm(mean)
+    ]
+    line = _on_one_line(a, b)
+    return StraightRun(
+        (i, j),
+        a.foot if line else np.zeros(3),
+        onward if line else a.axis,
+        -onward if line else b.axis,
+        (a.length, b.length),
+        (a.radius, b.radius),
+        np.array(branches).reshape(-1, 3),
+    )
