@@ -122,9 +122,14 @@ class ObjectiveValue:
         return float(self.sampled.areas @ (self.residuals * self.residuals).sum(axis=1))
 
     @cached_property
+    def beyond(self) -> float:
+        """The sum of the squares of what is beyond limits."""
+        return sum(float((e.values * e.values).sum()) for found in self.excesses for e in found)
+
+    @property
     def total(self) -> float:
-        """The objective: the energy, with the squares of what is beyond limits."""
-        return self.energy + sum(float((e.values * e.values).sum()) for found in self.excesses for e in found)
+        """The objective: both together."""
+        return self.energy + self.beyond
 
     def moved(self, member: Floats) -> ObjectiveValue | None:
         """The value at another member near by; None where rays miss or graze its surface."""

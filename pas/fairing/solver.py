@@ -170,7 +170,9 @@ class FitSolver:
     def closer(self, at: Iterate, conditions: SampledConditions) -> Iterator[Iterate]:
         """The way on, with rays where curvature is beyond the limits between those that there are."""
         for _ in range(self.settings.closer):
-            finer = at.value and at.value.closer()
+            if at.value is None or at.value.beyond > self.settings.hopeless * at.value.energy:
+                return
+            finer = at.value.closer()
             if finer is None:
                 return
             way = [replace(at, value=finer, damping=self.settings.damping)]
