@@ -83,10 +83,17 @@ def solved() -> Work:
 
 def stated() -> Work:
     """By cvxpy with Clarabel, its statement included."""
-    from pas.fairing.qp import stated as statement
+    import cvxpy
 
     problem = programme()
-    return lambda: statement(problem)[0].solve(solver="CLARABEL")
+
+    def work() -> Any:
+        unknowns = cvxpy.Variable(UNKNOWNS)
+        cost = cvxpy.quad_form(unknowns, cvxpy.psd_wrap(problem.hessian)) / 2 + problem.linear @ unknowns
+        stated = cvxpy.Problem(cvxpy.Minimize(cost), [problem.rows @ unknowns >= problem.at_least])
+        return stated.solve(solver=cvxpy.CLARABEL)
+
+    return work
 
 
 def slider(order: int, degree: int, followed: bool = False) -> Prepare:

@@ -87,6 +87,7 @@ from .kinds.files import save_solid as save_solid
 from .limits import limit as limit
 from .mesh.mesh import Mesh as Mesh
 from .parametric.blends import ParametricBlend as ParametricBlend
+from .parametric.blends import ParametricSolutions as ParametricSolutions
 from .parametric.blends import PolynomialCriterion as PolynomialCriterion
 from .parametric.blends import has_polynomial_solution as has_polynomial_solution
 from .parametric.blends import hermite_blend as hermite_blend
@@ -133,7 +134,6 @@ from .parametric.shapes import surface_of_revolution as surface_of_revolution
 from .parametric.shapes import torus as torus
 from .parametric.shapes import tube as tube
 from .parametric.shapes import two_sheet_hyperboloid as two_sheet_hyperboloid
-from .parametric.solutions import ParametricSolutions as ParametricSolutions
 from .parametric.surface import ParametricMesh as ParametricMesh
 from .parametric.surface import ParametricSurface as ParametricSurface
 from .parametric.weights import WeightPole as WeightPole

@@ -319,12 +319,12 @@ def test_contradictory_points_are_named():
 
 
 def test_a_solvers_failure_is_not_called_a_contradiction(monkeypatch):
-    from pas.fairing import qp
+    from pas.fairing.qp import Outcome, QuadraticSolution
 
     space = pas.solutions(pipes(EQUAL), 1)
-    for name in ("_with_daqp", "_with_clarabel"):
-        monkeypatch.setattr(qp, name, lambda p: qp._failed(len(p.linear)))
-    with pytest.raises(pas.NotSolvedError, match="neither solver found an optimum"):
+    failed = QuadraticSolution(Outcome.FAILED, np.zeros(space.dimension))
+    monkeypatch.setattr("pas.fairing.programme.solve", lambda programme: failed)
+    with pytest.raises(pas.NotSolvedError, match="the solver found no optimum that passes its checks"):
         space.fit(inside=[(0, 0, 0)])
 
 

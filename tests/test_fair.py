@@ -17,7 +17,8 @@ from conftest import AXES, ELBOW, EQUAL, ROOT, UNEQUAL, fair, pipes
 import pas
 from pas.fairing.excess import CurvatureExcess, _hull
 from pas.fairing.objective import SurfaceObjective
-from pas.fairing.solver import FitSolver, RayConditions
+from pas.fairing.prepared import SampledConditions
+from pas.fairing.solver import FitSolver
 from pas.fairing.surface_points import QUANTITIES, differences
 from pas.pipeline.search import SearchSettings
 from pas.surface.fairness import spiral
@@ -34,18 +35,18 @@ def space():
 
 
 def objective_of(space, energy, limits=STRICT):
-    """The objective from the first clean member of a space, and that member."""
+    """The value of the objective at the first clean member of a space."""
     solver = FitSolver(space.prepared, pas.Wishes(energy=energy, limits=limits))
-    first = solver.started(RayConditions(space.prepared, 16, 1.0, 0.5))
-    return first.objective, first.member
+    first = solver.started(SampledConditions(space.prepared, subdivisions=16))
+    return first.value
 
 
 def test_rays_that_are_there_serve_another_energy_as_new_ones_do(space):
-    first, member = objective_of(space, pas.CurvatureVariation())
-    moved, value = first.of(pas.CurvatureVariation(9), first.first)
-    new = SurfaceObjective(space.prepared, pas.CurvatureVariation(9), STRICT, member)
-    assert moved.samples is first.samples and value.objective == new.first.objective
-    for one, other in zip(moved.linearised(value), new.linearised(new.first), strict=True):
+    first = objective_of(space, pas.CurvatureVariation())
+    moved = first.of(pas.CurvatureVariation(9))
+    new = SurfaceObjective.laid(space.prepared, pas.CurvatureVariation(9), STRICT, first.sampled.member)
+    assert moved.sampled is first.sampled and moved.total == new.total != first.total
+    for one, other in zip(moved.linearised(), new.linearised(), strict=True):
         assert np.array_equal(one, other)
 
 
@@ -63,9 +64,9 @@ class Wrong(pas.Energy):
 
 
 def test_a_wrong_energy_is_seen(space):
-    _, member = objective_of(space, pas.CurvatureVariation())
+    member = objective_of(space, pas.CurvatureVariation()).sampled.member
     with pytest.raises(ValueError, match="slopes of the energy 'wrong' disagree"):
-        SurfaceObjective(space.prepared, Wrong(), STRICT, member)
+        SurfaceObjective.laid(space.prepared, Wrong(), STRICT, member)
 
 
 @dataclass(frozen=True)
@@ -84,25 +85,22 @@ class Mixed(pas.Energy):
 @pytest.mark.parametrize("energy", [pas.CurvatureVariation(), pas.CurvatureVariation(0, 3) + Mixed() / 5], ids=str)
 def test_the_derivatives_of_the_objective(space, energy):
     """Along directions, against differences of the objective itself; every limit is passed somewhere."""
-    objective, member = objective_of(space, energy)
-    value = objective.first
-    closer = objective.closer(value)
-    assert closer is not None
-    objective, value = closer
+    value = objective_of(space, energy).closer()
+    member, objective = value.sampled.member, value.objective
     found = [
         sum(len(residuals.chosen) for residuals in limit.beyond(sampled))
         for term, sampled in zip(objective.terms, value.geometries, strict=True)
         for limit in term.limits
     ]
     assert len(found) == 4 and min(found) > 0  # curvature, bulge, sections, and where the closer look was
-    normal, slope = objective.linearised(value)
+    normal, slope = value.linearised()
     assert np.linalg.eigvalsh(normal)[0] > -1e-12 * np.trace(normal) and np.array_equal(normal, normal.T)
     gradient = 2 * slope
     generator = np.random.default_rng(1)
     for _ in range(3):
         direction = generator.normal(size=len(member))
         step = 1e-6 / np.linalg.norm(direction)
-        values = [objective.value(member + sign * step * direction, value).objective for sign in (1, -1)]
+        values = [value.moved(member + sign * step * direction).total for sign in (1, -1)]
         assert (values[0] - values[1]) / (2 * step) == pytest.approx(gradient @ direction, rel=2e-5)
 
 
@@ -130,8 +128,8 @@ def test_the_hull_of_the_contacts_is_the_same_to_rounding(space):
 
 
 def test_own_slopes_are_those_of_differences(space):
-    objective, _ = objective_of(space, pas.CurvatureVariation())
-    points, sizes = objective.first.sampled.points, objective.sizes
+    value = objective_of(space, pas.CurvatureVariation())
+    points, sizes = value.sampled.points, value.objective.sizes
     energy = pas.CurvatureVariation("3/2", 4)
     own = energy.slopes(points, sizes)
     found = differences(lambda moved: energy.residuals(moved, sizes), points)
@@ -143,13 +141,13 @@ def test_what_is_seen_of_a_cylinder():
     """A pipe continued by itself: its radius, no variation, the area of the tube, |grad f| = 1."""
     contacts = [("y^2 + z^2 - 1", "x - 2"), ("y^2 + z^2 - 1", "-x - 2")]
     space = pas.solutions(contacts, 1, 2, pas.SingleCell((-2, -2, -2), (2, 2, 2)))
-    objective, _ = objective_of(space, pas.CurvatureVariation(tension=1), pas.FairnessLimits())
-    points = objective.first.sampled.points
+    value = objective_of(space, pas.CurvatureVariation(tension=1), pas.FairnessLimits())
+    points = value.sampled.points
     assert np.allclose(points.shape, [1, 0, 0], atol=1e-9) and np.abs(points.variation).max() < 1e-8
     assert np.allclose(points.gradients, 1) and np.allclose(np.linalg.norm(points.points[:, 1:], axis=1), 1)
-    assert objective.first.sampled.areas.sum() == pytest.approx(8 * np.pi, rel=0.02)
-    assert objective.sizes.radius == pytest.approx(1, rel=1e-3)
-    assert objective.first.energy == pytest.approx(2 * np.pi, rel=0.02)  # tension over the square of the distance 2
+    assert value.sampled.areas.sum() == pytest.approx(8 * np.pi, rel=0.02)
+    assert value.objective.sizes.radius == pytest.approx(1, rel=1e-3)
+    assert value.energy == pytest.approx(2 * np.pi, rel=0.02)  # tension over the square of the distance 2
 
 
 CASES = {"unequal GC^1": (UNEQUAL, 1), "unequal GC^2": (UNEQUAL, 2), "equal GC^1": (EQUAL, 1), "equal GC^2": (EQUAL, 2)}
@@ -244,7 +242,7 @@ def test_a_member_that_is_not_proved_is_not_taken(space):
     """Inside and outside are exchanged here."""
     wishes = pas.Wishes(energy=pas.ThinPlate())
     solver = FitSolver(space.prepared, wishes)
-    first = solver.started(RayConditions(space.prepared, 16, 1.0, 0.5))
+    first = solver.started(SampledConditions(space.prepared, subdivisions=16))
     wrong = replace(first, member=-first.member)
     assert solver.proved(wrong, 1.0) is None
     assert FitSolver(space.prepared, wishes.changed(prove=False)).proved(wrong, 1.0) is not None

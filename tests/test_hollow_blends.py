@@ -16,9 +16,9 @@ from pas.certify.nesting import common_parts, nesting
 from pas.contacts.cones import first_met, nappe, nappe_rays
 from pas.contacts.contact import CONTACTS
 from pas.contacts.parallels import inner_contact
+from pas.fairing.constraints import Inequalities
 from pas.fairing.energies.even_wall import EvenWall, Thickness
 from pas.fairing.objective import check_residuals
-from pas.fairing.sampled import Inequalities
 from pas.fairing.solver import FitSolver, coordinates
 from pas.fairing.surface_points import Sizes
 from pas.piecewise import PiecewiseSurface

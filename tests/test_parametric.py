@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import pas
 from pas import BlendingData, ParametricSurface, RationalFunction
-from pas.parametric.evaluation import HermiteValues
+from pas.parametric.hermite import HermiteValues
 from pas.parametric.proofs import contact_verdicts
 
 T, H = sympy.symbols("t h")
@@ -424,7 +424,7 @@ def test_components_over_one_denominator_are_added_before_they_are_evaluated():
     ring = ("(1 - t^2)/(1 + t^2)", "2*t/(1 + t^2)")
     data = pas.BlendingData([pas.ParametricSurface(*(f"{r}*{c}" for c in ring), f"h + {r}") for r in (1, "5/2", 3)])
     blend = pas.hermite_blend(data, 2)
-    groups, rest = HermiteValues(data, 2)._parts
+    groups, rest = HermiteValues(data.surfaces, data.values, 2)._parts
     assert not rest and [g.axes for g in groups] == [(0, 1), (2,)]
     points = np.random.default_rng(3).uniform(0, 2, (20, 2))
     exact = lambda f: np.array([float(f.at(*map(Fraction, p))) for p in points.tolist()])  # noqa: E731

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import cvxpy
 import numpy as np
 import pytest
 from conftest import EQUAL, UNEQUAL, pipes, solved
 
 import pas
-from pas.fairing.qp import Outcome, Programme, _with_clarabel, _with_daqp, solve, stated
+from pas.fairing.qp import Outcome, Programme, solve
 
 CENTRE = (0, 0, 0)
 PLACE = ("1/2", 0, 0)
@@ -68,7 +69,7 @@ def test_members_with_huge_coefficients_can_be_chosen_from():
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_both_solvers_agree_with_the_programme_as_stated(seed):
+def test_the_solver_agrees_with_another_one(seed):
     rng = np.random.default_rng(seed)
     m, rows = 6, 25
     factor, equations, inequalities = (rng.normal(size=(n, m)) for n in (m, 1, rows))
@@ -77,12 +78,13 @@ def test_both_solvers_agree_with_the_programme_as_stated(seed):
     programme = Programme(
         factor @ factor.T, rng.normal(size=m), equations, equations @ known, inequalities, inequalities @ known - slack
     )
-    problem, unknowns = stated(programme)
-    problem.solve()
-    for solver in (solve, _with_daqp, _with_clarabel):
-        solution = solver(programme)
-        assert solution.outcome is Outcome.SOLVED
-        assert np.allclose(solution.unknowns, unknowns.value, atol=1e-5)
+    unknowns = cvxpy.Variable(m)
+    cost = cvxpy.quad_form(unknowns, cvxpy.psd_wrap(programme.hessian)) / 2 + programme.linear @ unknowns
+    constraints = [equations @ unknowns == programme.equal_to, inequalities @ unknowns >= programme.at_least]
+    cvxpy.Problem(cvxpy.Minimize(cost), constraints).solve(solver=cvxpy.CLARABEL)
+    solution = solve(programme)
+    assert solution.outcome is Outcome.SOLVED
+    assert np.allclose(solution.unknowns, unknowns.value, atol=1e-5)
 
 
 def test_settings_have_one_list_of_names():

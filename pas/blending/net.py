@@ -80,6 +80,15 @@ def members(solved: Solved, points: int) -> list[dict[int, int]]:
     return found
 
 
+def bernstein_polynomials(coordinates: Sequence[fmpq_mpoly], degree: int) -> list[fmpq_mpoly]:
+    """Those of a simplex whose barycentric coordinates are given as linear forms, by multi-index."""
+    powers = [[form**k for k in range(degree + 1)] for form in coordinates]
+    return [
+        prod((powers[i][k] for i, k in enumerate(index)), start=RING.constant(1)) * multinomial(index)
+        for index in homogeneous_exponents(degree, len(coordinates))
+    ]
+
+
 def multinomial(index: Exponents) -> int:
     """The number of words with so many letters of each kind."""
     return factorial(sum(index)) // prod(map(factorial, index))
@@ -174,11 +183,7 @@ class Net:
         linear = [
             origin + sum((g * c for g, c in zip(GENERATORS, f[1:], strict=True)), f[0]) for f in _inverse(corners)
         ]
-        powers = [[form**k for k in range(self.degree + 1)] for form in linear]
-        return [
-            prod((powers[i][k] for i, k in enumerate(index)), start=RING.constant(1)) * multinomial(index)
-            for index in homogeneous_exponents(self.degree, 4)
-        ]
+        return bernstein_polynomials(linear, self.degree)
 
     def _opposite(self, cell: int, triangle: Exponents) -> int:
         return next(v for v in self.partition.cells[cell] if v not in triangle)

@@ -185,20 +185,26 @@ def least_squares(
     given = [fmpq(1)] * len(points) if weights is None else [rational(w, "weights") for w in weights]
     if len(given) != len(points) or any(w <= 0 for w in given):
         raise ValueError(f"weights must be {len(points)} positive numbers, one for each point")
-    rows = [[v for patch in member for v in patch.row(space.degree)] for member in space.basis]
-    vectors = fmpq_mat(rows)
+    vectors = fmpq_mat([[v for patch in member for v in patch.row(space.degree)] for member in space.basis])
     change = orthonormal(Products.of((vectors,)), lambda tables: tables[0].T)[0].matrix
-    basis = change * vectors
-    values = to_doubles(change * space.values(points).transpose()).T
-    roots = np.sqrt([to_float(w) for w in given])
-    measured = _gradient_rows(space, points, change, roots) if by_gradient else to_doubles(basis).T
+    if by_gradient:
+        below, below_weights = change * _gradients(space, points).transpose(), [w for w in given for _ in range(3)]
+    else:
+        below, below_weights = change * vectors, [fmpq(1)] * vectors.ncols()
+    above = change * space.values(points).transpose()
+    weighted = ((above, given), (below, below_weights))
+    scaled, measured = (to_doubles(m).T * np.sqrt([to_float(w) for w in ws])[:, None] for m, ws in weighted)
+    if by_gradient and np.linalg.matrix_rank(measured) < space.dimension:
+        raise ValueError(
+            "some member has no gradient at any of the points, so distances cannot be measured by gradients; "
+            "give points off its singular curve, or leave by_gradient False"
+        )
     triangular: Floats = np.asarray(np.linalg.qr(measured, mode="r"))
-    scaled = roots[:, None] * values
     # singular values, not eigenvalues: small quotients keep their digits
     _, singular, right = svd(np.linalg.solve(triangular.T, scaled.T).T, full_matrices=True)
     last = np.linalg.solve(triangular, right[-1])
     smallest = float(singular[-1]) if len(singular) == space.dimension else 0.0
-    sharp = _refined(space, points, given, change, last, by_gradient=by_gradient)
+    sharp = refined(last, above, below, (list(map(arb, given)), list(map(arb, below_weights))), change)
     found, quotient = (last @ to_doubles(change), smallest**2) if sharp is None else sharp
     coefficients = np.asarray(found)
     significant = np.flatnonzero(np.abs(coefficients) > 1e-9 * np.abs(coefficients).max())
@@ -227,20 +233,6 @@ def orientation(surface: PiecewiseSurface) -> int:
     return -1 if alpha < 0 else 1
 
 
-def _refined(
-    space: Space, points: Sequence[Any], weights: list[fmpq], change: fmpq_mat, start: Floats, *, by_gradient: bool
-) -> tuple[list[float], float] | None:
-    """The least member to the last digit of a double, and its quotient; None where several are least."""
-    scales = [arb(w) for w in weights]
-    if by_gradient:
-        below, doubled = _gradients(space, points), [w for w in scales for _ in range(3)]
-    else:
-        rows = [[v for patch in member for v in patch.row(space.degree)] for member in space.basis]
-        below, doubled = fmpq_mat(rows).transpose(), [arb(1)] * len(rows[0])
-    above, under = (change * m.transpose() for m in (space.values(points), below))
-    return refined(start, above, under, (scales, doubled), change)
-
-
 def _gradients(space: Space, points: Sequence[Any]) -> fmpq_mat:
     """The exact gradients of the members at points, a row for each coordinate: (3 m, dimension)."""
     rows = []
@@ -259,20 +251,6 @@ def _slope(powers: list[list[fmpq]], exponent: Sequence[int], axis: int) -> fmpq
         return fmpq(0)
     lowered = [e - (i == axis) for i, e in enumerate(exponent)]
     return exponent[axis] * powers[0][lowered[0]] * powers[1][lowered[1]] * powers[2][lowered[2]]
-
-
-def _gradient_rows(space: Space, points: Sequence[Any], change: fmpq_mat, roots: Floats) -> Floats:
-    """The weighted gradients at the points (3 m, dimension) of the changed basis' members."""
-    array = np.array([[to_float(rational(c)) for c in p] for p in points])
-    units = np.eye(space.dimension, dtype=int).tolist()
-    rows = np.array([(space.member(u).gradient(array) * roots[:, None]).ravel() for u in units])
-    result = (to_doubles(change) @ rows).T
-    if np.linalg.matrix_rank(result) < space.dimension:
-        raise ValueError(
-            "some member has no gradient at any of the points, so distances cannot be measured by gradients; "
-            "give points off its singular curve, or leave by_gradient False"
-        )
-    return np.asarray(result)
 
 
 def _values(space: Space, wishes: Wishes, kind: str) -> list[list[fmpq]]:

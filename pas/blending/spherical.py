@@ -13,14 +13,14 @@ from functools import lru_cache
 from itertools import combinations
 from math import gcd, lcm
 
-from flint import fmpq, fmpq_mat, fmpq_mpoly, fmpz_mat
+from flint import fmpq, fmpq_mat, fmpz_mat
 
 from pas.algebra.monomials import Exponents, count, homogeneous_exponents, positions
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import integral_nullspace, solve_sparse
 from pas.algebra.polynomial import GENERATORS, RING
 from pas.algebra.products import Products
-from pas.blending.net import Row, across, domain_point, members, multinomial, numbered
+from pas.blending.net import Row, across, bernstein_polynomials, domain_point, members, numbered
 from pas.contacts.contact import Contact
 from pas.limits import checkpoint
 from pas.partition.layout import Layout
@@ -107,11 +107,10 @@ def _bernstein(layout: Layout, triangle: Exponents, degree: int, monomials: list
     linear = [
         origin + sum((g * inverse[axis, corner] for axis, g in enumerate(GENERATORS)), origin) for corner in range(3)
     ]
-    powers: list[list[fmpq_mpoly]] = [[form**k for k in range(degree + 1)] for form in linear]
     table = fmpq_mat(len(monomials), len(monomials))
     where = {e: i for i, e in enumerate(monomials)}
-    for row, (i, j, k) in enumerate(homogeneous_exponents(degree, 3)):
-        for e, c in (powers[0][i] * powers[1][j] * powers[2][k] * multinomial((i, j, k))).to_dict().items():
+    for row, polynomial in enumerate(bernstein_polynomials(linear, degree)):
+        for e, c in polynomial.to_dict().items():
             table[row, where[e]] = c
     return table
 

@@ -11,8 +11,10 @@ from typing import ClassVar
 
 import numpy as np
 from flint import fmpq, fmpq_mat
+from numpy.typing import NDArray
 
 from pas.algebra.affine import away, height
+from pas.algebra.bracket import sign_change
 from pas.algebra.brief import brief
 from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
@@ -21,9 +23,6 @@ from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational
 from pas.contacts.axial import listed, positive
 from pas.contacts.contact import Contact, Movable
 from pas.errors import GeometryError
-
-HALVINGS = 60
-"""Of the part of a ray in which a surface is met: to about the rounding of doubles."""
 
 FARTHEST = 64.0
 """How far along rays, over the size of what is looked at, surfaces are looked for."""
@@ -82,11 +81,12 @@ def first_met(surface: Polynomial, rays: Floats, size: float = 1.0) -> Floats:
     outside = values >= 0
     place = outside.argmax(axis=0)
     low, high = steps[np.maximum(place - 1, 0)], steps[place]
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        inside = surface(rays * middle[:, None]) < 0
-        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
-    return np.where(outside.any(axis=0), (low + high) / 2, np.nan)
+
+    def jets(at: Floats, rows: NDArray[np.intp]) -> tuple[Floats, Floats]:
+        points = rays[rows] * at[:, None]
+        return surface(points), np.asarray((surface.gradient(points) * rays[rows]).sum(axis=1))
+
+    return np.where(outside.any(axis=0), sign_change(jets, low, high, (low + high) / 2), np.nan)
 
 
 @dataclass(frozen=True)

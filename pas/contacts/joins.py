@@ -16,6 +16,7 @@ from itertools import combinations
 
 import numpy as np
 
+from pas.algebra.bracket import zeros_of_columns
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector
@@ -32,9 +33,6 @@ CURVE_LATTICE = 24
 
 OPENING_POINTS = 96
 """Of the curve through which a region is open."""
-
-BISECTIONS = 52
-"""Halvings of an edge that leave it as long as its rounding."""
 
 
 @dataclass(frozen=True)
@@ -262,15 +260,8 @@ def _zeros_on_triangle(surface: Polynomial, corners: Floats, subdivisions: int) 
     crossed = negative[pairs[:, 0]] != negative[pairs[:, 1]]
     first, second = pairs[crossed].T
     first, second = np.where(negative[first], first, second), np.where(negative[first], second, first)
-    along = _along_edges(surface, points[first], points[second])
-    low, high = np.zeros(len(first)), np.ones(len(first))
-    for _ in range(BISECTIONS):
-        middle = (low + high) / 2
-        value = np.zeros_like(middle)
-        for coefficients in along[::-1]:
-            value = value * middle + coefficients
-        low, high = np.where(value < 0, middle, low), np.where(value < 0, high, middle)
-    zeros = points[first] + ((low + high) / 2)[:, None] * (points[second] - points[first])
+    shares = zeros_of_columns(_along_edges(surface, points[first], points[second]))
+    zeros = points[first] + shares[:, None] * (points[second] - points[first])
     inverse = np.linalg.pinv(np.vstack([corners.T, np.ones(3)]))
     barycentric = np.concatenate([zeros, np.ones((len(zeros), 1))], axis=1) @ inverse.T
     number = np.cumsum(crossed) - 1

@@ -15,7 +15,12 @@ What an entry stands for is said once, with its form: `read` makes a thing of a 
 value of a thing; without a word the value is the thing itself.  A `Table` makes its thing of its entries by name, and
 writes its attributes of these names:
 
-    JOINT = Table({"first": TEXT, "second": TEXT, "order": WHOLE}, make=Joint)
+    from pas import ValueAt
+    from pas.exchange.schema import NUMBER, Table, list_of
+
+    form = Table({"point": list_of(NUMBER, 3), "value": NUMBER}, make=ValueAt)
+    assert form.write(ValueAt((0, 0, "1/3"), 1)) == {"point": ["0", "0", "1/3"], "value": "1"}
+    assert form.read({"point": ["0", "0", "1/3"], "value": "1"}) == ValueAt((0, 0, "1/3"), 1)
 
 Libraries that check types (pydantic, msgspec) were weighed: exact numbers as texts, keys that are guessed ("is 'order'
 meant") and the one sentence with the place would all have to be added to them.

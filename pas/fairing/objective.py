@@ -6,23 +6,21 @@ for one member and stay: so the objective of any other member that they meet is 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import to_float, to_floats
+from pas.algebra.rational import to_floats
 from pas.fairing.energy import Energy, terms_of
 from pas.fairing.excess import BulgeExcess, CurvatureExcess, Limit, SectionExcess
 from pas.fairing.prepared import PreparedSpace
 from pas.fairing.ray_samples import AREA, RaySamples, Residuals, SampledGeometry
 from pas.fairing.surface_points import NAMES, Sizes, SurfacePoints, differences
 from pas.surface.directions import Directions
-from pas.surface.fairness_limits import FairnessLimits, Neighbour, neighbour
-from pas.surface.geometry import Geometry, derivative_batch
+from pas.surface.fairness_limits import FairnessLimits, neighbour
+from pas.surface.placed import PlacedContacts
 from pas.surface.straight_runs import straight_runs
 
 LEAST_RAYS, RAYS_PER_UNKNOWN = 400, 3
@@ -44,13 +42,71 @@ CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
 
 
 @dataclass(frozen=True)
+class Term:
+    """Limits, and the rays along which they are looked at."""
+
+    samples: RaySamples
+    limits: tuple[Limit, ...]
+
+    def beyond(self, sampled: SampledGeometry) -> tuple[Residuals, ...]:
+        """What is beyond them."""
+        return tuple(residuals for limit in self.limits for residuals in limit.beyond(sampled))
+
+
+@dataclass(frozen=True)
+class SurfaceObjective:
+    """An energy over the members that rays meet which were laid for one of them, with limits: `terms` are those of the
+    surface, whose rays the energy is summed along too, of plane sections, and of rays that were added."""
+
+    placed: PlacedContacts
+    energy: Energy
+    sizes: Sizes
+    curvature: CurvatureExcess
+    terms: tuple[Term, ...]
+
+    @classmethod
+    def laid(
+        cls, space: PreparedSpace, energy: Energy, limits: FairnessLimits, start: Floats, live: bool = False
+    ) -> ObjectiveValue | None:
+        """The value at the member `start` for which rays are laid; None where they miss or graze its surface.
+
+        Raises `ValueError` for energies whose residuals or slopes are wrong.
+        """
+        basis, placed = space.basis, space.placed
+        scale, center = basis.scale, np.array(to_floats(basis.frame.origin))
+        neighbours = [neighbour(join, scale) for join in placed.joins]
+        columns = [start @ coefficients for coefficients in basis.coefficients]
+        slope = abs(float(space.guard.mean_alpha @ start))
+        number = max(LEAST_RAYS, RAYS_PER_UNKNOWN * basis.size)
+        rays = Directions.of(placed, columns, basis.degree, number, *(LIVE if live else SETTLED))
+        surface = RaySamples(basis, rays, center, slope)
+        sections = SectionExcess(basis, placed, columns, neighbours, limits)
+        across = RaySamples(basis, sections.rays, center, slope)
+        found = [samples.sample(start, samples.rays.distances) for samples in (surface, across)]
+        geometries = tuple(geometry for geometry in found if geometry is not None)
+        if len(geometries) < len(found):
+            return None
+        sections.settle_signs(geometries[1])
+        radius, distance = (float(np.mean([getattr(n, name) for n in neighbours])) for name in ("radius", "distance"))
+        sizes = Sizes(radius, distance, center, straight_runs(neighbours))
+        check_energy(energy, geometries[0].points, sizes)
+        curvature, bulge = CurvatureExcess.of(neighbours, limits), BulgeExcess(rays, neighbours, limits, center)
+        terms = (Term(surface, (curvature, bulge)), Term(across, (sections,)))
+        return cls(placed, energy, sizes, curvature, terms).value(geometries)
+
+    def value(self, geometries: tuple[SampledGeometry, ...]) -> ObjectiveValue:
+        """The value of a member with these geometries along the rays of each term."""
+        beyond = tuple(term.beyond(own) for term, own in zip(self.terms, geometries, strict=True))
+        residuals = np.asarray(self.energy.residuals(geometries[0].points, self.sizes))
+        return ObjectiveValue(self, residuals, geometries, beyond)
+
+
+@dataclass(frozen=True)
 class ObjectiveValue:
-    """A member as the rays meet it, its energy, and the objective: that with the squares of what is beyond limits.
+    """A member as the rays of an objective meet it: `residuals` (N, R) of the energy along those of the surface, and
+    for each term the `geometries` along its rays and the `excesses` beyond its limits."""
 
-    `residuals` (N, R) are the energy's at each point; `geometries` are those along the rays of each of the objective's
-    terms, first those of the surface, and `excesses` what is beyond limits there.
-    """
-
+    objective: SurfaceObjective
     residuals: Floats
     geometries: tuple[SampledGeometry, ...]
     excesses: tuple[tuple[Residuals, ...], ...]
@@ -71,143 +127,76 @@ class ObjectiveValue:
         return sum(float((e.values * e.values).sum()) for found in self.excesses for e in found)
 
     @property
-    def objective(self) -> float:
-        """Both together."""
+    def total(self) -> float:
+        """The objective: both together."""
         return self.energy + self.beyond
 
-
-@dataclass(frozen=True)
-class Term:
-    """Limits, and the rays along which they are looked at."""
-
-    samples: RaySamples
-    limits: tuple[Limit, ...]
-
-    def beyond(self, sampled: SampledGeometry) -> tuple[Residuals, ...]:
-        """What is beyond them."""
-        return tuple(residuals for limit in self.limits for residuals in limit.beyond(sampled))
-
-
-class SurfaceObjective:
-    """The energy over the members that rays see which were laid for one of them, `start`."""
-
-    def __init__(
-        self,
-        space: PreparedSpace,
-        energy: Energy,
-        limits: FairnessLimits,
-        start: Floats,
-        live: bool = False,
-    ) -> None:
-        basis, placed = space.basis, space.placed
-        self.energy, self.basis, self.placed, self.limits = energy, basis, placed, limits
-        self.center, scale = np.array(to_floats(basis.frame.origin)), to_float(basis.frame.scale)
-        columns = [start @ coefficients for coefficients in basis.coefficients]
-        number = max(LEAST_RAYS, RAYS_PER_UNKNOWN * basis.size)
-        directions = Directions.of(placed, columns, basis.degree, number, *(LIVE if live else SETTLED))
-        self.slope = abs(float(space.guard.mean_alpha @ start))
-        neighbours = [neighbour(join, scale) for join in placed.joins]
-        radii, distances = zip(*((n.radius, n.distance) for n in neighbours), strict=True)
-        self.sizes = Sizes(float(np.mean(radii)), float(np.mean(distances)), self.center, straight_runs(neighbours))
-        self.samples = RaySamples(basis, directions, self.center, self.slope)
-        self.curvature = CurvatureExcess.of(neighbours, limits)
-        self.terms: tuple[Term, ...] = (
-            Term(self.samples, (self.curvature, BulgeExcess(directions, neighbours, limits, self.center))),
-        )
-        self.first = self._first(start, columns, neighbours)
-
-    def _first(self, start: Floats, columns: list[Floats], neighbours: list[Neighbour]) -> ObjectiveValue | None:
-        """The value at the start; None where rays miss or graze its surface."""
-        sampled = self.samples.sample(start, self.samples.rays.distances)
-        if sampled is None:
-            return None
-        sections = SectionExcess(self.basis, self.placed, columns, neighbours, self.limits)
-        across = RaySamples(self.basis, sections.rays, self.center, self.slope)
-        own = across.sample(start, sections.rays.distances)
-        if own is None:
-            return None
-        sections.settle_signs(own)
-        self.terms = (*self.terms, Term(across, (sections,)))
-        self._check(sampled)
-        return self._value([sampled, own])
-
-    def of(self, energy: Energy, value: ObjectiveValue) -> tuple[SurfaceObjective, ObjectiveValue]:
-        """An objective of another energy on these rays, and its value at a member."""
-        if energy == self.energy:
-            return self, value
-        other = copy(self)
-        other.energy = energy
-        return other, replace(value, residuals=other._residuals(value.sampled))
-
-    def value(self, member: Floats, near: ObjectiveValue) -> ObjectiveValue | None:
-        """The value at another member, found from one near by; None where rays miss or graze its surface."""
+    def moved(self, member: Floats) -> ObjectiveValue | None:
+        """The value at another member near by; None where rays miss or graze its surface."""
         geometries = []
-        for term, before in zip(self.terms, near.geometries, strict=True):
-            own = term.samples.sample(member, before.distances)
+        for before in self.geometries:
+            own = before.samples.sample(member, before.distances)
             if own is None:
                 return None
             geometries.append(own)
-        return self._value(geometries)
+        return self.objective.value(tuple(geometries))
 
-    def _value(self, geometries: Iterable[SampledGeometry]) -> ObjectiveValue:
-        found = tuple(geometries)
-        beyond = tuple(term.beyond(own) for term, own in zip(self.terms, found, strict=True))
-        return ObjectiveValue(self._residuals(found[0]), found, beyond)
+    def of(self, energy: Energy) -> ObjectiveValue:
+        """The value of another energy along the same rays."""
+        if energy == self.objective.energy:
+            return self
+        return replace(self.objective, energy=energy).value(self.geometries)
 
-    def _residuals(self, sampled: SampledGeometry) -> Floats:
-        return np.asarray(self.energy.residuals(sampled.points, self.sizes))
-
-    def linearised(self, value: ObjectiveValue) -> tuple[Floats, Floats]:
+    def linearised(self) -> tuple[Floats, Floats]:
         """`J^T J` (m, m) and `J^T r` (m,) for the residuals r, whose squares add up to the objective, and their
         derivatives J by the member."""
-        own = self._energy_residuals(value)
-        normal, gradient = np.zeros((self.basis.size, self.basis.size)), np.zeros(self.basis.size)
-        for sampled, found in zip(value.geometries, value.excesses, strict=True):
-            residuals = (own, *found) if sampled is value.sampled else found
+        size = len(self.sampled.member)
+        normal, gradient = np.zeros((size, size)), np.zeros(size)
+        for geometry, found in zip(self.geometries, self.excesses, strict=True):
+            residuals = (self._weighted(), *found) if geometry is self.sampled else found
             if residuals:
-                jacobian = sampled.jacobian()
+                jacobian = geometry.jacobian()
                 parts = [jacobian.normal_equations(one) for one in residuals]
                 normal, gradient = normal + sum(p[0] for p in parts), gradient + sum(p[1] for p in parts)
         return normal, gradient
 
-    def _energy_residuals(self, value: ObjectiveValue) -> Residuals:
+    def _weighted(self) -> Residuals:
         """The energy's residuals, with the roots of the areas for weights."""
-        sampled, r = value.sampled, value.residuals
-        root = np.sqrt(sampled.areas)[:, None]
+        r, root = self.residuals, np.sqrt(self.sampled.areas)[:, None]
         slopes = np.empty((*r.shape, AREA + 1))
-        slopes[:, :, :AREA] = root[:, :, None] * self.energy.slopes(sampled.points, self.sizes)
+        slopes[:, :, :AREA] = root[:, :, None] * self.objective.energy.slopes(self.sampled.points, self.objective.sizes)
         slopes[:, :, AREA] = root * r / 2
         return Residuals(np.arange(len(r)), root * r, slopes)
 
-    def closer(self, value: ObjectiveValue) -> tuple[SurfaceObjective, ObjectiveValue] | None:
-        """An objective with more rays, between these where curvature is beyond limits; None where it is not."""
-        member = value.sampled.member
-        columns = [member @ coefficients for coefficients in self.basis.coefficients]
-        rays = Directions.of(self.placed, columns, self.basis.degree, CLOSE_RAYS, deepest=CLOSE_DEEPEST)
-        local = rays.directions * rays.distances[:, None]
-        principal = Geometry(derivative_batch(columns, range(4))(local, rays.pieces)).principal / self.basis.scale
-        shape = np.stack([principal[:, 0], np.zeros(len(principal)), principal[:, 1]], axis=1)
-        over = np.max([values for values, _, _ in self.curvature.over(shape)], axis=0)
+    def closer(self) -> ObjectiveValue | None:
+        """The value with more rays, between these where curvature is beyond limits; None where it is not."""
+        member, samples, curvature = self.sampled.member, self.sampled.samples, self.objective.curvature
+        columns = [member @ coefficients for coefficients in samples.basis.coefficients]
+        rays = Directions.of(self.objective.placed, columns, samples.basis.degree, CLOSE_RAYS, deepest=CLOSE_DEEPEST)
+        finer = samples.along(rays).sample(member, rays.distances)
+        if finer is None:
+            return None
+        over = np.max([values for values, _, _ in curvature.over(finer.points.shape)], axis=0)
         least = max(-CLOSE, float(np.sort(over)[-MOST_CLOSE]) + TIE if len(over) > MOST_CLOSE else -CLOSE)
         hidden = np.flatnonzero(over > least)
         if not len(hidden) or over.max() <= HIDDEN:
             return None
-        share = len(rays.directions) / len(self.samples.rays.directions)  # each counts like a ray of the first ones
-        samples = RaySamples(self.basis, rays.some(hidden, share), self.center, self.slope)
-        own = samples.sample(member, samples.rays.distances)
+        share = len(rays.directions) / len(samples.rays.directions)  # each counts like a ray of the first ones
+        added = samples.along(rays.some(hidden, share))
+        own = added.sample(member, added.rays.distances)
         if own is None:
             return None
-        other = copy(self)
-        term = Term(samples, (self.curvature,))
-        other.terms = (*self.terms, term)
-        return other, ObjectiveValue(value.residuals, (*value.geometries, own), (*value.excesses, term.beyond(own)))
+        term = Term(added, (curvature,))
+        objective = replace(self.objective, terms=(*self.objective.terms, term))
+        return ObjectiveValue(objective, self.residuals, (*self.geometries, own), (*self.excesses, term.beyond(own)))
 
-    def _check(self, sampled: SampledGeometry) -> None:
-        """That residuals and slopes have their shapes, are finite and agree, at some points."""
-        points = sampled.points[:: max(1, len(sampled.points) // CHECKED)]
-        for _, energy in terms_of(self.energy):
-            if energy.on_surface:
-                check_residuals(energy, points, self.sizes)
+
+def check_energy(energy: Energy, points: SurfacePoints, sizes: Sizes) -> None:
+    """Check the residuals of each energy of a sum at some of the points; see `check_residuals`."""
+    some = points[:: max(1, len(points) // CHECKED)]
+    for _, own in terms_of(energy):
+        if own.on_surface:
+            check_residuals(own, some, sizes)
 
 
 def check_residuals(energy: Energy, points: SurfacePoints, sizes: Sizes) -> None:

@@ -17,7 +17,7 @@ from flint import fmpq, fmpq_mat
 
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
-from pas.fairing.qp import Outcome, Programme, solve
+from pas.fairing.qp import RESIDUAL, Outcome, Programme, solve
 from pas.limits import checkpoint
 
 ITERATIONS = 200
@@ -73,79 +73,53 @@ def _guess(programme: ExactProgramme) -> list[int]:
     m, count = programme.quadratic.ncols(), programme.inequalities.nrows()
     if not count:
         return []
-    equations, rows = to_doubles(programme.equations), to_doubles(programme.inequalities)
-    quadratic = to_doubles(programme.quadratic)
-    scale = np.linalg.norm(rows[:, :m], axis=1, keepdims=True)
-    rows = rows / np.where(scale > 0, scale, 1.0)
-    length = np.linalg.norm(equations[:, :m], axis=1, keepdims=True)
-    equations = equations / np.where(length > 0, length, 1.0)
-    numerical = Programme(
-        quadratic / max(float(np.abs(quadratic).max()), 1e-300),
-        np.zeros(m),
-        equations[:, :m],
-        equations[:, m],
-        rows[:, :m],
-        rows[:, m],
-    )
+    quadratic, equations, table = map(to_doubles, (programme.quadratic, programme.equations, programme.inequalities))
+    numerical = Programme.scaled(quadratic, np.zeros(m), equations, table[:, :m], table[:, m])
     solution = solve(numerical)
     if solution.outcome is not Outcome.SOLVED:
         return []
-    slack = rows[:, :m] @ solution.unknowns - rows[:, m]
-    return [int(i) for i in np.flatnonzero(slack < 1e-7 * (1 + np.abs(solution.unknowns).max()))]
+    slack = numerical.rows @ solution.unknowns - numerical.at_least
+    return [int(i) for i in np.flatnonzero(slack < RESIDUAL * (1 + np.abs(solution.unknowns).max()))]
 
 
 def _stationary(programme: ExactProgramme, active: list[int]) -> tuple[fmpq_mat, dict[int, fmpq], bool]:
     """The minimiser with the active inequalities as equations, and the multipliers of these.
 
-    Dependent rows get multiplier 0; of several minimisers the one with zeros in the free unknowns.
+    Of dependent rows the first ones count, others get multiplier 0; of several minimisers it is the one with zeros in
+    the free unknowns.  Raises `InfeasibleError` where equations contradict.
     """
-    m = programme.quadratic.ncols()
-    equations = programme.equations.tolist()
-    chosen = _independent(equations + [programme.inequalities.tolist()[i] for i in active], m, len(equations))
-    rows = [row for _, row in chosen]
-    size = m + len(rows)
+    m, equations = programme.quadratic.ncols(), programme.equations.nrows()
+    given, inequalities = programme.equations.tolist(), programme.inequalities.tolist()
+    rows = given + [inequalities[i] for i in active]
+    left = fmpq_mat(len(rows), m, [v for row in rows for v in row[:m]])
+    chosen = leads(*left.transpose().rref())
+    size = m + len(chosen)
     table = [[fmpq(0)] * (size + 1) for _ in range(size)]
     for i, values in enumerate(programme.quadratic.tolist()):
         table[i][:m] = values
-        for j, row in enumerate(rows):
-            table[i][m + j] = -row[i]
-            table[m + j][i] = row[i]
-    for j, row in enumerate(rows):
-        table[m + j][size] = row[m]
+    for j, number in enumerate(chosen, start=m):
+        table[j][:m], table[j][size] = rows[number][:m], rows[number][m]
+        for i in range(m):
+            table[i][j] = -rows[number][i]
     reduced, rank = fmpq_mat(table).rref()
-    leads = [next(j for j in range(size + 1) if reduced[i, j] != 0) for i in range(rank)]
-    if size in leads:
-        raise InfeasibleError("the equations contradict one another")
-    solution = [fmpq(0)] * size
-    for i, lead in enumerate(leads):
+    solution, pivots = [fmpq(0)] * (size + 1), leads(reduced, rank)
+    for i, lead in enumerate(pivots):
         solution[lead] = reduced[i, size]
+    unknowns = fmpq_mat(1, m, solution[:m])
+    if size in pivots or any(_residuals(programme.equations, unknowns)):
+        raise InfeasibleError("the equations contradict one another")
     multipliers = dict.fromkeys(active, fmpq(0))
-    for j, (number, _) in enumerate(chosen):
-        if number >= len(equations):
-            multipliers[active[number - len(equations)]] = solution[m + j]
-    return fmpq_mat(1, m, solution[:m]), multipliers, all(j in leads for j in range(m))
+    multipliers |= {active[n - equations]: solution[j] for j, n in enumerate(chosen, start=m) if n >= equations}
+    return unknowns, multipliers, all(j in pivots for j in range(m))
 
 
-def _independent(rows: list[list[fmpq]], m: int, equations: int) -> list[tuple[int, list[fmpq]]]:
-    """A largest set of rows with independent left-hand sides, the first ones first.
-
-    Raises `InfeasibleError` where an equation contradicts those before it.
-    """
-    chosen: list[tuple[int, list[fmpq]]] = []
-    rank = 0
-    for number, row in enumerate(rows):
-        trial = fmpq_mat([r for _, r in chosen] + [row])
-        left = fmpq_mat([r[:m] for _, r in chosen] + [row[:m]])
-        if left.rank() > rank:
-            chosen.append((number, row))
-            rank += 1
-        elif number < equations and trial.rank() > rank:
-            raise InfeasibleError("the equations contradict one another")
-    return chosen
+def leads(reduced: fmpq_mat, rank: int) -> list[int]:
+    """The columns of the leading entries of a reduced matrix, row by row."""
+    return [next(j for j in range(reduced.ncols()) if reduced[i, j] != 0) for i in range(rank)]
 
 
 def _residuals(inequalities: fmpq_mat, unknowns: fmpq_mat) -> list[fmpq]:
-    """`A a - b` for each inequality."""
-    m = unknowns.ncols()
-    values = unknowns.entries()
-    return [sum((row[j] * values[j] for j in range(m)), -row[m]) for row in inequalities.tolist()]
+    """`A a - b` for each row (A, b)."""
+    column = fmpq_mat(unknowns.ncols() + 1, 1, [*unknowns.entries(), fmpq(-1)])
+    residuals: list[fmpq] = (inequalities * column).entries()
+    return residuals

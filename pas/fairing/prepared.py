@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -12,11 +13,14 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.products import Products
 from pas.fairing.basis import WorkingBasis
+from pas.fairing.constraints import Inequalities, Margins, SampledConstraints
 from pas.fairing.energy import Energy
-from pas.fairing.rays import RayLattice
-from pas.fairing.sampled import SampledConstraints
+from pas.fairing.one_sheet import RayLattice
 from pas.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
+
+SLIM = 0.1
+"""The least share of the usual margins that is asked for: members with it exist in lower degrees."""
 
 
 class PreparedSpace:
@@ -75,3 +79,33 @@ class PreparedSpace:
     def surface(self, working: fmpq_mat) -> PiecewiseSurface:
         """The exact surface with given working coefficients (1, m)."""
         return PiecewiseSurface.in_place(self.placed, self.basis.combine(working), self.degree)
+
+
+@dataclass(frozen=True)
+class SampledConditions:
+    """What members are asked at sample points: at a share of the usual margins, on lattices of so many subdivisions of
+    the outer faces, and along the rays that end there.
+
+    Half of the margins is to be reached everywhere: the other half keeps points between those that were asked for from
+    being asked for in turn, round after round.
+    """
+
+    space: PreparedSpace
+    share: float = 1.0
+    subdivisions: int = 32
+    reached: float = 0.5
+
+    @property
+    def margins(self) -> Margins:
+        """How clearly all is asked."""
+        return Margins().times(self.share)
+
+    @property
+    def first(self) -> Inequalities:
+        """The inequalities to begin with: of walls, clip faces and the centre."""
+        return self.space.guard.initial(self.margins)
+
+    def missed(self, member: Floats) -> Inequalities:
+        """The inequalities that a member with a mean alpha of 1 misses by too much."""
+        on_faces = self.space.guard.edges(self.subdivisions, self.margins).missed(member, self.reached)
+        return on_faces + self.space.rays(self.subdivisions).missed(member, self.margins, self.reached)

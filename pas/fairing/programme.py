@@ -14,11 +14,12 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
+from pas.fairing.constraints import Inequalities
 from pas.fairing.energy import as_energy
 from pas.fairing.functionals import Functional, b_coefficient, value_at
+from pas.fairing.optimum import leads
 from pas.fairing.prepared import PreparedSpace
 from pas.fairing.qp import Outcome, Programme, feasible, solve
-from pas.fairing.sampled import Inequalities
 from pas.fairing.wishes import (
     DEFAULT_MARGIN,
     MeanAlpha,
@@ -166,29 +167,15 @@ class MemberProgramme:
     def _programme(
         self, equations: Floats, inequalities: Inequalities, hessian: Floats | None = None, linear: Floats | None = None
     ) -> Programme:
-        """The programme of the objective, or of another quadratic one, with rows of unit length."""
-        m = self.basis.size
+        """The programme of the objective, or of another quadratic one."""
         form = self._hessian if hessian is None else hessian
-        size = float(np.abs(form).max()) or 1.0
-        unit = np.linalg.norm(equations[:, :m], axis=1, keepdims=True)
-        equations = equations / np.where(unit > 0, unit, 1.0)
-        lengths = np.sqrt(np.einsum("ij,ij->i", inequalities.rows, inequalities.rows))
-        lengths = np.where(lengths > 0, lengths, 1.0)
-        return Programme(
-            form / size,
-            np.zeros(m) if linear is None else linear / size,
-            equations[:, :m],
-            equations[:, m],
-            inequalities.rows / lengths[:, None],
-            inequalities.at_least / lengths,
-        )
+        by = np.zeros(self.basis.size) if linear is None else linear
+        return Programme.scaled(form, by, equations, inequalities.rows, inequalities.at_least)
 
     def _solved(self, programme: Programme) -> Floats | None:
         solution = solve(programme)
         if solution.outcome is Outcome.FAILED:
-            raise NotSolvedError(
-                f"neither solver found an optimum that passes its checks in degree {self.space.degree}"
-            )
+            raise NotSolvedError(f"the solver found no optimum that passes its checks in degree {self.space.degree}")
         return solution.unknowns if solution.outcome is Outcome.SOLVED else None
 
     @cached_property
@@ -317,9 +304,9 @@ def _reduce(table: list[list[fmpq]], m: int) -> tuple[fmpq_mat, list[int]] | Non
     permuted = fmpq_mat(len(table), m + 1, [row[j] for row in table for j in (*order, m)])
     reduced, rank = permuted.rref()
     rows = reduced.tolist()[:rank]
-    leads = [next(j for j, v in enumerate(row) if v != 0) for row in rows]
-    if m in leads:
+    pivots = leads(reduced, rank)
+    if m in pivots:
         return None
     back = [order.index(j) for j in range(m)]
     equations = fmpq_mat(rank, m + 1, [row[j] for row in rows for j in (*back, m)])
-    return equations, [order[lead] for lead in leads]
+    return equations, [order[pivot] for pivot in pivots]

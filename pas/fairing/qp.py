@@ -1,39 +1,34 @@
-"""One door to the solvers of convex quadratic programmes.
+"""One door to the solver of convex quadratic programmes.
 
 minimise `1/2 q^T H q + g^T q` subject to `E q = e` and `A q >= b`.
 
-DAQP (a dual active-set method) solves these dense, small programmes in a fraction of a
-millisecond; where it does not end well, or its answer fails the optimality check, the
-programme goes to Clarabel (an interior-point method).  Both are called directly; `stated` says the
-same in cvxpy's language.  An answer is returned only
-if it satisfies the Karush-Kuhn-Tucker conditions: the constraints, and a gradient that is a
-combination of those that are active, with multipliers of the right sign (found anew by
-nonnegative least squares, whatever the solver says).
+DAQP, a dual active-set method (Arnstrom, Bemporad and Axehill 2022), solves these dense, small programmes in a
+fraction of a millisecond.  An answer is returned only if it satisfies the Karush-Kuhn-Tucker conditions: the
+constraints, and a gradient that is a combination of those that are active, with multipliers of the right sign (found
+anew by nonnegative least squares, whatever the solver says).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
-from importlib import import_module
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
-from scipy.sparse import csc_matrix
 
 from pas.algebra.monomials import Floats
 
-RESIDUAL = 1e-7
-"""Largest violation of a constraint accepted, relative to the unknowns; rows have unit length."""
+RESIDUAL, ACTIVE = 1e-7, 1e-6
+"""Largest violation of a constraint accepted, and how near to equality one is active, relative to the unknowns; rows
+have unit length."""
 
 PATIENCE = 10
 """Steps for each constraint in which the check of an optimum must end; the usual three do not always do."""
 
 STATIONARITY = 1e-3
 """Largest gradient left over, relative to the gradient.  It costs fairness, not truth: the
-optimum is unique, and solvers reach 1e-6 or better where they do not fail."""
+optimum is unique, and the solver reaches 1e-6 or better where it does not fail."""
 
 TOLERANCE = 1e-9
 """DAQP's primal tolerance: its default, 1e-6, hides contradictions of points."""
@@ -52,7 +47,7 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class Programme:
-    """A convex quadratic programme in m unknowns; rows of unit scale serve the solver best."""
+    """A convex quadratic programme in m unknowns; rows of unit length serve the solver best."""
 
     hessian: Floats
     linear: Floats
@@ -61,38 +56,43 @@ class Programme:
     rows: Floats
     at_least: Floats
 
+    @classmethod
+    def scaled(cls, hessian: Floats, linear: Floats, equations: Floats, rows: Floats, at_least: Floats) -> Programme:
+        """One with rows of unit length and a Hessian of largest entry 1; `equations` (p, m + 1) with right-hand sides
+        as their last column."""
+        size = float(np.abs(hessian).max()) or 1.0
+        equations = equations / lengths(equations[:, :-1])[:, None]
+        by = lengths(rows)
+        return cls(
+            hessian / size, linear / size, equations[:, :-1], equations[:, -1], rows / by[:, None], at_least / by
+        )
+
 
 @dataclass(frozen=True)
 class QuadraticSolution:
-    """The unknowns (zeros unless SOLVED) and the largest violation of a constraint."""
+    """What came of a programme, and its unknowns (zeros unless SOLVED)."""
 
     outcome: Outcome
     unknowns: Floats
-    violation: float
 
 
-def solve(programme: Programme) -> QuadraticSolution:
-    """Solve a programme: DAQP first, Clarabel where that falls short."""
-    solution = _with_daqp(programme)
-    if solution.outcome is Outcome.FAILED:
-        return _with_clarabel(programme)
-    return solution
+def lengths(rows: Floats) -> Floats:
+    """Lengths of rows (N, m) by which they can be divided: (N,), 1 for those that are 0."""
+    found = np.sqrt(np.einsum("ij,ij->i", rows, rows))
+    return np.where(found > 0, found, 1.0)
 
 
 def feasible(programme: Programme) -> bool:
     """Whether the constraints can hold together, whatever the objective.
 
-    Only a solver's finding that they cannot counts as no; its failure does not.
+    Only the solver's finding that they cannot counts as no; its failure does not.
     """
     m = len(programme.linear)
-    probe = Programme(
-        np.eye(m), np.zeros(m), programme.equalities, programme.equal_to, programme.rows, programme.at_least
-    )
-    return solve(probe).outcome is not Outcome.INFEASIBLE
+    return solve(replace(programme, hessian=np.eye(m), linear=np.zeros(m))).outcome is not Outcome.INFEASIBLE
 
 
-def _with_daqp(programme: Programme) -> QuadraticSolution:
-    """With the rows that matter: those that the optimum without them misses, the worst of them first.
+def solve(programme: Programme) -> QuadraticSolution:
+    """The optimum, by the rows that matter: those that the optimum without them misses, the worst of them first.
 
     The optimum under some of the rows that meets the others too is that under all of them.
     """
@@ -101,16 +101,16 @@ def _with_daqp(programme: Programme) -> QuadraticSolution:
     while True:
         q, flag = _daqp(programme, chosen)
         if flag in (-1, -6):
-            return QuadraticSolution(Outcome.INFEASIBLE, np.zeros(m), np.inf)
+            return QuadraticSolution(Outcome.INFEASIBLE, np.zeros(m))
         if flag <= 0 and chosen.all():
-            return _failed(m)
+            return QuadraticSolution(Outcome.FAILED, np.zeros(m))
         if flag <= 0:  # as where the rows alone keep the unknowns from going on for ever
             chosen[:] = True
             continue
         missed = np.where(chosen, 0.0, programme.at_least - programme.rows @ q)
         more = missed > TOLERANCE
         if not more.any():
-            return _checked(programme, q)
+            return checked(programme, q)
         if more.sum() > m:
             more &= missed >= np.partition(missed, -m)[-m]
         chosen |= more
@@ -130,50 +130,21 @@ def _daqp(programme: Programme, chosen: NDArray[np.bool_]) -> tuple[Floats, int]
     return np.asarray(q), int(flag)
 
 
-def _with_clarabel(programme: Programme) -> QuadraticSolution:
-    import clarabel
-
-    m, equations = len(programme.linear), len(programme.equal_to)
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    cones = [clarabel.ZeroConeT(equations), clarabel.NonnegativeConeT(len(programme.at_least))]
-    solution = clarabel.DefaultSolver(
-        csc_matrix(np.triu(programme.hessian)),
-        programme.linear,
-        csc_matrix(np.concatenate([programme.equalities, -programme.rows])),
-        np.concatenate([programme.equal_to, -programme.at_least]),
-        cones,
-        settings,
-    ).solve()
-    if solution.status in (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible):
-        return QuadraticSolution(Outcome.INFEASIBLE, np.zeros(m), np.inf)
-    return _checked(programme, np.array(solution.x))
-
-
-def stated(programme: Programme) -> tuple[Any, Any]:
-    """The programme and its unknowns in the language of cvxpy, to be read, and to check the solvers against."""
-    cvxpy: Any = import_module("cvxpy")
-
-    q = cvxpy.Variable(len(programme.linear))
-    objective = cvxpy.Minimize(cvxpy.quad_form(q, cvxpy.psd_wrap(programme.hessian)) / 2 + programme.linear @ q)
-    constraints = [programme.equalities @ q == programme.equal_to, programme.rows @ q >= programme.at_least]
-    return cvxpy.Problem(objective, constraints), q
-
-
-def _checked(programme: Programme, q: Floats) -> QuadraticSolution:
+def checked(programme: Programme, q: Floats) -> QuadraticSolution:
+    """The unknowns as a solution if they satisfy the Karush-Kuhn-Tucker conditions, and a failure else."""
     scale = 1.0 + float(np.abs(q).max(initial=0.0))
     equal = np.abs(programme.equalities @ q - programme.equal_to).max(initial=0.0)
     below = (programme.at_least - programme.rows @ q).max(initial=0.0)
-    violation = max(float(equal), float(below), 0.0)
-    if not np.isfinite(violation) or violation > RESIDUAL * scale or not _stationary(programme, q):
-        return _failed(len(q))
-    return QuadraticSolution(Outcome.SOLVED, q, violation)
+    violation = max(float(equal), float(below))
+    if not np.isfinite(violation) or violation > RESIDUAL * scale or not _stationary(programme, q, scale):
+        return QuadraticSolution(Outcome.FAILED, np.zeros(len(q)))
+    return QuadraticSolution(Outcome.SOLVED, q)
 
 
-def _stationary(programme: Programme, q: Floats) -> bool:
+def _stationary(programme: Programme, q: Floats, scale: float) -> bool:
     """Whether the gradient is a combination of the active constraints with the right signs."""
     gradient = programme.hessian @ q + programme.linear
-    active = programme.rows[programme.rows @ q - programme.at_least < 1e-6 * (1.0 + float(np.abs(q).max()))]
+    active = programme.rows[programme.rows @ q - programme.at_least < ACTIVE * scale]
     columns = np.concatenate([programme.equalities, -programme.equalities, active]).T
     if not columns.size:
         return bool(np.abs(gradient).max() <= STATIONARITY)
@@ -182,7 +153,3 @@ def _stationary(programme: Programme, q: Floats) -> bool:
     except RuntimeError:  # of scipy, where that does not do: nothing is known then
         return False
     return bool(left <= STATIONARITY * float(np.linalg.norm(gradient)) + 1e-12)
-
-
-def _failed(size: int) -> QuadraticSolution:
-    return QuadraticSolution(Outcome.FAILED, np.zeros(size), np.inf)

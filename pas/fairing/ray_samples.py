@@ -108,6 +108,10 @@ class RaySamples:
         self._powers = np.equal.outer(np.arange(basis.degree + 1), self.degrees).astype(float)
         self._monomials = monomial_values(rays.directions, basis.degree)
 
+    def along(self, rays: Directions) -> RaySamples:
+        """All members along other rays."""
+        return RaySamples(self.basis, rays, self.center, self.slope / self.basis.scale)
+
     @cached_property
     def jets(self) -> Floats:
         """The jets of the monomials at the rays' directions: (N, 20, C(n+3, 3))."""

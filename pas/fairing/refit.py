@@ -11,10 +11,10 @@ from scipy.linalg import null_space
 from pas.algebra.monomials import Floats
 from pas.errors import InfeasibleError
 from pas.fairing.basis import to_doubles
+from pas.fairing.constraints import Inequalities
 from pas.fairing.fit_settings import LIVE, SETTINGS
-from pas.fairing.prepared import PreparedSpace
-from pas.fairing.sampled import Inequalities
-from pas.fairing.solver import FitSolver, FittedMember, Iterate, RayConditions, coordinates
+from pas.fairing.prepared import SLIM, PreparedSpace, SampledConditions
+from pas.fairing.solver import FitSolver, FittedMember, Iterate, coordinates
 from pas.fairing.wishes import Wishes
 from pas.piecewise import PiecewiseSurface
 
@@ -55,7 +55,7 @@ def _stepped(
         return solver.rounded(Iterate(member, rows, 0.0), _share(fitted))
     s = solver.settings
     first = _sampled(solver, surface, fitted, live)
-    *_, last = first, *solver.descent(first, RayConditions(space, s.lattices[0], _share(fitted), s.clean), steps)
+    *_, last = first, *solver.descent(first, SampledConditions(space, _share(fitted), s.lattices[0]), steps)
     if last is first and not solver.programme.holds(last.member):
         raise InfeasibleError("one step does not reach what is wished")
     found = solver.rounded(last, _share(fitted))
@@ -87,14 +87,14 @@ def compliance(space: PreparedSpace, surface: PiecewiseSurface, fitted: FittedMe
 
 def _share(fitted: FittedMember | None) -> float:
     """The share of the margins under which a surface was chosen; of one whose choice is not known, the least."""
-    return SETTINGS.margins[-1] if fitted is None else fitted.share
+    return SLIM if fitted is None else fitted.share
 
 
 def _rows(space: PreparedSpace, fitted: FittedMember | None) -> Inequalities:
     """The inequalities under which a surface was chosen, or those to begin with."""
     if fitted is not None:
         return fitted.rows
-    return RayConditions(space, SETTINGS.lattices[0], _share(None), SETTINGS.clean).first
+    return SampledConditions(space, _share(None)).first
 
 
 def _member(space: PreparedSpace, surface: PiecewiseSurface, fitted: FittedMember | None) -> Floats:
@@ -104,9 +104,8 @@ def _member(space: PreparedSpace, surface: PiecewiseSurface, fitted: FittedMembe
 def _sampled(solver: FitSolver, surface: PiecewiseSurface, fitted: FittedMember | None, live: bool) -> Iterate:
     """The surface with its geometry along rays: as the last step left it, or anew."""
     before = fitted.iterate if fitted is not None and live else None
-    if before is not None and before.objective is not None and before.value is not None:
-        objective, value = before.objective.of(solver.energy, before.value)
-        return replace(before, objective=objective, value=value)
+    if before is not None and before.value is not None:
+        return replace(before, value=before.value.of(solver.energy))
     found = solver.iterate(_member(solver.space, surface, fitted), _rows(solver.space, fitted), live)
     if found is None:
         raise InfeasibleError("the surface cannot be seen from the centre along all rays, so that no step can be taken")

@@ -25,62 +25,27 @@ from flint import fmpq_mat
 
 from pas.algebra.monomials import Floats, monomial_values
 from pas.errors import InfeasibleError, NotSolvedError
+from pas.fairing.constraints import Inequalities
 from pas.fairing.fit_settings import SETTINGS, FitSettings
 from pas.fairing.objective import ObjectiveValue, SurfaceObjective
-from pas.fairing.prepared import PreparedSpace
+from pas.fairing.prepared import PreparedSpace, SampledConditions
 from pas.fairing.programme import MemberProgramme
-from pas.fairing.sampled import Inequalities, Margins
 from pas.fairing.wishes import UnitCoefficients, Wishes
 from pas.limits import checkpoint
 from pas.piecewise import PiecewiseSurface
 
 
 @dataclass(frozen=True)
-class RayConditions:
-    """What members are asked along the rays to one lattice, at a share of the usual margins."""
-
-    space: PreparedSpace
-    subdivisions: int
-    share: float
-    clean: float
-
-    @property
-    def margins(self) -> Margins:
-        """How clearly all is asked."""
-        return Margins().times(self.share)
-
-    @property
-    def first(self) -> Inequalities:
-        """The inequalities to begin with: of walls, clip faces and the centre."""
-        return self.space.guard.initial(self.margins)
-
-    def missed(self, member: Floats) -> Inequalities:
-        """The inequalities that a member with a mean alpha of 1 misses by too much."""
-        guard, margins = self.space.guard, self.margins
-        rays = self.space.rays(self.subdivisions)
-        crossings = rays.crossings(member, margins.band * guard.reach)
-        sheet = rays.rows(crossings.below(self.clean * margins.sheet), margins.sheet)
-        return guard.edges(self.subdivisions, margins).missed(member, self.clean) + sheet
-
-
-@dataclass(frozen=True)
 class Iterate:
     """A member with its geometry along rays, the inequalities under which it was found, and the damping to go on with.
 
-    Where the energy is a quadratic form no rays are needed, and so there is no `objective` and no `value`.
+    Where the energy is a quadratic form no rays are needed, and so there is no `value`.
     """
 
     member: Floats
     rows: Inequalities
     damping: float
-    objective: SurfaceObjective | None = None
     value: ObjectiveValue | None = None
-
-    def value_of(self, member: Floats) -> ObjectiveValue | None:
-        """The value at another member near by; None where rays miss or graze its surface."""
-        if self.objective is None or self.value is None:
-            return None
-        return self.objective.value(member, self.value)
 
 
 @dataclass(frozen=True)
@@ -152,7 +117,7 @@ class FitSolver:
         best: FittedMember | None = None
         start: Iterate | None = None
         for subdivisions in self.settings.lattices:
-            conditions = RayConditions(self.space, subdivisions, share, self.settings.clean)
+            conditions = SampledConditions(self.space, share, subdivisions)
             if start is None:
                 start = self.started(conditions)
             if start is None:
@@ -179,7 +144,7 @@ class FitSolver:
                 return None, None
             back = min(2 * back + 1, len(way) - 1)
 
-    def started(self, conditions: RayConditions) -> Iterate | None:
+    def started(self, conditions: SampledConditions) -> Iterate | None:
         """The member of the least quadratic form that is clean, by constraint generation; None where none is found or
         rays miss or graze its surface.  Raises `_ContradictionError` where there is none."""
         rows = conditions.first
@@ -199,27 +164,25 @@ class FitSolver:
         if not self.energy.on_surface:
             return Iterate(member, rows, self.settings.damping)
         limits = self.wishes.limits_at(self.space.placed)
-        objective = SurfaceObjective(self.space, self.energy, limits, member, live)
-        if objective.first is None:
-            return None
-        return Iterate(member, rows, self.settings.damping, objective, objective.first)
+        value = SurfaceObjective.laid(self.space, self.energy, limits, member, live)
+        return None if value is None else Iterate(member, rows, self.settings.damping, value)
 
-    def closer(self, at: Iterate, conditions: RayConditions) -> Iterator[Iterate]:
+    def closer(self, at: Iterate, conditions: SampledConditions) -> Iterator[Iterate]:
         """The way on, with rays where curvature is beyond the limits between those that there are."""
         for _ in range(self.settings.closer):
-            if at.objective is None or at.value is None or at.value.beyond > self.settings.hopeless * at.value.energy:
+            if at.value is None or at.value.beyond > self.settings.hopeless * at.value.energy:
                 return
-            finer = at.objective.closer(at.value)
+            finer = at.value.closer()
             if finer is None:
                 return
-            way = [replace(at, objective=finer[0], value=finer[1], damping=self.settings.damping)]
+            way = [replace(at, value=finer, damping=self.settings.damping)]
             way += self.descent(way[0], conditions)
             at = way[-1]
             yield from way
 
     # --- steps
 
-    def descent(self, at: Iterate, conditions: RayConditions, steps: int | None = None) -> Iterator[Iterate]:
+    def descent(self, at: Iterate, conditions: SampledConditions, steps: int | None = None) -> Iterator[Iterate]:
         """Clean members of less and less Phi, until one is as good as settled."""
         if not self.programme.quadratic:
             return
@@ -235,7 +198,7 @@ class FitSolver:
                 return
             at = new
 
-    def step(self, at: Iterate, conditions: RayConditions) -> Iterate | None:
+    def step(self, at: Iterate, conditions: SampledConditions) -> Iterate | None:
         """A clean member of less Phi; None where there is none, or none that is worth a step.
 
         Where a user's constraint does not hold yet, the first step is to where it does, whatever Phi is there.
@@ -259,7 +222,7 @@ class FitSolver:
             expected = -float(2 * slope @ step + step @ normal @ step)
             if met and damping <= s.damping and expected < (s.enough - s.loss * (cuts > 0)) * now:
                 return None
-            value = at.value_of(new)
+            value = at.value and at.value.moved(new)
             if (value is None and at.value is not None) or not self.phi(new, value) < most:
                 rows, damping = at.rows, damping * s.slower
                 continue
@@ -267,7 +230,7 @@ class FitSolver:
             if not len(missed):
                 gain = (now - self.phi(new, value)) / expected if expected > 0 else 0.0
                 damping = damping * min(s.slower, max(s.faster, 1 - (2 * gain - 1) ** 3))
-                return Iterate(new, rows, max(damping, s.least), at.objective, value)
+                return Iterate(new, rows, max(damping, s.least), value)
             rows, cuts = rows + missed, cuts + 1
             most = max(most, (1 + s.loss) * now)
             if cuts > 2:
@@ -278,15 +241,15 @@ class FitSolver:
 
     def phi(self, member: Floats, value: ObjectiveValue | None) -> float:
         """What is minimised."""
-        of_surface = 0.0 if value is None else value.objective
+        of_surface = 0.0 if value is None else value.total
         return of_surface + float(member @ self.programme.quadratic_part @ member) / 2
 
     def linearised(self, at: Iterate) -> tuple[Floats, Floats]:
         """The matrix `J^T J` (m, m) and the slope `J^T r` (m,) of half of Phi at a member."""
         half = self.programme.quadratic_part / 2
-        if at.objective is None or at.value is None:
+        if at.value is None:
             return half, half @ at.member
-        normal, slope = at.objective.linearised(at.value)
+        normal, slope = at.value.linearised()
         return normal + half, slope + half @ at.member
 
     # --- back to exact numbers

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -85,7 +85,7 @@ class Sizes:
 
     radius: float
     clip: float
-    center: Floats
+    center: Floats = field(default_factory=lambda: np.zeros(3))
     runs: tuple[StraightRun, ...] = ()
 
 

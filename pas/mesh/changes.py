@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.bracket import sign_change
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField
 from pas.mesh.rows import Floats, Integers, dots
 
-ROOT_STEPS, ROOT_STILL = 24, 1e-10
-"""Of Newton's method along a lattice edge, and the step, over the edge's length, where it ends."""
+ROOT_STILL = 1e-10
+"""The step of Newton's method along a lattice edge, over the edge's length, where it ends."""
 
 MOST_CHANGES = 12
 """Functions that may change sign along one lattice edge and still be told apart."""
@@ -99,25 +100,14 @@ def _check_crossings(
 
 
 def _roots(field: FaceField, labels: Integers, a: Floats, b: Floats) -> Floats:
-    """Parameters in [0, 1] where functions (N,) that change sign from a to b vanish (bracketed Newton)."""
-    low, high = np.zeros(len(a)), np.ones(len(a))
+    """Parameters in [0, 1] where functions (N,) that change sign from a to b vanish."""
     first, last = field.jets(a, labels)[:, 0], field.jets(b, labels)[:, 0]
-    rising = first <= 0
-    t = np.clip(first / np.where(first != last, first - last, 1.0), 0.0, 1.0)
-    active = np.arange(len(a))
-    for _ in range(ROOT_STEPS):
-        checkpoint()
-        here, along = t[active], b[active] - a[active]
-        jets = field.jets(a[active] + here[:, None] * along, labels[active])
-        before = (jets[:, 0] <= 0) == rising[active]
-        low[active], high[active] = np.where(before, here, low[active]), np.where(before, high[active], here)
-        slope = dots(jets[:, 1:], along)
-        step = jets[:, 0] / np.where(slope != 0, slope, np.inf)
-        new = here - step
-        outside = (slope == 0) | (new < low[active]) | (new > high[active])
-        new = np.where(outside, (low[active] + high[active]) / 2, new)
-        t[active] = new
-        active = active[np.abs(new - here) > ROOT_STILL]
-        if not len(active):
-            break
-    return t
+    turned = np.where(first <= 0, 1.0, -1.0)
+    start = np.clip(first / np.where(first != last, first - last, 1.0), 0.0, 1.0)
+
+    def jets(at: Floats, rows: Integers) -> tuple[Floats, Floats]:
+        along = b[rows] - a[rows]
+        found = field.jets(a[rows] + at[:, None] * along, labels[rows])
+        return turned[rows] * found[:, 0], turned[rows] * dots(found[:, 1:], along)
+
+    return sign_change(jets, np.zeros(len(a)), np.ones(len(a)), start, ROOT_STILL)

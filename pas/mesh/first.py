@@ -45,12 +45,6 @@ MOST_UNSEEN = 30_000
 ROOM, TIMES = 30_000, 3
 """Cubes, and times the first lattice's, that all lattices together may have in which the boundary does not come out."""
 
-ON_FACE = 1e-7
-"""Distance from its faces, over the length of its edges, up to which a vertex counts as placed."""
-
-CORNER = 0.5
-"""How far a corner may be off each of its faces, over the tolerance."""
-
 CROWDED = Refusal(f"the solid is empty or too thin for its size: its lattice needs more than {MOST_CUBES} cubes")
 
 
@@ -196,6 +190,7 @@ def _sentence(found: Diagnosis | None, octree: Octree, reason: str = "") -> str:
 
 def unsound(mesh: Labelled, field: FaceField, tolerance: float) -> tuple[str, Floats]:
     """Why the mesh cannot be trusted, or an empty string; and where (K, 3)."""
+    placed, corner_off = 1e-7 * mesh.sizes, 0.5 * tolerance  # how far a vertex may be off its faces, and a corner
     folded = np.flatnonzero(cosines(mesh, field) < FOLD)
     if len(folded):
         places = mesh.points[mesh.triangles[folded]].mean(axis=1)
@@ -204,11 +199,11 @@ def unsound(mesh: Labelled, field: FaceField, tolerance: float) -> tuple[str, Fl
     corner = mesh.topology.label_count > 2
     for vertices, functions in placing(field, mesh.topology.vertex_labels):
         steps = least_norm(field, functions, mesh.points[vertices])
-        far[vertices] = norms(steps) / (ON_FACE * mesh.sizes[vertices])
+        far[vertices] = norms(steps) / placed[vertices]
     vertices, labels = mesh.topology.pairs[corner[mesh.topology.pairs[:, 0]]].T
     far[corner] = 0.0  # a corner may be one only within the tolerance
     steps = least_norm(field, labels[:, None], mesh.points[vertices])
-    np.maximum.at(far, vertices, norms(steps) / (CORNER * tolerance))
+    np.maximum.at(far, vertices, norms(steps) / corner_off)
     if far.max() > 1:
         worst = int(far.argmax())
         around = mesh.topology.vertex_labels[worst]

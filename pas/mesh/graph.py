@@ -31,9 +31,6 @@ from pas.mesh.topology import Edges, connected
 LEVELS = 3
 """Halvings of the icosahedron at most: directions are taken from the first that do."""
 
-PARTINGS = 6
-"""Rounds in which edges between opposite sides are halved at most."""
-
 AROUND = 12
 """Points of a ring to begin with."""
 
@@ -105,7 +102,7 @@ def _parted(field: RayField, mesh: Labelled) -> Labelled:
     The arm goes on between them: the ray between those to the ends meets it there, while its points next to the middle
     of the edge may be on any side.
     """
-    for _ in range(PARTINGS):
+    for _ in range(6):  # each halves the edges that are left
         halves, size = HalfEdges(mesh, np.zeros(1, dtype=np.int8)), len(mesh.points)
         normals, corners, ends = field.gradients(mesh.points), halves.corners, halves.ends
         opposite = np.flatnonzero(dots(normals[corners], normals[ends]) < 0)

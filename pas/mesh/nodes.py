@@ -52,17 +52,11 @@ PARTS = 40
 
 NOWHERE = np.empty((0, 3))
 
-STEPS, STILL = 24, 1e-15
-"""Of the Gauss-Newton method, and the length of a step, over the extent of the box, where it ends."""
-
 FOUND, PARALLEL = 1e-10, 1e-5
 """Distance over the extent of the box up to which a point is on a surface; sine up to which gradients are parallel."""
 
 ISOLATED = 1e-3
 """Least singular value, in the scale of `reach`, above which no curve of such points passes."""
-
-INDEPENDENT = 1e-6
-"""Ratio of singular values below which equations do not move a point."""
 
 
 @dataclass(frozen=True)
@@ -214,13 +208,13 @@ def _touching(field: FaceField, points: Floats, pairs: Integers, reach: Floats) 
     extent = extent_of(field)
     lengths = [np.linalg.norm(field.jets(points, column)[:, 1:], axis=1) for column in pairs.T]
     scale = 1 / np.maximum(np.stack(lengths, axis=1), 1e-300)
-    points, active = points.copy(), np.arange(len(points))
-    for _ in range(STEPS):
+    points, active, still = points.copy(), np.arange(len(points)), 1e-15 * extent
+    for _ in range(24):  # quadratic convergence takes fewer; where there is none the steps do not become still
         checkpoint()
         step = _step(*_system(field, points[active], pairs[active], scale[active], reach[active]))
         length = np.sqrt((step * step).sum(axis=1))
         points[active] += step * np.minimum(1.0, reach[active] / np.maximum(length, 1e-300))[:, None]
-        active = active[length > STILL * extent]  # not where it is NaN
+        active = active[length > still]  # not where it is NaN
         if not len(active):
             break
     found = _touch(field, points, pairs, FOUND * extent)
@@ -248,7 +242,8 @@ def _step(value: Floats, matrix: Floats) -> Floats:
     """The least steps (N, 3) of the method; NaN where the equations are not finite."""
     good = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(value).all(axis=1)
     result = np.full((len(value), 3), np.nan)
-    result[good] = -np.einsum("nij,nj->ni", np.linalg.pinv(matrix[good], rcond=INDEPENDENT), value[good])
+    inverse = np.linalg.pinv(matrix[good], rcond=1e-6)  # equations that hardly differ from others do not move a point
+    result[good] = -np.einsum("nij,nj->ni", inverse, value[good])
     return result
 
 

@@ -54,12 +54,6 @@ ON = 1e-9
 """Share of a volume of six lengths, or of an area, up to which rounding leaves open on which side of a triangle or of
 its edge something is."""
 
-RINGS = 2
-"""Of triangles about a point of contact, in which edges are flipped."""
-
-TABLE = 1 << 18
-"""Pairs of edges and triangles that are looked at together."""
-
 
 def mesh_apart(
     field: FaceField,
@@ -161,7 +155,7 @@ def _with_contacts(mesh: Labelled, surface: FaceField, aim: float) -> tuple[Labe
             mesh = mesh.moved(points)
         else:
             mesh, nearest = _inserted(mesh, point), len(mesh.points)
-        mesh = _flipped(mesh, surface, aim, mesh.topology.around(np.array([nearest]), RINGS))
+        mesh = _flipped(mesh, surface, aim, mesh.topology.around(np.array([nearest]), rings=2))
     if unsound(mesh, surface, aim)[0]:
         return mesh, np.inf
     return mesh, deviation(mesh, surface)
@@ -203,7 +197,7 @@ def _crosses(mesh: Labelled, surface: FaceField, other: Labelled) -> bool:
     near[near] = surface.crossed(ends[near].mean(axis=1), float(lengths.max()))
     ends, corners = ends[near], other.points[other.triangles]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    step = max(1, TABLE // max(len(corners), 1))
+    step = max(1, (1 << 18) // max(len(corners), 1))  # so many pairs are looked at together
     for start in range(0, len(ends), step):
         checkpoint("looking whether surfaces cross")
         part = ends[start : start + step]

@@ -44,9 +44,9 @@ SEARCHED = 20_000
 MANY = 150_000
 """Tetrahedra beyond which a lattice is not refined further."""
 
-SNAPS = (0.42, False), (0.3, True), (0.2, False), (0.0, False)
-"""Shares of an edge within which crossings merge, tried in turn on each lattice; and whether those stay apart whose
-merging would change the topology, and all on walls."""
+SNAPS = 0.42, 0.2, 0.0
+"""Shares of an edge within which crossings merge, tried in turn on each lattice, but for those whose merging would
+change the topology; where there are some all on walls stay apart as well."""
 
 MORE = 0.4
 """Added to the number of parts into which edges of the first triangles are cut, before that is rounded down: these may
@@ -149,13 +149,10 @@ def _first(field: CellField, grid: Lattice) -> Labelled:
     crossed = grid.points[a] + share[:, None] * (grid.points[b] - grid.points[a])
     plain = oriented(grid.points, negative, ends, crossed, triangles)
     wanted = _topology(plain)
-    for snap, parted in SNAPS:
+    for snap in SNAPS:
         checkpoint("contouring")
-        free = np.zeros(len(negative), dtype=bool)
-        if parted:
-            free = knotted(plain, ends, share, snap, len(negative))
-            if not free.any():
-                continue
+        free = knotted(plain, ends, share, snap, len(negative))
+        if free.any():
             free[ends[Edges(plain, len(ends)).rim]] = True  # near walls merged crossings may leave the region
         points, triangles, _ = snapped(crossed, plain, ends, share, snap, free)
         if not len(triangles) or not is_manifold(triangles) or _topology(triangles) != wanted:

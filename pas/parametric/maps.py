@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -310,14 +310,8 @@ def _names(parameters: Any) -> Names:
 
 def _exact_values(components: Components) -> Values:
     """Evaluation of exact components as they stand, prepared when first asked for."""
-    made: list[Bundle] = []
-
-    def values(t: Any, h: Any) -> tuple[Any, ...]:
-        if not made:
-            made.append(Bundle.of_pairs([(c.numerator, c.denominator) for c in components]))
-        return made[0].quotients(t, h)
-
-    return values
+    bundle = cache(lambda: Bundle.of_pairs([(c.numerator, c.denominator) for c in components]))
+    return lambda t, h: bundle().quotients(t, h)
 
 
 def _text_of(expressions: Sequence[Any]) -> Text | None:

@@ -56,7 +56,7 @@ BATCH = 1 << 18
 ParametricMesh = Mesh
 """What the meshes of parametric surfaces were called."""
 
-PARTS = ((1, 1), (3, 1), (1, 3), (3, 3))
+PARTS = tuple((n, m) for m in (1, 3) for n in (1, 3))
 """Into how many parts each way the rectangle is cut first, before parts are halved; usually there is one."""
 
 WAYS = {

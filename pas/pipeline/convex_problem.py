@@ -12,11 +12,12 @@ from pas.algebra.inputs import short, shown, whole
 from pas.algebra.monomials import Floats
 from pas.blending.space import Space
 from pas.errors import InfeasibleError, NotProvedError, NotSolvedError
+from pas.fairing.constraints import Inequalities
 from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import as_energy
 from pas.fairing.fit_settings import SETTINGS
-from pas.fairing.sampled import Inequalities
-from pas.fairing.solver import FitSolver, Iterate, RayConditions
+from pas.fairing.prepared import SLIM, SampledConditions
+from pas.fairing.solver import FitSolver, Iterate
 from pas.fairing.wishes import PointsLike, UnitCoefficients, Wishes, exact_points
 from pas.limits import checkpoint
 from pas.pipeline.chosen import B
@@ -54,7 +55,7 @@ class ConvexProblem(Generic[B]):
         check_wishes(wishes, space.placed)
         self.blends, self.space, self.wishes = blends, space, wishes
         self._solver = FitSolver(space.prepared, wishes)
-        self._conditions = RayConditions(space.prepared, SETTINGS.lattices[0], SETTINGS.margins[-1], SETTINGS.clean)
+        self._conditions = SampledConditions(space.prepared, SLIM)
         cvxpy: Any = import_module("cvxpy")
         programme = self._solver.programme
         if programme.exact is None:

@@ -21,12 +21,11 @@ from pas.algebra.rational import to_float, to_floats
 from pas.blending.shaping import handles
 from pas.errors import InfeasibleError, InputError
 from pas.fairing.basis import to_doubles
-from pas.fairing.fit_settings import SETTINGS
+from pas.fairing.constraints import Inequalities
 from pas.fairing.functionals import Handle, b_coefficient
+from pas.fairing.prepared import SLIM, SampledConditions
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.refit import compliance
-from pas.fairing.sampled import Inequalities
-from pas.fairing.solver import RayConditions
 from pas.fairing.wishes import Wishes
 from pas.pipeline.result import Blend
 from pas.studio.controls import Control
@@ -172,7 +171,7 @@ def _members(blend: Blend) -> dict[str, Any]:
     wide = [4.0 * max(abs(value), size) for value, size in zip(coefficients_of(blend), sizes, strict=True)]
     wishes = blend.wishes.without(list(blend.wishes.hard()))
     prepared = blend.space.prepared
-    slim = RayConditions(prepared, SETTINGS.lattices[0], SETTINGS.margins[-1], SETTINGS.clean)
+    slim = SampledConditions(prepared, SLIM)
     rows = slim.first if wishes.guard else Inequalities.none(blend.dimension)
     equations = MemberProgramme(prepared, wishes).equations
     among = {"A_ub": -rows.rows, "b_ub": -rows.at_least, "A_eq": equations[:, :-1], "b_eq": equations[:, -1]}

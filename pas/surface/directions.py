@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.bracket import zeros_of_columns
 from pas.algebra.evaluation import PolynomialBatch
 from pas.algebra.monomials import Floats
 from pas.limits import checkpoint
@@ -177,37 +178,13 @@ class _Member:
         """Where rays to given ends meet it, 0 for those that end inside, and the area for a unit of solid angle."""
         steep = 0.05  # cosines between ray and normal count as at least this much where areas are estimated
         profiles = self.profiles(ends, pieces).T
-        shares = _roots(profiles)
+        shares = zeros_of_columns(profiles)
         lengths = np.linalg.norm(ends, axis=1)
         values = profiles.sum(axis=0)
         distances = np.where(values > NOTHING * np.abs(values).max(initial=0.0), shares * lengths, 0.0)
         gradients = self.gradients(ends * shares[:, None], pieces)
         cosines = (gradients * ends).sum(axis=1) / np.maximum(np.linalg.norm(gradients, axis=1) * lengths, 1e-300)
         return distances, distances**2 / np.maximum(cosines, steep)
-
-
-def _roots(profiles: Floats) -> Floats:
-    """Where polynomials, as columns, that are negative at 0 change their sign before 1; 1 for those that do not."""
-    halvings, newton_steps = 12, 4  # with which the surface is met to rounding
-    low, high = np.zeros(profiles.shape[1]), np.ones(profiles.shape[1])
-    for _ in range(halvings):
-        middle = (low + high) / 2
-        inside = _horner(profiles, middle) < 0
-        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
-    shares = (low + high) / 2
-    slopes = profiles[1:] * np.arange(1, len(profiles))[:, None]
-    for _ in range(newton_steps):
-        with np.errstate(all="ignore"):
-            steps = _horner(profiles, shares) / _horner(slopes, shares)
-        shares = np.clip(np.where(np.isfinite(steps), shares - steps, shares), low, high)
-    return shares
-
-
-def _horner(profiles: Floats, shares: Floats) -> Floats:
-    values = np.zeros(len(shares))
-    for row in profiles[::-1]:
-        values = values * shares + row
-    return values
 
 
 AROUND = 720

@@ -1,8 +1,8 @@
-"""Guard rows: inequalities at points that ask, with a margin, for what the proofs ask everywhere.
+"""What is asked of members at sample points: inequalities, with a margin, for what the proofs ask everywhere.
 
-`f > 0` on the outer walls, `alpha > 0` on the clip faces, and for the one sheet `grad f . u > 0` near the
-surface.  The first two are linear in the member wherever they are asked; the third is asked at points
-of the surface, which is not known beforehand: see `pas.fairing.solver`.
+`f > 0` on the outer walls, `alpha > 0` on the clip faces and along the cones through openings, `f < 0` at the centre.
+The condition of one sheet is asked at points of the surface, which are not known beforehand: see
+`pas.fairing.one_sheet`.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ CONE_EVERY, CONE_SHARES = 4, (0.3, 0.7, 0.9, 1.1)
 PLATE_SHARES = 0.4, 0.7
 """Where plates are looked at inside their curves, besides the middle, in shares of the way to the curve."""
 
-FEW_FACES, WIDE_ANGLE, LEAST_PARTS = 12, pi / 3, 4
-"""Up to so many outer faces, as six tetrahedra have, and above with edges seen under this angle, an edge is cut into
-as many parts as are asked for; into no fewer than these in any case."""
+WIDE_ANGLE = pi / 3
+"""Edges of outer faces seen from the centre under this angle, or a wider one, are cut into as many parts as are asked
+for; others into as many as leave points as near to each other, seen from there."""
 
 
 @dataclass(frozen=True)
@@ -210,27 +210,18 @@ class SampledConstraints:
         return lattice_weights(self.parts(corners, subdivisions), 3) @ corners
 
     def parts(self, corners: Floats, subdivisions: int) -> int:
-        """Into how many parts the edges of an outer face are cut where so many are asked for.
-
-        Where there are many faces, and small ones, into as many as leave its points as near to each other, seen from
-        the centre, as on the few large ones.
-        """
-        local = self.placed.local
-        if local.center is None or len(local.outer_faces) <= FEW_FACES:
+        """Into how many parts the edges of an outer face are cut where so many are asked for."""
+        if self.placed.local.center is None:
             return subdivisions
         units = corners / _lengths(corners)[:, None]
         angle = float(np.arccos(np.clip(min(units[i] @ units[i - 1] for i in range(3)), -1, 1)))
-        return min(subdivisions, max(LEAST_PARTS, ceil(round(subdivisions * angle / WIDE_ANGLE, 6))))
+        return min(subdivisions, ceil(round(subdivisions * angle / WIDE_ANGLE, 6)))
 
     def _depth(self, margins: Margins) -> Inequalities:
         """The row at the centre, if there is one; all pieces have the same value there."""
         if self.placed.partition.center is None:
             return Inequalities.none(self.basis.size)
         return Inequalities(-self.basis.values(0, np.zeros((1, 3))), np.array([margins.depth * self.reach]))
-
-    def sheet(self, piece: int, points: Floats, margin: float) -> Inequalities:
-        """Rows of the sheet condition at points (N, 3) of a piece."""
-        return Inequalities(self.basis.radial(piece, points), margin * self.reach * _lengths(points) / self.radius)
 
 
 @lru_cache(maxsize=64)

@@ -1,4 +1,4 @@
-"""Members along rays from the centre: where each ray meets the surface, and how steeply.
+"""The condition of one sheet: where members fail it along rays from the centre, and what is asked of them there.
 
 The rays end at the points of a uniform lattice on every outer face.  They never change, and the
 symmetries of a partition are theirs: so what is found with them depends on the member alone, not
@@ -7,40 +7,21 @@ on the way to it, and neither on the last bits of its coefficients.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import lru_cache
 from math import gcd
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Exponents, Floats, exponents, homogeneous_exponents, monomial_values
-from pas.fairing.sampled import Inequalities, SampledConstraints, lattice_weights
-from pas.kernels.library import Functions
+from pas.fairing.constraints import Inequalities, Margins, SampledConstraints, lattice_weights
+from pas.kernels.library import compiled
 
 SAMPLES = 32
 """Values of f on each ray between which its zeros are looked for; halved steps found the same."""
 
 LEVELS = 3
 """Values that are looked for, each of which a ray may pass once in a step: -band, 0 and band."""
-
-
-@dataclass(frozen=True)
-class RayCrossings:
-    """Where a member takes the values 0 and +-band: ray numbers (N,), shares of the rays (N,), and
-    the derivative along the ray there as a multiple of what `Margins.sheet = 1` would ask (N,)."""
-
-    rays: NDArray[np.intp]
-    shares: Floats
-    steepness: Floats
-
-    def below(self, steepness: float) -> RayCrossings:
-        """The crossings less steep than that."""
-        chosen = self.steepness < steepness
-        return RayCrossings(self.rays[chosen], self.shares[chosen], self.steepness[chosen])
-
-    def __len__(self) -> int:
-        return len(self.rays)
 
 
 class RayLattice:
@@ -58,18 +39,20 @@ class RayLattice:
         self._lengths = np.sqrt((self.ends * self.ends).sum(axis=1))
         self._shares = np.arange(SAMPLES + 1) / SAMPLES
 
-    def crossings(self, unknowns: Floats, band: float) -> RayCrossings:
-        """Where the member with these coefficients is 0 or +-band, each to a step's second order."""
-        rays, shares, slopes = crossed(self._profiles(unknowns), self._shares, band)
-        return RayCrossings(rays, shares, slopes * self.guard.radius / (self.guard.reach * self._lengths[rays]))
-
-    def rows(self, crossings: RayCrossings, margin: float) -> Inequalities:
-        """Rows that ask for the sheet condition at crossings."""
-        rows = Inequalities.none(self.guard.basis.size)
-        points, pieces = self.ends[crossings.rays] * crossings.shares[:, None], self.piece_of[crossings.rays]
+    def missed(self, member: Floats, margins: Margins, share: float) -> Inequalities:
+        """The condition where a member takes the values 0 and +-band, to a step's second order, and rises by less than
+        a share of what margins ask."""
+        guard, lengths = self.guard, self._lengths
+        rays, shares, slopes = crossed(self._profiles(member), self._shares, margins.band * guard.reach)
+        asked = margins.sheet * guard.reach * lengths / guard.radius
+        flat = slopes < share * asked[rays]
+        rays, shares = rays[flat], shares[flat]
+        points, pieces = self.ends[rays] * shares[:, None], self.piece_of[rays]
+        found = Inequalities.none(guard.basis.size)
         for piece in np.unique(pieces).tolist():
-            rows += self.guard.sheet(piece, points[pieces == piece], margin)
-        return rows
+            here = pieces == piece
+            found += Inequalities(guard.basis.radial(piece, points[here]), (shares * asked[rays])[here])
+        return found
 
     def _profiles(self, unknowns: Floats) -> Floats:
         """The coefficients of the member as a polynomial in the share of each ray: (n + 1, rays)."""
@@ -87,14 +70,9 @@ def crossed(profiles: Floats, shares: Floats, band: float) -> tuple[NDArray[np.i
     rays, number = np.empty(room, dtype=np.intp), np.zeros(1, dtype=np.intp)
     places, slopes = np.empty(room), np.empty(room)
     sizes = (len(profiles) - 1, profiles.shape[1])
-    _functions().call("pas_levels", *sizes, profiles, len(shares), shares, float(band), rays, places, slopes, number)
+    compiled().call("pas_levels", *sizes, profiles, len(shares), shares, float(band), rays, places, slopes, number)
     found = int(number[0])
     return rays[:found].copy(), places[:found].copy(), slopes[:found].copy()
-
-
-@cache
-def _functions() -> Functions:
-    return Functions()
 
 
 def _ends(guard: SampledConstraints, subdivisions: int) -> dict[int, Floats]:
