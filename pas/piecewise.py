@@ -90,8 +90,8 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
     def curvature_below(self, bound: Exact, *, seconds: float | None = None, progress: Report | None = None) -> Verdict:
         """The verdict on `sqrt(k1^2 + k2^2) < bound` all over the surface in its region: proved, refuted or undecided.
 
-        k1 and k2 are the principal curvatures, `bound` is in 1 / unit of length.  A second for surfaces of degree 4,
-        ten for degree 6; bounds that are nearer than some thousandth to the largest stay undecided.
+        k1 and k2 are the principal curvatures, `bound` is in 1 / unit of length.  About a second for surfaces up to
+        degree 6, two more for the first of a degree; bounds nearer than a thousandth may stay undecided.
 
         Raises `ValueError` for a bound that is not positive, `GeometryError` for a surface without a region.
         """

@@ -16,9 +16,9 @@ from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact_vector, to_float, to_floats
 from pas.algebra.scaling import Scaled, scaled
-from pas.bernstein.forms import UNIT_ROUNDOFF, b_form, nearby_forms, on_simplex
+from pas.bernstein.forms import LARGEST_ERROR, SMALLEST, UNIT_ROUNDOFF, b_form, on_simplex, polar_forms
 from pas.bernstein.search import Searched
-from pas.bernstein.simplices import Simplices, at_vertices
+from pas.bernstein.simplices import Simplices
 from pas.certify.critical_points import isolated
 from pas.certify.proofs import face_verdict
 from pas.certify.triangle_forms import TriangleForms
@@ -34,9 +34,6 @@ OUTSIDE = 1e-11
 
 ROUNDINGS = 64
 """Of a triangle's unit normal, over its longest edge squared and its area; and of points that are moved."""
-
-SCALED = 1e-9
-"""Relative error of sizes of B-coefficients that are known but for a factor."""
 
 OFF = 1e-9
 """In local units: how far vertices may be from the surface, and those of the boundary from the contacts' curves."""
@@ -94,31 +91,15 @@ class FramedSurface:
 
     @cached_property
     def cell_forms(self) -> tuple[Floats, float]:
-        """The B-coefficients (C, m) of each cell's polynomial on it.
-
-        Also by how much each may be off over the largest of its tetrahedron, but for a factor that is the same for all
-        of these and errs by less than `SCALED`: it is found from an exact value at a corner.
-        """
-        cells = [self.cells.corners(cell) for cell in self.cells.cells]
-        patches = [self.patches[piece] for piece in self.cells.piece_of.tolist()]
-        if self.cells is self.function.local:
-            forms, error = self.function.cell_forms[0].copy(), self.function.cell_forms[1]
-        else:
-            forms, error = nearby_forms([p.raw for p in patches], cells, self.degree)
-        ends = at_vertices(forms, 4)
-        largest = np.abs(ends).argmax(axis=1).tolist()
-        known: dict[tuple[int, int], float] = {}  # by the numbers of the objects, of which many are the same
-        for row, (patch, cell, corner) in enumerate(zip(patches, cells, largest, strict=True)):
-            value = ends[row, corner]
-            if abs(value) * SCALED > 2 * error:
-                key = id(patch), id(cell[corner])
-                if key not in known:
-                    known[key] = float(patch.at(cell[corner]))
-                forms[row] *= known[key] / value
-            else:
-                exact = b_form(on_simplex(patch.raw, cell), self.degree, 3)
-                forms[row] = [to_float(c) for c in exact]
-        return forms, error
+        """The B-coefficients (C, m) on the cells, and by how much they may be off over the largest."""
+        pieces = self.cells.piece_of.tolist()
+        forms, errors = polar_forms([self.patches[piece] for piece in pieces], self.corners, self.degree)
+        size = float(np.abs(forms).max())
+        if size > SMALLEST and errors.max() <= LARGEST_ERROR * size:
+            return forms, float(errors.max()) / size + UNIT_ROUNDOFF
+        cells = map(self.cells.corners, self.cells.cells)
+        exact = [on_simplex(self.patches[piece].raw, cell) for piece, cell in zip(pieces, cells, strict=True)]
+        return np.array([to_floats(b_form(raw, self.degree, 3)) for raw in exact]), 2 * UNIT_ROUNDOFF
 
     @cached_property
     def planes(self) -> Floats:

@@ -31,7 +31,7 @@ from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
 from pas.certify.critical_points import CriticalParts, critical_parts
 from pas.certify.graph_proofs import CLAIM, certify_graph, crossed
-from pas.certify.local_mesh import OFF, ON_WALL, SCALED, FramedMesh, FramedSurface
+from pas.certify.local_mesh import OFF, ON_WALL, FramedMesh, FramedSurface
 from pas.certify.mesh_bounds import BoxTable, TriangleBounds, along_walls, apart, bounds, farthest
 from pas.mesh.rows import Integers
 from pas.mesh.topology import Edges, same_places
@@ -161,7 +161,9 @@ def _topology(
         places = mesh.corners[numbers[~(steep > 0)]].mean(axis=1)
         return undecided("the surface may be tangential to a wall", places)
     singular = np.concatenate([part.open.corners.mean(axis=1) for part in local.isolated])
-    parts = [] if len(singular) else _critical(mesh, found.most * (1 + 2 * SCALED))
+    parts = (
+        [] if len(singular) else _critical(mesh, found.most * (1 + 1e-9))
+    )  # more than the rounding of what it is compared with
     left = np.concatenate([singular, *(part.open for part in parts)])
     if len(left):
         return undecided("the surface may be singular, or closer to itself than to the mesh", left)

@@ -131,9 +131,7 @@ class PlaneLoop:
 
     def round(self, number: int) -> Floats:
         """So many points (N, 3) at equal angles, counterclockwise seen from outside."""
-        first = np.eye(3)[np.abs(self.normal).argmin()]
-        first = first - (first @ self.normal) * self.normal
-        first *= self.size / np.sqrt(first @ first)
+        first = self.size * _across(self.normal)
         second = np.cross(self.normal, first)
         angles = 2 * np.pi * np.arange(number)[:, None] / number
         return self.at(self.middle + np.cos(angles) * first + np.sin(angles) * second)

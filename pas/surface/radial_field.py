@@ -18,7 +18,7 @@ from pas.mesh.rows import Integers, dots
 from pas.surface.boundary_loops import BoundaryLoop, Loops
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import profile_batch
-from pas.surface.local_surface import INSIDE, LocalSurface
+from pas.surface.local_field import INSIDE, LocalSurface
 
 STEPS = 60
 """Along a ray at most: Newton's, each kept between the ends of a bracket that holds the root, else halved."""
