@@ -85,8 +85,8 @@ def main() -> None:
         )
     shares = ", ".join(f"{count} {name}" for name, count in known.items())
     print(
-        f"{options.count} junctions: {shares}; waist {median(waists):.3f} (median), {max(waists):.3f} (largest); seconds "
-        f"of one processor: {median(seconds):.1f} (median), {max(seconds):.1f} (largest)"
+        f"{options.count} junctions: {shares}; waist {median(waists):.3f} (median), {max(waists):.3f} (largest); "
+        f"seconds of one processor: {median(seconds):.1f} (median), {max(seconds):.1f} (largest)"
     )
 
 
