@@ -352,7 +352,7 @@ def test_names_of_layouts():
         pas.blend(NODES["T"], 1, partition="fans")
     with pytest.raises(TypeError, match=r"partition must be a pas\.Partition"):
         pas.blend(NODES["T"], 1, partition=3)
-    with pytest.raises(pas.GeometryError, match="full planes serve six contacts"):
+    with pytest.raises(pas.GeometryError, match="full planes serve 4 contacts or more"):
         pas.blend(NODES["T"], 1, partition="planes")
 
 
