@@ -177,5 +177,5 @@ def test_headers_that_cannot_be_are_refused(feet, make, error, words):
 
 
 def test_the_sentence_on_a_piece_around_an_opening_names_the_header(feet):
-    with pytest.raises(pas.GeometryError, match=r"take 0\.\d+ instead, or give the whole .* by pas\.header"):
+    with pytest.raises(pas.GeometryError, match=r"take 0\.\d+ instead; of a straight run pas\.header gives"):
         feet[0].solid(1)
