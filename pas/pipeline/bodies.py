@@ -26,7 +26,7 @@ from pas.solid.sheets import SheetBody
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, combined
 
-Around: TypeAlias = 'Literal["edged", "endless", "surface"]'
+Around: TypeAlias = 'Literal["edged", "endless", "surface", "run"]'
 
 Length: TypeAlias = "Exact | Sequence[Exact] | None"
 """By how much neighbours go on: all of them, or each; None is half of the region's scale."""
@@ -44,7 +44,8 @@ def body(
     """The solid inside a surface, whose name is `face`, and its neighbours; see `Blend.solid`.
 
     `floor` is the height of the flat back below an opening above the region's centre, in units of the opening's axis.
-    The neighbour around it is `edged` or endless, or the surface goes on in its place as far as the region does.
+    The neighbour around it is `edged` or endless, or the surface goes on in its place as far as the region does, or the
+    walls of the opening are left to a run with which the solid is united.
     Neighbours go on by `beyond` more than their length.
     """
     if not surface.partition.cells:
@@ -54,7 +55,7 @@ def body(
     titles = _names(names, len(surface.contacts))
     pieces = Pieces(surface.partition, surface.polynomials)
     inner = Solid(combined(False, Atom(pieces, face), region(surface.partition)))
-    reaches = _lengths(length, surface)
+    reaches = lengths_of(length, surface)
     solids, ends = [inner], []
     given = zip(titles, surface.contacts, surface.joins, reaches, strict=True)
     for number, (name, contact, join, reach) in enumerate(given):
@@ -63,9 +64,9 @@ def body(
         if join.opening:
             opening = AroundOpening.of(surface, number)
             back = opening.back(reach) if floor is None else opening.at(floor)
-            solids[0] = solids[0].cap(back, f"{name} back")
+            solids[0] = solids[0].cap(back, f"{name} back" if around != "run" else "")
             solids[0] = solids[0] if around == "surface" else solids[0].cap(end, "")
-            if reach > 0 and around != "surface":
+            if reach > 0 and around in ("edged", "endless"):
                 plate = patch(name, contact.surface, end).cap(back, f"{name} back")
                 solids.append(opening.ended(plate, reach, length is None) if around == "edged" else plate)
         elif reach + beyond > 0:
@@ -76,7 +77,7 @@ def body(
     for name, contact, end, reach in zip(titles, surface.contacts, ends, reaches, strict=True):
         if name in solid.faces:
             solid = solid.joined(face, name, (contact.surface, end), surface.order)
-        elif reach == 0:
+        elif reach == 0 and not (around == "run" and end.degree == 2):
             solid = solid.cap(end, f"{name} end")
     return replace(solid, sheets=SheetBody.of([surface], ends, reaches, [face, *titles, *(f"{t} end" for t in titles)]))
 
@@ -89,7 +90,7 @@ def hollow_body(
     The inner solid goes on beyond the caps of the outer one, so that their ends are not in one plane: around an opening
     it has no end, and its back is lower.  Where the outer one ends in the opening the inner surface goes on.
     """
-    reaches = _lengths(length, outer)
+    reaches = lengths_of(length, outer)
     titles = _names(names, len(outer.contacts))
     low = next((AroundOpening.of(inner, number).low for number, join in enumerate(inner.joins) if join.opening), None)
     floors = (None, None) if low is None else (low / 2, low / 4)
@@ -138,7 +139,7 @@ def _cap(plane: Polynomial, length: fmpq) -> Polynomial:
     return plane - Polynomial(length * size)
 
 
-def _lengths(length: Length, surface: PiecewiseSurface) -> list[fmpq]:
+def lengths_of(length: Length, surface: PiecewiseSurface) -> list[fmpq]:
     """The length of each neighbour."""
     size = len(surface.contacts)
     if length is None:

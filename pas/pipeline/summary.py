@@ -17,6 +17,7 @@ def summary(blend: ChosenBlend) -> str:
     """A table of what was asked and what was found."""
     surface = blend.surface
     rows = [(f"contact {i}", f"{c}{_from_center(surface, c)}") for i, c in enumerate(surface.contacts, start=1)]
+    rows += [("junction", blend.reason)] if blend.reason else []
     rows += [
         ("partition", _partition(surface)),
         ("order", f"GC^{surface.order} at the contacts{_between(surface)}"),
