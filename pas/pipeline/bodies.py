@@ -142,16 +142,21 @@ def _cap(plane: Polynomial, length: fmpq) -> Polynomial:
 def lengths_of(length: Length, surface: PiecewiseSurface) -> list[fmpq]:
     """The length of each neighbour."""
     size = len(surface.contacts)
-    if length is None:
-        return [surface.partition.frame.scale / 2] * size
     several = isinstance(length, Sequence | np.ndarray) and not isinstance(length, str)
-    given: Sequence[Exact] = length if several else [length] * size  # type: ignore[assignment,list-item]
+    given: Sequence[Exact | None] = length if several else [length] * size  # type: ignore[assignment,list-item]
     if len(given) != size:
         raise ValueError(f"length must be one number, or {size}, one for each neighbour, not {len(given)}")
-    numbers = [rational(one, "length") for one in given]
-    if any(number < 0 for number in numbers):
+    return [length_of(one, surface) for one in given]
+
+
+def length_of(length: Exact | None, surface: PiecewiseSurface) -> fmpq:
+    """A neighbour's length: by default half of the region's scale."""
+    if length is None:
+        return surface.partition.frame.scale / 2
+    number = rational(length, "length")
+    if number < 0:
         raise ValueError(f"length must not be negative, not {length!r}")
-    return numbers
+    return number
 
 
 def _names(names: Sequence[str] | None, size: int) -> tuple[str, ...]:
