@@ -13,7 +13,7 @@ thickness away (see `pas.pipeline.cavity`).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 from typing import Generic, TypeAlias
@@ -30,7 +30,7 @@ from pas.limits import Report, limited
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, least_distance, wall_mesh
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.bodies import hollow_body
+from pas.pipeline.bodies import Length, hollow_body
 from pas.pipeline.cavity import Cavity
 from pas.pipeline.chosen import B, ChosenBlend, Stages
 from pas.pipeline.search import excess, find
@@ -103,13 +103,15 @@ class HollowBlend(Shape, Generic[B]):
         x, y, z = place.tolist()
         return Wall(distance, (x, y, z), max(mesh.deviation or 0.0 for mesh in meshes))
 
-    def solid(self, length: Exact | None = None, names: Sequence[str] | None = None) -> Solid:
+    def solid(self, length: Length = None, names: Sequence[str] | None = None) -> Solid:
         """The wall as a solid, open at its ends: see `Blend.solid` for the arguments.
 
         The inner sides of the faces "blend" and "neighbour 1" are "inside of blend" and "inside of neighbour 1"; the
-        ends "neighbour 1 end" are rings.  With `length=0` the neighbours are left away.
+        ends "neighbour 1 end" are rings.  Neighbours of length 0 are left away.  Where the wall is not proved it is
+        meshed from a lattice.
         """
-        return hollow_body(self.outer.surface, self.inner.surface, length, names)
+        wall = hollow_body(self.outer.surface, self.inner.surface, length, names)
+        return wall if self.certificate.proved else replace(wall, sheets=None)
 
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(
