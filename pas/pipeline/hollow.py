@@ -13,7 +13,7 @@ thickness away (see `pas.pipeline.cavity`).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 from typing import Generic, TypeAlias
@@ -24,13 +24,14 @@ from flint import fmpq
 from pas.algebra.rational import Exact, exact, plain, rational
 from pas.certify.nesting import nesting
 from pas.contacts.contact import Contact, ContactLike, as_contact
+from pas.contacts.ends import ContactEnd
 from pas.contacts.parallels import inner_contact
 from pas.errors import GeometryError, InfeasibleError, NoSolutionError, NotProvedError
 from pas.limits import Report, limited
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, least_distance, wall_mesh
 from pas.piecewise import DEFAULT_TOLERANCE, PiecewiseSurface
-from pas.pipeline.bodies import hollow_body
+from pas.pipeline.bodies import contact_ends, hollow_body
 from pas.pipeline.cavity import Cavity
 from pas.pipeline.chosen import B, ChosenBlend, Stages
 from pas.pipeline.search import excess, find
@@ -104,6 +105,14 @@ class HollowBlend(Shape, Generic[B]):
         ends "neighbour 1 end" are rings.  With `length=0` the neighbours are left away.
         """
         return hollow_body(self.outer.surface, self.inner.surface, length, names)
+
+    def ends(self, length: Exact = 0) -> tuple[ContactEnd, ...]:
+        """For each contact where the wall ends, or where `solid(length)` does: see `Blend.ends`.
+
+        `inner_radii` (and `inner_radius`, where it is round) are those of the cavity there.
+        """
+        outer, inner = (contact_ends(blend.surface, length) for blend in (self.outer, self.inner))
+        return tuple(replace(end, inner_radii=bore.radii) for end, bore in zip(outer, inner, strict=True))
 
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(
