@@ -25,7 +25,7 @@ def meant(word: str, known: Iterable[str]) -> str:
 def warn(sentence: str) -> None:
     """Warn (`UserWarning`) at the line outside the package from which it was called."""
     level, frame = 1, sys._getframe()
-    while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
+    while frame.f_globals.get("__name__", "").partition(".")[0] == __package__ and frame.f_back is not None:
         level, frame = level + 1, frame.f_back
     warnings.warn(sentence, stacklevel=level)
 

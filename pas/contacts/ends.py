@@ -18,8 +18,8 @@ ROUND = 1e-9
 """Share of its radius within which a curve counts as round: rounding alone is far below."""
 
 FAR, SLENDER = 8.0, 10.0
-"""A clip that is so many times the largest radius from the centre is unusual, and so are radii in such a ratio: of
-nodes in use, with directions 30 degrees apart or more and radii up to 5 to 1, clips are up to 6 times as far."""
+"""A clip that is so many times the largest radius from the centre is unusual, and so are radii in such a ratio: two
+pipes of one radius whose directions are 24 degrees apart end 8 times as far."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,8 @@ class ContactEnd:
 
     `center` (3,) is its centre in its plane, `direction` (3,) the unit normal of the plane away from the blend, `radii`
     the least and the largest distance of the curve from its centre, `distance` that of the centre from the node's
-    (`surface.partition.center`); None where there is none.  `inner_radii` are those of the cavity of a hollow blend, else None.
+    (`surface.partition.center`); None where there is none.  `inner_radii` are those of the cavity of a hollow blend,
+    else None.
     """
 
     center: Triple

@@ -129,7 +129,9 @@ def _opening_end(surface: PiecewiseSurface, number: int) -> ContactEnd:
     middle += ((heights.min() + heights.max()) / 2 - middle @ axis) * axis
     radii = np.linalg.norm(points - middle - ((points - middle) @ axis)[:, None] * axis, axis=1)
     place, out = origin + middle, -axis
-    return ContactEnd(triple(place), triple(out), (float(radii.min()), float(radii.max())), float(np.linalg.norm(middle)))
+    return ContactEnd(
+        triple(place), triple(out), (float(radii.min()), float(radii.max())), float(np.linalg.norm(middle))
+    )
 
 
 FURTHER = 64
