@@ -19,7 +19,7 @@ from pas.layouts.discs import Disc, rim_of
 from pas.layouts.fan import best_gaps
 from pas.layouts.kinds import LAYOUTS
 from pas.layouts.nodes import MANY, ContactNode, center_of
-from pas.layouts.planes import symmetric
+from pas.layouts.planes import have_room
 from pas.layouts.spacing import arms_of, is_free, nearest
 from pas.partition.layout import Layout
 
@@ -46,8 +46,8 @@ def with_clips(
 
     Clips that are numbers stay and are kept apart from.  No two curves take up more than 0.6 of the angle between their
     directions, an arc of 0.6 of the wider radius fits between any two, and a layout keeps them apart: the `wanted` one
-    or kind, else a fan of half-planes, from order 2 or four contacts on with some room.  The node, which has its
-    layouts already, is None where all clips are numbers and where no layout has room.
+    or kind, else full planes, or a fan of half-planes, from order 2 or four contacts on with some room.  The node,
+    which has its layouts already, is None where all clips are numbers and where no layout has room.
 
     Warns of clips that are far out for their radii, and of radii that differ much.  Raises `GeometryError` for
     directions that are too close.
@@ -96,14 +96,14 @@ def with_room(
 
 
 def _served(contacts: Sequence[Contact], order: int, wanted: Layout | str | None, roomy: bool) -> ContactNode | None:
-    """The node, where a layout fits; if `roomy` a fan, with gaps for four contacts or more and at higher orders."""
+    """The node, where a layout fits; if `roomy` full planes, or a fan with gaps for most."""
     try:
         if isinstance(wanted, Layout):
             node = ContactNode.of(contacts, wanted.center)
             next(node.regions(order, wanted))
             return node
         node = ContactNode.of(contacts)
-        any_kind = not roomy or symmetric(node.discs)  # strips serve few contacts by ugly surfaces alone
+        any_kind = not roomy or have_room(node.discs)  # strips serve few contacts by ugly surfaces alone
         next(node.regions(order, wanted if wanted in LAYOUTS else None if any_kind else "fan"))
         wide = any_kind or (order < 2 and len(contacts) < 4)
         gap = WIDE_GAP if len(contacts) >= MANY else GAP

@@ -28,7 +28,7 @@ from pas.solid.functions import Pieces, region
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, combined
 
-Around: TypeAlias = 'Literal["edged", "endless", "surface"]'
+Around: TypeAlias = 'Literal["edged", "endless", "surface", "run"]'
 
 
 def body(
@@ -43,7 +43,8 @@ def body(
     """The solid inside a surface, whose name is `face`, and its neighbours; see `Blend.solid`.
 
     `floor` is the height of the flat back below an opening above the region's centre, in units of the opening's axis.
-    The neighbour around it is `edged` or endless, or the surface goes on in its place as far as the region does.
+    The neighbour around it is `edged` or endless, or the surface goes on in its place as far as the region does, or the
+    walls of the opening are left to a run with which the solid is united.
     Neighbours go on by `beyond` more than their length.
     """
     if not surface.partition.cells:
@@ -53,7 +54,7 @@ def body(
     titles = _names(names, len(surface.contacts))
     pieces = Pieces(surface.partition, surface.polynomials)
     inner = Solid(combined(False, Atom(pieces, face), region(surface.partition)))
-    reach = _length(length, surface)
+    reach = length_of(length, surface)
     solids, ends = [inner], []
     for number, (name, contact, join) in enumerate(zip(titles, surface.contacts, surface.joins, strict=True)):
         end = contact.clip if join.opening else _plane(surface, number)
@@ -61,9 +62,9 @@ def body(
         if join.opening:
             opening = AroundOpening.of(surface, number)
             back = opening.back(reach) if floor is None else opening.at(floor)
-            solids[0] = solids[0].cap(back, f"{name} back")
+            solids[0] = solids[0].cap(back, f"{name} back" if around != "run" else "")
             solids[0] = solids[0] if around == "surface" else solids[0].cap(end, "")
-            if reach > 0 and around != "surface":
+            if reach > 0 and around in ("edged", "endless"):
                 plate = patch(name, contact.surface, end).cap(back, f"{name} back")
                 solids.append(opening.ended(plate, reach, length is None) if around == "edged" else plate)
         elif reach + beyond > 0:
@@ -74,7 +75,7 @@ def body(
     for name, contact, end in zip(titles, surface.contacts, ends, strict=True):
         if name in solid.faces:
             solid = solid.joined(face, name, (contact.surface, end), surface.order)
-        elif reach == 0:
+        elif reach == 0 and not (around == "run" and end.degree == 2):
             solid = solid.cap(end, f"{name} end")
     return solid
 
@@ -87,7 +88,7 @@ def hollow_body(
     The inner solid goes on beyond the caps of the outer one, so that their ends are not in one plane: around an opening
     it has no end, and its back is lower.  Where the outer one ends in the opening the inner surface goes on.
     """
-    reach = _length(length, outer)
+    reach = length_of(length, outer)
     titles = _names(names, len(outer.contacts))
     low = next((AroundOpening.of(inner, number).low for number, join in enumerate(inner.joins) if join.opening), None)
     floors = (None, None) if low is None else (low / 2, low / 4)
@@ -99,7 +100,7 @@ def hollow_body(
 
 def contact_ends(surface: PiecewiseSurface, length: Any = 0) -> tuple[ContactEnd, ...]:
     """Where a surface and its neighbours of a `length` end, at each contact; see `Blend.ends`."""
-    reach = _length(length, surface)
+    reach = length_of(length, surface)
     return tuple(
         _opening_end(surface, number) if join.opening else _end(surface, number, reach)
         for number, join in enumerate(surface.joins)
@@ -164,7 +165,7 @@ def _cap(plane: Polynomial, length: fmpq) -> Polynomial:
     return plane - Polynomial(length * size)
 
 
-def _length(length: Any, surface: PiecewiseSurface) -> fmpq:
+def length_of(length: Any, surface: PiecewiseSurface) -> fmpq:
     """The neighbours' length: by default half of the region's scale."""
     if length is None:
         return surface.partition.frame.scale / 2

@@ -78,6 +78,11 @@ class HollowBlend(Shape, Generic[B]):
     thickness: fmpq | None = None
     kind = "hollow blend"
 
+    @property
+    def sides(self) -> tuple[PiecewiseSurface, ...]:
+        """The outer and the inner surface."""
+        return self.outer.surface, self.inner.surface
+
     @cached_property
     def certificate(self) -> Findings:
         """All verdicts: those on the outer and the inner blend, that the one is inside the other, and on each end."""

@@ -24,6 +24,7 @@ from pas.fairing.energy import Energy, as_energy
 from pas.fairing.refit import refitted
 from pas.fairing.wishes import Options, Sliders, Wishes, as_wishes, check_point_options
 from pas.limits import Report, limited
+from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import body, contact_ends
 from pas.pipeline.chosen import ChosenBlend, OnStage, Stages, choose
 from pas.pipeline.convex_problem import ConvexProblem
@@ -50,6 +51,11 @@ class Blend(ChosenBlend):
     """
 
     kind = "blend"
+
+    @property
+    def sides(self) -> tuple[PiecewiseSurface, ...]:
+        """Its surface alone; a hollow blend has two."""
+        return (self.surface,)
 
     @cached_property
     def space(self) -> SolutionSpace:

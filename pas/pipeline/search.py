@@ -24,6 +24,7 @@ from pas.contacts.contact import ContactLike
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.contradictions import check_wishes
 from pas.fairing.wishes import Wishes
+from pas.layouts.planes import has_whole_planes
 from pas.partition.cells import Partition
 from pas.partition.six_tetrahedra import SixTetrahedra
 from pas.pipeline.chosen import Attempt, B, ChosenBlend, Stages, choose
@@ -76,6 +77,9 @@ CORNER = replace(GIVEN, above=1, fewest=12)
 CHOSEN = SearchSettings(degrees=2, above=1, fewest=15)
 """On layouts that the program chose, of which the first that has a proved surface is kept: more half-planes made no
 shape fairer that another degree did not."""
+
+ORBIT = replace(CHOSEN, fewest=1)
+"""On full planes after that, which are not given up for few unknowns: they have no more, and few of them are fair."""
 
 
 @dataclass
@@ -220,8 +224,9 @@ def find(
     def layout_of(place: PlacedContacts) -> Any:
         return place.partition.layout if several else place
 
-    for _, regions in groupby(chain([placed], candidates), layout_of):
-        each = zip(tee(regions, len(ways)), ways, strict=True)
+    for layout, regions in groupby(chain([placed], candidates), layout_of):
+        here = [*ways, ORBIT] if several and has_whole_planes(layout) else ways
+        each = zip(tee(regions, len(here)), here, strict=True)
         found = next(filter(None, (search.on_layout(here, settings) for here, settings in each)), None)
         if found is not None:
             if session is not None:

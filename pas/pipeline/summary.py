@@ -22,6 +22,7 @@ def summary(blend: ChosenBlend) -> str:
     """A table of what was asked and what was found."""
     surface = blend.surface
     rows = [(f"contact {i}", f"{c}{_from_center(surface, c)}") for i, c in enumerate(surface.contacts, start=1)]
+    rows += [("junction", blend.reason)] if blend.reason else []
     with suppress(GeometryError):  # curves that are not plane have no size to compare
         rows += [("unusual", sentence) for sentence in unusual(contact_ends(surface))]
     rows += [

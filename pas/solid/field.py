@@ -148,7 +148,7 @@ class SolidField:
     def _turning(self, centers: Floats, halves: Floats) -> Floats:
         """How much faces turn in few cubes (N,), all functions of each together."""
         yes, no = self.evaluator.taylor(centers, halves)
-        below, above = self.evaluator.relevant(yes, no)
+        below, above = self.evaluator.sides(yes, no)
         both = below & above
         switches = both & (self.evaluator.walls[:, None] | self._seams.hidden(yes, no, below, above))
         below, above = below & ~switches, above & ~switches
