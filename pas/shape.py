@@ -12,8 +12,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from inspect import signature
 from pathlib import Path
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, NoReturn, TypeVar
 
+from pas.algebra.inputs import shown
 from pas.registry import Registry, loaded
 from pas.settings import MeshSettings, given
 from pas.verdicts import Verdicts
@@ -68,6 +69,14 @@ class Shape(ABC):
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {str(self).splitlines()[0]}>"
 
+    def __add__(self, other: object) -> NoReturn:
+        raise TypeError(
+            "shapes cannot be added by + or sum: a | b is the union of two solids or two meshes, "
+            "solid.union(a, b, ...) that of several solids, and solid.assembly(first=a, second=b) keeps them apart"
+        )
+
+    __radd__ = __add__
+
     def save(self, path: str | Path, **options: Any) -> Path:
         """Write the exact project file (`.pas.json`); returns its path.  See `pas.save`."""
         path = loaded(VERBS["save"])(self, path, **options)
@@ -99,19 +108,22 @@ class Shape(ABC):
         return str(loaded(VERBS["html"])(self))
 
 
-def refuse_mixed(first: Shape, second: object) -> None:
-    """Raise `TypeError` for an operation of a solid or mesh and a shape that is not of its kind."""
-    if isinstance(second, Shape):
-        kinds = first.kind, second.kind
-        other = second.kind if first.kind == "mesh" else first.kind if second.kind == "mesh" else ""
-        raise TypeError(
-            f"|, & and - take two solids or two meshes, not a {kinds[0]} and a {kinds[1]}; "
-            + (
-                f"take the mesh of the {other} first, as in shape.mesh(tolerance)"
-                if other
-                else f"make a solid of the {second.kind} first, as blend.solid() and assembly[name].shape are"
-            )
+def refuse_mixed(first: Shape, second: object) -> NoReturn:
+    """Raise `TypeError` for an operation of a solid or mesh and what is not of its kind."""
+    if not isinstance(second, Shape):
+        raise TypeError(f"|, & and - take two solids or two meshes, not a {first.kind} and {shown(second)}")
+    kinds = first.kind, second.kind
+    other = second.kind if first.kind == "mesh" else first.kind if second.kind == "mesh" else ""
+    raise TypeError(
+        f"|, & and - take two solids or two meshes, not a {kinds[0]} and a {kinds[1]}; "
+        + (
+            f"take the mesh of the {other} first, as in shape.mesh(tolerance)"
+            if other
+            else f"make a solid of the {second.kind} first, as blend.solid() and assembly[name].shape are"
+            if second.kind == "assembly" or hasattr(second, "solid")
+            else f"no solid can be made of a {second.kind}: take the meshes of both, as in a.mesh(tolerance)"
         )
+    )
 
 
 S = TypeVar("S")

@@ -30,12 +30,13 @@ from pas.errors import GeometryError, InfeasibleError, NoSolutionError, NotProve
 from pas.limits import Report, limited
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, least_distance, wall_mesh
-from pas.piecewise import DEFAULT_TOLERANCE, PiecewiseSurface
+from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import contact_ends, hollow_body
 from pas.pipeline.cavity import Cavity
 from pas.pipeline.chosen import B, ChosenBlend, Stages
 from pas.pipeline.search import excess, find
 from pas.pipeline.wall_mesh import WallMesh
+from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
 from pas.solid.solid import Solid
 from pas.verdicts import Findings, Status
@@ -143,7 +144,7 @@ class HollowBlend(Shape, Generic[B]):
     @property
     def _tolerance(self) -> float:
         """That of meshes where none is given, the same for both sides."""
-        return DEFAULT_TOLERANCE * float(np.ptp(self.outer.surface.partition.points, axis=0).max())
+        return RELATIVE_TOLERANCE * float(np.ptp(self.outer.surface.partition.points, axis=0).max())
 
     def _end(self, number: int) -> End:
         """The plane of an end, or the cone of an opening, which is seen from its apex."""

@@ -16,17 +16,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pas.algebra.affine import Affine, reflection, rotation, scaling, translation
+from pas.algebra.affine import Affine, AffineShape
 from pas.algebra.brief import listed
 from pas.algebra.inputs import check_tolerance, points_of
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, VectorLike, rational, to_float
+from pas.algebra.rational import Exact, rational, to_float
 from pas.errors import GeometryError
 from pas.limits import Report, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape, refuse_mixed
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
@@ -37,12 +38,9 @@ from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, image, mapped
 from pas.verdicts import Findings, Verdict
 
-DEFAULT_TOLERANCE = 1e-3
-"""Of meshes, over the longest side of the bounding box."""
-
 
 @dataclass(frozen=True, eq=False)
-class Solid(Shape):
+class Solid(AffineShape["Solid"], Shape):
     """A closed set of points with named faces; made by the functions of `pas.solid`.
 
     `a | b`, `a & b` and `a - b` are union, intersection and difference.  Nothing changes a solid: all
@@ -67,30 +65,9 @@ class Solid(Shape):
     def _with(self, other: Solid, union: bool, less: bool = False) -> Solid:
         if not isinstance(other, Solid):
             refuse_mixed(self, other)
-            return NotImplemented
         tree = combined(union, self.tree, complement(other.tree) if less else other.tree)
         joints = tuple(dict.fromkeys(self.joints + other.joints))
         return Solid(tree, joints, self.special_points + other.special_points)
-
-    def translate(self, offset: VectorLike) -> Solid:
-        """The solid moved by three numbers."""
-        return self._moved(translation(offset))
-
-    def rotate(self, axis: VectorLike, degrees: Exact, center: VectorLike = (0, 0, 0)) -> Solid:
-        """The solid turned about an axis through `center`, counterclockwise seen from the axis' tip.
-
-        Exact rotations by rational matrices; the angle is `degrees` up to rounding, and exact for
-        multiples of 90 about an axis of rational length.
-        """
-        return self._moved(rotation(axis, degrees, center))
-
-    def scale(self, factor: Exact | VectorLike, center: VectorLike = (0, 0, 0)) -> Solid:
-        """The solid scaled by a positive number, or by three, one for each axis."""
-        return self._moved(scaling(factor, center))
-
-    def mirror(self, normal: VectorLike, center: VectorLike = (0, 0, 0)) -> Solid:
-        """The solid reflected in the plane through `center` with the given normal."""
-        return self._moved(reflection(normal, center))
 
     def _moved(self, map_: Affine) -> Solid:
         images: dict[Function, Function] = {}
@@ -284,7 +261,7 @@ class Solid(Shape):
         if tolerance is not None:
             check_tolerance(tolerance)  # before the box, which takes a while
         size = float(np.ptp(self.box, axis=0).max())
-        return DEFAULT_TOLERANCE * size if tolerance is None else check_tolerance(tolerance, size)
+        return RELATIVE_TOLERANCE * size if tolerance is None else check_tolerance(tolerance, size)
 
     @limited("measuring a solid", "a coarser tolerance")
     def volume(
