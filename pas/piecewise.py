@@ -154,7 +154,10 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
             tolerance = RELATIVE_TOLERANCE * float(np.ptp(self.partition.points, axis=0).max())
         scale = float(to_fraction(self.partition.frame.scale))
         wanted = check_tolerance(tolerance, scale)
-        return SurfaceMesh.of_surface(self.mesher.mesh(wanted, check_limit(max_triangles), how), self, wanted)
+        most = check_limit(max_triangles)
+        return self._kept(
+            (wanted, most, how), lambda: SurfaceMesh.of_surface(self.mesher.mesh(wanted, most, how), self, wanted)
+        )
 
     def certify_mesh(self, points: Floats, triangles: Integers) -> MeshCertificate:
         """The verdicts on points (N, 3) and triangles (T, 3) of any origin as a mesh of this surface.

@@ -10,6 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from inspect import signature
 from pathlib import Path
 from typing import Any, ClassVar, Generic, NoReturn, TypeVar
@@ -28,6 +29,9 @@ VERBS = {
     "studio": "pas.studio.widget:studio",
 }
 """Where the work of the verbs is done that all shapes have, in rooms above."""
+
+
+S = TypeVar("S")
 
 
 class Shape(ABC):
@@ -56,6 +60,27 @@ class Shape(ABC):
                 owner = "a parametric surface" if name == "domain" else "a shape of another kind"
                 raise ValueError(f"{name} is that of {owner}, which {self!r} is not")
         return self.mesh(**wanted)
+
+    @cached_property
+    def _last_mesh(self) -> dict[Any, Any]:
+        """The mesh that was made last, by what it was made for."""
+        return {}
+
+    def _kept(self, wanted: tuple[Any, ...], make: Callable[[], S]) -> S:
+        """The mesh of what is wanted: the one made last, where that is it, so that two files hold one mesh.
+
+        Its points and triangles cannot be written to, so that nobody changes those of another.
+        """
+        if wanted in self._last_mesh:
+            kept: S = self._last_mesh[wanted]
+            return kept
+        made: Any = make()
+        for array in (made.points, made.triangles):
+            array.setflags(write=False)
+        self._last_mesh.clear()
+        self._last_mesh[wanted] = made
+        found: S = made
+        return found
 
     @abstractmethod
     def __str__(self) -> str:
@@ -124,9 +149,6 @@ def refuse_mixed(first: Shape, second: object) -> NoReturn:
             else f"no solid can be made of a {second.kind}: take the meshes of both, as in a.mesh(tolerance)"
         )
     )
-
-
-S = TypeVar("S")
 
 
 def _own_mesh(shape: Any, settings: MeshSettings) -> Any:

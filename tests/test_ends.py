@@ -34,6 +34,7 @@ def test_flanges_go_where_the_solid_ends(elbow):
     for end in ends:
         inside, outside = (np.add(end.center, t * np.array(end.direction)) for t in (-1e-3, 1e-3))
         assert solid.contains(inside) and not solid.contains(outside)
+    assert elbow.ends(["1/2", 0]) == (ends[0], elbow.ends()[1])
     with pytest.raises(ValueError, match="length must not be negative"):
         elbow.ends(-1)
 

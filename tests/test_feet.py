@@ -140,6 +140,13 @@ def test_a_header_is_one_solid_with_proved_joints(feet):
     assert beyond == pytest.approx(3 * single, rel=0.05)
 
 
+@pytest.mark.parametrize(("axis", "radius"), [(Z, "17/20"), (leaning(77, 4), "1/2")])
+def test_a_foot_takes_the_place_of_the_run_where_it_dips_below_it(axis, radius):
+    """A thick one lies a little inside the cylinder near the ends of its opening: there is no edge there."""
+    header = pas.header(RUN, [pas.foot(RUN, pas.Pipe(axis, radius, "auto"))], (-5, 5), 1)
+    assert header.proved and header.mesh(5e-2).euler_characteristic == 2
+
+
 def test_the_branches_of_a_header_may_end_at_their_clips(feet):
     header = pas.header(RUN, feet[:1], (-2, 2), 0)
     assert header.faces == ("run", "run start", "run end", "foot 1", "branch 1 end") and header.proved

@@ -11,9 +11,12 @@ from operator import or_
 import numpy as np
 import pytest
 
-from pas import solid
+from pas import limit, solid
 from pas.algebra.polynomial import Polynomial
-from pas.mesh.first import first_lattice
+from pas.errors import LimitError, MeshError
+from pas.mesh import remesher
+from pas.mesh.first import first_lattice, unsound
+from pas.mesh.labelled import Labelled
 
 HALF = Fraction(1, 2)
 BLOCK = solid.box((0, 0, 0), (4, 3, 2))
@@ -91,3 +94,45 @@ def test_three_meshes_are_united_in_a_row():
     assert mesh.is_closed and mesh.components == 1
     assert mesh.volume == pytest.approx(3 * a.volume - 2 * (a & b).volume, rel=1e-6)
     assert (mesh - b).is_closed
+
+
+TANGENT = {
+    "hole": (BLOCK - solid.cylinder((HALF, 1, -1), (HALF, 1, 3), HALF), "'box x-' and 'cylinder'", "no thickness"),
+    "tunnel": (BLOCK - solid.cylinder((-1, 1, 1), (5, 1, 1), 1), "'box y-' and 'cylinder'", "no thickness"),
+    "rod": (BLOCK | solid.cylinder((-HALF, 1, 0), (-HALF, 1, 2), HALF), "'box x-' and 'cylinder'", "do not overlap"),
+}
+
+
+@pytest.mark.parametrize("name", TANGENT)
+def test_cylinders_that_touch_a_side_are_refused_before_they_are_meshed(name, monkeypatch):
+    shape, faces, words = TANGENT[name]
+    monkeypatch.setattr("pas.solid.solid.triangulate_faces", lambda *_: pytest.fail("a lattice was made"))
+    with pytest.raises(MeshError, match=f"near .* the faces {faces} touch, and .*{words}"):
+        shape.mesh()
+
+
+def test_cylinders_that_touch_a_side_where_the_solid_ends_are_none_of_its_business():
+    """The plane x = 0 and the cylinder touch, but the solid is on one side of both all along the line."""
+    shape = BLOCK - solid.cylinder((HALF, 1, -1), (HALF, 1, 3), HALF) - solid.box((-1, HALF / 2, -1), (1, 2, 3))
+    assert shape.mesh(0.05).is_closed
+
+
+def test_a_wall_that_is_no_face_is_called_a_wall():
+    """Of a half ball with an open end, one vertex of which is off the edge by more than rounding."""
+    shape = solid.patch("ball", "x^2 + y^2 + z^2 - 1", "z")
+    mesh = shape.face_mesh(0.1).mesh
+    points = mesh.points.copy()
+    points[np.flatnonzero(mesh.topology.label_count == 2)[0]] += 1e-5
+    sentence, _ = unsound(Labelled.of(points, mesh.triangles, mesh.labels), shape.field, 0.1)
+    assert "'ball' and the wall -z = 0 come close without meeting" in sentence
+
+
+def test_a_cut_into_many_triangles_looks_at_the_clock(monkeypatch):
+    """Before the cut, and after it: millions of triangles take seconds."""
+    seen = []
+    monkeypatch.setattr(remesher, "checkpoint", lambda task="": seen.append(task))
+    solid.ball((0, 0, 0), 1).mesh(1e-3)
+    first = next(i for i, task in enumerate(seen) if task.startswith("cutting the triangles"))
+    assert seen[first + 1] == ""
+    with pytest.raises(LimitError, match="gave up after"), limit(0.5):
+        solid.torus((0, 0, 0), (0, 0, 1), 2, HALF).mesh(1e-5)

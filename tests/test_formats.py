@@ -155,3 +155,18 @@ def test_formats_that_tell_a_unit_keep_the_numbers_and_others_refuse_one(shapes,
     assert trimesh.load_mesh(tmp_path / "a.obj").extents == pytest.approx(np.ptp(ball.mesh(0.1).points, axis=0))
     with pytest.raises(ValueError, match=r"\.vtu files have no unit; leave out unit='inch', and scale the shape"):
         pas.write(shapes["surface"], tmp_path / "a.vtu", unit="in")
+
+
+def test_files_hold_the_mesh_that_was_made_before(shapes, tmp_path, monkeypatch):
+    meshes = {name: shapes[name].mesh(0.07) for name in ("solid", "blend", "surface", "parametric")}
+    for module, maker in (("solid.solid", "triangulate_faces"), ("parametric.surface", "_leaves")):
+        monkeypatch.delattr(f"pas.{module}.{maker}")
+    monkeypatch.delattr("pas.surface.meshing.Mesher.mesh")
+    for name, mesh in meshes.items():
+        for suffix in (".stl", ".obj"):
+            path = pas.write(shapes[name], tmp_path / f"{name}{suffix}", tolerance=0.07)
+            assert len(trimesh.load_mesh(path, process=False).faces) == len(mesh.triangles)
+        with pytest.raises((NameError, AttributeError)):
+            shapes[name].mesh(0.08)
+    with pytest.raises(ValueError, match="read-only"):
+        meshes["blend"].points[0] = 0

@@ -109,7 +109,7 @@ class ParametricSurface(ParametricMap, Shape):
             leaves, worst = _leaves(starts, _Halving(examine, framed, aim, even))
             return _assembled(framed, leaves, worst, place, wanted, nets is not None)
 
-        return how.best_of(partial(made, *way) for way in WAYS[how])
+        return self._kept((wanted, rectangle, how), lambda: how.best_of(partial(made, *way) for way in WAYS[how]))
 
 
 def _assembled(framed: Framed, leaves: Integers, worst: float, place: Placing, wanted: float, proved: bool) -> Mesh:

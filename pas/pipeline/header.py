@@ -1,7 +1,8 @@
 """A header: a straight run with several feet on it, as one solid, full or with a bore through run and branches.
 
-Around its opening each foot is united with the run's own cylinder, which it touches there; these contacts and those
-with the branches are joints of the solid.  That openings are apart is told by points along them.
+Within the cone of its opening each foot takes the place of the run's own cylinder, which it touches all around, and
+below which it may dip; these contacts and those with the branches are joints of the solid.  That openings are apart is
+told by points along them.
 """
 
 from __future__ import annotations
@@ -25,12 +26,14 @@ from pas.contacts.joins import Join
 from pas.errors import GeometryError
 from pas.limits import Report, limited
 from pas.piecewise import PiecewiseSurface
+from pas.pipeline.around_opening import AroundOpening
 from pas.pipeline.bodies import FURTHER, INSIDE, body, length_of
 from pas.pipeline.hollow import HollowBlend
 from pas.pipeline.neighbours import NOTHING
 from pas.pipeline.result import Blend
 from pas.solid.assembly import union
 from pas.solid.solid import Solid, patch
+from pas.solid.tree import Atom, combined
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +66,11 @@ class OpenedRun:
     def points(self) -> Floats:
         """Points (N, 3) spread along the opening."""
         return self.surface.partition.frame.global_points(self.join.curve())
+
+    def room(self, reach: fmpq) -> Solid:
+        """What the foot takes the place of in the run, though it may lie deeper: the cone above the foot's back."""
+        back = AroundOpening.of(self.surface, self.place).back(reach)
+        return Solid(combined(False, Atom(self.contact.clip, ""), Atom(back, "")))
 
     def holds(self, points: Floats) -> bool:
         """Whether any of the points (N, 3) is in the cone, on the opening's side of its apex."""
@@ -127,13 +135,15 @@ def _united(
     _check_apart(openings, run, ends)
     along = height(run.point, run.axis) * (1 / dot(run.axis, run.axis))
     start, end = (Polynomial.from_raw(plane) for plane in (ends[0] - along, along - ends[1]))
-    solids = [patch(f"{inside}run", surface).cap(start, f"{inside}run start").cap(end, f"{inside}run end")]
+    tube = patch(f"{inside}run", surface).cap(start, f"{inside}run start").cap(end, f"{inside}run end")
+    solids = []
     for number, (opened, reach) in enumerate(zip(openings, lengths, strict=True), start=1):
         names = [f"{inside}branch {number}"] * 2
         names[opened.place] = f"{inside}run"
+        tube -= opened.room(reach)
         beyond = opened.surface.partition.frame.scale / FURTHER if inside else NOTHING
         solids.append(body(opened.surface, reach, names, f"{inside}foot {number}", around="run", beyond=beyond))
-    whole = union(solids)
+    whole = union([tube, *solids])
     for number, opened in enumerate(openings, start=1):
         contact = opened.contact
         along_curve = contact.surface, contact.clip

@@ -31,7 +31,7 @@ from pas.limits import Report, limited
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, least_distance, wall_mesh
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.bodies import contact_ends, hollow_body
+from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of
 from pas.pipeline.cavity import Cavity
 from pas.pipeline.chosen import B, ChosenBlend, Stages
 from pas.pipeline.search import excess, find
@@ -104,20 +104,23 @@ class HollowBlend(Shape, Generic[B]):
         x, y, z = place.tolist()
         return Wall(distance, (x, y, z), max(mesh.deviation or 0.0 for mesh in meshes))
 
-    def solid(self, length: Exact | None = None, names: Sequence[str] | None = None) -> Solid:
+    def solid(self, length: Length = None, names: Sequence[str] | None = None) -> Solid:
         """The wall as a solid, open at its ends: see `Blend.solid` for the arguments.
 
         The inner sides of the faces "blend" and "neighbour 1" are "inside of blend" and "inside of neighbour 1"; the
-        ends "neighbour 1 end" are rings.  With `length=0` the neighbours are left away.
+        ends "neighbour 1 end" are rings.  Neighbours of length 0 are left away.  Where the wall is not proved it is
+        meshed from a lattice.
         """
-        return hollow_body(self.outer.surface, self.inner.surface, length, names)
+        wall = hollow_body(self.outer.surface, self.inner.surface, length, names)
+        return wall if self.certificate.proved else replace(wall, sheets=None)
 
-    def ends(self, length: Exact = 0) -> tuple[ContactEnd, ...]:
+    def ends(self, length: Length = 0) -> tuple[ContactEnd, ...]:
         """For each contact where the wall ends, or where `solid(length)` does: see `Blend.ends`.
 
         `inner_radii` (and `inner_radius`, where it is round) are those of the cavity there.
         """
-        outer, inner = (contact_ends(blend.surface, length) for blend in (self.outer, self.inner))
+        reaches = lengths_of(length, self.outer.surface)
+        outer, inner = (contact_ends(blend.surface, reaches) for blend in (self.outer, self.inner))
         return tuple(replace(end, inner_radii=bore.radii) for end, bore in zip(outer, inner, strict=True))
 
     @limited("meshing a surface", "a coarser tolerance")

@@ -225,7 +225,7 @@ def find(
         return place.partition.layout if several else place
 
     for layout, regions in groupby(chain([placed], candidates), layout_of):
-        here = [*ways, ORBIT] if several and has_whole_planes(layout) else ways
+        here = [*ways, ORBIT] if several and layout is not None and has_whole_planes(layout) else ways
         each = zip(tee(regions, len(here)), here, strict=True)
         found = next(filter(None, (search.on_layout(here, settings) for here, settings in each)), None)
         if found is not None:
