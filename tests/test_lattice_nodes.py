@@ -94,6 +94,13 @@ def test_more_thick_struts_of_lattices_are_fair(name, order, slenderness, title)
     check_fair(name, order, slenderness, title)
 
 
+@pytest.mark.slow
+def test_few_unknowns_are_no_reason_to_give_up_planes():
+    blend = pas.blend(struts("octet 12", 0.12, 2), 2)
+    assert blend.certificate.proved
+    assert (blend.surface.partition.title, blend.surface.degree, blend.dimension) == ("6 planes", 7, 8)
+
+
 @pytest.mark.parametrize(
     ("name", "slenderness"),
     [("cubic 6", 0.25), ("cubic 5", 0.25), ("BCC 8", 0.18), ("BCC 4", 0.18), ("octet 12", 0.145)],

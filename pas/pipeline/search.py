@@ -50,6 +50,9 @@ class SearchSettings:
     with any order from one low degree on, and of use are others.  Perpendicular pipes have a proved surface of degree
     2k - 2 where the order k is 5, 6 or 7, and at degree 6 such a product."""
 
+    highest: int = HIGHEST_DEGREE
+    """Higher degrees are not tried."""
+
     few: int = 15
     stiff: int = 4
     """Spaces with fewer unknowns, or with fewer for each piece, are stiff, as of GC^1 surfaces of degree 4 around four
@@ -78,7 +81,10 @@ CHOSEN = SearchSettings(degrees=2, above=1, fewest=15)
 """On layouts that the program chose, of which the first that has a proved surface is kept: more half-planes made no
 shape fairer that another degree did not."""
 
-ORBIT = replace(CHOSEN, fewest=1)
+PLANES = replace(CHOSEN, highest=7)
+"""On full planes, 32 pieces of which take minutes to solve at degree 8."""
+
+ORBIT = replace(PLANES, fewest=1)
 """On full planes after that, which are not given up for few unknowns: they have no more, and few of them are fair."""
 
 
@@ -105,7 +111,7 @@ class Search(Generic[B]):
         Each degree is tried on one region after the other, and where a surface was found on that one from then on.
         """
         best: B | None = None
-        tried, highest, counts = 0, HIGHEST_DEGREE, False
+        tried, highest, counts = 0, settings.highest, False
         for degree in range(1, HIGHEST_DEGREE + 1) if self.degree is None else [check_degree(self.degree)]:
             if degree > highest or (tried >= settings.degrees and degree > settings.per_order * self.order):
                 break
@@ -225,7 +231,7 @@ def find(
         return place.partition.layout if several else place
 
     for layout, regions in groupby(chain([placed], candidates), layout_of):
-        here = [*ways, ORBIT] if several and layout is not None and has_whole_planes(layout) else ways
+        here = [PLANES, ORBIT] if several and layout is not None and has_whole_planes(layout) else ways
         each = zip(tee(regions, len(here)), here, strict=True)
         found = next(filter(None, (search.on_layout(here, settings) for here, settings in each)), None)
         if found is not None:
