@@ -32,6 +32,7 @@ from .contacts.contact import Contact as Contact
 from .contacts.contact import contact_ideal as contact_ideal
 from .contacts.endless import Cone as Cone
 from .contacts.endless import Pipe as Pipe
+from .contacts.ends import ContactEnd as ContactEnd
 from .contacts.plate import Plate as Plate
 from .contacts.quadric import QuadricContact as QuadricContact
 from .contacts.torus import Torus as Torus

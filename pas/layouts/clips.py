@@ -13,7 +13,8 @@ from flint import fmpq
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector
 from pas.contacts.contact import Contact, as_contact
-from pas.errors import GeometryError
+from pas.contacts.ends import ContactEnd, unusual
+from pas.errors import GeometryError, warn
 from pas.layouts.discs import Disc, rim_of
 from pas.layouts.fan import best_gaps
 from pas.layouts.kinds import LAYOUTS
@@ -48,12 +49,17 @@ def with_clips(
     or kind, else full planes, or a fan of half-planes, from order 2 or four contacts on with some room.  The node,
     which has its layouts already, is None where all clips are numbers and where no layout has room.
 
-    Raises `GeometryError` for directions that are too close.
+    Warns of clips that are far out for their radii, and of radii that differ much.  Raises `GeometryError` for
+    directions that are too close.
     """
     if not any(map(is_free, items)):
         return items, None
     known = all(isinstance(item, Hashable) and not isinstance(item, tuple) for item in items)
-    return (_known_clips if known else _clipped)(tuple(items), order, wanted)
+    ended, node = (_known_clips if known else _clipped)(tuple(items), order, wanted)
+    if node is not None:
+        for sentence in unusual([ContactEnd.of(item, node.center) for item in ended]):
+            warn(sentence)
+    return ended, node
 
 
 def _clipped(

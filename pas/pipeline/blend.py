@@ -81,6 +81,8 @@ def struts(items: Sequence[Strut], order: int, center: VectorLike = (0, 0, 0)) -
     circles take up more than 0.6 of the angle between their directions, an arc of 0.6 of the wider radius fits between
     any two, and from order 2 or four pipes on a fan of half-planes keeps them apart.  Clips that are given stay, and
     the others keep apart from them.  Lengths are in the model's units, `clip` in lengths of the direction.
+    `pas.ContactEnd.of(pipe, center)` says of each where it was put.  Warns (`UserWarning`) of ends that are far out for
+    their radii, and of radii that differ much.
 
     Raises `GeometryError` for directions less than 10 degrees apart, `ValueError` and `TypeError` for wrong items.
     """

@@ -13,9 +13,12 @@ from typing import Literal, TypeAlias
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, exact, rational
+from pas.algebra.rational import Exact, exact, rational, to_float, to_floats
 from pas.algebra.scaling import Scaled
+from pas.contacts.contact import Contact
+from pas.contacts.ends import ContactEnd, triple
 from pas.errors import GeometryError
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.around_opening import AroundOpening
@@ -107,6 +110,43 @@ def hollow_body(
     ends = [_plane(outer, number) for number in range(len(titles))]
     called = ["blend", *titles, face, *inside, *(f"{title} end" for title in titles)]
     return replace(solid, sheets=SheetBody.of([outer, inner], ends, reaches, called))
+
+
+def contact_ends(surface: PiecewiseSurface, length: Length = 0) -> tuple[ContactEnd, ...]:
+    """Where a surface and its neighbours of a `length` end, at each contact; see `Blend.ends`."""
+    reaches = lengths_of(length, surface)
+    return tuple(
+        _opening_end(surface, number) if join.opening else _end(surface, number, reach)
+        for number, (join, reach) in enumerate(zip(surface.joins, reaches, strict=True))
+    )
+
+
+def _end(surface: PiecewiseSurface, number: int, reach: fmpq) -> ContactEnd:
+    contact, center = surface.contacts[number], surface.partition.center
+    try:
+        here = ContactEnd.of(contact, center)
+        if reach == 0:
+            return here
+        there = [exact(c + to_float(reach) * d) for c, d in zip(here.center, here.direction, strict=True)]
+        cap = _cap(_plane(surface, number), reach)
+        return ContactEnd.of(Contact(contact.surface, cap, (there[0], there[1], there[2])), center)
+    except GeometryError as error:
+        raise GeometryError(f"contact {number + 1}, {to_float(reach):.4g} beyond its clip: {error}") from None
+
+
+def _opening_end(surface: PiecewiseSurface, number: int) -> ContactEnd:
+    """That of an opening, whose curve need not be plane: seen along its axis, in the middle of its heights."""
+    seen = AroundOpening.of(surface, number)
+    axis, size = unit(to_floats(seen.axis)), to_float(seen.scale)
+    points, origin = size * surface.joins[number].curve(), np.array(to_floats(seen.center))
+    middle = np.array(to_floats(seen.middle)) - origin
+    heights = points @ axis
+    middle += ((heights.min() + heights.max()) / 2 - middle @ axis) * axis
+    radii = np.linalg.norm(points - middle - ((points - middle) @ axis)[:, None] * axis, axis=1)
+    place, out = origin + middle, -axis
+    return ContactEnd(
+        triple(place), triple(out), (float(radii.min()), float(radii.max())), float(np.linalg.norm(middle))
+    )
 
 
 FURTHER = 64

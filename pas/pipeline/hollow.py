@@ -24,13 +24,14 @@ from flint import fmpq
 from pas.algebra.rational import Exact, exact, plain, rational
 from pas.certify.nesting import nesting
 from pas.contacts.contact import Contact, ContactLike, as_contact
+from pas.contacts.ends import ContactEnd
 from pas.contacts.parallels import inner_contact
 from pas.errors import GeometryError, InfeasibleError, NoSolutionError, NotProvedError
 from pas.limits import Report, limited
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, least_distance, wall_mesh
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.bodies import Length, hollow_body
+from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of
 from pas.pipeline.cavity import Cavity
 from pas.pipeline.chosen import B, ChosenBlend, Stages
 from pas.pipeline.search import excess, find
@@ -112,6 +113,15 @@ class HollowBlend(Shape, Generic[B]):
         """
         wall = hollow_body(self.outer.surface, self.inner.surface, length, names)
         return wall if self.certificate.proved else replace(wall, sheets=None)
+
+    def ends(self, length: Length = 0) -> tuple[ContactEnd, ...]:
+        """For each contact where the wall ends, or where `solid(length)` does: see `Blend.ends`.
+
+        `inner_radii` (and `inner_radius`, where it is round) are those of the cavity there.
+        """
+        reaches = lengths_of(length, self.outer.surface)
+        outer, inner = (contact_ends(blend.surface, reaches) for blend in (self.outer, self.inner))
+        return tuple(replace(end, inner_radii=bore.radii) for end, bore in zip(outer, inner, strict=True))
 
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(

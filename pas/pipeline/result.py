@@ -18,13 +18,14 @@ from pas.blending import multipliers, regularity, shaping
 from pas.blending.multipliers import Multipliers
 from pas.blending.space import Space
 from pas.contacts.contact import ContactLike
+from pas.contacts.ends import ContactEnd
 from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.refit import refitted
 from pas.fairing.wishes import Options, Sliders, Wishes, as_wishes, check_point_options
 from pas.limits import Report, limited
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.bodies import Length, body
+from pas.pipeline.bodies import Length, body, contact_ends
 from pas.pipeline.chosen import ChosenBlend, OnStage, Stages, choose
 from pas.pipeline.convex_problem import ConvexProblem
 from pas.pipeline.hollow import HollowBlend, hollow
@@ -103,6 +104,17 @@ class Blend(ChosenBlend):
         region, and where the one around an opening does not go on as one sheet so far.
         """
         return body(self.surface, length, names)
+
+    def ends(self, length: Length = 0) -> tuple[ContactEnd, ...]:
+        """For each contact where the blend ends, or where `solid(length)` does: where flanges go.
+
+        Each has its `center` (3,), the unit `direction` (3,) away from the blend, the `radius` where it is round, and
+        the `distance` from the node's centre, in the model's units; see `pas.ContactEnd`.  An opening is where it is
+        for any length, with its axis for a direction: its neighbour goes on around it and not along it.
+
+        Raises `GeometryError` where a contact has no closed plane curve there, `ValueError` for a negative length.
+        """
+        return contact_ends(self.surface, length)
 
     @limited("making a blend hollow", "a thinner wall")
     def hollow(
