@@ -233,5 +233,5 @@ def test_operators_between_kinds_say_what_to_do():
             mixed()
     with pytest.raises(TypeError, match=r"make a solid of the assembly first"):
         _ = ball & solid.assembly(ball=ball)
-    with pytest.raises(TypeError, match="unsupported operand"):
+    with pytest.raises(TypeError, match="take two solids or two meshes, not a mesh and 3"):
         _ = mesh & 3

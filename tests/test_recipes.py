@@ -206,7 +206,7 @@ def test_options_of_meshes_go_through_commands_and_files(tmp_path, capsys):
     rods = {"rods": [{"radius": "1/3", "clip": 1}]}
     made("A contact")
     problem = pas.read_problem(corner(tmp_path, **rods, mesh={"max_triangles": 100, "quality": "count"}))
-    assert given(problem.mesh) == {"tolerance": 1e-3, "quality": "count", "max_triangles": 100}
+    assert given(problem.mesh) == {"quality": "count", "max_triangles": 100}
     with pytest.raises(pas.MeshError, match="triangles"):
         problem.solve().meshed(problem.mesh)
     with pytest.raises(pas.ProblemFileError, match=r"max_triangles must be a whole number, not 1\.5"):

@@ -23,6 +23,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, to_float, to_floats
+from pas.algebra.scaling import Scaled
 from pas.contacts.contact import Contact
 from pas.mesh.closed import FaceMesh, refined_faces
 from pas.mesh.labelled import Labelled
@@ -55,6 +56,7 @@ class RuledEnd:
 
         None where the contact is no cylinder or cone, or `center` is not inside of it, on its nappe.
         """
+        contact, plane = contact.scaled, Scaled.of([plane]).polynomials[0]
         slope = plane.gradient(np.zeros(3))
         size = float(np.linalg.norm(slope))
         clip = End(plane, slope / size)

@@ -60,6 +60,11 @@ def _struts(folder: Path) -> Any:
     return [((1, 0, 0), 1), ((-1, 2, 0), 1)]
 
 
+def _run_and_branch(*_: Any) -> tuple[pas.Pipe, pas.Pipe]:
+    """A straight run and a branch across it."""
+    return pas.Pipe((1, 0, 0), 1, "auto"), pas.Pipe((0, 0, 1), "1/2", "auto")
+
+
 def _blend(folder: Path) -> pas.Blend:
     """A fair one, whose space is solved again."""
     return pas.load(_saved(folder, lambda path: fairest().save(path)))
@@ -167,6 +172,12 @@ LAX = pas.FairnessLimits(2, 3, 1, 1)
 LONG_CALLS = {
     "pas.blend": LongCall(_pipes, lambda p, f, **k: pas.blend(p, 1, limits=LAX, **k)),
     "pas.node": LongCall(_struts, lambda p, f, **k: pas.node(p, 1, degree=4, energy=pas.ThinPlate(), **k)),
+    "pas.junction": LongCall(_struts, lambda p, f, **k: pas.junction(p, 1, degree=4, energy=pas.ThinPlate(), **k)),
+    "pas.foot": LongCall(_run_and_branch, lambda p, f, **k: pas.foot(*p, **k)),
+    "pas.header": LongCall(
+        lambda _: (_run_and_branch()[0], [pas.foot(*_run_and_branch(), degree=6)]),
+        lambda p, f, **k: pas.header(*p, (-3, 3), **k),
+    ),
     "PiecewiseSurface.curvature_below": LongCall(_surface, lambda p, f, **k: p.curvature_below(20, **k)),
     "Blend.refit": LongCall(_blend, lambda p, f, **k: p.refit(tension=6, steps=None, **k)),
     "SolutionSpace.fit": LongCall(_space, lambda p, f, **k: p.fit(**k)),
