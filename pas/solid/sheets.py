@@ -1,30 +1,25 @@
-"""Boundaries of blends' solids without a lattice: surfaces' own meshes, tubes along straight lines, and flat ends.
+"""Boundaries of blends' solids without a lattice: surfaces' own meshes, strips that go on from them, and their ends.
 
-A contact of degree 2 whose matrix, in x, y, z and 1, has rank 3 is a cylinder or cone, made of straight lines through
-one point, which may be at infinity.  Sections by parallel planes are images of one another under a homothety from that
-point, or a translation, so that a mesh which ends on the clip goes on from it along these lines, with all its new
-vertices on the contact.
+A mesh of a surface ends in loops on its contacts; from these strips go on (see `pas.solid.strips`), and the last loops
+are closed by a plane, or in walls by rings.  Where two bodies end in one plane and go on from it in each other with the
+same neighbour, one strip joins their loops instead.
 
-Which solids are bounded like that: `SheetBody.of`.  Guaranteed of their meshes: closed if the surfaces' are manifolds,
-each face within the tolerance as measured.  Not promised: what a proof of the surface would have to say, that it is one
-sheet; a surface that ends elsewhere than in one loop on each contact has no such mesh.
+Guaranteed of their meshes: closed if the surfaces' are manifolds, each face within the tolerance as measured.  Not
+promised: what a proof of the surface would have to say, that it is one sheet; a surface that ends elsewhere than in one
+loop on each contact has no such mesh, nor have bodies whose meshes are not apart.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
-from flint import fmpq
 
 from pas.algebra.affine import Affine
 from pas.algebra.monomials import Floats
-from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, to_float, to_floats
-from pas.algebra.scaling import Scaled
-from pas.contacts.contact import Contact
 from pas.mesh.closed import FaceMesh, refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
@@ -34,101 +29,90 @@ from pas.mesh.rows import Integers
 from pas.mesh.topology import Edges
 from pas.mesh.walls import End, ring
 from pas.piecewise import PiecewiseSurface
-from pas.solid.field import SolidField, quadric
+from pas.solid.field import SolidField
+from pas.solid.strips import Chain, Sections, Strip, off_strip, rows_within
 
+EQUAL = 2.0**-40
+"""Coefficients that are off by less, over the largest, are the same: heights of caps are rounded to doubles."""
 
-@dataclass(frozen=True, eq=False)
-class RuledEnd:
-    """A contact from its clip on, between two parallel planes: x goes along its line to `stretch x + shift`.
-
-    `clip` is the first plane, positive on the tube's side; nothing goes on where `length` is 0.
-    """
-
-    contact: Contact
-    clip: End
-    length: float = 0.0
-    stretch: float = 1.0
-    shift: Floats | float = 0.0
-
-    @classmethod
-    def of(cls, contact: Contact, plane: Polynomial, length: fmpq, center: Vector | None = None) -> RuledEnd | None:
-        """The tube of a `length` (the model's units) beyond a plane, positive on its side, in which a contact ends.
-
-        None where the contact is no cylinder or cone, or `center` is not inside of it, on its nappe.
-        """
-        contact, plane = contact.scaled, Scaled.of([plane]).polynomials[0]
-        slope = plane.gradient(np.zeros(3))
-        size = float(np.linalg.norm(slope))
-        clip = End(plane, slope / size)
-        if contact.surface.degree != 2 or length == 0:
-            return cls(contact, clip) if contact.surface.degree == 2 else None
-        matrix = quadric(contact.surface)
-        found = nullspace([{j: matrix[i, j] for j in range(4)} for i in range(4)], 4).tolist()
-        if len(found) != 1:
-            return None
-        apex, w = found[0][:3], found[0][3]
-        x, y, z = apex if w == 0 else (c / w for c in apex)
-        height = plane.raw(x, y, z) - (plane.raw(0, 0, 0) if w == 0 else 0)
-        if height == 0 or (center is not None and not _within(contact.surface, plane, center, height, w != 0)):
-            return None
-        step = to_float(length) * size / to_float(height)
-        shift = step * np.array(to_floats((x, y, z)))
-        return cls(contact, clip, to_float(length), 1.0 - step if w != 0 else 1.0, shift)
-
-    def carried(self, points: Floats) -> Floats:
-        """Points (N, 3) of the clip moved to where the tube ends."""
-        return self.stretch * points + self.shift
-
-    def off(self, points: Floats) -> float:
-        """How far points (N, 3) are at most from the curve in which it begins, to first order."""
-        return max(self.clip.off(points), self.sides.off(points))
-
-    @property
-    def sides(self) -> End:
-        """The contact's surface, seen along the tube."""
-        return End(self.contact.surface, self.clip.axis)
-
-    def holds(self, other: RuledEnd) -> bool:
-        """Whether another one, between the same planes, is inside, as points of both of its ends show."""
-        points = other.contact.rim.points()
-        return bool((self.contact.surface(np.stack([points, other.carried(points)])) < 0).all())
-
-
-def _within(surface: Polynomial, plane: Polynomial, center: Vector, apex: fmpq, cone: bool) -> bool:
-    """Whether a point is inside a cylinder or cone, and of a cone, with the apex at a height, on the plane's nappe."""
-    return bool(surface.raw(*center) <= 0 and (not cone or (plane.raw(*center) - apex) * -apex > 0))
+Loops = dict[tuple[int, int], Integers]
+"""Vertices of the loop in which chain `c` of side `s` ends, in order, by `(s, c)`."""
 
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """A surface with a tube at each of its ends."""
+    """A surface, the name of its face, and what goes on from each of its contacts."""
 
     surface: PiecewiseSurface
-    tubes: tuple[RuledEnd, ...]
+    name: str
+    chains: tuple[Chain, ...]
 
-    def mesh(self, tolerance: float, quality: Quality) -> tuple[Mesh, list[Integers]] | None:
-        """Its mesh, whose faces are the surface and each tube, and the loops in which the tubes end.
+    def mesh(self, tolerance: float, quality: Quality, short: Sequence[int] = ()) -> tuple[Mesh, list[Integers]] | None:
+        """Its mesh, and the loops in which chains end; those whose numbers are `short` end where they begin.
 
         None where the surface does not end in one loop on each contact and nowhere else.
         """
-        found = self.surface.mesh(tolerance / max(1.0, *(tube.stretch for tube in self.tubes)), quality=quality)
+        stretch = max(chain.stretch for chain in self.chains)
+        found = self.surface.mesh(tolerance / stretch, quality=quality)
         known = Edges(found.triangles, len(found.points)).loops
-        nearest = [int(np.argmin([tube.off(found.points[loop]) for loop in known])) for tube in self.tubes if known]
-        if sorted(nearest) != [*range(len(self.tubes))] or len(known) != len(nearest):
+        nearest = [int(np.argmin([chain.off(found.points[loop]) for loop in known])) for chain in self.chains if known]
+        if sorted(nearest) != [*range(len(self.chains))] or len(known) != len(nearest):
             return None
+        made = _Faces([found.points], deviation=found.deviation or 0.0)
+        made.add(self.name, found.triangles, found.normals)
         loops = [known[number] for number in nearest]
-        points, parts, normals = [found.points], [found.triangles], [found.normals]
-        off, far = [found.deviation or 0.0], []
-        for tube, begin in zip(self.tubes, loops, strict=True):
-            rims = [found.points[begin], tube.carried(found.points[begin])]
-            off += [tube.sides.off((rim + np.roll(rim, -1, axis=0)) / 2) for rim in rims]
-            end = begin if tube.length == 0 else np.arange(len(begin)) + sum(map(len, points))
-            points += rims[1:] if tube.length else []
-            far.append(end)
-            quads = [np.stack(corners, axis=1) for corners in _quads(begin, end)] if tube.length else []
-            parts.append(np.concatenate(quads) if quads else np.empty((0, 3), dtype=np.intp))
-            normals.append(tube.sides.normals(np.concatenate(points)[parts[-1]]))
-        return _joined(points, parts, normals, ("",) * len(parts), max(off)), far
+        for number, chain in enumerate(self.chains):
+            for strip in chain.strips if number not in short else ():
+                if not made.goes_on(strip, loops, number, tolerance):
+                    return None
+        return made.mesh, loops
+
+
+class _Faces:
+    """A mesh while it is made: blocks of points, and triangles by the names of their faces."""
+
+    def __init__(self, points: Sequence[Floats], deviation: float) -> None:
+        self.blocks, self.deviation = [*points], deviation
+        self._faces: list[tuple[str, Integers, Floats]] = []
+
+    @property
+    def points(self) -> Floats:
+        return np.concatenate(self.blocks)
+
+    def add(self, name: str, triangles: Integers, normals: Floats) -> None:
+        if len(triangles):
+            self._faces.append((name, triangles, normals))
+
+    def added(self, points: Floats) -> Integers:
+        """The numbers of points (N, 3), now among those of the mesh."""
+        first = sum(map(len, self.blocks))
+        self.blocks.append(points)
+        return np.arange(first, first + len(points))
+
+    def goes_on(self, strip: Strip, loops: list[Integers], number: int, tolerance: float) -> bool:
+        """Whether a strip goes on from a loop, which it then replaces by that in which it ends."""
+        begin = self.points[loops[number]]
+        rows = rows_within(strip, begin, tolerance)
+        if rows is None:
+            return False
+        side, here, parts = End(strip.surface, np.zeros(3)), loops[number], []
+        for row in rows:
+            there = self.added(row)
+            parts += [np.stack(corners, axis=1) for corners in _quads(here, there)]
+            here = there
+        triangles = np.concatenate(parts)
+        self.add(strip.name, triangles, side.normals(self.points[triangles]))
+        self.deviation = max(self.deviation, off_strip(strip.surface, [begin, *rows]))
+        loops[number] = here
+        return True
+
+    @property
+    def mesh(self) -> Mesh:
+        """Faces of one name are one."""
+        names = tuple(dict.fromkeys(name for name, _, _ in self._faces))
+        faces = np.repeat([names.index(name) for name, _, _ in self._faces], [len(t) for _, t, _ in self._faces])
+        triangles, normals = (np.concatenate([face[i] for face in self._faces]) for i in (1, 2))
+        return Mesh(self.points, triangles, faces, names, normals, deviation=self.deviation)
 
 
 def _quads(begin: Integers, end: Integers) -> list[tuple[Integers, Integers, Integers]]:
@@ -137,108 +121,74 @@ def _quads(begin: Integers, end: Integers) -> list[tuple[Integers, Integers, Int
     return [(after, begin, end), (after, end, beyond)]
 
 
-def _joined(
-    points: Sequence[Floats],
-    parts: Sequence[Integers],
-    normals: Sequence[Floats],
-    names: tuple[str, ...],
-    deviation: float,
-) -> Mesh:
-    """The mesh whose faces are given by their triangles; `names` are those of all of them."""
-    faces = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
-    return Mesh(
-        np.concatenate(points), np.concatenate(parts), faces, names, np.concatenate(normals), deviation=deviation
-    )
-
-
 @dataclass(frozen=True, eq=False)
-class SheetBody:
-    """What bounds a blend's solid: one side, or an outer and an inner one, and flat ends.
-
-    `names` are those of the faces: of each side its surface and its tubes, then of the ends.  `maps` are what it was
-    moved by, the first one first.
-    """
+class SheetPart:
+    """What bounds a blend's solid, one side, or an outer and an inner one; `place` is how it was moved."""
 
     sides: tuple[Side, ...]
-    names: tuple[str, ...]
-    maps: tuple[Affine, ...] = ()
+    place: Affine | None = None
 
-    @classmethod
-    def of(
-        cls,
-        surfaces: Sequence[PiecewiseSurface],
-        planes: Sequence[Polynomial],
-        lengths: Sequence[fmpq],
-        names: Sequence[str],
-    ) -> SheetBody | None:
-        """The body of a surface, or of a wall between two, with contacts that go on from `planes` by `lengths`.
-
-        There is one where
-
-        - the region has a centre, from which all of it is seen, and each contact ends in a plane side of it;
-        - each contact is of degree 2, and where it goes on a cylinder or a cone with the centre inside, on its nappe.
-          Such a set is convex, so that all of it beyond the clip is seen from the centre through the disc in which the
-          clip cuts it, which is in sides of the region; as no ray passes two sides, contacts that go on meet neither
-          the region nor one another;
-        - of a wall, inner contacts that go on are inside the outer ones where they begin and end, and so between;
-        - the names differ.
-
-        All else, plates, openings, spheres, tori and axes that miss the region's centre by more than the radius, has
-        None, and its solid is meshed from a lattice.
-        """
-        center = surfaces[0].partition.center
-        if center is None or len({*names}) != len(names) or any(j.opening for s in surfaces for j in s.joins):
-            return None
-        sides = []
-        for surface, middle in zip(surfaces, (center, None), strict=False):
-            cases = zip(surface.contacts, planes, lengths, strict=True)
-            tubes = [tube for case in cases if (tube := RuledEnd.of(*case, middle)) is not None]
-            sides.append(Side(surface, tuple(tubes)))
-        if any(len(side.tubes) != len(planes) for side in sides):
-            return None
-        walls = zip(sides[0].tubes, sides[-1].tubes, strict=True) if len(sides) > 1 else ()
-        return cls(tuple(sides), tuple(names)) if all(outer.holds(inner) for outer, inner in walls) else None
-
-    def moved(self, map_: Affine) -> SheetBody:
+    def moved(self, map_: Affine) -> SheetPart:
         """Its image."""
-        return replace(self, maps=(*self.maps, map_))
+        if self.place is None:
+            return replace(self, place=map_)
+        a, b, c = zip(*(map_.direction(column) for column in zip(*self.place.matrix, strict=True)), strict=True)
+        return replace(self, place=Affine((a, b, c), map_.exact(self.place.shift)))
 
-    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        """A closed mesh within a tolerance (the model's units), as measured; None where a surface is not as wished."""
-        stretch = float(np.prod([np.linalg.norm(m.floats[0], 2) for m in self.maps]))
-        found = [side.mesh(tolerance / stretch, quality) for side in self.sides]
-        meshes, loops = [pair[0] for pair in found if pair], [pair[1] for pair in found if pair]
+    def polynomial(self, polynomial: Polynomial) -> Polynomial:
+        """The image of one."""
+        return polynomial if self.place is None else self.place.polynomial(polynomial)
+
+    @property
+    def ends(self) -> Iterator[tuple[int, Polynomial]]:
+        """The numbers of the chains that end in planes, and these, in place, positive outside."""
+        for number, chain in enumerate(self.sides[0].chains):
+            if chain.end is not None and chain.end.surface.degree == 1:
+                yield number, self.polynomial(chain.end.surface)
+
+    def tubes(self, number: int) -> list[Polynomial] | None:
+        """The surfaces of a chain of each side, in place; None where it is no single straight strip of one quadric."""
+        chains = [side.chains[number] for side in self.sides]
+        if any(len(c.strips) > 1 or any(c.bowed) or not all(isinstance(s.rows, Sections) for s in c.strips) for c in chains):
+            return None
+        return [self.polynomial(chain.contact.surface) for chain in chains]
+
+    def mesh(self, tolerance: float, quality: Quality, open_: Sequence[int], short: Sequence[int]) -> tuple[Mesh, Loops] | None:
+        """Its mesh in place, and the loops of chains that are left open, all of them or but for their strips."""
+        stretch = 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
+        found = [side.mesh(tolerance / stretch, quality, short) for side in self.sides]
+        meshes, ends = [pair[0] for pair in found if pair], [pair[1] for pair in found if pair]
         if len(meshes) < len(self.sides):
             return None
-        outer, inner = meshes[0], [mesh.flipped for mesh in meshes[1:]]
-        start, planes = len(outer.points), [tube.clip for tube in self.sides[0].tubes]
-        points = np.concatenate([mesh.points for mesh in (outer, *inner)])
-        if inner:
-            pairs = zip(loops[0], loops[1], planes, strict=True)
-            ends = [ring(points, a, b + start, plane.axis, "an end") for a, b, plane in pairs]
-        else:
-            middles = np.array([points[loop].mean(axis=0) for loop in loops[0]])
-            points = np.concatenate([points, middles])
-            ends = [_fan(loop, start + number) for number, loop in enumerate(loops[0])]
-        parts, normals = [], []
-        for mesh, first in zip((outer, *inner), (0, start), strict=False):
-            rows = [mesh.faces == face for face in range(1 + len(planes))]
-            parts += [mesh.triangles[row] + first for row in rows]
-            normals += [mesh.normals[row] for row in rows]
-        normals += [plane.normals(points[end]) for plane, end in zip(planes, ends, strict=True)]
-        made = _joined([points], [*parts, *ends], normals, self.names, max(m.deviation or 0.0 for m in meshes))
-        return self._placed(_without_empty(made), stretch)
+        start = len(meshes[0].points)
+        made = _Faces([mesh.points for mesh in meshes], max(mesh.deviation or 0.0 for mesh in meshes))
+        for mesh, first in zip((meshes[0], *(mesh.flipped for mesh in meshes[1:])), (0, start), strict=False):
+            for face, name in enumerate(mesh.names):
+                made.add(name, mesh.triangles[mesh.faces == face] + first, mesh.normals[mesh.faces == face])
+        loops = {(s, c): loop + s * start for s, side in enumerate(ends) for c, loop in enumerate(side)}
+        for number, chain in enumerate(self.sides[0].chains):
+            if number in (*open_, *short):
+                continue
+            if chain.end is None:
+                return None
+            if len(self.sides) > 1:
+                triangles = ring(made.points, loops[0, number], loops[1, number], chain.end.axis, chain.name)
+            else:
+                (middle,) = made.added(made.points[loops[0, number]].mean(axis=0)[None])
+                triangles = _fan(loops[0, number], int(middle))
+                if chain.end.facing(made.points[triangles]).min() <= 0:
+                    return None
+            made.add(chain.name, triangles, chain.end.normals(made.points[triangles]))
+        kept = {key: loop for key, loop in loops.items() if key[1] in (*open_, *short)}
+        return made.mesh if self.place is None else made.mesh._moved(self.place), kept
 
-    def _placed(self, mesh: Mesh, stretch: float) -> Mesh:
-        """A mesh of what it was before it was moved, moved."""
-        for map_ in self.maps:
-            matrix = map_.floats[0]
-            turned = mesh.normals @ np.linalg.inv(matrix)
-            normals = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
-            triangles, step = mesh.triangles, -1 if np.linalg.det(matrix) < 0 else 1
-            points, normals = map_.points(mesh.points), normals[:, ::step]
-            mesh = replace(mesh, points=points, triangles=triangles[:, ::step], normals=normals)
-        return replace(mesh, deviation=stretch * (mesh.deviation or 0.0))
+    def through(self, number: int, side: int, points: Floats) -> Floats:
+        """Points (N, 3) of a loop, in place, in which a chain begins, moved to where it ends."""
+        chain, place = self.sides[side].chains[number], self.place
+        local = points if place is None else place.inverse.points(points)
+        for strip in chain.strips:
+            local = strip.rows(local, 1.0)
+        return local if place is None else place.points(local)
 
 
 def _fan(loop: Integers, middle: int) -> Integers:
@@ -246,22 +196,126 @@ def _fan(loop: Integers, middle: int) -> Integers:
     return np.stack([np.roll(loop, -1), loop, np.full(len(loop), middle)], axis=1)
 
 
-def _without_empty(mesh: Mesh) -> Mesh:
-    """The mesh without names of faces that have no triangles."""
-    kept = np.unique(mesh.faces)
-    return replace(mesh, faces=np.searchsorted(kept, mesh.faces), names=tuple(mesh.names[k] for k in kept.tolist()))
+@dataclass(frozen=True)
+class Link:
+    """Chain `number` of a part goes on through chain `other_number` of another one, from its end to its beginning."""
+
+    part: int
+    number: int
+    other: int
+    other_number: int
 
 
-def face_mesh(mesh: Mesh, field: SolidField, tolerance: float, quality: Quality) -> FaceMesh:
-    """A mesh of a body with labels, by its faces' names, in a field's coordinates; remeshed where its long triangles
-    are not wanted."""
-    columns = field.evaluator.columns[: field.evaluator.used]
-    numbers = np.array([next(n for n, c in enumerate(columns) if name in c.names) for name in mesh.names])
-    points = field.evaluator.local(mesh.points)
-    first = np.array([int(np.argmax(mesh.faces == face)) for face in range(len(numbers))])
-    slopes = field.evaluator.jets(points[mesh.triangles[first, 0]], numbers)[:, 1:]
-    sides = (slopes * mesh.normals[first, 0]).sum(axis=1) < 0
-    made = Labelled.of(points, mesh.triangles, (2 * numbers + sides)[mesh.faces])
-    if quality is Quality.ANGLES:
-        return refined_faces(made, field, tolerance / field.scale, quality)
-    return FaceMesh(made, pair_normals(made, field), (mesh.deviation or 0.0) / field.scale)
+@dataclass(frozen=True, eq=False)
+class SheetBody:
+    """What bounds a solid: that of one blend, or of several that go on in one another by `links`."""
+
+    parts: tuple[SheetPart, ...]
+    links: tuple[Link, ...] = ()
+
+    @classmethod
+    def of(cls, sides: Sequence[Side]) -> SheetBody | None:
+        """The body of a surface, or of a wall between two.
+
+        There is one where
+
+        - the region has a centre, from which all of it is seen;
+        - each contact ends in a plane side of it, and where it goes on is a convex part of a quadric with the centre
+          inside.  So all of that beyond the clip is seen from the centre through the disc in which the clip cuts it,
+          which is in sides of the region; as no ray passes two sides, contacts that go on meet neither the region nor
+          one another;
+        - or the region opens through the contact by a cone from the centre, in or out of which what goes on stays;
+        - of a wall, inner strips are inside the outer ones, as points of them show.
+
+        All else, tori that go on and axes that miss the region's centre by more than the radius, has none, and its
+        solid is meshed from a lattice.
+        """
+        chains = [chain for side in sides for chain in side.chains]
+        if sides[0].surface.partition.center is None or not all(chain.sound for chain in chains):
+            return None
+        walls = zip(sides[0].chains, sides[-1].chains, strict=True) if len(sides) > 1 else ()
+        return cls((SheetPart(tuple(sides)),)) if all(outer.holds(inner) for outer, inner in walls) else None
+
+    def moved(self, map_: Affine) -> SheetBody:
+        """Its image."""
+        return replace(self, parts=tuple(part.moved(map_) for part in self.parts))
+
+    def united(self, other: SheetBody) -> SheetBody:
+        """Both together; where ends of two parts are in one plane, and their neighbours are the same, they are linked."""
+        first = len(self.parts)
+        shifted = [replace(k, part=k.part + first, other=k.other + first) for k in other.links]
+        parts, links = (*self.parts, *other.parts), [*self.links, *shifted]
+        taken = {pair for k in links for pair in ((k.part, k.number), (k.other, k.other_number))}
+        free = [
+            [(p, number, plane) for p, part in enumerate(some, start) for number, plane in part.ends]
+            for some, start in ((self.parts, 0), (other.parts, first))
+        ]
+        for p, number, plane in free[0]:
+            for q, other_number, facing in free[1]:
+                if {(p, number), (q, other_number)} & taken or not _same(plane, -facing):
+                    continue
+                pair = parts[p].tubes(number), parts[q].tubes(other_number)
+                if pair[0] and pair[1] and len(pair[0]) == len(pair[1]) and all(map(_same, *pair)):
+                    there = parts[q].sides[0].chains[other_number].strips
+                    ways = ((p, number), (q, other_number)) if there else ((q, other_number), (p, number))
+                    if parts[ways[1][0]].sides[0].chains[ways[1][1]].strips:
+                        links.append(Link(*ways[0], *ways[1]))
+                        taken |= {(p, number), (q, other_number)}
+        return SheetBody(parts, tuple(links))
+
+    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
+        """A closed mesh within a tolerance (the model's units), as measured; None where a surface is not as wished."""
+        made = _Faces([], 0.0)
+        loops: list[Loops] = []
+        spans = []
+        for number, part in enumerate(self.parts):
+            open_ = [k.number for k in self.links if k.part == number]
+            short = [k.other_number for k in self.links if k.other == number]
+            found = part.mesh(tolerance, quality, open_, short)
+            if found is None:
+                return None
+            first = sum(map(len, made.blocks))
+            made.blocks.append(found[0].points)
+            made.deviation = max(made.deviation, found[0].deviation or 0.0)
+            for face, name in enumerate(found[0].names):
+                rows = found[0].faces == face
+                made.add(name, found[0].triangles[rows] + first, found[0].normals[rows])
+            loops.append({key: loop + first for key, loop in found[1].items()})
+            spans.append(slice(first, first + len(found[0].points)))
+        if len(self.parts) > 1 and not self._apart(made.points, spans, loops, made.deviation):
+            return None
+        for link in self.links:
+            self._join(made, link, loops)
+        return made.mesh if made.deviation <= tolerance else None
+
+    def _join(self, made: _Faces, link: Link, loops: Sequence[Loops]) -> None:
+        """The strip of a link, on each side."""
+        one, other = self.parts[link.part], self.parts[link.other]
+        plane = one.polynomial(one.sides[0].chains[link.number].end.surface)
+        axis = plane.gradient(np.zeros(3))
+        for side in range(len(one.sides)):
+            chain = other.sides[side].chains[link.other_number]
+            near, far = loops[link.part][side, link.number], loops[link.other][side, link.other_number]
+            points = made.points
+            flat = points.copy()
+            flat[far] = other.through(link.other_number, side, points[far])
+            triangles = ring(flat, near, far, axis / np.linalg.norm(axis), chain.strips[0].name)
+            tube = End(other.polynomial(chain.contact.surface), axis)
+            corners = points[triangles]
+            made.deviation = max(made.deviation, tube.off(((corners + np.roll(corners, 1, axis=1)) / 2).reshape(-1, 3)))
+            turned = triangles if side == 0 else triangles[:, ::-1]
+            made.add(chain.strips[0].name, turned, tube.normals(points[turned]) * (1 if side == 0 else -1))
+
+    def _apart(self, points: Floats, spans: Sequence[slice], loops: Sequence[Loops], off: float) -> bool:
+        """Whether planes of ends, or boxes, show that parts have nothing in common but the loops by which they are
+        linked; `off` is how far meshes are from them."""
+        planes = [(p, n, plane) for p, part in enumerate(self.parts) for n, plane in part.ends]
+        slopes = np.array([[1 / np.linalg.norm(s), *(s / np.linalg.norm(s))] for s in (q.dense(1)[1:] for *_, q in planes)])
+        raise NotImplementedError
+
+
+def _same(one: Polynomial, other: Polynomial) -> bool:
+    """Whether two polynomials are one another's multiples by a positive factor, to rounding."""
+    degree = max(one.degree, other.degree)
+    a, b = (p.dense(degree) / np.abs(p.dense(degree)).max() for p in (one, other))
+    return bool(np.abs(a - b).max() <= EQUAL)

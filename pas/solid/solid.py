@@ -70,7 +70,8 @@ class Solid(AffineShape["Solid"], Shape):
             refuse_mixed(self, other)
         tree = combined(union, self.tree, complement(other.tree) if less else other.tree)
         joints = tuple(dict.fromkeys(self.joints + other.joints))
-        return Solid(tree, joints, self.special_points + other.special_points)
+        sheets = self.sheets.united(other.sheets) if union and self.sheets and other.sheets else None
+        return Solid(tree, joints, self.special_points + other.special_points, sheets)
 
     def _moved(self, map_: Affine) -> Solid:
         images: dict[Function, Function] = {}
