@@ -143,7 +143,7 @@ class AroundOpening:
     def walled(self, name: str, works: fmpq, edge: Polynomial, floor: Polynomial | None = None) -> Chain:
         """What bounds one side of a wall from the opening on: its surface up to an edge, if that `works` for more than
         0, and a ring in the edge, or in the cone of the opening, above a floor."""
-        clip, strips = self._clip, ()
+        clip, strips = self._clip, tuple[Strip, ...]()
         if works > 0 and self.flat:
             middle = np.array([*to_floats(self._above(self.middle)), 1.0])
             strips = (Strip(name, self.contact.surface, Straight(scaled(edge), middle, towards=False)),)
@@ -153,11 +153,6 @@ class AroundOpening:
             strips = (Strip(name, self.contact.surface, rays),)
         end = End(scaled(edge) if works > 0 else clip.surface, clip.axis)
         return Chain(self.contact, clip, self._curve, strips, end, f"{name} end", floor)
-
-    @property
-    def opened(self) -> Chain:
-        """Nothing goes on from the opening, which something else closes."""
-        return Chain(self.contact, self._clip, self._curve, (), None, "")
 
     def _above(self, point: Vector) -> Vector:
         """Where the line from the centre through a point is in the plane through the opening across the axis."""

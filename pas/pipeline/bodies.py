@@ -75,7 +75,7 @@ def body(
                 plate = patch(name, contact.surface, end).cap(back, f"{name} back")
                 works = opening.fitting(reach, length is None) if around == "edged" else reach
                 solids.append(opening.ended(plate, reach, works) if around == "edged" else plate)
-            chains.append(opening.opened if around != "edged" else opening.chain(name, reach, works))
+            chains.append(opening.chain(name, reach, works) if around == "edged" else None)
             continue
         chains.append(_chain(surface, number, name, end, reach))
         if reach + beyond > 0:
@@ -98,7 +98,7 @@ def _chain(surface: PiecewiseSurface, number: int, name: str, plane: Polynomial,
     contact, center = surface.contacts[number], surface.partition.center
     cap = _cap(plane, length)
     slope = scaled(plane).gradient(np.zeros(3))
-    axis, strips = slope / np.linalg.norm(slope), ()
+    axis, strips = slope / np.linalg.norm(slope), tuple[Strip, ...]()
     if length > 0:
         rows = Sections.of(contact.surface, plane, cap, center)
         if rows is None:
@@ -148,7 +148,9 @@ def _wall_sheets(
     for number, (name, reach) in enumerate(zip(titles, reaches, strict=True)):
         if not outer.joins[number].opening:
             plane = _plane(outer, number)
-            pairs.append((_chain(outer, number, name, plane, reach), _chain(inner, number, f"{INSIDE} {name}", plane, reach)))
+            pairs.append(
+                (_chain(outer, number, name, plane, reach), _chain(inner, number, f"{INSIDE} {name}", plane, reach))
+            )
             continue
         around, within = (AroundOpening.of(surface, number) for surface in (outer, inner))
         works = around.fitting(reach, shorter) if reach > 0 else reach
@@ -160,7 +162,9 @@ def _wall_sheets(
         pairs.append((side[0], replace(side[1], floor=scaled(around.at(floor)))))
     sides = [
         Side(surface, face, tuple(chain for chain in chains if chain is not None))
-        for surface, face, chains in zip((outer, inner), ("blend", f"{INSIDE} blend"), zip(*pairs, strict=True), strict=True)
+        for surface, face, chains in zip(
+            (outer, inner), ("blend", f"{INSIDE} blend"), zip(*pairs, strict=True), strict=True
+        )
     ]
     return SheetBody.of(sides) if all(len(side.chains) == len(titles) for side in sides) else None
 

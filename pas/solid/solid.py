@@ -70,8 +70,7 @@ class Solid(AffineShape["Solid"], Shape):
             refuse_mixed(self, other)
         tree = combined(union, self.tree, complement(other.tree) if less else other.tree)
         joints = tuple(dict.fromkeys(self.joints + other.joints))
-        sheets = self.sheets.united(other.sheets) if union and self.sheets and other.sheets else None
-        return Solid(tree, joints, self.special_points + other.special_points, sheets)
+        return Solid(tree, joints, self.special_points + other.special_points)
 
     def _moved(self, map_: Affine) -> Solid:
         images: dict[Function, Function] = {}

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -21,7 +22,7 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.affine import Frame
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, to_float, to_floats
+from pas.algebra.rational import Vector, dot, to_float, to_floats
 from pas.contacts.cones import first_met
 from pas.contacts.contact import Contact
 from pas.mesh.walls import End
@@ -51,7 +52,9 @@ class Sections:
     growth: tuple[float, float]
 
     @classmethod
-    def of(cls, surface: Polynomial, plane: Polynomial, cap: Polynomial, center: Vector | None = None) -> Sections | None:
+    def of(
+        cls, surface: Polynomial, plane: Polynomial, cap: Polynomial, center: Vector | None = None
+    ) -> Sections | None:
         """Those of a surface from `plane` on, positive on the strip's side, to `cap`, its parallel, whose sections are
         ellipses.
 
@@ -64,7 +67,10 @@ class Sections:
         matrix, high = quadric(surface), (plane - cap).raw.leading_coefficient()
         normal = [plane.diff(i).raw(0, 0, 0) for i in range(3)]
         system = fmpq_mat([[*(matrix[i, j] for j in range(3)), -normal[i]] for i in range(3)] + [[*normal, fmpq(0)]])
-        if system.det() == 0:
+        across = sum(matrix[i, i] * dot(normal, normal) for i in range(3)) - sum(
+            matrix[i, j] * normal[i] * normal[j] for i in range(3) for j in range(3)
+        )
+        if system.det() <= 0 or across <= 0:  # those of the form in the plane, and its trace
             return None
         heights = [t * high - plane.raw(0, 0, 0) for t in (fmpq(0), fmpq(1, 2), fmpq(1))]
         known = [fmpq_mat(4, 1, [*(-matrix[i, 3] for i in range(3)), h]) for h in heights]
@@ -141,14 +147,14 @@ class Chain:
     """What goes on from a contact: strips one after the other from its `curve`, points (N, 3) in order, up to an end.
 
     `clip` is where the blend ends, seen along its axis from what goes on.  `end` is a plane, or seen from its apex a
-    cone, with the face `name`; None where something else closes it.  All of it is where `floor` is negative.
+    cone, with the face `name`.  All of it is where `floor` is negative.
     """
 
     contact: Contact
     clip: End
     curve: Floats
     strips: tuple[Strip, ...]
-    end: End | None
+    end: End
     name: str
     floor: Polynomial | None = None
 
@@ -175,7 +181,9 @@ class Chain:
     def stretch(self) -> float:
         """How much farther than the first loop's the chords of later loops are from the curve, at most; those of bowed
         strips leave half of it to the bow."""
-        sags = [np.linalg.norm(np.roll(p, 1, axis=0) + np.roll(p, -1, axis=0) - 2 * p, axis=1).max() for p in self.loops]
+        sags = [
+            np.linalg.norm(np.roll(p, 1, axis=0) + np.roll(p, -1, axis=0) - 2 * p, axis=1).max() for p in self.loops
+        ]
         return max(1.0, *(s / sags[0] for s in sags)) * (2.0 if any(self.bowed) else 1.0)
 
     @property
@@ -211,7 +219,7 @@ def rows_within(strip: Strip, begin: Floats, tolerance: float) -> list[Floats] |
 def off_strip(surface: Polynomial, rows: Sequence[Floats]) -> float:
     """How far the triangles between rows are from a surface at the middles of their edges, to first order."""
     found, side = 0.0, End(surface, np.zeros(3))
-    for here, there in zip(rows, rows[1:], strict=False):
+    for here, there in pairwise(rows):
         across = [(here + there) / 2, (np.roll(here, -1, axis=0) + there) / 2]
         along = [(row + np.roll(row, -1, axis=0)) / 2 for row in (here, there)]
         found = max(found, *(side.off(points) for points in (*across, *along)))
