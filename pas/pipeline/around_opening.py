@@ -25,7 +25,7 @@ from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.neighbours import is_left_once, moved
 from pas.solid.solid import Solid
-from pas.solid.strips import Chain, Outwards, Straight, Strip
+from pas.solid.strips import Chain, Outwards, Straight, SolidStrip
 
 AROUND, OUTWARDS, ALONG = 48, 12, 256
 """Rays round an opening and between it and the edge, and places on each, by which surfaces are looked through."""
@@ -135,22 +135,22 @@ class AroundOpening:
         if reach > 0:
             around, edge = self.walled(name, works, self.edge(works)), scaled(self.edge(works))
             pole = np.array([*down, 0.0]) if self.flat else self._center
-            strips = (*around.strips, Strip(f"{name} end", edge, Straight(back, pole)))
+            strips = (*around.strips, SolidStrip(f"{name} end", edge, Straight(back, pole)))
         else:
-            strips = (Strip(f"{name} end", clip, Straight(back, self._center)),)
+            strips = (SolidStrip(f"{name} end", clip, Straight(back, self._center)),)
         return Chain(self.contact, self._clip, self._curve, strips, End(back, down), f"{name} back")
 
     def walled(self, name: str, works: fmpq, edge: Polynomial, floor: Polynomial | None = None) -> Chain:
         """What bounds one side of a wall from the opening on: its surface up to an edge, if that `works` for more than
         0, and a ring in the edge, or in the cone of the opening, above a floor."""
-        clip, strips = self._clip, tuple[Strip, ...]()
+        clip, strips = self._clip, tuple[SolidStrip, ...]()
         if works > 0 and self.flat:
             middle = np.array([*to_floats(self._above(self.middle)), 1.0])
-            strips = (Strip(name, self.contact.surface, Straight(scaled(edge), middle, towards=False)),)
+            strips = (SolidStrip(name, self.contact.surface, Straight(scaled(edge), middle, towards=False)),)
         elif works > 0:
             axis = np.array(to_floats(self.axis)) * to_float(self.scale)
             rays = Outwards(self.join.contact.surface, self._frame, axis, to_float(self.wide(works)))
-            strips = (Strip(name, self.contact.surface, rays),)
+            strips = (SolidStrip(name, self.contact.surface, rays),)
         end = End(scaled(edge) if works > 0 else clip.surface, clip.axis)
         return Chain(self.contact, clip, self._curve, strips, end, f"{name} end", floor)
 

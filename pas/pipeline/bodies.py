@@ -28,7 +28,7 @@ from pas.solid.assembly import union
 from pas.solid.functions import Pieces, region
 from pas.solid.sheets import SheetBody, Side
 from pas.solid.solid import Solid, patch
-from pas.solid.strips import Chain, Sections, Strip
+from pas.solid.strips import Chain, Sections, SolidStrip
 from pas.solid.tree import Atom, combined
 
 Around: TypeAlias = 'Literal["edged", "endless", "surface", "run"]'
@@ -98,12 +98,12 @@ def _chain(surface: PiecewiseSurface, number: int, name: str, plane: Polynomial,
     contact, center = surface.contacts[number], surface.partition.center
     cap = _cap(plane, length)
     slope = scaled(plane).gradient(np.zeros(3))
-    axis, strips = slope / np.linalg.norm(slope), tuple[Strip, ...]()
+    axis, strips = slope / np.linalg.norm(slope), tuple[SolidStrip, ...]()
     if length > 0:
         rows = Sections.of(contact.surface, plane, cap, center)
         if rows is None:
             return None
-        strips = (Strip(name, contact.scaled.surface, rows),)
+        strips = (SolidStrip(name, contact.scaled.surface, rows),)
     try:
         curve = Contact(contact.surface, plane, contact.near).rim.points()
     except GeometryError:  # no curve that is known to be closed

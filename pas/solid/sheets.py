@@ -27,7 +27,7 @@ from pas.mesh.topology import Edges
 from pas.mesh.walls import End, ring
 from pas.piecewise import PiecewiseSurface
 from pas.solid.field import SolidField
-from pas.solid.strips import Chain, Strip, off_strip, rows_within
+from pas.solid.strips import Chain, SolidStrip, off_strip, rows_within
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +56,7 @@ class Side:
             for strip in chain.strips:
                 if not made.goes_on(strip, loops, number, tolerance):
                     return None
-        return made.mesh, loops
+        return made.mesh(), loops
 
 
 class _Faces:
@@ -80,7 +80,7 @@ class _Faces:
         self.blocks.append(points)
         return np.arange(first, first + len(points))
 
-    def goes_on(self, strip: Strip, loops: list[Integers], number: int, tolerance: float) -> bool:
+    def goes_on(self, strip: SolidStrip, loops: list[Integers], number: int, tolerance: float) -> bool:
         """Whether a strip goes on from a loop, which it then replaces by that in which it ends."""
         begin = self.points[loops[number]]
         rows = rows_within(strip, begin, tolerance)
@@ -114,12 +114,13 @@ class _Faces:
         self.add(chain.name, triangles, end.normals(corners))
         return True
 
-    @property
-    def mesh(self) -> Mesh:
-        """Faces of one name are one."""
-        names = tuple(dict.fromkeys(name for name, _, _ in self._faces))
-        faces = np.repeat([names.index(name) for name, _, _ in self._faces], [len(t) for _, t, _ in self._faces])
-        triangles, normals = (np.concatenate([face[i] for face in self._faces]) for i in (1, 2))
+    def mesh(self, order: Sequence[str] = ()) -> Mesh:
+        """Faces of one name are one; those named in `order` come first."""
+        made = self._faces
+        known = dict.fromkeys(name for name, _, _ in made)
+        names = (*(name for name in order if name in known), *(name for name in known if name not in order))
+        faces = np.repeat([names.index(name) for name, _, _ in made], [len(t) for _, t, _ in made])
+        triangles, normals = (np.concatenate([face[i] for face in made]) for i in (1, 2))
         return Mesh(self.points, triangles, faces, names, normals, deviation=self.deviation)
 
 
@@ -174,8 +175,11 @@ class SheetBody:
         a, b, c = zip(*(map_.direction(column) for column in zip(*self.place.matrix, strict=True)), strict=True)
         return replace(self, place=Affine((a, b, c), map_.exact(self.place.shift)))
 
-    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        """A closed mesh within a tolerance (the model's units), as measured; None where a surface is not as wished."""
+    def mesh(self, tolerance: float, quality: Quality, order: Sequence[str] = ()) -> Mesh | None:
+        """A closed mesh within a tolerance (the model's units), as measured; None where a surface is not as wished.
+
+        Faces that are named in `order` come first.
+        """
         stretch = 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
         found = [side.mesh(tolerance / stretch, quality) for side in self.sides]
         meshes, ends = [pair[0] for pair in found if pair], [pair[1] for pair in found if pair]
@@ -190,7 +194,8 @@ class SheetBody:
         cases = zip(self.sides[0].chains, ends[0], inner, strict=True)
         if not all(made.ended(*case) for case in cases) or made.deviation > tolerance / stretch:
             return None
-        return made.mesh if self.place is None else made.mesh._moved(self.place)
+        mesh = made.mesh(order)
+        return mesh if self.place is None else mesh._moved(self.place)
 
 
 def _fan(loop: Integers, middle: int) -> Integers:

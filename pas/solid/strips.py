@@ -67,10 +67,9 @@ class Sections:
         matrix, high = quadric(surface), (plane - cap).raw.leading_coefficient()
         normal = [plane.diff(i).raw(0, 0, 0) for i in range(3)]
         system = fmpq_mat([[*(matrix[i, j] for j in range(3)), -normal[i]] for i in range(3)] + [[*normal, fmpq(0)]])
-        across = sum(matrix[i, i] * dot(normal, normal) for i in range(3)) - sum(
-            matrix[i, j] * normal[i] * normal[j] for i in range(3) for j in range(3)
-        )
-        if system.det() <= 0 or across <= 0:  # those of the form in the plane, and its trace
+        along = dot(normal, tuple(dot(matrix.tolist()[i][:3], normal) for i in range(3)))
+        across = dot(normal, normal) * sum(matrix[i, i] for i in range(3)) - along
+        if system.det() <= 0 or across <= 0:  # determinant and trace of the form in the plane
             return None
         heights = [t * high - plane.raw(0, 0, 0) for t in (fmpq(0), fmpq(1, 2), fmpq(1))]
         known = [fmpq_mat(4, 1, [*(-matrix[i, 3] for i in range(3)), h]) for h in heights]
@@ -134,7 +133,7 @@ class Outwards:
 
 
 @dataclass(frozen=True, eq=False)
-class Strip:
+class SolidStrip:
     """A face from one loop to another; the `surface` is negative inside."""
 
     name: str
@@ -153,7 +152,7 @@ class Chain:
     contact: Contact
     clip: End
     curve: Floats
-    strips: tuple[Strip, ...]
+    strips: tuple[SolidStrip, ...]
     end: End
     name: str
     floor: Polynomial | None = None
@@ -205,7 +204,7 @@ class Chain:
         return True
 
 
-def rows_within(strip: Strip, begin: Floats, tolerance: float) -> list[Floats] | None:
+def rows_within(strip: SolidStrip, begin: Floats, tolerance: float) -> list[Floats] | None:
     """The loops after a first one (N, 3) that make a strip within a tolerance, as measured; None where too many do."""
     number = 1
     while number <= MOST_ROWS:
