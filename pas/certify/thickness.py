@@ -126,7 +126,8 @@ def thicker_than(inner: PiecewisePolynomial, outer: PiecewisePolynomial, bound: 
         inside = cells.source < start
         numbers = [np.flatnonzero(there & side) for side in (inside, ~inside)]
         fates[there] = Fate.SETTLED
-        for first, second in _near(*(found.select(some) for some in numbers), distance + clear):
+        inner_slices, outer_slices = (found.select(some) for some in numbers)
+        for first, second in _near(inner_slices, outer_slices, distance + clear):
             pair = found.select(numbers[0][first]), found.select(numbers[1][second])
             close = ~_apart(*pair, distance + clear)
             rows = numbers[0][first[close]], numbers[1][second[close]]
