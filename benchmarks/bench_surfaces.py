@@ -93,6 +93,7 @@ def meshed(
         tolerance = share * float(np.ptp(shape.partition.points, axis=0).max())
 
         def work() -> object:
+            shape._last_mesh.clear()  # which would be given again
             mesh = (surface() if anew else shape).mesh(tolerance)
             return mesh.certificate if proved else mesh
 

@@ -32,6 +32,7 @@ from .contacts.contact import Contact as Contact
 from .contacts.contact import contact_ideal as contact_ideal
 from .contacts.endless import Cone as Cone
 from .contacts.endless import Pipe as Pipe
+from .contacts.ends import ContactEnd as ContactEnd
 from .contacts.plate import Plate as Plate
 from .contacts.quadric import QuadricContact as QuadricContact
 from .contacts.torus import Torus as Torus
@@ -154,6 +155,9 @@ from .pipeline.blend import node as node
 from .pipeline.blend import solutions as solutions
 from .pipeline.blend import struts as struts
 from .pipeline.convex_problem import ConvexProblem as ConvexProblem
+from .pipeline.feet import foot as foot
+from .pipeline.feet import junction as junction
+from .pipeline.header import header as header
 from .pipeline.hollow import HollowBlend as HollowBlend
 from .pipeline.result import Blend as Blend
 from .pipeline.result import SolutionSpace as SolutionSpace

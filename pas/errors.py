@@ -9,6 +9,7 @@ classes under `InputError` end with exit code 2, the others with 1.
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any
@@ -19,6 +20,14 @@ def meant(word: str, known: Iterable[str]) -> str:
     names = list(known)
     near = [n for n in names if n.lower() == word.lower()] or get_close_matches(word, names, 1)
     return f"; is {near[0]!r} meant?" if near else ""
+
+
+def warn(sentence: str) -> None:
+    """Warn (`UserWarning`) at the line outside the package from which it was called."""
+    level, frame = 1, sys._getframe()
+    while frame.f_globals.get("__name__", "").partition(".")[0] == __package__ and frame.f_back is not None:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(sentence, stacklevel=level)
 
 
 class PasError(Exception):

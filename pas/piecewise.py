@@ -25,15 +25,13 @@ from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
 from pas.partition.boxes import SingleCell
 from pas.partition.cells import Partition
+from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
 from pas.surface.fairness import Fairness, fairness
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.meshing import Mesher
 from pas.surface.placed import PlacedContacts
 from pas.verdicts import Verdict
-
-DEFAULT_TOLERANCE = 1e-3
-"""Of a mesh, over the longest side of the region's box."""
 
 
 class PiecewiseSurface(PiecewisePolynomial, Shape):
@@ -153,10 +151,13 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
         if all(patch.degree < 1 for patch in self.patches):
             raise MeshError("there is no surface to be meshed: its function is constant in each piece")
         if tolerance is None:
-            tolerance = DEFAULT_TOLERANCE * float(np.ptp(self.partition.points, axis=0).max())
+            tolerance = RELATIVE_TOLERANCE * float(np.ptp(self.partition.points, axis=0).max())
         scale = float(to_fraction(self.partition.frame.scale))
         wanted = check_tolerance(tolerance, scale)
-        return SurfaceMesh.of_surface(self.mesher.mesh(wanted, check_limit(max_triangles), how), self, wanted)
+        most = check_limit(max_triangles)
+        return self._kept(
+            (wanted, most, how), lambda: SurfaceMesh.of_surface(self.mesher.mesh(wanted, most, how), self, wanted)
+        )
 
     def certify_mesh(self, points: Floats, triangles: Integers) -> MeshCertificate:
         """The verdicts on points (N, 3) and triangles (T, 3) of any origin as a mesh of this surface.

@@ -43,6 +43,9 @@ def given(settings: Any) -> dict[str, Any]:
     return {name: value for name, (value, usual) in values.items() if value is not usual and value != usual}
 
 
+RELATIVE_TOLERANCE = 1e-3
+"""Of a mesh for which no tolerance is given, over the size of what is meshed: a thousandth is seen by nobody."""
+
 QUALITIES = ("angles", "balanced", "count")
 """The names of `pas.Quality`."""
 

@@ -10,10 +10,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from inspect import signature
 from pathlib import Path
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, NoReturn, TypeVar
 
+from pas.algebra.inputs import shown
 from pas.registry import Registry, loaded
 from pas.settings import MeshSettings, given
 from pas.verdicts import Verdicts
@@ -27,6 +29,9 @@ VERBS = {
     "studio": "pas.studio.widget:studio",
 }
 """Where the work of the verbs is done that all shapes have, in rooms above."""
+
+
+S = TypeVar("S")
 
 
 class Shape(ABC):
@@ -56,6 +61,27 @@ class Shape(ABC):
                 raise ValueError(f"{name} is that of {owner}, which {self!r} is not")
         return self.mesh(**wanted)
 
+    @cached_property
+    def _last_mesh(self) -> dict[Any, Any]:
+        """The mesh that was made last, by what it was made for."""
+        return {}
+
+    def _kept(self, wanted: tuple[Any, ...], make: Callable[[], S]) -> S:
+        """The mesh of what is wanted: the one made last, where that is it, so that two files hold one mesh.
+
+        Its points and triangles cannot be written to, so that nobody changes those of another.
+        """
+        if wanted in self._last_mesh:
+            kept: S = self._last_mesh[wanted]
+            return kept
+        made: Any = make()
+        for array in (made.points, made.triangles):
+            array.setflags(write=False)
+        self._last_mesh.clear()
+        self._last_mesh[wanted] = made
+        found: S = made
+        return found
+
     @abstractmethod
     def __str__(self) -> str:
         """What it is, for people; of some kinds with the verdicts."""
@@ -67,6 +93,14 @@ class Shape(ABC):
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {str(self).splitlines()[0]}>"
+
+    def __add__(self, other: object) -> NoReturn:
+        raise TypeError(
+            "shapes cannot be added by + or sum: a | b is the union of two solids or two meshes, "
+            "solid.union(a, b, ...) that of several solids, and solid.assembly(first=a, second=b) keeps them apart"
+        )
+
+    __radd__ = __add__
 
     def save(self, path: str | Path, **options: Any) -> Path:
         """Write the exact project file (`.pas.json`); returns its path.  See `pas.save`."""
@@ -99,22 +133,22 @@ class Shape(ABC):
         return str(loaded(VERBS["html"])(self))
 
 
-def refuse_mixed(first: Shape, second: object) -> None:
-    """Raise `TypeError` for an operation of a solid or mesh and a shape that is not of its kind."""
-    if isinstance(second, Shape):
-        kinds = first.kind, second.kind
-        other = second.kind if first.kind == "mesh" else first.kind if second.kind == "mesh" else ""
-        raise TypeError(
-            f"|, & and - take two solids or two meshes, not a {kinds[0]} and a {kinds[1]}; "
-            + (
-                f"take the mesh of the {other} first, as in shape.mesh(tolerance)"
-                if other
-                else f"make a solid of the {second.kind} first, as blend.solid() and assembly[name].shape are"
-            )
+def refuse_mixed(first: Shape, second: object) -> NoReturn:
+    """Raise `TypeError` for an operation of a solid or mesh and what is not of its kind."""
+    if not isinstance(second, Shape):
+        raise TypeError(f"|, & and - take two solids or two meshes, not a {first.kind} and {shown(second)}")
+    kinds = first.kind, second.kind
+    other = second.kind if first.kind == "mesh" else first.kind if second.kind == "mesh" else ""
+    raise TypeError(
+        f"|, & and - take two solids or two meshes, not a {kinds[0]} and a {kinds[1]}; "
+        + (
+            f"take the mesh of the {other} first, as in shape.mesh(tolerance)"
+            if other
+            else f"make a solid of the {second.kind} first, as blend.solid() and assembly[name].shape are"
+            if second.kind == "assembly" or hasattr(second, "solid")
+            else f"no solid can be made of a {second.kind}: take the meshes of both, as in a.mesh(tolerance)"
         )
-
-
-S = TypeVar("S")
+    )
 
 
 def _own_mesh(shape: Any, settings: MeshSettings) -> Any:

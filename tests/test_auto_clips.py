@@ -88,6 +88,14 @@ def test_struts_are_the_same_mechanism():
     assert [c.clip.primitive() for c in placed.contacts] == [p.contact.clip.primitive() for p in struts]
 
 
+@pytest.mark.parametrize(("wide", "distances"), [("127/5", (30.3, 40.6)), (5, (6.0, 8.0)), (1, (2.0, 2.0))])
+def test_a_thin_branch_sends_no_clip_far_out(wide, distances):
+    run, back, branch = pas.struts([(X, wide), ((-1, 0, 0), wide), (Z, 1)], 1)
+    assert run.clip == back.clip
+    assert float(run.clip) == pytest.approx(distances[0], rel=0.03)
+    assert float(branch.clip) == pytest.approx(distances[1], rel=0.03)
+
+
 def test_clips_that_are_given_stay_and_are_kept_apart_from():
     near, far = (place([pipe(X, 1), pipe((1, 2, 0), 1, clip)], 1).contacts for clip in (1, 3))
     assert near[1].clip == pipe((1, 2, 0), 1, 1).contact.clip

@@ -259,3 +259,9 @@ def test_a_corner_may_say_how_it_is_drawn(tmp_path):
     path.write_text(PROBLEM.read_text() + '\n[picture]\nstyle = "zebra"\nview = [1, 1, "1/2"]\n')
     problem = pas.read_problem(path)
     assert (problem.style, problem.view) == ("zebra", (1, 1, 0.5))
+
+
+def test_the_mesh_of_a_blend_is_by_default_a_thousandth_of_its_size(made, tmp_path, capsys):
+    _, out, _ = run(capsys, "mesh", made / "equal_gc1.pas.json", "-o", tmp_path / "a.stl", "--json")
+    _, solved, _ = run(capsys, "blend", PROBLEM, "-o", tmp_path, "--no-picture", "--json")
+    assert json.loads(out)["triangles"] == json.loads(solved)["triangles"] > 500

@@ -128,3 +128,45 @@ def test_a_format_from_outside(off, shapes, tmp_path):
     assert pas.write_mesh(shapes["mesh"], tmp_path / "c.off").exists()
     with pytest.raises(ValueError, match=r"there is a file format '\.off' already"):
         FORMATS.register(Format(".off", TRIANGLES, off["write_off"]))
+
+
+@pytest.mark.parametrize(("unit", "millimeters"), [("in", 25.4), ("Inches", 25.4), ("cm", 10), ("mm", 1), (None, 1)])
+def test_numbers_of_stl_files_are_millimeters(unit, millimeters, tmp_path):
+    ball = solid.ball((0, 0, 0), 1)
+    written = trimesh.load_mesh(pas.write(ball, tmp_path / "a.stl", tolerance=0.1, unit=unit))
+    assert written.extents == pytest.approx(np.ptp(ball.mesh(0.1).points, axis=0) * millimeters, rel=1e-6)
+    assert written.is_watertight and written.volume > 0
+
+
+@pytest.mark.parametrize(
+    ("unit", "meters", "told"), [("feet", 0.3048, "meter"), ("mm", 1e-3, "meter"), (None, 1, "mill")]
+)
+def test_numbers_of_glb_files_are_meters(unit, meters, told, tmp_path):
+    ball = solid.ball((0, 0, 0), 1)
+    path = pas.write(solid.assembly(ball=ball), tmp_path / "a.glb", tolerance=0.1, unit=unit)
+    assert trimesh.load(path).extents == pytest.approx(np.ptp(ball.mesh(0.1).points, axis=0) * meters, rel=1e-6)
+    assert trimesh.load(path).metadata["unit"].startswith(told)
+
+
+def test_formats_that_tell_a_unit_keep_the_numbers_and_others_refuse_one(shapes, tmp_path):
+    ball = solid.ball((0, 0, 0), 1)
+    text = pas.write(ball, tmp_path / "a.obj", tolerance=0.1, unit="micron").read_text()
+    assert text.startswith("# unit: micrometer\n")
+    assert trimesh.load_mesh(tmp_path / "a.obj").extents == pytest.approx(np.ptp(ball.mesh(0.1).points, axis=0))
+    with pytest.raises(ValueError, match=r"\.vtu files have no unit; leave out unit='inch', and scale the shape"):
+        pas.write(shapes["surface"], tmp_path / "a.vtu", unit="in")
+
+
+def test_files_hold_the_mesh_that_was_made_before(shapes, tmp_path, monkeypatch):
+    meshes = {name: shapes[name].mesh(0.07) for name in ("solid", "blend", "surface", "parametric")}
+    for module, maker in (("solid.solid", "triangulate_faces"), ("parametric.surface", "_leaves")):
+        monkeypatch.delattr(f"pas.{module}.{maker}")
+    monkeypatch.delattr("pas.surface.meshing.Mesher.mesh")
+    for name, mesh in meshes.items():
+        for suffix in (".stl", ".obj"):
+            path = pas.write(shapes[name], tmp_path / f"{name}{suffix}", tolerance=0.07)
+            assert len(trimesh.load_mesh(path, process=False).faces) == len(mesh.triangles)
+        with pytest.raises((NameError, AttributeError)):
+            shapes[name].mesh(0.08)
+    with pytest.raises(ValueError, match="read-only"):
+        meshes["blend"].points[0] = 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 import pytest
@@ -148,7 +148,7 @@ def test_a_region_on_more_cells_has_the_space_of_its_layout():
 @pytest.mark.parametrize("kind", LAYOUTS)
 def test_the_layout_of_a_region_is_the_one_it_was_built_on(kind):
     node = ContactNode.of(
-        [as_contact(p) for p in {"strips": five(), "fan": NODES["cross"], "planes": NODES["six-way"]}[kind]]
+        [as_contact(p) for p in {"strips": five(), "fan": NODES["cross"], "planes": diagonals()}[kind]]
     )
     layout = LAYOUTS[kind].trials[1][0].make(node.discs, node.center)
     found = region(layout, node.discs).layout
@@ -179,6 +179,11 @@ def test_strips_have_a_surface_of_order_2():
 def five():
     """Five pipes in directions that have a layout of strips."""
     return [pipe(axis, "1/2", clip) for axis, clip in zip(FIVE, ("3/4", "3/4", "1/2", "3/4", "1/2"), strict=True)]
+
+
+def diagonals():
+    """Eight pipes along the diagonals of a cube, which the planes of the first orbit keep apart."""
+    return [pipe(axis, "1/2", 1) for axis in product((1, -1), repeat=3)]
 
 
 def arcs(layout, piece):
@@ -352,7 +357,7 @@ def test_names_of_layouts():
         pas.blend(NODES["T"], 1, partition="fans")
     with pytest.raises(TypeError, match=r"partition must be a pas\.Partition"):
         pas.blend(NODES["T"], 1, partition=3)
-    with pytest.raises(pas.GeometryError, match="full planes serve six contacts"):
+    with pytest.raises(pas.GeometryError, match="full planes serve 4 contacts or more"):
         pas.blend(NODES["T"], 1, partition="planes")
 
 

@@ -126,7 +126,12 @@ def test_vertices_at_walls_stay(text, monkeypatch):
     """What is mended more eagerly ends where it ended, and in the box."""
     surface = pas.Polynomial(text).surface((-1,) * 3, (1,) * 3)
     plain = surface.mesh(2e-4)
-    monkeypatch.setattr(triangulate, "Settings", lambda **given: Settings(good=0.6, **given))
+
+    class Eager(Settings):
+        def __init__(self, **given):
+            super().__init__(good=0.6, **given)
+
+    monkeypatch.setattr(triangulate, "Settings", Eager)
     mesh = pas.Polynomial(text).surface((-1,) * 3, (1,) * 3).mesh(2e-4)
     assert np.array_equal(mesh.points[np.unique(mesh.boundary)], plain.points[np.unique(plain.boundary)])
     assert not np.array_equal(mesh.points, plain.points)

@@ -47,7 +47,7 @@ def test_a_problem(tmp_path):
         pas.Pipe((0, 1, 0), "1/4", 1),  # 0.25 as the decimal written
         pas.Contact("x^2+y^2-4/25", "z-1"),
     )
-    assert (problem.order, problem.degree, problem.tolerance) == (2, None, 1e-3)
+    assert (problem.order, problem.degree, problem.tolerance) == (2, None, None)
     assert problem.wishes == pas.Wishes(inside=[[0, 0, "1/2"]])
     assert problem.wishes.energy is None  # the usual one
 

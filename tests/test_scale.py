@@ -87,7 +87,9 @@ def hollow(factor: Fraction) -> Made:
 
 def nozzle(factor: Fraction) -> Made:
     opening = pas.Opening(times("x^2 + y^2 + z^2 - 4", factor), (0, 0, 1), "1/2")
-    return of_surface(pas.blend([opening, contact("x^2 + y^2 - 1/9", "z - 3", factor)], 1).surface, 0.05)
+    return of_surface(
+        pas.blend([opening, contact("(x - 1/32)^2 + (y + 1/64)^2 - 1/9", "z - 3", factor)], 1).surface, 0.05
+    )
 
 
 def plate(factor: Fraction) -> Made:

@@ -9,7 +9,7 @@ import pytest
 import pas
 from pas.fairing.surface_points import Sizes, SurfacePoints, differences
 from pas.surface.fairness_limits import neighbour
-from pas.surface.straight_runs import straight_runs, waist, weights
+from pas.surface.straight_runs import guided, straight_runs, waists
 
 X, BACK, Y, DOWN, Z = (1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1)
 
@@ -58,15 +58,26 @@ def test_a_contact_continues_one_other_the_straightest():
 
 
 def test_distances_from_the_tube():
-    (run,) = runs_of(pas.struts(T, 1))
+    (run,) = runs = runs_of(pas.struts(T, 1))
     assert run.radii == pytest.approx((1, 1)) and run.lengths == pytest.approx((2, 2))
     points = np.array([[0, -1, 0], [1, -0.9, 0], [0.5, 0, 1.3], [0, 1, 0], [2.5, -1, 0]], dtype=float)
     distance, cosines = run.seen(points)
     assert distance[:4] == pytest.approx([0, -0.1, 0.3, 0]) and np.isnan(distance[4])
     assert cosines[:4, 0] == pytest.approx([-1, -1, 0, 1])
-    assert weights(cosines[:4]) == pytest.approx([1, 1, 1, 0])
-    own = waist(run, points)
-    assert own[:3] == pytest.approx([0, -0.1, 0.3]) and np.isnan(own[3:]).all()
+    assert guided(runs, points)[1][:, 0] == pytest.approx([1, 1, 1, 0, 0])
+    assert waists(runs, points) == pytest.approx([0, -0.1, 0.3, 0, 0])
+
+
+def test_where_runs_cross_the_outer_tube_counts():
+    """Of runs of radius 1 and 1/2 the wider one has the top of the crossing; equal ones have it by halves."""
+    top = np.array([[0, 0, 0.98], [0.1, 0, 0.9]])
+    unequal = runs_of(pas.struts([(X, 1, 2), (BACK, 1, 2), (Y, "1/2", 2), (DOWN, "1/2", 2)], 1))
+    distances, shares = guided(unequal, top)
+    assert distances[0] == pytest.approx([-0.02, 0.48]) and shares[0] == pytest.approx([1, 0], abs=1e-12)
+    assert waists(unequal, top) == pytest.approx([-0.02, -0.1])
+    equal = runs_of(pas.struts(CROSS, 1))
+    assert guided(equal, top[:1])[1][0] == pytest.approx([0.5, 0.5])
+    assert waists(equal, top[:1]) == pytest.approx([-0.02])
 
 
 def test_a_run_of_two_radii_has_both_at_its_ends():

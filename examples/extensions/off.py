@@ -22,7 +22,7 @@ from pas.exchange.parts import TRIANGLES, Piece, joined, repeated_colors, triang
 def write_off(parts: Sequence[Piece], path: Path, request: Request) -> None:
     """All parts put together, each triangle in its part's colour."""
     points, triangles = joined(parts)
-    lines = ["OFF", f"# unit: {request.unit}", f"{len(points)} {len(triangles)} 0"]
+    lines = ["OFF", f"# unit: {request.told_unit}", f"{len(points)} {len(triangles)} 0"]
     lines += [f"{x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
     colors = repeated_colors(parts, triangles_of)
     rows = zip(triangles.tolist(), colors.tolist(), strict=True)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import Generic, TypeVar
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_mpoly
@@ -208,3 +210,34 @@ def reflection(normal: VectorLike, center: VectorLike) -> Affine:
         raise ValueError("normal must not be the zero vector")
     rows = tuple(tuple(IDENTITY[i][j] - 2 * n[i] * n[j] / square for j in range(3)) for i in range(3))
     return about(rows, center)  # type: ignore[arg-type]
+
+
+M = TypeVar("M")
+
+
+class AffineShape(ABC, Generic[M]):
+    """What affine maps can be applied to; nothing changes it: all methods return a new one."""
+
+    @abstractmethod
+    def _moved(self, map_: Affine) -> M:
+        """Its image."""
+
+    def translate(self, offset: Exact | VectorLike, *others: Exact) -> M:
+        """The shape moved by three numbers (the model's units), given in one sequence or one by one."""
+        return self._moved(translation((offset, *others) if others else offset))  # type: ignore[arg-type]
+
+    def rotate(self, axis: VectorLike, degrees: Exact, center: VectorLike = (0, 0, 0)) -> M:
+        """The shape turned about an axis through `center`, counterclockwise seen from the axis' tip.
+
+        Exact rotations by rational matrices; the angle is `degrees` up to rounding, and exact for
+        multiples of 90 about an axis of rational length.
+        """
+        return self._moved(rotation(axis, degrees, center))
+
+    def scale(self, factor: Exact | VectorLike, center: VectorLike = (0, 0, 0)) -> M:
+        """The shape scaled by a positive number, or by three, one for each axis."""
+        return self._moved(scaling(factor, center))
+
+    def mirror(self, normal: VectorLike, center: VectorLike = (0, 0, 0)) -> M:
+        """The shape reflected in the plane through `center` with the given normal."""
+        return self._moved(reflection(normal, center))

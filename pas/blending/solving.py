@@ -136,7 +136,7 @@ def solve(placed: PlacedContacts, degree: int, method: str = "linear") -> Space:
 
 
 def register_method(method: SolvingMethod) -> SolvingMethod:
-    """Make a way to solve known to `pas.solutions`, by its name; returns it.
+    """Make a way to solve known to `pas.solutions` by its name, beside those of Warren 1989 and the others; returns it.
 
     Raises `ValueError` for a name that is taken, `TypeError` for what is no method.
     """

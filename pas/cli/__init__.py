@@ -11,6 +11,7 @@ import io
 import json
 import sys
 import traceback
+import warnings
 from collections.abc import Sequence
 
 from pas.cli.common import DONE as DONE
@@ -37,7 +38,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         reader.print_help()
         return WRONG
     try:
-        with limit(options.seconds, tell):
+        with warnings.catch_warnings(), limit(options.seconds, tell):
+            warnings.showwarning = lambda message, *_: print(f"pas: {message}", file=sys.stderr)
             outcome = options.run(options)
             print(json.dumps(outcome.record, indent=1) if options.json else outcome.text)
             return int(outcome.code)

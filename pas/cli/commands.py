@@ -153,7 +153,7 @@ def _written(shape: Any, options: argparse.Namespace) -> CommandResult:
     from pas.exchange.write import write_as
 
     mesh = settings_of(MeshSettings, options)
-    path = write_as(shape, options.output, mesh, unit=options.unit or "millimeter", sew=options.sew)
+    path = write_as(shape, options.output, mesh, unit=options.unit, sew=options.sew)
     return CommandResult(str(path), {"written": [str(path)]})
 
 

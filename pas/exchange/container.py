@@ -22,6 +22,7 @@ from typing import Any
 from pas.algebra.inputs import DEEPEST, SHOWN, depth, shown
 from pas.errors import LimitError, PasError, ProjectFileError
 from pas.exchange.files import read_text, replacing, source, target
+from pas.exchange.formats import FORMATS
 
 FORMAT = "pas-project"
 VERSION = 1
@@ -68,6 +69,11 @@ def read(path: str | Path, *, edited: bool = False) -> dict[str, Any]:
     """
     file = source(path)
     name = file.name
+    if file.suffix.lower() in FORMATS:
+        raise ProjectFileError(
+            f"{name}: {file.suffix} files are written and not read; what is read are project files (.pas.json), "
+            "which shape.save writes"
+        )
     record = _parsed(read_text(file, MOST_BYTES, ProjectFileError), name)
     if not isinstance(record, dict) or record.get("format") != FORMAT:
         raise ProjectFileError(f"{name}: not a project file of pas (its format is not {FORMAT!r})")

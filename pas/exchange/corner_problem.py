@@ -119,7 +119,7 @@ def _read(file: Path, text: str, data: dict[str, Any]) -> CornerProblem:
         raise reader.error(f"gives no contacts: none of {', '.join(f'[[{t}]]' for t in CONTACTS)}")
     wishes = _wishes(reader, data)
     return CornerProblem(
-        **common(reader, data, MeshSettings(1e-3), "plain"),
+        **common(reader, data, MeshSettings(), "plain"),
         prove=wishes.prove,
         contacts=tuple(items),
         order=reader.checked(data, "order", check_order),

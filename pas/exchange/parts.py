@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pas.exchange.formats import Content, Request
+from pas.exchange.formats import UNITS, Content, Request
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Floats, Integers
 from pas.parametric.patches import RationalPatch
@@ -82,6 +82,12 @@ def _parts(shape: Any, request: Request) -> list[Piece]:
 
 def _rgb(color: str) -> tuple[int, int, int]:
     return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
+
+
+def in_unit(parts: Sequence[Piece], request: Request, unit: str) -> Sequence[Piece]:
+    """The parts with lengths in the unit that all files of a format are in, or as they are where the model has none."""
+    factor = 1 if request.unit is None else UNITS[request.unit].meters / UNITS[unit].meters
+    return parts if factor == 1 else [replace(part, mesh=part.mesh.scale(factor)) for part in parts]
 
 
 def joined(parts: Sequence[Piece]) -> tuple[Floats, Integers]:
@@ -169,8 +175,9 @@ def _patches(item: Any, number: int, domain: Any) -> Sequence[RationalPatch]:
     kind = kind_of(item, f"patches must be RationalPatch objects, parametric surfaces or blends; patches[{number}]")
     if kind.patches is None:
         raise TypeError(
-            f"patches must be RationalPatch objects, parametric surfaces or blends, not {item!r}: STEP has faces with "
-            "parameters only; a solid or a piecewise algebraic surface has none; write its triangles with pas.write"
+            "STEP files hold faces with parameters; a solid or a piecewise algebraic surface has none; write its "
+            "triangles, as in pas.write(shape, 'name.stl'); patches must be RationalPatch objects, parametric surfaces "
+            f"or parametric blends, not {item!r}"
         )
     try:
         return kind.patches(item, domain)

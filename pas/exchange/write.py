@@ -15,8 +15,12 @@
 Guaranteed: a file is written whole or not at all; triangles, their order within a part and their orientation are
 those of the shape's `mesh`; .obj, .ply and .3mf keep closed meshes closed (.glb and .vtp double the points of sharp
 edges, .stl has no points to share).  Not guaranteed: that single precision tells apart points of a small solid far
-from the origin, and that parts put together in one .stl are apart: no boolean is taken.  The unit is said where the
-format can say it; no number is changed for it.
+from the origin, and that parts put together in one .stl are apart: no boolean is taken.
+
+`unit` says which unit the model's lengths are in.  Files that can tell a unit tell it, and keep the numbers (.obj,
+.ply, .3mf, .vtp, .step; without `unit` they tell millimeters); in .stl files, whose numbers are taken for millimeters,
+and in .glb files, whose numbers are meters, the numbers become those, and without `unit` they stay; .vtu and .msh files
+have no unit and refuse one.
 """
 
 from __future__ import annotations
@@ -52,7 +56,7 @@ def write(
     *,
     tolerance: float | None = None,
     domain: DomainLike = None,
-    unit: str = "millimeter",
+    unit: str | None = None,
     sew: float | None = None,
     seconds: float | None = None,
     progress: Report | None = None,
@@ -63,7 +67,8 @@ def write(
     parametric surface's over `domain`; .step has the exact patches of surfaces and blends that have them, joined
     where they are within the distance `sew` (the model's units, as of `tolerance`); .vtu the cells of a piecewise
     surface, .vtu and .msh the tetrahedra of a volume mesh, or such as fill a solid.
-    `unit` is micrometer, millimeter, centimeter, meter, inch or foot.
+    `unit`, that of the model, is micrometer, millimeter, centimeter, meter, inch, foot, or um, mm, cm, m, in, ft: files
+    tell it, the numbers of .stl files become millimeters, those of .glb files meters.
 
     Raises `ValueError` for another suffix or unit, a folder that does not exist and options that say nothing of such
     files, `TypeError` for what no such file holds, `MissingLibraryError` where a package for the format is absent,
@@ -115,7 +120,7 @@ def write_solid(
     path: str | Path,
     *,
     tolerance: float | None = None,
-    unit: str = "millimeter",
+    unit: str | None = None,
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Path:
@@ -134,7 +139,7 @@ def write_step(
     *,
     domain: DomainLike = None,
     sew: float | None = None,
-    unit: str = "millimeter",
+    unit: str | None = None,
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Path:

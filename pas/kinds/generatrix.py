@@ -35,9 +35,8 @@ from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
 from pas.parametric.generatrix.sphere import SphereBlend, blend_through_sphere
 from pas.parametric.nets import extent
-from pas.parametric.surface import RELATIVE
 from pas.render.generatrix import layers, sphere_layers
-from pas.settings import MeshSettings
+from pas.settings import RELATIVE_TOLERANCE, MeshSettings
 from pas.shape import Kind
 
 VALUES = ("l1", "l2", "lambda1", "lambda2")
@@ -148,7 +147,7 @@ def _mesh(blend: GeneratrixBlend, settings: MeshSettings) -> Mesh:
     """Within a tolerance, too, where none is given: its own mesh would be a grid of which no distance is known."""
     if settings.domain is not None:
         return blend.surface.meshed(settings)
-    usual = RELATIVE * extent(blend.surface)
+    usual = RELATIVE_TOLERANCE * extent(blend.surface)
     return blend.meshed(replace(settings, tolerance=settings.tolerance or usual))
 
 

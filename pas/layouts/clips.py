@@ -13,12 +13,13 @@ from flint import fmpq
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector
 from pas.contacts.contact import Contact, as_contact
-from pas.errors import GeometryError
+from pas.contacts.ends import ContactEnd, unusual
+from pas.errors import GeometryError, warn
 from pas.layouts.discs import Disc, rim_of
 from pas.layouts.fan import best_gaps
 from pas.layouts.kinds import LAYOUTS
 from pas.layouts.nodes import MANY, ContactNode, center_of
-from pas.layouts.planes import symmetric
+from pas.layouts.planes import have_room
 from pas.layouts.spacing import arms_of, is_free, nearest
 from pas.partition.layout import Layout
 
@@ -45,15 +46,20 @@ def with_clips(
 
     Clips that are numbers stay and are kept apart from.  No two curves take up more than 0.6 of the angle between their
     directions, an arc of 0.6 of the wider radius fits between any two, and a layout keeps them apart: the `wanted` one
-    or kind, else a fan of half-planes, from order 2 or four contacts on with some room.  The node, which has its
-    layouts already, is None where all clips are numbers and where no layout has room.
+    or kind, else full planes, or a fan of half-planes, from order 2 or four contacts on with some room.  The node,
+    which has its layouts already, is None where all clips are numbers and where no layout has room.
 
-    Raises `GeometryError` for directions that are too close.
+    Warns of clips that are far out for their radii, and of radii that differ much.  Raises `GeometryError` for
+    directions that are too close.
     """
     if not any(map(is_free, items)):
         return items, None
     known = all(isinstance(item, Hashable) and not isinstance(item, tuple) for item in items)
-    return (_known_clips if known else _clipped)(tuple(items), order, wanted)
+    ended, node = (_known_clips if known else _clipped)(tuple(items), order, wanted)
+    if node is not None:
+        for sentence in unusual([ContactEnd.of(item, node.center) for item in ended]):
+            warn(sentence)
+    return ended, node
 
 
 def _clipped(
@@ -90,14 +96,14 @@ def with_room(
 
 
 def _served(contacts: Sequence[Contact], order: int, wanted: Layout | str | None, roomy: bool) -> ContactNode | None:
-    """The node, where a layout fits; if `roomy` a fan, with gaps for four contacts or more and at higher orders."""
+    """The node, where a layout fits; if `roomy` full planes, or a fan with gaps for most."""
     try:
         if isinstance(wanted, Layout):
             node = ContactNode.of(contacts, wanted.center)
             next(node.regions(order, wanted))
             return node
         node = ContactNode.of(contacts)
-        any_kind = not roomy or symmetric(node.discs)  # strips serve few contacts by ugly surfaces alone
+        any_kind = not roomy or have_room(node.discs)  # strips serve few contacts by ugly surfaces alone
         next(node.regions(order, wanted if wanted in LAYOUTS else None if any_kind else "fan"))
         wide = any_kind or (order < 2 and len(contacts) < 4)
         gap = WIDE_GAP if len(contacts) >= MANY else GAP

@@ -13,7 +13,7 @@ from typing import Any
 from pas.algebra.rational import Vector
 from pas.layouts.discs import Disc
 from pas.layouts.fan import fan
-from pas.layouts.planes import planes
+from pas.layouts.planes import ORBITS, planes
 from pas.layouts.region import WALLS
 from pas.layouts.strips import strips
 from pas.partition.cells import Partition
@@ -44,9 +44,13 @@ class LayoutKind:
     trials: Mapping[int, tuple[LayoutTrial, ...]]
 
 
+_orbits = [partial(planes, orbit=orbit) for orbit in ORBITS]
 _two, _three = partial(fan, each=2), partial(fan, each=3)
 _KINDS = (
-    LayoutKind("planes", {1: (LayoutTrial(planes),), 2: (LayoutTrial(planes, NEAR_WALLS),)}),
+    LayoutKind(
+        "planes",
+        {1: tuple(map(LayoutTrial, _orbits)), 2: tuple(LayoutTrial(make, NEAR_WALLS) for make in _orbits)},
+    ),
     LayoutKind(
         "fan",
         {
@@ -58,9 +62,9 @@ _KINDS = (
 )
 
 LAYOUTS: Registry[LayoutKind] = Registry("kind of layouts", {kind.name: kind for kind in _KINDS})
-"""What layouts may be asked for by name, in the order in which they are tried: full planes where the node is symmetric,
-then fans; strips where no fan has room, as around five and six contacts with near clips.  Strips have too few members
-of higher order: they are tried there only where they are asked for."""
+"""What layouts may be asked for by name, in the order in which they are tried: full planes where those of an orbit
+have room, then fans; strips where no fan has room, as around five and six contacts with near clips.  Strips have too
+few members of higher order: they are tried there only where they are asked for."""
 
 
 def trials(order: int, kind: str | None = None) -> tuple[LayoutTrial, ...]:

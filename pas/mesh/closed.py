@@ -88,7 +88,15 @@ def triangulate_faces(field: FaceField, tolerance: float, quality: Quality = Qua
     Raises `MeshError` where the set is empty, too thin for the finest lattice, or the tolerance
     needs too many triangles.
     """
-    found = _bounded(field, tolerance, quality)
+    return _finished(_bounded(field, tolerance, quality), field)
+
+
+def refined_faces(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> FaceMesh:
+    """A closed mesh with the faces of a first one, otherwise as of `triangulate_faces`."""
+    return _finished(_refined(first, field, tolerance, quality), field)
+
+
+def _finished(found: Made, field: FaceField) -> FaceMesh:
     if isinstance(found, Refusal):
         raise found.error
     mesh, reached = found

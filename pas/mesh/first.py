@@ -207,7 +207,11 @@ def unsound(mesh: Labelled, field: FaceField, tolerance: float) -> tuple[str, Fl
     if far.max() > 1:
         worst = int(far.argmax())
         around = mesh.topology.vertex_labels[worst]
-        names = dict.fromkeys(repr(field.face(label)) for label in around[around >= 0].tolist())
+        around = around[around >= 0]
+        names = dict.fromkeys(
+            f"the wall {field.face(label)}" if wall else repr(field.face(label))
+            for label, wall in zip(around.tolist(), field.walls(around).tolist(), strict=True)
+        )
         place = place_of(field, mesh.points[worst])
         return f"near {place} {' and '.join(names)} come close without meeting", mesh.points[far > 1]
     return "", NOWHERE

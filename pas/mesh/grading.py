@@ -177,6 +177,7 @@ class Grading:
     def _grow_curves(self, mesh: HalfEdges, parts: float) -> None:
         """Split edges on curves that are longer than they may be, so that ruled faces get their corners there."""
         for _ in range(self.SPLITTINGS):
+            checkpoint(f"cutting curves ({len(mesh.labels)} triangles)")
             self._sizes(mesh, parts)
             long, size = self._long_curves(mesh), len(mesh.points)
             self._split(mesh, long, careful=True)
@@ -251,6 +252,7 @@ class Grading:
     def untangle(self, mesh: HalfEdges, folded: float) -> bool:
         """Collapse edges of folded triangles and smooth about them, as far as that goes; whether there were some."""
         for number in range(self.UNTANGLINGS):
+            checkpoint()
             bad = np.flatnonzero(mesh.cosines < folded)
             if not len(bad):
                 return number > 0

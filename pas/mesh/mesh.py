@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pas.algebra.affine import Affine, AffineShape
 from pas.errors import GeometryError
 from pas.mesh.booleans import Triangles, boolean
 from pas.mesh.quality import Quality, smallest_angles, soundness
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Mesh(Shape):
+class Mesh(AffineShape["Mesh"], Shape):
     """A triangle mesh whose triangles lie on named faces.
 
     `points` (N, 3), `triangles` (T, 3) counterclockwise seen from where the normals point, `faces` (T,) the
@@ -168,6 +169,24 @@ class Mesh(Shape):
         return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
 
     @property
+    def bounding_box(self) -> Floats:
+        """Its `box`: two corners (2, 3) of the smallest box with sides along the axes, as solids have it."""
+        return self.box
+
+    def _moved(self, map_: Affine) -> Mesh:
+        """The image, whose distance from the image of the surface is bounded, rounding included, if this one's was."""
+        matrix, shift = map_.floats
+        stretch = float(np.linalg.norm(matrix, 2))
+        rounding = (
+            16 * np.finfo(float).eps * (stretch * np.linalg.norm(self.points, axis=1).max() + np.abs(shift).max())
+        )
+        deviation = None if self.deviation is None else float(self.deviation * stretch * (1 + 2.0**-40) + rounding)
+        order = slice(None, None, -1 if np.linalg.det(matrix) < 0 else 1)
+        normals = _moved_normals(map_, self.normals)[:, order]
+        known = self.faces, self.names, normals, self.parameters, deviation, self.proved
+        return Mesh(map_.points(self.points), self.triangles[:, order], *known)
+
+    @property
     def volume(self) -> float:
         """The volume enclosed by the triangles, worked out about their middle, so that none is lost far away.
 
@@ -264,7 +283,6 @@ class Mesh(Shape):
     def _boolean(self, other: object, operation: str) -> Mesh:
         if not isinstance(other, Mesh):
             refuse_mixed(self, other)
-            return NotImplemented
         names = tuple(dict.fromkeys(self.names + other.names))
         points, triangles, faces = boolean(self._named(names), other._named(names), operation)
         return Mesh(points, triangles, faces, names, flat_normals(points, triangles))
@@ -287,11 +305,22 @@ class Mesh(Shape):
         return f"{text}; within {self.deviation:.3g} of the surface ({'proved' if self.proved else 'measured'})"
 
 
+def _moved_normals(map_: Affine, normals: Floats) -> Floats:
+    """The unit normals (..., 3) of images of surfaces with these normals."""
+    moved = normals @ map_.inverse.floats[0]
+    return np.asarray(moved / np.linalg.norm(moved, axis=-1, keepdims=True))
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class SmoothMesh(Mesh):
     """A mesh of one smooth face: its points have normals (N, 3) of their own, and no edge is sharp."""
 
     point_normals: Floats = field(kw_only=True)
+
+    def _moved(self, map_: Affine) -> SmoothMesh:
+        moved = super()._moved(map_)
+        normals = _moved_normals(map_, self.point_normals)
+        return SmoothMesh(**{f.name: getattr(moved, f.name) for f in fields(Mesh)}, point_normals=normals)
 
     @property
     def _sharp(self) -> tuple[Integers, Integers, Floats]:

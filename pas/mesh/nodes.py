@@ -98,7 +98,7 @@ def find_nodes(
     centers = corners.mean(axis=1)
     size = 2 * np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1, initial=0.0)
     columns = 2 * (labels // 2)
-    starts, functions = _systems(cKDTree(points), centers[: len(places)], size[: len(places)], columns)
+    starts, functions = _systems(field, cKDTree(points), centers[: len(places)], size[: len(places)], columns)
     pairs = [np.unique(columns[row])[:2] for row in triangles[flat]]
     starts = np.concatenate([starts, len(places) + np.arange(len(flat))])
     functions += [(int(pair[0]), int(pair[-1])) for pair in pairs]
@@ -126,8 +126,13 @@ def find_nodes(
     return _apart(np.array(nodes).reshape(-1, 3), np.array(reach))
 
 
-def _systems(tree: cKDTree, centers: Floats, size: Floats, columns: Integers) -> tuple[Integers, list[tuple[int, ...]]]:
-    """What may meet near centres: for each system of functions, the centre's row and the functions."""
+def _systems(
+    field: FaceField, tree: cKDTree, centers: Floats, size: Floats, columns: Integers
+) -> tuple[Integers, list[tuple[int, ...]]]:
+    """What may meet near centres: for each system of functions, the centre's row and the functions.
+
+    Of faces that touch along a known curve those that say where it is.
+    """
     rows, systems = [], []
     for row, near in enumerate(tree.query_ball_point(centers, AROUND * size)):
         distance = np.linalg.norm(tree.data[near] - centers[row], axis=1)
@@ -135,7 +140,7 @@ def _systems(tree: cKDTree, centers: Floats, size: Floats, columns: Integers) ->
         few = sorted(list(close)[:MOST_FACES])
         own = [tuple(few)] if len(few) > 3 else []
         own += [*combinations(few, 3), *combinations(few, 2)]
-        systems += own
+        systems += [field.functions(labels) for labels in own]
         rows += [row] * len(own)
     return np.array(rows, dtype=np.intp), systems
 

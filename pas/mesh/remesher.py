@@ -63,7 +63,9 @@ class Remesher(Grading):
         if parts < self.parts:
             self.graded(mesh, parts, thin=False)
         while True:
+            checkpoint(f"cutting the triangles ({len(mesh.labels)} into {parts**2} each)")
             cut = mesh.cut(parts) if parts > 1 else mesh
+            checkpoint()
             cut.points[:], cut.normals[:] = self.ground.projected(cut)
             if self.ruled:
                 cut.flip(self.fine)
@@ -117,6 +119,7 @@ class Remesher(Grading):
             checkpoint(f"measuring the mesh ({len(mesh.labels)} triangles)")
             if self.untangle(mesh, self.settings.folded):
                 before = None
+            checkpoint()
             inside, along = self.measured(mesh, before)
             worst = float(max(inside.max(), along.max()))
             if worst <= self.tolerance:

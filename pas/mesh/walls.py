@@ -58,7 +58,7 @@ def wall_mesh(outer: Mesh, inner: Mesh, ends: Sequence[End], names: Sequence[str
         pair = [min(some, key=lambda loop: end.off(points[loop]), default=None) for some in loops]
         if pair[0] is None or pair[1] is None:
             raise MeshError(f"one of the two sheets does not end in {name}")
-        triangles.append(_ring(points, pair[0], pair[1], end.axis, name))
+        triangles.append(ring(points, pair[0], pair[1], end.axis, name))
         normals.append(end.normals(points[triangles[-1]]))
     faces = np.repeat(np.arange(len(triangles)), [len(t) for t in triangles])
     known = [m.deviation for m in (outer, inner) if m.deviation is not None]
@@ -86,7 +86,7 @@ def least_distance(first: Mesh, second: Mesh) -> tuple[float, Floats]:
     return best, where
 
 
-def _ring(points: Floats, outer: Integers, inner: Integers, normal: Floats, name: str) -> Integers:
+def ring(points: Floats, outer: Integers, inner: Integers, normal: Floats, name: str) -> Integers:
     """Triangles between two loops around a normal, counterclockwise seen from its tip."""
     middle = points[inner].mean(axis=0)
     first = points[inner[0]] - middle

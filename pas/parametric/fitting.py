@@ -28,7 +28,8 @@ from pas.parametric.domain import DomainLike
 from pas.parametric.maps import ParametricMap
 from pas.parametric.nets import Framed, Nets, exact_net, exact_rectangle
 from pas.parametric.patches import Knots, RationalPatch
-from pas.parametric.surface import RELATIVE, ParametricSurface
+from pas.parametric.surface import ParametricSurface
+from pas.settings import RELATIVE_TOLERANCE
 
 PRODUCT = 256 * UNIT_ROUNDOFF
 """Relative error of the coefficients of products of nets by bicubic ones, themselves worked out from control points."""
@@ -85,7 +86,7 @@ def fit_patch(
     whole = surface_of(surface)
     rectangle = exact_rectangle(whole, domain)
     framed = Framed.of(whole.with_domain(rectangle))
-    aim = RELATIVE * framed.size if tolerance is None else framed.inside(check_tolerance(tolerance))
+    aim = RELATIVE_TOLERANCE * framed.size if tolerance is None else framed.inside(check_tolerance(tolerance))
     nets = exact_net(framed.bounded, rectangle).rounded(framed.unit) if whole.is_exact else None
     spans = [_spans(framed.surface, axis, 0.4 * aim) for axis in (0, 1)]  # a share for each parameter
     while True:

@@ -49,7 +49,8 @@ def exact_rectangle(surface: ParametricMap, domain: DomainLike = None) -> Rectan
             sides = ["(-1, 1)" if not np.isfinite(side).all() else "None" for side in surface.domain]
             raise ValueError(
                 f"the domain of {name} is infinite ({low:g} to {high:g}); "
-                f"give a finite one, such as domain=({', '.join(sides)})"
+                f"give a finite one, such as domain=({', '.join(sides)}); where that is a part of a turn, the "
+                "ready-made surfaces (spheres, tori, tubes, surfaces of revolution) go round the whole with angle=True"
             )
         if not own[0] <= low < high <= own[1]:
             raise ValueError(

@@ -41,11 +41,9 @@ from pas.parametric.maps import ParametricMap
 from pas.parametric.nets import Framed, Nets, Rectangle, exact_net, exact_rectangle
 from pas.parametric.regularity import regularity
 from pas.parametric.tiling import GRID, SEAM, Placing, assemble
+from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
 from pas.verdicts import Findings
-
-RELATIVE = 1e-3
-"""The tolerance over the surface's extent where none is given."""
 
 LARGEST = 1_000_000
 """Cells; twice as many triangles would not fit into the memory of a small machine."""
@@ -97,7 +95,7 @@ class ParametricSurface(ParametricMap, Shape):
         how = Quality.of(quality)
         rectangle = exact_rectangle(self, domain)
         framed = Framed.of(self.with_domain(rectangle))
-        wanted = RELATIVE * framed.size
+        wanted = RELATIVE_TOLERANCE * framed.size
         if tolerance is not None:
             wanted = framed.inside(check_tolerance(tolerance, framed.outside(framed.size)))
         welding = min(SEAM * framed.size, wanted / 16)
@@ -111,7 +109,7 @@ class ParametricSurface(ParametricMap, Shape):
             leaves, worst = _leaves(starts, _Halving(examine, framed, aim, even))
             return _assembled(framed, leaves, worst, place, wanted, nets is not None)
 
-        return how.best_of(partial(made, *way) for way in WAYS[how])
+        return self._kept((wanted, rectangle, how), lambda: how.best_of(partial(made, *way) for way in WAYS[how]))
 
 
 def _assembled(framed: Framed, leaves: Integers, worst: float, place: Placing, wanted: float, proved: bool) -> Mesh:

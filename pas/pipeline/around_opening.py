@@ -108,9 +108,10 @@ class AroundOpening:
         works = reach if self.flat else next((part for n in range(PARTS) if self._leave(part := wanted / 2**n)), None)
         if works is None or (works != reach and not shorter):
             advice = "compose the solid with pas.solid.patch" if works is None else f"take {to_float(works):.4g}"
+            whole = "" if self.flat else "; of a straight run pas.header gives the whole"
             raise GeometryError(
                 f"neighbour {self.number} does not go on as one sheet, seen from within, for {to_float(reach):.4g} "
-                f"around its opening; {advice} instead"
+                f"around its opening; {advice} instead{whole}"
             )
         alone = around if self.flat else self._apart(around, reach, works)
         return alone.cap(self.edge(works), f"{around.faces[0]} end")

@@ -81,9 +81,16 @@ def struts(items: Sequence[Strut], order: int, center: VectorLike = (0, 0, 0)) -
     circles take up more than 0.6 of the angle between their directions, an arc of 0.6 of the wider radius fits between
     any two, and from order 2 or four pipes on a fan of half-planes keeps them apart.  Clips that are given stay, and
     the others keep apart from them.  Lengths are in the model's units, `clip` in lengths of the direction.
+    `pas.ContactEnd.of(pipe, center)` says of each where it was put.  Warns (`UserWarning`) of ends that are far out for
+    their radii, and of radii that differ much.
 
     Raises `GeometryError` for directions less than 10 degrees apart, `ValueError` and `TypeError` for wrong items.
     """
+    return list(with_clips(pipes_of(items, order, center), order)[0])
+
+
+def pipes_of(items: Sequence[Strut], order: int, center: VectorLike) -> list[Pipe]:
+    """The pipes of `struts` before those with the clip "auto" are ended; raises `ValueError` and `TypeError`."""
     check_order(order)
     place = vector(center, "center")
     pipes: list[Pipe] = []
@@ -101,7 +108,7 @@ def struts(items: Sequence[Strut], order: int, center: VectorLike = (0, 0, 0)) -
         pipes.append(Pipe(axis, radius, clip, place))
     if len(pipes) < 2:
         raise ValueError(f"a node joins two struts or more, not {len(pipes)}")
-    return list(with_clips(pipes, order)[0])
+    return pipes
 
 
 @limited("making a node", "a lower order")
@@ -121,6 +128,8 @@ def node(
     """The blend of pipes that meet in `center`: see `pas.struts` for the items, `pas.blend` for all else.
 
         pas.node([((1, 0, 0), 1), ((-1, 2, 0), 1), ((0, -1, 3), "3/4")], order=2)
+
+    It is always one surface around the centre; `pas.junction` takes a foot on the run of a T where that is better.
 
     Raises what both raise.
     """

@@ -8,29 +8,36 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import exact, rational
+from pas.algebra.rational import Exact, exact, rational, to_float, to_floats
 from pas.algebra.scaling import Scaled
+from pas.contacts.contact import Contact
+from pas.contacts.ends import ContactEnd, triple
 from pas.errors import GeometryError
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.around_opening import AroundOpening
 from pas.pipeline.neighbours import NOTHING, separators
 from pas.solid.assembly import union
 from pas.solid.functions import Pieces, region
+from pas.solid.sheets import SheetBody
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, combined
 
-Around: TypeAlias = 'Literal["edged", "endless", "surface"]'
+Around: TypeAlias = 'Literal["edged", "endless", "surface", "run"]'
+
+Length: TypeAlias = "Exact | Sequence[Exact] | None"
+"""By how much neighbours go on: all of them, or each; None is half of the region's scale."""
 
 
 def body(
     surface: PiecewiseSurface,
-    length: Any = None,
+    length: Length = None,
     names: Sequence[str] | None = None,
     face: str = "blend",
     floor: fmpq | None = None,
@@ -40,7 +47,8 @@ def body(
     """The solid inside a surface, whose name is `face`, and its neighbours; see `Blend.solid`.
 
     `floor` is the height of the flat back below an opening above the region's centre, in units of the opening's axis.
-    The neighbour around it is `edged` or endless, or the surface goes on in its place as far as the region does.
+    The neighbour around it is `edged` or endless, or the surface goes on in its place as far as the region does, or the
+    walls of the opening are left to a run with which the solid is united.
     Neighbours go on by `beyond` more than their length.
     """
     if not surface.partition.cells:
@@ -50,17 +58,18 @@ def body(
     titles = _names(names, len(surface.contacts))
     pieces = Pieces(surface.partition, surface.polynomials)
     inner = Solid(combined(False, Atom(pieces, face), region(surface.partition)))
-    reach = _length(length, surface)
+    reaches = lengths_of(length, surface)
     solids, ends = [inner], []
-    for number, (name, contact, join) in enumerate(zip(titles, surface.contacts, surface.joins, strict=True)):
+    given = zip(titles, surface.contacts, surface.joins, reaches, strict=True)
+    for number, (name, contact, join, reach) in enumerate(given):
         end = contact.clip if join.opening else _plane(surface, number)
         ends.append(end)
         if join.opening:
             opening = AroundOpening.of(surface, number)
             back = opening.back(reach) if floor is None else opening.at(floor)
-            solids[0] = solids[0].cap(back, f"{name} back")
+            solids[0] = solids[0].cap(back, f"{name} back" if around != "run" else "")
             solids[0] = solids[0] if around == "surface" else solids[0].cap(end, "")
-            if reach > 0 and around != "surface":
+            if reach > 0 and around in ("edged", "endless"):
                 plate = patch(name, contact.surface, end).cap(back, f"{name} back")
                 solids.append(opening.ended(plate, reach, length is None) if around == "edged" else plate)
         elif reach + beyond > 0:
@@ -68,30 +77,76 @@ def body(
             apart = separators(surface, number, name, reach, beyond)
             solids.append(patch(name, contact.surface, end, -cap, *apart).cap(cap, f"{name} end"))
     solid = union(solids)
-    for name, contact, end in zip(titles, surface.contacts, ends, strict=True):
+    for name, contact, end, reach in zip(titles, surface.contacts, ends, reaches, strict=True):
         if name in solid.faces:
             solid = solid.joined(face, name, (contact.surface, end), surface.order)
-        elif reach == 0:
+        elif reach == 0 and not (around == "run" and end.degree == 2):
             solid = solid.cap(end, f"{name} end")
-    return solid
+    return replace(solid, sheets=SheetBody.of([surface], ends, reaches, [face, *titles, *(f"{t} end" for t in titles)]))
 
 
 def hollow_body(
-    outer: PiecewiseSurface, inner: PiecewiseSurface, length: Any = None, names: Sequence[str] | None = None
+    outer: PiecewiseSurface, inner: PiecewiseSurface, length: Length = None, names: Sequence[str] | None = None
 ) -> Solid:
     """The solid between two surfaces and their neighbours; see `HollowBlend.solid`.
 
     The inner solid goes on beyond the caps of the outer one, so that their ends are not in one plane: around an opening
     it has no end, and its back is lower.  Where the outer one ends in the opening the inner surface goes on.
     """
-    reach = _length(length, outer)
+    reaches = lengths_of(length, outer)
     titles = _names(names, len(outer.contacts))
     low = next((AroundOpening.of(inner, number).low for number, join in enumerate(inner.joins) if join.opening), None)
     floors = (None, None) if low is None else (low / 2, low / 4)
-    around: Around = "endless" if reach > 0 else "surface"
+    goes_on = any(reach > 0 for reach, join in zip(reaches, outer.joins, strict=True) if join.opening)
+    around: Around = "endless" if goes_on else "surface"
     inside, beyond = [f"{INSIDE} {t}" for t in titles], outer.partition.frame.scale / FURTHER
-    cavity = body(inner, reach, inside, f"{INSIDE} blend", floors[1], around, beyond)
-    return body(outer, length, names, floor=floors[0]) - (cavity if reach > 0 else replace(cavity, joints=()))
+    face = f"{INSIDE} blend"
+    cavity = body(inner, reaches, inside, face, floors[1], around, beyond)
+    ended = [name for name, reach in zip(inside, reaches, strict=True) if reach == 0]
+    joints = tuple(joint for joint in cavity.joints if joint.second not in ended)
+    solid = body(outer, length, names, floor=floors[0]) - replace(cavity, joints=joints)
+    if any(join.opening for join in outer.joins):
+        return solid
+    ends = [_plane(outer, number) for number in range(len(titles))]
+    called = ["blend", *titles, face, *inside, *(f"{title} end" for title in titles)]
+    return replace(solid, sheets=SheetBody.of([outer, inner], ends, reaches, called))
+
+
+def contact_ends(surface: PiecewiseSurface, length: Length = 0) -> tuple[ContactEnd, ...]:
+    """Where a surface and its neighbours of a `length` end, at each contact; see `Blend.ends`."""
+    reaches = lengths_of(length, surface)
+    return tuple(
+        _opening_end(surface, number) if join.opening else _end(surface, number, reach)
+        for number, (join, reach) in enumerate(zip(surface.joins, reaches, strict=True))
+    )
+
+
+def _end(surface: PiecewiseSurface, number: int, reach: fmpq) -> ContactEnd:
+    contact, center = surface.contacts[number], surface.partition.center
+    try:
+        here = ContactEnd.of(contact, center)
+        if reach == 0:
+            return here
+        there = [exact(c + to_float(reach) * d) for c, d in zip(here.center, here.direction, strict=True)]
+        cap = _cap(_plane(surface, number), reach)
+        return ContactEnd.of(Contact(contact.surface, cap, (there[0], there[1], there[2])), center)
+    except GeometryError as error:
+        raise GeometryError(f"contact {number + 1}, {to_float(reach):.4g} beyond its clip: {error}") from None
+
+
+def _opening_end(surface: PiecewiseSurface, number: int) -> ContactEnd:
+    """That of an opening, whose curve need not be plane: seen along its axis, in the middle of its heights."""
+    seen = AroundOpening.of(surface, number)
+    axis, size = unit(to_floats(seen.axis)), to_float(seen.scale)
+    points, origin = size * surface.joins[number].curve(), np.array(to_floats(seen.center))
+    middle = np.array(to_floats(seen.middle)) - origin
+    heights = points @ axis
+    middle += ((heights.min() + heights.max()) / 2 - middle @ axis) * axis
+    radii = np.linalg.norm(points - middle - ((points - middle) @ axis)[:, None] * axis, axis=1)
+    place, out = origin + middle, -axis
+    return ContactEnd(
+        triple(place), triple(out), (float(radii.min()), float(radii.max())), float(np.linalg.norm(middle))
+    )
 
 
 FURTHER = 64
@@ -124,8 +179,18 @@ def _cap(plane: Polynomial, length: fmpq) -> Polynomial:
     return plane - Polynomial(length * size)
 
 
-def _length(length: Any, surface: PiecewiseSurface) -> fmpq:
-    """The neighbours' length: by default half of the region's scale."""
+def lengths_of(length: Length, surface: PiecewiseSurface) -> list[fmpq]:
+    """The length of each neighbour."""
+    size = len(surface.contacts)
+    several = isinstance(length, Sequence | np.ndarray) and not isinstance(length, str)
+    given: Sequence[Exact | None] = length if several else [length] * size  # type: ignore[assignment,list-item]
+    if len(given) != size:
+        raise ValueError(f"length must be one number, or {size}, one for each neighbour, not {len(given)}")
+    return [length_of(one, surface) for one in given]
+
+
+def length_of(length: Exact | None, surface: PiecewiseSurface) -> fmpq:
+    """A neighbour's length: by default half of the region's scale."""
     if length is None:
         return surface.partition.frame.scale / 2
     number = rational(length, "length")

@@ -80,7 +80,10 @@ class Attempt:
 
 @dataclass(frozen=True, eq=False)
 class ChosenBlend(Shape):
-    """A surface that was chosen from a space, with how it was chosen and what is known of it; see `pas.Blend`."""
+    """A surface that was chosen from a space, with how it was chosen and what is known of it; see `pas.Blend`.
+
+    `reason` says which kind of junction was taken and why, where somebody chose between kinds; files do not keep it.
+    """
 
     surface: PiecewiseSurface
     find_coefficients: Callable[[], Sequence[fmpq]]
@@ -93,6 +96,7 @@ class ChosenBlend(Shape):
     choice: FittedMember | None = None
     stored: Certificate | None = None
     found_dimension: int | None = None
+    reason: str = ""
 
     @classmethod
     def of(

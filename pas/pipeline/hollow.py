@@ -13,7 +13,7 @@ thickness away (see `pas.pipeline.cavity`).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 from typing import Generic, TypeAlias
@@ -25,17 +25,19 @@ from pas.algebra.rational import Exact, exact, plain, rational
 from pas.certify.nesting import nesting
 from pas.certify.thickness import thicker_than
 from pas.contacts.contact import Contact, ContactLike, as_contact
+from pas.contacts.ends import ContactEnd
 from pas.contacts.parallels import inner_contact
 from pas.errors import GeometryError, InfeasibleError, NoSolutionError, NotProvedError
 from pas.limits import Report, limited
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, least_distance, wall_mesh
-from pas.piecewise import DEFAULT_TOLERANCE, PiecewiseSurface
-from pas.pipeline.bodies import hollow_body
+from pas.piecewise import PiecewiseSurface
+from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of
 from pas.pipeline.cavity import Cavity
 from pas.pipeline.chosen import B, ChosenBlend, Stages
 from pas.pipeline.search import excess, find
 from pas.pipeline.wall_mesh import WallMesh
+from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
 from pas.solid.solid import Solid
 from pas.verdicts import Findings, Status, Verdict
@@ -78,6 +80,11 @@ class HollowBlend(Shape, Generic[B]):
     thickness: fmpq | None = None
     kind = "hollow blend"
 
+    @property
+    def sides(self) -> tuple[PiecewiseSurface, ...]:
+        """The outer and the inner surface."""
+        return self.outer.surface, self.inner.surface
+
     @cached_property
     def certificate(self) -> Findings:
         """All verdicts: those on the outer and the inner blend, that the one is inside the other, and on each end."""
@@ -112,13 +119,24 @@ class HollowBlend(Shape, Generic[B]):
             raise ValueError(f"bound must be positive, not {plain(number)}")
         return thicker_than(self.inner.surface, self.outer.surface, number)
 
-    def solid(self, length: Exact | None = None, names: Sequence[str] | None = None) -> Solid:
+    def solid(self, length: Length = None, names: Sequence[str] | None = None) -> Solid:
         """The wall as a solid, open at its ends: see `Blend.solid` for the arguments.
 
         The inner sides of the faces "blend" and "neighbour 1" are "inside of blend" and "inside of neighbour 1"; the
-        ends "neighbour 1 end" are rings.  With `length=0` the neighbours are left away.
+        ends "neighbour 1 end" are rings.  Neighbours of length 0 are left away.  Where the wall is not proved it is
+        meshed from a lattice.
         """
-        return hollow_body(self.outer.surface, self.inner.surface, length, names)
+        wall = hollow_body(self.outer.surface, self.inner.surface, length, names)
+        return wall if self.certificate.proved else replace(wall, sheets=None)
+
+    def ends(self, length: Length = 0) -> tuple[ContactEnd, ...]:
+        """For each contact where the wall ends, or where `solid(length)` does: see `Blend.ends`.
+
+        `inner_radii` (and `inner_radius`, where it is round) are those of the cavity there.
+        """
+        reaches = lengths_of(length, self.outer.surface)
+        outer, inner = (contact_ends(blend.surface, reaches) for blend in (self.outer, self.inner))
+        return tuple(replace(end, inner_radii=bore.radii) for end, bore in zip(outer, inner, strict=True))
 
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(
@@ -144,7 +162,7 @@ class HollowBlend(Shape, Generic[B]):
     @property
     def _tolerance(self) -> float:
         """That of meshes where none is given, the same for both sides."""
-        return DEFAULT_TOLERANCE * float(np.ptp(self.outer.surface.partition.points, axis=0).max())
+        return RELATIVE_TOLERANCE * float(np.ptp(self.outer.surface.partition.points, axis=0).max())
 
     def _end(self, number: int) -> End:
         """The plane of an end, or the cone of an opening, which is seen from its apex."""

@@ -18,12 +18,14 @@ from pas.blending import multipliers, regularity, shaping
 from pas.blending.multipliers import Multipliers
 from pas.blending.space import Space
 from pas.contacts.contact import ContactLike
+from pas.contacts.ends import ContactEnd
 from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.refit import refitted
 from pas.fairing.wishes import Options, Sliders, Wishes, as_wishes, check_point_options
 from pas.limits import Report, limited
-from pas.pipeline.bodies import body
+from pas.piecewise import PiecewiseSurface
+from pas.pipeline.bodies import Length, body, contact_ends
 from pas.pipeline.chosen import ChosenBlend, OnStage, Stages, choose
 from pas.pipeline.convex_problem import ConvexProblem
 from pas.pipeline.hollow import HollowBlend, hollow
@@ -49,6 +51,11 @@ class Blend(ChosenBlend):
     """
 
     kind = "blend"
+
+    @property
+    def sides(self) -> tuple[PiecewiseSurface, ...]:
+        """Its surface alone; a hollow blend has two."""
+        return (self.surface,)
 
     @cached_property
     def space(self) -> SolutionSpace:
@@ -81,19 +88,33 @@ class Blend(ChosenBlend):
         chosen = refitted(self.space.prepared, self.surface, self.choice, wishes, steps)
         return Blend.of(self.space, chosen, wishes, {}, self.attempts)
 
-    def solid(self, length: Exact | None = None, names: Sequence[str] | None = None) -> Solid:
+    def solid(self, length: Length = None, names: Sequence[str] | None = None) -> Solid:
         """The solid inside the surface, with its neighbours continued by `length` and capped.
 
-        `length` is in the model's units (by default half of the region's size; 0 ends the solid at the clips), `names`
-        are the neighbours' faces ("neighbour 1", ... by default), whose caps are named after them ("neighbour 1 end").
-        The contacts are its joints.  Around an opening a plate goes on as a slab and another surface as a piece up to a
-        wider cone, by default half of the opening's radius, with a flat "neighbour 1 back" (see
-        `pas.pipeline.around_opening`).
+        `length` is in the model's units, one number or one for each contact (by default half of the region's size; 0
+        ends the solid at the clips), `names` are the neighbours' faces ("neighbour 1", ... by default), whose caps are
+        named after them ("neighbour 1 end").  The contacts are its joints.  Around an opening a plate goes on as a slab
+        and another surface as a piece up to a wider cone, by default half of the opening's radius, with a flat
+        "neighbour 1 back" (see `pas.pipeline.around_opening`).
+
+        With pipes, elliptic pipes and cones around its centre it is meshed at once, from the mesh of the surface (see
+        `pas.solid.sheets`).
 
         Raises `GeometryError` where a clip is neither a plane nor the cone of an opening, where the surface has no
         region, and where the one around an opening does not go on as one sheet so far.
         """
         return body(self.surface, length, names)
+
+    def ends(self, length: Length = 0) -> tuple[ContactEnd, ...]:
+        """For each contact where the blend ends, or where `solid(length)` does: where flanges go.
+
+        Each has its `center` (3,), the unit `direction` (3,) away from the blend, the `radius` where it is round, and
+        the `distance` from the node's centre, in the model's units; see `pas.ContactEnd`.  An opening is where it is
+        for any length, with its axis for a direction: its neighbour goes on around it and not along it.
+
+        Raises `GeometryError` where a contact has no closed plane curve there, `ValueError` for a negative length.
+        """
+        return contact_ends(self.surface, length)
 
     @limited("making a blend hollow", "a thinner wall")
     def hollow(

@@ -24,6 +24,7 @@ from pas.contacts.contact import ContactLike
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.contradictions import check_wishes
 from pas.fairing.wishes import Wishes
+from pas.layouts.planes import has_whole_planes
 from pas.partition.cells import Partition
 from pas.partition.six_tetrahedra import SixTetrahedra
 from pas.pipeline.chosen import Attempt, B, ChosenBlend, Stages, choose
@@ -48,6 +49,9 @@ class SearchSettings:
     """The degrees up to so many times the order are tried in any case: products of the contacts' surfaces meet them
     with any order from one low degree on, and of use are others.  Perpendicular pipes have a proved surface of degree
     2k - 2 where the order k is 5, 6 or 7, and at degree 6 such a product."""
+
+    highest: int = HIGHEST_DEGREE
+    """Higher degrees are not tried."""
 
     few: int = 15
     stiff: int = 4
@@ -77,6 +81,12 @@ CHOSEN = SearchSettings(degrees=2, above=1, fewest=15)
 """On layouts that the program chose, of which the first that has a proved surface is kept: more half-planes made no
 shape fairer that another degree did not."""
 
+PLANES = replace(CHOSEN, highest=7)
+"""On full planes, 32 pieces of which take minutes to solve at degree 8."""
+
+ORBIT = replace(PLANES, fewest=1)
+"""On full planes after that, which are not given up for few unknowns: they have no more, and few of them are fair."""
+
 
 @dataclass
 class Search(Generic[B]):
@@ -101,7 +111,7 @@ class Search(Generic[B]):
         Each degree is tried on one region after the other, and where a surface was found on that one from then on.
         """
         best: B | None = None
-        tried, highest, counts = 0, HIGHEST_DEGREE, False
+        tried, highest, counts = 0, settings.highest, False
         for degree in range(1, HIGHEST_DEGREE + 1) if self.degree is None else [check_degree(self.degree)]:
             if degree > highest or (tried >= settings.degrees and degree > settings.per_order * self.order):
                 break
@@ -220,8 +230,9 @@ def find(
     def layout_of(place: PlacedContacts) -> Any:
         return place.partition.layout if several else place
 
-    for _, regions in groupby(chain([placed], candidates), layout_of):
-        each = zip(tee(regions, len(ways)), ways, strict=True)
+    for layout, regions in groupby(chain([placed], candidates), layout_of):
+        here = [PLANES, ORBIT] if several and layout is not None and has_whole_planes(layout) else ways
+        each = zip(tee(regions, len(here)), here, strict=True)
         found = next(filter(None, (search.on_layout(here, settings) for here, settings in each)), None)
         if found is not None:
             if session is not None:

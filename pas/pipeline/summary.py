@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
 from pas.algebra.rational import plain
 from pas.contacts.contact import Contact
+from pas.contacts.ends import unusual
+from pas.errors import GeometryError
 from pas.piecewise import PiecewiseSurface
+from pas.pipeline.bodies import contact_ends
 from pas.pipeline.chosen import ChosenBlend
 
 MEASURABLE = 0.0005
@@ -17,6 +22,9 @@ def summary(blend: ChosenBlend) -> str:
     """A table of what was asked and what was found."""
     surface = blend.surface
     rows = [(f"contact {i}", f"{c}{_from_center(surface, c)}") for i, c in enumerate(surface.contacts, start=1)]
+    rows += [("junction", blend.reason)] if blend.reason else []
+    with suppress(GeometryError):  # curves that are not plane have no size to compare
+        rows += [("unusual", sentence) for sentence in unusual(contact_ends(surface))]
     rows += [
         ("partition", _partition(surface)),
         ("order", f"GC^{surface.order} at the contacts{_between(surface)}"),

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any, Never, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pas.algebra.affine import Affine, AffineShape
 from pas.algebra.brief import brief, listed
+from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.limits import Report, limited
 from pas.mesh.mesh import Mesh
@@ -27,7 +29,7 @@ COLORS = ("#e8a33d", "#7d9db5", "#b85c5c", "#7fa66b", "#9a7fb0", "#c9b458")
 
 
 @dataclass(frozen=True, repr=False)
-class Part(Shape):
+class Part(AffineShape["Part"], Shape):
     """A solid (or a closed mesh) with its colour, `#rrggbb`."""
 
     shape: Solid | Mesh
@@ -63,6 +65,14 @@ class Part(Shape):
             return self.shape.mesh(tolerance, quality=quality)
         return self.shape.mesh(tolerance)
 
+    @property
+    def bounding_box(self) -> Floats:
+        """That of its solid or mesh (2, 3)."""
+        return self.shape.bounding_box
+
+    def _moved(self, map_: Affine) -> Part:
+        return replace(self, shape=self.shape._moved(map_))
+
     def meshed(self, settings: MeshSettings) -> Mesh:
         """The part's mesh by settings."""
         mesh: Mesh = self.shape.meshed(settings)
@@ -70,7 +80,7 @@ class Part(Shape):
 
 
 @dataclass(frozen=True, eq=False)
-class Assembly(Shape):
+class Assembly(AffineShape["Assembly"], Shape):
     """Named parts; `parts` maps names to `Part`.  Made by `pas.solid.assembly`."""
 
     parts: Mapping[str, Part]
@@ -136,8 +146,15 @@ class Assembly(Shape):
     @property
     def box(self) -> Floats:
         """Two corners (2, 3) of a box that holds all parts."""
-        boxes = [p.shape.box for p in self.parts.values()]
-        return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
+        return _around([p.shape.box for p in self.parts.values()])
+
+    @property
+    def bounding_box(self) -> Floats:
+        """Two corners (2, 3) of the smallest box with sides along the axes, up to the parts' default tolerances."""
+        return _around([p.bounding_box for p in self.parts.values()])
+
+    def _moved(self, map_: Affine) -> Assembly:
+        return Assembly(MappingProxyType({name: part._moved(map_) for name, part in self.parts.items()}))
 
     @property
     def proved(self) -> bool:
@@ -156,16 +173,26 @@ class Assembly(Shape):
         return listed("<Assembly of", self.parts)
 
 
+def _around(boxes: Sequence[Floats]) -> Floats:
+    """The smallest box (2, 3) that holds boxes."""
+    return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
+
+
 PartLike: TypeAlias = Solid | Mesh | tuple[Solid | Mesh, str]
 """What is taken for a part: a solid or closed mesh, or that and its colour."""
 
 
-def assembly(parts: Mapping[str, PartLike] | None = None, **named: PartLike) -> Assembly:
+def assembly(parts: Mapping[str, PartLike] | None = None, *unnamed: Never, **named: PartLike) -> Assembly:
     """An assembly of solids or closed meshes by name: `assembly(pot=..., lid=...)`.
 
     A value may be a pair (solid, colour) with the colour as `#rrggbb`.  Raises `TypeError` and
     `ValueError` naming the part.
     """
+    if unnamed or not isinstance(parts, Mapping | None):
+        raise TypeError(
+            "the parts of an assembly have names, as in assembly(pot=a, lid=b) or assembly({'pot': a, 'lid': b}); "
+            f"{shown((parts, *unnamed) if unnamed else parts)} has none"
+        )
     given = {**(parts or {}), **named}
     if not given:
         raise ValueError("an assembly needs at least one part")
@@ -173,7 +200,7 @@ def assembly(parts: Mapping[str, PartLike] | None = None, **named: PartLike) -> 
     for number, (name, value) in enumerate(given.items()):
         shape, color = value if isinstance(value, tuple) else (value, COLORS[number % len(COLORS)])
         if not isinstance(shape, Solid | Mesh):
-            raise TypeError(f"the part {name!r} must be a solid or a Mesh, not {shape!r}")
+            raise TypeError(f"the part {name!r} must be a solid or a Mesh, not {shape!r}; of a surface take its mesh")
         result[name] = Part(shape, _color(color, name))
     return Assembly(MappingProxyType(result))
 
@@ -184,18 +211,28 @@ def _color(color: Any, name: str) -> str:
     return color
 
 
-def union(solids: Sequence[Solid]) -> Solid:
-    """The union of at least one solid; raises `ValueError` where there is none."""
-    return _fold(solids, Solid.__or__)
+def union(solids: Solid | Sequence[Solid], *others: Solid) -> Solid:
+    """The union of at least one solid: `union(a, b)` or `union([a, b])`.
+
+    Raises `ValueError` where there is none, `TypeError` for what is no solid.
+    """
+    return reduce(Solid.__or__, _solids(solids, others, "union"))
 
 
-def intersection(solids: Sequence[Solid]) -> Solid:
-    """The intersection of at least one solid; raises `ValueError` where there is none."""
-    return _fold(solids, Solid.__and__)
+def intersection(solids: Solid | Sequence[Solid], *others: Solid) -> Solid:
+    """The intersection of at least one solid: `intersection(a, b)` or `intersection([a, b])`.
+
+    Raises `ValueError` where there is none, `TypeError` for what is no solid.
+    """
+    return reduce(Solid.__and__, _solids(solids, others, "intersection"))
 
 
-def _fold(solids: Sequence[Solid], operation: Callable[[Solid, Solid], Solid]) -> Solid:
-    items = list(solids)
+def _solids(first: Any, others: Sequence[Any], name: str) -> list[Solid]:
+    """The solids of a call, in one sequence or one by one."""
+    items = list(first) if isinstance(first, Iterable) and not others else [first, *others]
     if not items:
         raise ValueError("there must be at least one solid")
-    return reduce(operation, items)
+    for item in items:
+        if not isinstance(item, Solid):
+            raise TypeError(f"{name} takes solids, as in {name}(a, b) or {name}([a, b]), not {shown(item)}")
+    return items

@@ -283,3 +283,22 @@ class TreeEvaluator:
         `yes` and `no` (M, N) say where columns are certainly <= 0 and > 0.
         """
         return self._compiled.relevant(yes, no)
+
+    def sides(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
+        """Where the solid may be on the side `<= 0` alone of each column (M, N), and where on the side `> 0` alone.
+
+        That is `relevant`, but that a face which the tree reads from both sides is tried as either: where a rib stands
+        on a plate, both say on which side of the plate's plane they are, and the plate alone ends there.  Of walls
+        both sides stay: on them two faces are taken to meet.
+        """
+        below, above = self.relevant(yes, no)
+        both = below & above & ~self.walls[:, None]
+        for column in np.flatnonzero(both.any(axis=1)):
+            rows = np.flatnonzero(both[column])
+            for here, there, side in ((below, above, True), (above, below, False)):
+                certain, excluded = yes[:, rows], no[:, rows]
+                certain[column], excluded[column] = side, not side
+                whole, nothing = self.decided(certain, excluded)
+                here[column, rows] &= ~nothing
+                there[column, rows] &= ~whole
+        return below, above

@@ -62,17 +62,16 @@ def seams_of(tree: Tree, claimed: Sequence[Curve]) -> list[Seam]:
 
 
 def _lines(tree: Tree) -> list[Curve]:
-    """The lines along which faces on planes touch others on cylinders or cones: each plane, and one across it.
-
-    On the plane the quadric's function is then c m^2.
-    """
+    """The lines along which faces on planes touch others on cylinders or cones: each plane, and one across it."""
     faces = dict.fromkeys(a.function.primitive() for a in atoms(tree) if a.face and isinstance(a.function, Polynomial))
-    result = []
-    for plane, quadric in product((f for f in faces if f.degree == 1), (f for f in faces if f.degree == 2)):
-        factors = on_plane(quadric, plane).factor()[1]
-        if [power for _, power in factors] == [2]:
-            result.append((plane, Polynomial.from_raw(factors[0][0])))
-    return result
+    pairs = product((f for f in faces if f.degree == 1), (f for f in faces if f.degree == 2))
+    return [(plane, across) for plane, quadric in pairs if (across := tangent_line(plane, quadric)) is not None]
+
+
+def tangent_line(plane: Polynomial, quadric: Polynomial) -> Polynomial | None:
+    """The m that vanishes where a plane touches a quadric along a line: on the plane that is c m^2; None elsewhere."""
+    factors = on_plane(quadric, plane).factor()[1]
+    return Polynomial.from_raw(factors[0][0]) if [power for _, power in factors] == [2] else None
 
 
 def on_plane(polynomial: Polynomial, plane: Polynomial) -> fmpq_mpoly:

@@ -16,42 +16,43 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pas.algebra.affine import Affine, reflection, rotation, scaling, translation
+from pas.algebra.affine import Affine, AffineShape
 from pas.algebra.brief import listed
 from pas.algebra.inputs import check_tolerance, points_of
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, VectorLike, rational, to_float
+from pas.algebra.rational import Exact, rational, to_float
 from pas.errors import GeometryError
 from pas.limits import Report, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape, refuse_mixed
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
 from pas.solid.joints import Joint, prove, refuse_unknown, verdict_list
 from pas.solid.measures import curved_measures
+from pas.solid.sheets import SheetBody, face_mesh
 from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, image, mapped
 from pas.verdicts import Findings, Verdict
 
-DEFAULT_TOLERANCE = 1e-3
-"""Of meshes, over the longest side of the bounding box."""
-
 
 @dataclass(frozen=True, eq=False)
-class Solid(Shape):
+class Solid(AffineShape["Solid"], Shape):
     """A closed set of points with named faces; made by the functions of `pas.solid`.
 
     `a | b`, `a & b` and `a - b` are union, intersection and difference.  Nothing changes a solid: all
-    methods return new ones.  `joints` are the claims of `joined`; `verdicts` proves them.
+    methods return new ones.  `joints` are the claims of `joined`; `verdicts` proves them.  Where `sheets` bound it, as
+    they do a blend's solid until set operations change it, it is meshed from these, else from a lattice.
     """
 
     tree: Tree
     joints: tuple[Joint, ...] = ()
     special_points: tuple[tuple[float, float, float], ...] = ()
+    sheets: SheetBody | None = None
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False, init=False)
     kind = "solid"
 
@@ -67,30 +68,9 @@ class Solid(Shape):
     def _with(self, other: Solid, union: bool, less: bool = False) -> Solid:
         if not isinstance(other, Solid):
             refuse_mixed(self, other)
-            return NotImplemented
         tree = combined(union, self.tree, complement(other.tree) if less else other.tree)
         joints = tuple(dict.fromkeys(self.joints + other.joints))
         return Solid(tree, joints, self.special_points + other.special_points)
-
-    def translate(self, offset: VectorLike) -> Solid:
-        """The solid moved by three numbers."""
-        return self._moved(translation(offset))
-
-    def rotate(self, axis: VectorLike, degrees: Exact, center: VectorLike = (0, 0, 0)) -> Solid:
-        """The solid turned about an axis through `center`, counterclockwise seen from the axis' tip.
-
-        Exact rotations by rational matrices; the angle is `degrees` up to rounding, and exact for
-        multiples of 90 about an axis of rational length.
-        """
-        return self._moved(rotation(axis, degrees, center))
-
-    def scale(self, factor: Exact | VectorLike, center: VectorLike = (0, 0, 0)) -> Solid:
-        """The solid scaled by a positive number, or by three, one for each axis."""
-        return self._moved(scaling(factor, center))
-
-    def mirror(self, normal: VectorLike, center: VectorLike = (0, 0, 0)) -> Solid:
-        """The solid reflected in the plane through `center` with the given normal."""
-        return self._moved(reflection(normal, center))
 
     def _moved(self, map_: Affine) -> Solid:
         images: dict[Function, Function] = {}
@@ -102,7 +82,8 @@ class Solid(Shape):
 
         joints = tuple(joint.moved(map_) for joint in self.joints)
         moved = map_.points(np.array(self.special_points).reshape(-1, 3))
-        return Solid(mapped(self.tree, move), joints, tuple((x, y, z) for x, y, z in moved.tolist()))
+        points, sheets = tuple((x, y, z) for x, y, z in moved.tolist()), self.sheets and self.sheets.moved(map_)
+        return Solid(mapped(self.tree, move), joints, points, sheets)
 
     def cap(self, plane: PolynomialLike, name: str = "cap") -> Solid:
         """The part where `plane <= 0`, with a face of that name where it is cut.
@@ -119,7 +100,7 @@ class Solid(Shape):
         renamed = mapped(self.tree, rename)
         if renamed == self.tree:
             renamed = combined(False, self.tree, Atom(polynomial, name))
-        return replace(self, tree=renamed)
+        return replace(self, tree=renamed, sheets=None)
 
     @limited("hollowing out a solid", "a coarser tolerance")
     def shell(
@@ -145,7 +126,7 @@ class Solid(Shape):
             raise ValueError(f"thickness must be a positive number, not {thickness}")
         if isinstance(open, str):
             raise TypeError(f"open must be a sequence of names of faces, as in open=[{open!r}]")
-        return replace(self, tree=shelled(self, size, open, self._tolerance(tolerance)))
+        return replace(self, tree=shelled(self, size, open, self._tolerance(tolerance)), sheets=None)
 
     def renamed(self, name: str) -> Solid:
         """The solid with all its faces, walls included, under one name."""
@@ -258,7 +239,14 @@ class Solid(Shape):
         that leaves fewest.  Raises `MeshError` where the solid is too thin or has an unclaimed tangency,
         `GeometryError` where it is empty or unbounded.
         """
-        return self.face_mesh(tolerance, quality=quality).named(self.field)
+        how = Quality.of(quality)
+        found = None if how is Quality.ANGLES else self._sheet_mesh(tolerance, how)
+        return self.face_mesh(tolerance, quality=how).named(self.field) if found is None else found
+
+    def _sheet_mesh(self, tolerance: float | None, quality: Quality) -> Mesh | None:
+        if self.sheets is None:
+            return None
+        return self.sheets.mesh(self._tolerance(None) if tolerance is None else check_tolerance(tolerance), quality)
 
     @limited("meshing a solid", "a coarser tolerance")
     def face_mesh(
@@ -273,18 +261,22 @@ class Solid(Shape):
         quality = Quality.of(quality)
         key = self._tolerance(tolerance), quality
         if key not in self._cache:
-            self.field.refuse_coincident()
-            made = triangulate_faces(self.field, key[0] / self.field.scale, quality)
+            found = self._sheet_mesh(tolerance, quality)
+            made = self._from_lattices(*key) if found is None else face_mesh(found, self.field, *key)
             if quality is Quality.COUNT:  # long triangles may need more of them on coarse meshes
                 made = min(made, self.face_mesh(tolerance), key=lambda found: len(found.mesh.triangles))
             self._cache[key] = made
         return self._cache[key]
 
+    def _from_lattices(self, tolerance: float, quality: Quality) -> FaceMesh:
+        self.field.refuse_coincident()
+        return triangulate_faces(self.field, tolerance / self.field.scale, quality)
+
     def _tolerance(self, tolerance: float | None) -> float:
         if tolerance is not None:
             check_tolerance(tolerance)  # before the box, which takes a while
         size = float(np.ptp(self.box, axis=0).max())
-        return DEFAULT_TOLERANCE * size if tolerance is None else check_tolerance(tolerance, size)
+        return RELATIVE_TOLERANCE * size if tolerance is None else check_tolerance(tolerance, size)
 
     @limited("measuring a solid", "a coarser tolerance")
     def volume(

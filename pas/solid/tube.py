@@ -6,15 +6,16 @@ to rounding as long as the radius is below the curve's radius of curvature, whic
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Sized
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+from flint import fmpq
 from scipy.spatial import cKDTree
 
 from pas.algebra.callables import component
-from pas.algebra.inputs import whole
+from pas.algebra.inputs import shown, whole
 from pas.algebra.jets import Jet, variables
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, Symbolic, plain, rational, to_float
@@ -34,12 +35,17 @@ class TubeCurve:
     """
 
     def __init__(self, formulas: Sequence[Any], interval: Sequence[Any]) -> None:
-        if isinstance(formulas, str) or len(formulas) != 3:
-            raise ValueError(f"curve must be three formulas in t, not {formulas!r}")
+        if isinstance(formulas, str) or not isinstance(formulas, Sized) or len(formulas) != 3:
+            error = ValueError if isinstance(formulas, str | Sized) else TypeError
+            example = "('cos(t)', 'sin(t)', 't/10')"
+            raise error(f"curve must be three formulas in t, such as {example}, not {shown(formulas)}")
         self.formulas = tuple(str(f) for f in formulas)
         self._parts = [
             component(f, ("t", ""), f"the curve's {n}").formula for f, n in zip(formulas, "xyz", strict=True)
         ]
+        if isinstance(interval, str) or not isinstance(interval, Sized) or len(interval) != 2:
+            error = ValueError if isinstance(interval, str | Sized) else TypeError
+            raise error(f"interval must be two rising numbers, such as (0, 1), not {shown(interval)}")
         low, high = (rational(end, "interval") for end in interval)
         if low >= high:
             raise ValueError(f"interval must be two rising numbers, not {plain(low)} and {plain(high)}")
@@ -87,7 +93,7 @@ class Tube(Distance):
     """The distance from a curve less a radius."""
 
     def __init__(self, curve: TubeCurve, radius: Any) -> None:
-        self.curve, self.exact_radius = curve, rational(radius, "radius")
+        self.curve, self.exact_radius = curve, _radius(radius)
         if self.exact_radius <= 0:
             raise ValueError(f"radius must be positive, not {plain(self.exact_radius)}")
         self.radius = to_float(self.exact_radius)
@@ -148,6 +154,14 @@ class Tube(Distance):
     def from_record(cls, record: dict[str, Any]) -> Tube:
         """The tube of `to_record`."""
         return cls(TubeCurve(record["curve"], record["interval"]), record["radius"])
+
+
+def _radius(given: Any) -> fmpq:
+    try:
+        return rational(given, "radius")
+    except (TypeError, ValueError) as error:
+        hint = "a tube of a radius that varies is pas.tube, a surface, whose closed mesh takes |, & and -"
+        raise type(error)(f"{error}; {hint}") from None
 
 
 class TubeEnd(Distance):

@@ -32,7 +32,7 @@ from pas.surface.fairness_limits import (
 )
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import FIRST, SECOND, Geometry
-from pas.surface.straight_runs import straight_runs, waist
+from pas.surface.straight_runs import straight_runs, waists
 
 RAYS = 4000
 """Rays that the surface is looked at along; some more where contact curves cross."""
@@ -226,11 +226,11 @@ class _Measuring:
     def waist(self, points: Floats) -> tuple[float, int]:
         """How far points, relative to the centre, leave the straight runs, and which of them does most; (0, 0) where
         there is no run."""
-        found = (0.0, 0)
-        for run in straight_runs(self.neighbours):
-            far = np.nan_to_num(np.abs(waist(run, points)))
-            found = max(found, (float(far.max()), int(far.argmax())))
-        return found
+        runs = straight_runs(self.neighbours)
+        if not runs:
+            return 0.0, 0
+        far = np.abs(waists(runs, points))
+        return float(far.max()), int(far.argmax())
 
     def sections(self) -> tuple[float, int]:
         """The largest wrong-sign curvature over the largest radius, and all inflections, of plane sections."""

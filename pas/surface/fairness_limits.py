@@ -35,14 +35,15 @@ class Neighbour:
     """A contact as the measures see it, in the user's units and relative to the centre.
 
     `mean` is the mean point of its curve, `radius` the largest distance from that, `curvature` the largest principal
-    curvature of its surface on the curve, `curve` (m, 3) points of it, `normals` (m, 3) the unit normals of its surface
-    there.  `normal` (3,) is that of a surface through
-    which the region is open, as of a plate, in the mean over its curve; None for others.
+    curvature of its surface on the curve, `across` the largest of the other one in size, `curve`
+    (m, 3) points of it, `normals` (m, 3) the unit normals of its surface there.  `normal` (3,) is that of a surface
+    through which the region is open, as of a plate, in the mean over its curve; None for others.
     """
 
     mean: Floats
     radius: float
     curvature: float
+    across: float
     curve: Floats
     normals: Floats
     normal: Floats | None = None
@@ -120,6 +121,7 @@ def neighbour(join: Join, scale: float) -> Neighbour:
         mean * scale,
         float(np.linalg.norm(curve - mean, axis=1).max()) * scale,
         float(np.abs(found.principal).max()) / scale,
+        float(np.abs(found.principal).min(axis=1).max()) / scale,
         curve * scale,
         found.normals,
         unit(found.normals.mean(axis=0)) if join.opening else None,

@@ -1,12 +1,12 @@
 """Straight runs: tubes that continue one another through a node, as the run of a T does behind its branch.
 
 Two neighbours make a run where each leaves its contact curve like a tube, along its axis and round, and their axes lie
-on one line, or meet in the centre and bend by 30 degrees at the most; three of a star of equal angles, as of a Y, make
-three.  A run that bends follows the arc tangent to both axes.  A contact in a run continues no other.  Away from other
-contacts the fair surface along a run is the tube between its two ends:
+on one line, or meet in the centre and bend by 30 degrees at the most; three of a star of equal angles and radii, as of
+a Y, make three.  A run that bends follows the arc tangent to both axes.  A contact in a run continues no other.  Away
+from other contacts the fair surface along a run is the tube between its two ends:
 
     d = |x - foot| - R(s)          how far a point x is outside of it
-    w = prod_k s(1 - 2 c_k)        0 towards another contact k and 1 away from it
+    w = prod_k s(1 - 2 c_k)        0 towards another contact k and 1 away from it, less where another run crosses
 
 with s the length along the run, c_k the cosine of the angle, about the run, from contact k, and s(u) = 3 u^2 - 2 u^3
 for u in [0, 1].
@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, permutations
 
 import numpy as np
 
@@ -28,7 +28,8 @@ ROUND = 0.01
 """How far the curve of a tube is from round about its axis, over its radius, at the most."""
 
 ALONG = 0.02
-"""Cosine between a tube's axis and its surface's normals, at the most: cones are no tubes."""
+"""Cosine between a tube's axis and its surface's normals, and curvature along it times the radius, at the most: cones,
+spheres and tori are no tubes."""
 
 IN_LINE = np.cos(np.radians(1))
 """Cosine of the angle between axes on one line, at the least."""
@@ -46,6 +47,9 @@ STAR = np.cos(np.radians(118))
 ASIDE = 0.15
 """Sine of the angle between a run and another contact, at the least, for that to be a branch of it: towards one
 nearer to its axis there is no side."""
+
+CROSSING = 0.2
+"""How far one tube must be outside of another, over the other's radius, so that points there belong to it alone."""
 
 AWAY, TOWARDS = 0.1, 0.5
 """Cosines from another contact: below the first a point belongs to the run alone and its waist is measured; above the
@@ -138,18 +142,43 @@ class StraightRun:
         return across, np.where(on_arc, bend * angle, np.sign(angle) * (bend * most + straight - self.tangent))
 
 
-def weights(cosines: Floats) -> Floats:
-    """1 where points belong to a run, 0 towards another contact (N,), by the cosines (N, K) from those."""
-    u = np.clip((TOWARDS - cosines) / TOWARDS, 0, 1)
-    return np.asarray((u * u * (3 - 2 * u)).prod(axis=1))
+def guided(runs: Sequence[StraightRun], points: Floats) -> tuple[Floats, Floats]:
+    """How far points (N, 3) are outside of the tube of each run and how much they belong to it, both (N, M).
+
+    The second is 1 for those that are in its own part, 0 beyond its ends and towards other contacts.  Where runs cross,
+    points belong to the one whose tube is outside of the other's there, by halves where they agree.
+    """
+    distances, cosines = _seen(runs, points)
+    shares = np.stack([_eased((TOWARDS - c) / TOWARDS).prod(axis=1) for c in cosines], axis=1)
+    for a, b in permutations(range(len(runs)), 2):
+        ahead = np.clip(distances[:, b] - distances[:, a], -runs[b].radius, runs[b].radius)
+        shares[:, a] *= _eased(0.5 + ahead / (CROSSING * runs[b].radius))
+    return np.nan_to_num(distances, posinf=0.0), shares
 
 
-def waist(run: StraightRun, points: Floats) -> Floats:
-    """How far points (N, 3) leave the tube of a run, over its smaller radius, negative inwards (N,); nan for those that
-    do not belong to it."""
-    distance, cosines = run.seen(points)
-    own = (cosines <= AWAY).all(axis=1) & (np.abs(distance) < 2 * run.radius)
-    return np.where(own, distance / run.radius, np.nan)
+def waists(runs: Sequence[StraightRun], points: Floats) -> Floats:
+    """How far points (N, 3) leave the tube of the run that they belong to, over its smaller radius, negative inwards
+    (N,); 0 for those that belong to none."""
+    distances, cosines = _seen(runs, points)
+    radii = np.array([run.radius for run in runs])
+    own = np.stack([(c <= AWAY).all(axis=1) for c in cosines], axis=1) & (np.abs(distances) < 2 * radii)
+    outermost = distances.argmin(axis=1)[:, None]
+    found = np.where(own, distances / radii, 0.0)
+    return np.asarray(np.take_along_axis(found, outermost, axis=1)[:, 0])
+
+
+def _seen(runs: Sequence[StraightRun], points: Floats) -> tuple[Floats, list[Floats]]:
+    """The distances (N, M) from the tubes, infinite beyond their ends, and for each the cosines (N, K) from other
+    contacts, 1 there."""
+    seen = [run.seen(points) for run in runs]
+    distances = np.stack([np.nan_to_num(d, nan=np.inf) for d, _ in seen], axis=1)
+    return distances, [np.nan_to_num(c, nan=1.0) for _, c in seen]
+
+
+def _eased(u: Floats) -> Floats:
+    """0 below 0, 1 above 1, and smooth."""
+    u = np.clip(u, 0, 1)
+    return np.asarray(u * u * (3 - 2 * u))
 
 
 def straight_runs(neighbours: Sequence[Neighbour]) -> tuple[StraightRun, ...]:
@@ -159,7 +188,7 @@ def straight_runs(neighbours: Sequence[Neighbour]) -> tuple[StraightRun, ...]:
     for i, j in sorted(combinations(tubes, 2), key=lambda pair: float(tubes[pair[0]].axis @ tubes[pair[1]].axis)):
         if _continue(tubes[i], tubes[j], BEND) and not any(k in pair for pair in pairs for k in (i, j)):
             pairs.append((i, j))
-    if not pairs and len(neighbours) == 3 and all(_continue(a, b, STAR) for a, b in combinations(tubes.values(), 2)):
+    if not pairs and len(neighbours) == 3 and all(_alike(a, b) for a, b in combinations(tubes.values(), 2)):
         pairs = list(combinations(tubes, 2))
     means = {number: one.mean for number, one in enumerate(neighbours)}
     return tuple(_run(i, j, tubes, [m for k, m in means.items() if k not in (i, j)]) for i, j in pairs)
@@ -177,7 +206,7 @@ def _tube(one: Neighbour) -> StraightEnd | None:
     far = np.linalg.norm(flat - center, axis=1)
     radius = float(far.mean())
     is_round = float(np.abs(far - radius).max()) <= ROUND * radius
-    is_tube = is_round and float(np.abs(one.normals @ axis).max()) <= ALONG
+    is_tube = is_round and max(float(np.abs(one.normals @ axis).max()), radius * one.across) <= ALONG
     return StraightEnd(center @ sides, axis, float((one.curve @ axis).mean()), radius) if is_tube else None
 
 
@@ -187,6 +216,11 @@ def _continue(a: StraightEnd, b: StraightEnd, most: float) -> bool:
     if _on_one_line(a, b):
         return True
     return turn < most and all(float(np.linalg.norm(one.foot)) <= APART * one.radius for one in (a, b))
+
+
+def _alike(a: StraightEnd, b: StraightEnd) -> bool:
+    """Whether two tubes are branches of one star around the centre: of equal radii, at equal angles."""
+    return abs(a.radius - b.radius) <= ROUND * a.radius and _continue(a, b, STAR)
 
 
 def _on_one_line(a: StraightEnd, b: StraightEnd) -> bool:

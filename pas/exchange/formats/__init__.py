@@ -8,17 +8,46 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+from pas.algebra.inputs import shown
 from pas.errors import MissingLibraryError, PasError
 from pas.registry import Registry
 from pas.settings import MeshSettings, given, option
 
 C = TypeVar("C")
 
-UNITS = ("micrometer", "millimeter", "centimeter", "meter", "inch", "foot")
-"""Units of lengths that a file may be said to be in; no number is changed for them."""
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit of lengths: how many `meters` it is, what Open Cascade calls it, and how else it may be given."""
+
+    meters: Fraction
+    step: str
+    others: tuple[str, ...]
+
+
+UNITS = {
+    "micrometer": Unit(Fraction(1, 10**6), "UM", ("um", "micron")),
+    "millimeter": Unit(Fraction(1, 1000), "MM", ("mm",)),
+    "centimeter": Unit(Fraction(1, 100), "CM", ("cm",)),
+    "meter": Unit(Fraction(1), "M", ("m",)),
+    "inch": Unit(Fraction(254, 10**4), "INCH", ("in", "inches")),
+    "foot": Unit(Fraction(3048, 10**4), "FT", ("ft", "feet")),
+}
+"""The units that a model may be said to be in, by name; plurals and -metre are known, too."""
+
+
+def unit_named(given: str) -> str:
+    """The name in UNITS of a unit; raises `ValueError` for what is none."""
+    word = str(given).strip().lower().replace("metre", "meter")
+    for name, unit in UNITS.items():
+        if word in (name, f"{name}s", *unit.others):
+            return name
+    short = ", ".join(unit.others[0] for unit in UNITS.values())
+    raise ValueError(f"unit must be one of {', '.join(UNITS)}, or {short}, not {shown(given)}")
 
 
 @dataclass(frozen=True)
@@ -26,13 +55,23 @@ class Request:
     """How something is to be written.
 
     `name` is the file's, without suffix; `mesh` says how the thing is meshed, where it is, and the domain of what has
-    parameters; `unit` is one of UNITS; `sew` the distance within which faces are joined.
+    parameters; `unit` is the model's, by its name in UNITS once it is made, None where it is not told; `sew` the
+    distance within which faces are joined.
     """
 
     name: str
     mesh: MeshSettings = field(default_factory=MeshSettings)
-    unit: str = option("millimeter", "of the model, for formats that have one", str, "UNIT")
+    unit: str | None = option(None, "of the model, such as mm or inch, for formats that have one", str, "UNIT")
     sew: float | None = option(None, "join exact faces whose sides are within that distance", float, "D")
+
+    def __post_init__(self) -> None:
+        if self.unit is not None:
+            object.__setattr__(self, "unit", unit_named(self.unit))
+
+    @property
+    def told_unit(self) -> str:
+        """The unit that a file tells of numbers as they are in the model: millimeter where none is given."""
+        return self.unit or "millimeter"
 
 
 @dataclass(frozen=True)
@@ -68,7 +107,8 @@ class Format(Generic[C]):
 
     `write(content, path, request)` writes to a path that exists already and becomes the file when it returns;
     `require` raises `MissingLibraryError` where a package that it needs is absent, before any work; `limits` says of a
-    thing of which the content can be made whether such files can hold it; `closed` that they hold closed bodies only.
+    thing of which the content can be made whether such files can hold it; `closed` that they hold closed bodies only;
+    `unitless` that they have no unit, neither told nor understood.
     """
 
     name: str
@@ -77,6 +117,7 @@ class Format(Generic[C]):
     require: Callable[[], object] = _no_library
     limits: Callable[[Any], bool] | None = None
     closed: bool = False
+    unitless: bool = False
 
     def holds(self, thing: Any) -> bool:
         """Whether a thing can be written here, less what would first have to be filled with tetrahedra."""
@@ -90,12 +131,12 @@ class Format(Generic[C]):
         return True
 
     def check(self, request: Request) -> None:
-        """Raise `ValueError` for an option that says nothing of such files, or a unit that is none."""
+        """Raise `ValueError` for an option that says nothing of such files, such as a unit where they have none."""
         for name in given(request.mesh) | ({} if request.sew is None else {"sew": request.sew}):
             if name not in self.content.options:
                 raise ValueError(f"{name} says nothing of {self.content.noun}, which {self.name} files hold")
-        if request.unit not in UNITS:
-            raise ValueError(f"unit must be one of {', '.join(UNITS)}, not {request.unit!r}")
+        if self.unitless and request.unit is not None:
+            raise ValueError(f"{self.name} files have no unit; leave out unit={request.unit!r}, and scale the shape")
         self.require()
 
 

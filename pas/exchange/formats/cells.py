@@ -106,7 +106,7 @@ def write_vtu(grid: Any, path: Path, request: Request) -> None:
     grid.save(path)
 
 
-VTU: Format[Any] = Format(".vtu", Content("cells", grid_of, ("tolerance",), has_cells), write_vtu)
+VTU: Format[Any] = Format(".vtu", Content("cells", grid_of, ("tolerance",), has_cells), write_vtu, unitless=True)
 
 
 def _require_meshio() -> Any:
@@ -133,4 +133,4 @@ def _quotable(names: Sequence[str]) -> list[str]:
     return all_different((" ".join(name.replace('"', "'").split()) for name in names), " ")
 
 
-MSH = Format(".msh", TETRAHEDRA, write_msh, _require_meshio)
+MSH = Format(".msh", TETRAHEDRA, write_msh, _require_meshio, unitless=True)

@@ -1,7 +1,8 @@
 """GLB and VTP of all triangles, and 3MF of closed bodies, each by a library.
 
-GLB (binary glTF), by trimesh: a named node and a material for each part, normals of the points, single precision; the
-unit is written as the scene's extras.
+GLB (binary glTF), by trimesh: a named node and a material for each part, normals of the points, single precision.
+Its lengths are meters (glTF 2.0, 3.4): of a model with a unit they are.  The unit of the numbers is written as the
+scene's extras.
 
 VTP (VTK's XML of polygons), by pyvista: `face`, `part` and `color` of triangles, names, normals, double precision;
 points have `parameters` where all parts are meshes of parametric surfaces.  In both, points are doubled along sharp
@@ -26,6 +27,7 @@ from pas.exchange.parts import (
     Piece,
     counted_on,
     face_numbers,
+    in_unit,
     is_closed,
     repeated_colors,
     triangles_of,
@@ -34,14 +36,15 @@ from pas.limits import checkpoint
 
 
 def write_glb(parts: Sequence[Piece], path: Path, request: Request) -> None:
-    """All parts as a scene."""
+    """All parts as a scene, in meters if the model has a unit."""
     import trimesh
 
+    parts, told = in_unit(parts, request, "meter"), "meter" if request.unit else request.told_unit
     names = [p.name for p in parts]
     root = "root"
     while root in names:
         root += "_"
-    scene: Any = trimesh.Scene(metadata={"unit": request.unit}, base_frame=root)
+    scene: Any = trimesh.Scene(metadata={"unit": told}, base_frame=root)
     for part in parts:
         checkpoint()
         scene.add_geometry(part.mesh.to_trimesh(), node_name=part.name, geom_name=part.name)
@@ -85,7 +88,7 @@ def write_vtp(parts: Sequence[Piece], path: Path, request: Request) -> None:
     data.cell_data["color"] = repeated_colors(parts, triangles_of)
     data.field_data["face names"] = np.array(names)
     data.field_data["part names"] = np.array([p.name for p in parts])
-    data.field_data["unit"] = np.array([request.unit])
+    data.field_data["unit"] = np.array([request.told_unit])
     checkpoint()
     data.save(path)
 
@@ -108,7 +111,7 @@ def write_3mf(parts: Sequence[Piece], path: Path, request: Request) -> None:
     wrapper = lib3mf.get_wrapper()
     model = wrapper.CreateModel()
     units = {unit.lower(): unit for unit in ("MicroMeter", "MilliMeter", "CentiMeter", "Meter", "Inch", "Foot")}
-    model.SetUnit(getattr(lib3mf.ModelUnit, units[request.unit]))
+    model.SetUnit(getattr(lib3mf.ModelUnit, units[request.told_unit]))
     for part in parts:
         checkpoint()
         if not part.mesh.is_closed:

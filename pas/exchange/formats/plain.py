@@ -1,7 +1,8 @@
 """STL, OBJ and PLY, which are written here, without a library.
 
 STL, binary: bare triangles with the normals of the facets, in single precision.  Parts are put together without a
-boolean, and there are no points to share.
+boolean, and there are no points to share.  Whoever reads one takes its numbers for millimeters: of a model with a unit
+they are.
 
 OBJ: an object for each part, a group for each face, normals of the corners, double precision.  Colours stand after the
 coordinates of the points, since materials need a second file.
@@ -24,6 +25,7 @@ from pas.exchange.parts import (
     all_different,
     face_names,
     face_numbers,
+    in_unit,
     joined,
     points_of,
     repeated_colors,
@@ -34,8 +36,8 @@ from pas.mesh.rows import Floats, Integers
 
 
 def write_stl(parts: Sequence[Piece], path: Path, request: Request) -> None:
-    """All parts' triangles."""
-    path.write_bytes(binary_stl(*joined(parts)))
+    """All parts' triangles, in millimeters if the model has a unit."""
+    path.write_bytes(binary_stl(*joined(in_unit(parts, request, "millimeter"))))
 
 
 def binary_stl(points: Floats, triangles: Integers) -> bytes:
@@ -54,7 +56,7 @@ STL = Format(".stl", TRIANGLES, write_stl)
 
 def write_obj(parts: Sequence[Piece], path: Path, request: Request) -> None:
     """All parts, closed meshes closed."""
-    lines = [f"# unit: {request.unit}"]
+    lines = [f"# unit: {request.told_unit}"]
     objects = _words([p.name for p in parts])
     names = iter(_words(face_names(parts)))
     points_before = normals_before = 1
@@ -107,7 +109,7 @@ def write_ply(parts: Sequence[Piece], path: Path, request: Request) -> None:
     faces["part"] = np.repeat(np.arange(len(parts)), [len(p.mesh.triangles) for p in parts])
     colors = [f"property uchar {c}" for c in ("red", "green", "blue")]
     header = [
-        *("ply", "format binary_little_endian 1.0", f"comment unit: {request.unit}"),
+        *("ply", "format binary_little_endian 1.0", f"comment unit: {request.told_unit}"),
         *(f"comment part {i}: {_ascii(p.name)}" for i, p in enumerate(parts)),
         *(f"comment face {i}: {_ascii(name)}" for i, name in enumerate(names)),
         *(f"element vertex {len(points)}", *(f"property double {c}" for c in "xyz")),

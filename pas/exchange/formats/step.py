@@ -19,12 +19,9 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, MissingLibraryError, library
-from pas.exchange.formats import Format, Request
+from pas.exchange.formats import UNITS, Format, Request
 from pas.exchange.parts import PATCHES
 from pas.parametric.patches import RationalPatch
-
-UNITS = {"micrometer": "UM", "millimeter": "MM", "centimeter": "CM", "meter": "M", "inch": "INCH", "foot": "FT"}
-"""Units of lengths by name, and what Open Cascade calls them."""
 
 
 def write_faces(patches: Sequence[RationalPatch], path: Path, request: Request) -> None:
@@ -33,7 +30,7 @@ def write_faces(patches: Sequence[RationalPatch], path: Path, request: Request) 
     with _quiet():
         faces = [_face(item, number) for number, item in enumerate(patches)]
         whole = _compound(faces) if request.sew is None else _sewn(faces, request.sew)
-        _export(whole, path, request.name, UNITS[request.unit])
+        _export(whole, path, request.name, UNITS[request.told_unit].step)
 
 
 def _require_library() -> Any:

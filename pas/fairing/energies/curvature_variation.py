@@ -23,7 +23,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, amount, rational, to_float
 from pas.fairing.energy import Energy
 from pas.fairing.surface_points import QUANTITIES, STEP, Sizes, SurfacePoints
-from pas.surface.straight_runs import weights
+from pas.surface.straight_runs import guided
 
 TIMES = np.sqrt([1.0, 3.0, 3.0, 1.0])
 """The roots of how often each of C111, C112, C122, C222 stands in the symmetric tensor grad S."""
@@ -77,12 +77,10 @@ class CurvatureVariation(Energy):
     def _off_runs(self, points: Floats, sizes: Sizes) -> Floats:
         """What is squared of the distances from the runs (N, number of runs)."""
         root = float(np.sqrt(to_float(rational(self.straight, "straight"))))
-        columns = [np.empty((len(points), 0))]
-        for run in sizes.runs:
-            distance, cosines = run.seen(points - sizes.center)
-            off = root / run.radius**2 * distance * np.sqrt(weights(cosines))
-            columns.append(np.nan_to_num(off)[:, None])
-        return np.concatenate(columns, axis=1)
+        if not sizes.runs:
+            return np.empty((len(points), 0))
+        distances, shares = guided(sizes.runs, points - sizes.center)
+        return root * distances * np.sqrt(shares) / np.array([run.radius**2 for run in sizes.runs])
 
     def _roots(self, sizes: Sizes) -> tuple[float, float]:
         tension, gauge = to_float(rational(self.tension, "tension")), to_float(rational(self.gauge, "gauge"))
