@@ -79,6 +79,7 @@ SAMPLES = {
     "Box": lambda: pas.Box((0, 0, 0), (1, 1, 1)),
     "Certificate": lambda: corner().certificate,
     "Contact": lambda: pas.Contact(LONG, "x"),
+    "ContactEnd": lambda: pas.ContactEnd.of(pipes()[0], (0, 0, 0)),
     "Crossings": lambda: pas.Evaluator(LONG).rays(np.eye(3), [(1, 2, 3)]),
     "CurvatureContact": lambda: pas.curvature_contact(LONG, LONG, (LONG, "x - 1")),
     "Evaluator": lambda: pas.Evaluator(corner().surface),
