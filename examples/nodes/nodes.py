@@ -39,6 +39,12 @@ def bicycle() -> list[tuple[tuple[str, str, str], str]]:
     return list(zip(tubes, ("20", "20", "143/10", "159/10"), strict=True))
 
 
+def joint() -> list[tuple[tuple[int, int, int] | tuple[str, str, str], str]]:
+    """A joint of a bicycle's frame in millimetres: a tube that leans by 17 degrees out of a wider one's side."""
+    lean = radians(73)
+    return list(zip((X, back(X), exact(cos(lean), sin(lean), 0)), ("17.45", "17.45", "14.3"), strict=True))
+
+
 def exact(*direction: float) -> tuple[str, str, str]:
     """A direction with three decimals."""
     x, y, z = (f"{c:.3f}" for c in direction)
@@ -49,6 +55,8 @@ NODES = {
     "elbow": lambda order: pas.struts([(X, 1, 2), (Y, 1, 2)], order),
     "elbow of 120 degrees": lambda order: pas.struts([((1, -1, 0), 1), ((0, 1, -1), "3/5")], order),
     "T": lambda order: pas.struts([(X, 1, 2), (back(X), 1, 2), (Y, 1, 2)], order),
+    "T with a narrower branch": lambda order: pas.struts([(X, 1, 2), (back(X), 1, 2), (Y, "4/5", 2)], order),
+    "bicycle joint": lambda order: pas.struts(joint(), order),
     "Y": lambda order: pas.struts([((2, -1, -1), 1), ((-1, 2, -1), 1), ((-1, -1, 2), 1)], order),
     "cross": lambda order: pas.struts([(X, 1, 2), (back(X), 1, 2), (Y, 1, 2), (back(Y), 1, 2)], order),
     "tetrahedral": lambda order: pas.struts(
@@ -107,7 +115,8 @@ def main() -> None:
             print(
                 f"| {name} | GC^{order} | {blend.surface.partition.title} | {blend.surface.degree} | "
                 f"{blend.dimension} | "
-                f"{found.sharpness:.2f} | {found.hollowness:.2f} | {found.bulge:.2f} | {spent:.1f} |"
+                f"{found.sharpness:.2f} | {found.hollowness:.2f} | {found.bulge:.2f} | "
+                f"{f'{found.waist:.3f}' if found.waisted else 'none'} | {spent:.1f} |"
                 f"{' beyond: ' + ', '.join(beyond) if beyond else ''}",
                 flush=True,
             )
