@@ -29,12 +29,12 @@ ASIDE = surface("(x - 1/10)^2 + y^2 + z^2 - 9/4")
 """0.4 apart, at (-1, 0, 0)."""
 
 
-def tetrahedra(f, corners):
-    """Tetrahedra (N, 4, 3) of whole numbers with a polynomial's form on each."""
+def tetrahedra(f, corners, *clips):
+    """Tetrahedra (N, 4, 3) of whole numbers with the forms of a polynomial and of clips on each."""
     exact = [tuple(tuple(fmpq(int(c)) for c in v) for v in simplex) for simplex in corners]
-    raw = pas.Polynomial(f).raw
-    form, error = nearby_forms([raw] * len(exact), exact, int(raw.total_degree()))
-    return Simplices.of([form], corner_points(exact), error)
+    raws = [pas.Polynomial(p).raw for p in (f, *clips)]
+    found = [nearby_forms([raw] * len(exact), exact, int(raw.total_degree())) for raw in raws]
+    return Simplices.of([form for form, _ in found], corner_points(exact), max(error for _, error in found))
 
 
 @pytest.mark.parametrize("f", ["x^2 + y^2 + z^2 - 5", "10 - x^2 - y^2", "x*y - z^2 + 1", "z^3 - 3*x*y + y"])
@@ -68,6 +68,13 @@ def test_an_edge_holds_a_zero_only_where_the_sign_changes():
     assert there.all() and found.crossed.tolist() == [[True, True, True, False, False, False]]
     found, there = slices(tetrahedra("(2*x - 1)^2 + 4*y^2 + z", [[(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]]))
     assert there.all() and not found.crossed.any()  # positive all along, which the coefficients do not show
+
+
+@pytest.mark.parametrize("clip, there, crossed", [("x - 3", True, 3), ("x - 1", True, 0), ("x + 1", False, 0)])
+def test_zeros_beyond_a_clip_do_not_count(clip, there, crossed):
+    corner = [[(0, 0, 0), (2, 0, 0), (0, 2, 0), (0, 0, 2)]]
+    found, seen = slices(tetrahedra("x^2 + y^2 + z^2 - 1", corner, clip))
+    assert seen.tolist() == [there] and found.crossed.sum() == crossed
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,8 @@ normals of both and from middle to middle.  Tetrahedra with slices that are not 
 the other surface are halved.  Those that are parted go, as parts of what is there are parted from them as well.
 
 The bound is refuted where two edges, one of each surface's, each hold a zero, as f changes its sign between their ends,
-and both slices' corners on them are nearer to one another than the bound.
+and both slices' corners on them are nearer to one another than the bound.  Looked at are each slice and the nearest one
+of the other surface, before other pairs, and of those only such as hold one that is not to be halved already.
 
 Guaranteed for all zeros of both functions in their regions, up to the clips of contacts.  Not promised: anything beyond
 the clips, where pipes go on, and bounds as near to the least distance as what rounding counts.
@@ -21,6 +22,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
+from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq, fmpq_mpoly
@@ -41,6 +44,9 @@ from pas.verdicts import Status, Verdict
 CLEAR = 1e-9
 """Over the reach of the regions: by how much distances are more than a bound, or less; corners, planes and sums are off
 by some hundred 2^-53 of it."""
+
+Pairs: TypeAlias = "tuple[NDArray[np.intp], NDArray[np.intp]]"
+"""The numbers (P,) of slices of the inner surface, and of one of the outer surface's for each."""
 
 FLAT = 2.0**-20
 """Edges along which L changes by less, over the largest |L|, are taken as a whole: along others where it has a value is
@@ -71,7 +77,10 @@ class Slices(Cells):
 
 
 def slices(batch: Simplices) -> tuple[Slices, NDArray[np.bool_]]:
-    """The slices of the first form's zeros in tetrahedra, and which there are, (N,): the others hold no zeros."""
+    """The slices of the first form's zeros in tetrahedra, and which there are, (N,): the others hold no zeros in use.
+
+    A zero is in use where no other form, which is a clip's, is positive; `crossed` are edges with one that surely is.
+    """
     form, size = batch.forms[0], len(batch)
     weights = np.array(homogeneous_exponents(batch.degrees[0], 4)) / batch.degrees[0]
     values = at_vertices(form, 4)
@@ -92,13 +101,18 @@ def slices(batch: Simplices) -> tuple[Slices, NDArray[np.bool_]]:
     crossed = (
         met & (np.minimum(ends, values[:, second]) < -batch.bound) & (np.maximum(ends, values[:, second]) > batch.bound)
     )
-    across = np.linalg.pinv(batch.corners[:, 1:] - batch.corners[:, :1])
-    normals = (across @ (values[:, 1:] - values[:, :1])[:, :, None])[:, :, 0]
-    surely = (form.min(axis=1) > batch.bound) | (form.max(axis=1) < -batch.bound)
+    a, b, c = np.moveaxis(batch.corners[:, 1:] - batch.corners[:, :1], 1, 0)
+    across, rise = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1), values[:, 1:] - values[:, :1]
+    volumes = (a * across[:, 0]).sum(axis=1, keepdims=True)
+    normals = np.einsum("nk,nki->ni", rise, across) / np.where(volumes, volumes, 1.0)
+    none = (form.min(axis=1) > batch.bound) | (form.max(axis=1) < -batch.bound)
+    for clip in batch.forms[1:]:
+        none |= clip.min(axis=1) > batch.bound
+        crossed &= (clip.max(axis=1) < -batch.bound)[:, None]
     corners = corners.reshape(size, 12, 3)
     middles = corners.mean(axis=1)
     radii = np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1, initial=0.0)
-    return Slices(corners, middles, radii, normals, crossed), met.any(axis=1) & ~surely
+    return Slices(corners, middles, radii, normals, crossed), met.any(axis=1) & ~none
 
 
 def thicker_than(inner: PiecewisePolynomial, outer: PiecewisePolynomial, bound: fmpq) -> Verdict:
@@ -117,27 +131,31 @@ def thicker_than(inner: PiecewisePolynomial, outer: PiecewisePolynomial, bound: 
     def judge(cells: Simplices, _: int) -> Fates:
         checkpoint("bounding the thickness of a wall")
         found, there = slices(cells)
-        there &= _used(cells)
         fates = np.where(there, Fate.WAIT, Fate.SETTLED).astype(np.intp)
         large = there & (found.radii > LARGE * np.median(found.radii[there] if there.any() else found.radii))
         if large.any():
             fates[large] = Fate.SPLIT
             return fates
-        inside = cells.source < start
-        numbers = [np.flatnonzero(there & side) for side in (inside, ~inside)]
+        numbers = [np.flatnonzero(there & side) for side in (cells.source < start, cells.source >= start)]
         fates[there] = Fate.SETTLED
-        inner_slices, outer_slices = (found.select(some) for some in numbers)
-        for first, second in _near(inner_slices, outer_slices, distance + clear):
-            pair = found.select(numbers[0][first]), found.select(numbers[1][second])
-            close = ~_apart(*pair, distance + clear)
-            rows = numbers[0][first[close]], numbers[1][second[close]]
-            for some in rows:
-                fates[some] = Fate.SPLIT
-            refuting = _refuting(cells, found, rows, distance - clear)
-            if len(refuting):
-                fates[refuting[0]] = Fate.REFUTE
-                witness.append(found.middles[refuting[0]])
-                break
+        if not all(map(len, numbers)):
+            return fates
+        sides = found.select(numbers[0]), found.select(numbers[1])
+        nearest = _nearest(*sides)
+        nearer = np.flatnonzero(_nearer(*sides, nearest, distance - clear))
+        if len(nearer):
+            number = nearest[0][nearer[0]]
+            fates[numbers[0][number]] = Fate.REFUTE
+            witness.append(sides[0].middles[number])
+            return fates
+        still = [np.zeros(len(some), dtype=bool) for some in numbers]
+        for first, second in chain([nearest], _near(*sides, distance + clear)):
+            new = ~(still[0][first] & still[1][second])
+            close = ~_apart(*sides, (first[new], second[new]), distance + clear)
+            for some, pairs in zip(still, (first[new], second[new]), strict=True):
+                some[pairs[close]] = True
+        for some, left in zip(numbers, still, strict=True):
+            fates[some[left]] = Fate.SPLIT
         return fates
 
     result = search(batch, judge, Simplices.halved, LIMITS, "bounding the thickness of a wall")
@@ -177,60 +195,48 @@ def _tetrahedra(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple
     return Simplices.of(forms, corner_points(cells), error), len(inner.partition.cells)
 
 
-def _used(cells: Simplices) -> NDArray[np.bool_]:
-    """Which tetrahedra are not surely beyond a clip, (N,)."""
-    beyond = [clip.min(axis=1) > cells.bound for clip in cells.forms[1:]]
-    return ~np.logical_or.reduce([np.zeros(len(cells), dtype=bool), *beyond])
+def _nearest(first: Slices, second: Slices) -> Pairs:
+    """Each slice with the one of the other side whose middle is the nearest."""
+    from scipy.spatial import cKDTree
+
+    there, here = cKDTree(second.middles).query(first.middles)[1], cKDTree(first.middles).query(second.middles)[1]
+    return np.concatenate([np.arange(len(first)), here]), np.concatenate([there, np.arange(len(second))])
 
 
-def _refuting(
-    cells: Simplices, found: Slices, pairs: tuple[NDArray[np.intp], NDArray[np.intp]], distance: float
-) -> NDArray[np.intp]:
-    """The first of those pairs of tetrahedra that refute a distance, and surely are on this side of all clips.
-
-    Looked at are pairs whose middles are so near."""
-    within = [clip.max(axis=1) < -cells.bound for clip in cells.forms[1:]]
-    used = np.logical_and.reduce([np.ones(len(cells), dtype=bool), *within])
-    first, second = pairs
-    near = np.linalg.norm(found.middles[first] - found.middles[second], axis=1) < distance
-    near &= used[first] & used[second]
-    first, second = first[near], second[near]
-    return np.asarray(first[_nearer(found.select(first), found.select(second), distance)])
-
-
-def _near(first: Slices, second: Slices, distance: float) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+def _near(first: Slices, second: Slices, distance: float) -> Iterator[Pairs]:
     """The pairs of slices whose balls are not farther apart than a distance, some at once."""
     from scipy.spatial import cKDTree
 
-    if not len(first) or not len(second):
-        return
     most = distance + float(first.radii.max() + second.radii.max())
     tree = cKDTree(second.middles)
-    for start in range(0, len(first), 2048):
-        some = cKDTree(first.middles[start : start + 2048])
+    at_once = 64  # slices with some ten thousand pairs, whose corners a processor's cache holds
+    for start in range(0, len(first), at_once):
+        some = cKDTree(first.middles[start : start + at_once])
         pairs = some.sparse_distance_matrix(tree, most * (1 + CLEAR), output_type="ndarray")
         one, other = pairs["i"] + start, pairs["j"]
         near = pairs["v"] <= distance * (1 + CLEAR) + first.radii[one] + second.radii[other]
         yield one[near], other[near]
 
 
-def _apart(first: Slices, second: Slices, distance: float) -> NDArray[np.bool_]:
+def _apart(first: Slices, second: Slices, pairs: Pairs, distance: float) -> NDArray[np.bool_]:
     """Which pairs of slices are parted by more than a distance, (P,)."""
-    result = np.zeros(len(first), dtype=bool)
-    for ways in (second.middles - first.middles, second.normals, first.normals):
-        rows = np.flatnonzero(~result)
-        n = ways[rows]
-        below = np.einsum("pki,pi->pk", first.corners[rows], n).max(axis=1, initial=-np.inf)
-        above = np.einsum("pki,pi->pk", second.corners[rows], n).min(axis=1, initial=np.inf)
-        result[rows] = above - below > distance * np.linalg.norm(n, axis=1)
+    result, rows = np.zeros(len(pairs[0]), dtype=bool), np.arange(len(pairs[0]))
+    for way in range(3):
+        one, other = (numbers[rows] for numbers in pairs)
+        n = (second.middles[other] - first.middles[one], second.normals[other], first.normals[one])[way]
+        below = np.einsum("pki,pi->pk", first.corners[one], n).max(axis=1, initial=-np.inf)
+        above = np.einsum("pki,pi->pk", second.corners[other], n).min(axis=1, initial=np.inf)
+        parted = above - below > distance * np.linalg.norm(n, axis=1)
+        result[rows[parted]], rows = True, rows[~parted]
     return result
 
 
-def _nearer(first: Slices, second: Slices, distance: float) -> NDArray[np.bool_]:
+def _nearer(first: Slices, second: Slices, pairs: Pairs, distance: float) -> NDArray[np.bool_]:
     """Which pairs of slices have zeros on edges that are surely nearer than a distance, (P,)."""
-    result = np.zeros(len(first), dtype=bool)
+    result = np.zeros(len(pairs[0]), dtype=bool)
     for i, j in np.ndindex(6, 6):
-        rows = np.flatnonzero(first.crossed[:, i] & second.crossed[:, j] & ~result)
-        away = first.corners[rows, 2 * i : 2 * i + 2, None] - second.corners[rows, None, 2 * j : 2 * j + 2]
+        rows = np.flatnonzero(first.crossed[pairs[0], i] & second.crossed[pairs[1], j] & ~result)
+        one, other = (numbers[rows] for numbers in pairs)
+        away = first.corners[one, 2 * i : 2 * i + 2, None] - second.corners[other, None, 2 * j : 2 * j + 2]
         result[rows] = np.linalg.norm(away, axis=3).max(axis=(1, 2), initial=0.0) < distance
     return result
