@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from math import sqrt
 
@@ -12,7 +13,7 @@ from flint import fmpq
 import pas
 from pas.bernstein.forms import corner_points, nearby_forms
 from pas.bernstein.simplices import Simplices
-from pas.certify.thickness import slices, thicker_than
+from pas.certify.thickness import apart, close, nearest_pairs, slices, thicker_than
 from pas.piecewise import PiecewiseSurface
 from pas.verdicts import Status
 
@@ -70,11 +71,46 @@ def test_an_edge_holds_a_zero_only_where_the_sign_changes():
     assert there.all() and not found.crossed.any()  # positive all along, which the coefficients do not show
 
 
+def test_an_edge_along_which_a_surface_runs_counts_as_a_whole():
+    corner = [[(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]]
+    found, there = slices(tetrahedra("y + z + (x - 1/2)/10^8", corner))
+    assert there.all() and found.corners[..., 0].max() >= 1 / 2
+    found, there = slices(tetrahedra("y + 2*z - 1/2 + x/10^8", corner))
+    assert there.all() and (found.corners[..., 1:].sum(axis=2) > 1 / 5).all()  # none of the edge from (0, 0, 0) along x
+
+
 @pytest.mark.parametrize("clip, there, crossed", [("x - 3", True, 3), ("x - 1", True, 0), ("x + 1", False, 0)])
 def test_zeros_beyond_a_clip_do_not_count(clip, there, crossed):
     corner = [[(0, 0, 0), (2, 0, 0), (0, 2, 0), (0, 0, 2)]]
     found, seen = slices(tetrahedra("x^2 + y^2 + z^2 - 1", corner, clip))
     assert seen.tolist() == [there] and found.crossed.sum() == crossed
+
+
+@pytest.mark.parametrize("length", [1 / 8, 1, 8])
+def test_how_long_directions_are_does_not_matter(length):
+    corner = [[(0, 0, 0), (4, 0, 0), (0, 4, 0), (0, 0, 4)]]
+    low, high = (slices(tetrahedra(f, corner))[0] for f in ("z - 1", "z - 3/2"))
+    low, high = (replace(side, normals=length * np.array([[0.0, 0, 1]])) for side in (low, high))
+    pair = np.array([0]), np.array([0])
+    assert apart(low, high, pair, 0.499).all() and not apart(low, high, pair, 0.501).any()
+
+
+@pytest.mark.parametrize("halvings", [0, 3])
+def test_slices_that_are_parted_from_all_others_are_settled(halvings):
+    generator = np.random.default_rng(2)
+    sides = []
+    for f in ("x + y/3 - 2", "x^2 + y^2 + z^2 - 2"):
+        batch = tetrahedra(f, generator.integers(-2, 3, (30, 4, 3)) + [[0, 0, 0], [3, 0, 0], [0, 3, 0], [0, 0, 3]])
+        for _ in range(halvings):
+            batch = batch.halved()
+        found, there = slices(batch)
+        sides.append(found.select(there))
+    every = np.divmod(np.arange(len(sides[0]) * len(sides[1])), len(sides[1]))
+    for distance in (0.01, 0.1, 1.0):
+        table = ~apart(*sides, every, distance).reshape(len(sides[0]), len(sides[1]))
+        found = close(*sides, nearest_pairs(*sides), distance)
+        assert all((found[i] == table.any(axis=1 - i)).all() for i in range(2))
+        assert distance == 1 or not all(map(np.all, found))
 
 
 @pytest.mark.parametrize(
@@ -124,15 +160,15 @@ def test_flat_surfaces():
 
 @cache
 def elbow():
-    return pas.node([((1, 0, 0), 1), ((0, 1, 0), 1)], 1).hollow("1/2")
+    return pas.node([((1, 0, 0), 1), ((0, 1, 0), 1)], 1).hollow("3/8")
 
 
 def test_a_hollow_bend_is_thicker_than_four_fifths():
     wall = elbow()
-    verdict = wall.thicker_than("2/5")
-    assert verdict.proved and verdict.claim == "a wall thicker than 2/5"
-    assert wall.wall.distance > 0.4
-    assert wall.thicker_than("3/5").status is Status.REFUTED
+    verdict = wall.thicker_than("3/10")
+    assert verdict.proved and verdict.claim == "a wall thicker than 3/10"
+    assert wall.wall.distance > 0.3
+    assert wall.thicker_than("9/20").status is Status.REFUTED
 
 
 @pytest.mark.parametrize("bound", [0, "-1/8"])

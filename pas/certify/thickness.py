@@ -49,8 +49,8 @@ Pairs: TypeAlias = "tuple[NDArray[np.intp], NDArray[np.intp]]"
 """The numbers (P,) of slices of the inner surface, and of one of the outer surface's for each."""
 
 FLAT = 2.0**-20
-"""Edges along which L changes by less, over the largest |L|, are taken as a whole: along others where it has a value is
-known to 2^-30."""
+"""Edges along which L changes by less, over the largest |L|, are taken as a whole where they meet the slice: along
+others where it has a value is known to 2^-30."""
 
 LIMITS = Limits(depth=60, cells=400_000)
 """Slices a quarter as large as the wall is thick are some ten thousand."""
@@ -88,19 +88,18 @@ def slices(batch: Simplices) -> tuple[Slices, NDArray[np.bool_]]:
     low, high = off.min(axis=1) - 2 * batch.bound, off.max(axis=1) + 2 * batch.bound
     first, second = np.array(edges(4)).T
     ends, change = values[:, first], values[:, second] - values[:, first]
+    least, most = np.minimum(ends, values[:, second]), np.maximum(ends, values[:, second])
+    met = (most >= low[:, None]) & (least <= high[:, None])
     flat = np.abs(change) <= FLAT * np.abs(values).max(axis=1)[:, None]
     with np.errstate(all="ignore"):
         shares = np.stack([(limit[:, None] - ends) / change for limit in (low, high)], axis=2)
     shares = np.where(flat[:, :, None], [0.0, 1.0], np.sort(shares, axis=2) + [-(2.0**-30), 2.0**-30])
-    met = (shares[:, :, 1] >= 0) & (shares[:, :, 0] <= 1)
     shares = np.clip(shares, 0, 1)[..., None]
     start, way = batch.corners[:, first, None], (batch.corners[:, second] - batch.corners[:, first])[:, :, None]
     corners = start + shares * way
     spare = corners[np.arange(size), met.argmax(axis=1)]
     corners = np.where(met[:, :, None, None], corners, spare[:, None])
-    crossed = (
-        met & (np.minimum(ends, values[:, second]) < -batch.bound) & (np.maximum(ends, values[:, second]) > batch.bound)
-    )
+    crossed = (least < -batch.bound) & (most > batch.bound)
     a, b, c = np.moveaxis(batch.corners[:, 1:] - batch.corners[:, :1], 1, 0)
     across, rise = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1), values[:, 1:] - values[:, :1]
     volumes = (a * across[:, 0]).sum(axis=1, keepdims=True)
@@ -141,20 +140,14 @@ def thicker_than(inner: PiecewisePolynomial, outer: PiecewisePolynomial, bound: 
         if not all(map(len, numbers)):
             return fates
         sides = found.select(numbers[0]), found.select(numbers[1])
-        nearest = _nearest(*sides)
+        nearest = nearest_pairs(*sides)
         nearer = np.flatnonzero(_nearer(*sides, nearest, distance - clear))
         if len(nearer):
             number = nearest[0][nearer[0]]
             fates[numbers[0][number]] = Fate.REFUTE
             witness.append(sides[0].middles[number])
             return fates
-        still = [np.zeros(len(some), dtype=bool) for some in numbers]
-        for first, second in chain([nearest], _near(*sides, distance + clear)):
-            new = ~(still[0][first] & still[1][second])
-            close = ~_apart(*sides, (first[new], second[new]), distance + clear)
-            for some, pairs in zip(still, (first[new], second[new]), strict=True):
-                some[pairs[close]] = True
-        for some, left in zip(numbers, still, strict=True):
+        for some, left in zip(numbers, close(*sides, nearest, distance + clear), strict=True):
             fates[some[left]] = Fate.SPLIT
         return fates
 
@@ -195,12 +188,23 @@ def _tetrahedra(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple
     return Simplices.of(forms, corner_points(cells), error), len(inner.partition.cells)
 
 
-def _nearest(first: Slices, second: Slices) -> Pairs:
+def nearest_pairs(first: Slices, second: Slices) -> Pairs:
     """Each slice with the one of the other side whose middle is the nearest."""
     from scipy.spatial import cKDTree
 
     there, here = cKDTree(second.middles).query(first.middles)[1], cKDTree(first.middles).query(second.middles)[1]
     return np.concatenate([np.arange(len(first)), here]), np.concatenate([there, np.arange(len(second))])
+
+
+def close(first: Slices, second: Slices, nearest: Pairs, distance: float) -> list[NDArray[np.bool_]]:
+    """Which slices of each of two surfaces are not parted by more than a distance from all of the other one; some
+    pairs, which are likely not to be, are looked at before the others."""
+    found = [np.zeros(len(side), dtype=bool) for side in (first, second)]
+    for one, other in chain([nearest], _near(first, second, distance)):
+        new = ~(found[0][one] & found[1][other])
+        left = ~apart(first, second, (one[new], other[new]), distance)
+        found[0][one[new][left]] = found[1][other[new][left]] = True
+    return found
 
 
 def _near(first: Slices, second: Slices, distance: float) -> Iterator[Pairs]:
@@ -218,7 +222,7 @@ def _near(first: Slices, second: Slices, distance: float) -> Iterator[Pairs]:
         yield one[near], other[near]
 
 
-def _apart(first: Slices, second: Slices, pairs: Pairs, distance: float) -> NDArray[np.bool_]:
+def apart(first: Slices, second: Slices, pairs: Pairs, distance: float) -> NDArray[np.bool_]:
     """Which pairs of slices are parted by more than a distance, (P,)."""
     result, rows = np.zeros(len(pairs[0]), dtype=bool), np.arange(len(pairs[0]))
     for way in range(3):

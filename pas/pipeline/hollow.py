@@ -111,8 +111,8 @@ class HollowBlend(Shape, Generic[B]):
         at a point where it is nearer, or undecided.
 
         In the model's units, up to the clips of the contacts, where the wall is as thick as `thickness`: smaller bounds
-        only can be proved.  About ten seconds for a bound of nine tenths of the least distance, and more for nearer
-        ones.  Raises `ValueError` for a bound that is not positive.
+        only can be proved.  Of a T a second for a bound of half the least distance, about three for nine tenths of it,
+        and more for nearer ones.  Raises `ValueError` for a bound that is not positive.
         """
         number = rational(bound, "bound")
         if number <= 0:
