@@ -25,7 +25,7 @@ from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.neighbours import is_left_once, moved
 from pas.solid.solid import Solid
-from pas.solid.strips import Chain, Outwards, Straight, SolidStrip
+from pas.solid.strips import Chain, Outwards, SolidStrip, Straight
 
 AROUND, OUTWARDS, ALONG = 48, 12, 256
 """Rays round an opening and between it and the edge, and places on each, by which surfaces are looked through."""
