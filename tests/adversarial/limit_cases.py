@@ -157,7 +157,7 @@ LONG_COMMANDS: dict[str, tuple[Callable[[Path], Path], tuple[Any, ...]]] = {
     "check --independent": (_saved_blend, ("check", "{}", "--independent")),
     "mesh": (_saved_blend, ("mesh", "{}", "-o", "OUT/x.stl", *COARSE)),
     "render": (_saved_blend, ("render", "{}", "-o", "OUT/x.png")),
-    "write": (_saved_blend, ("write", "{}", "OUT/x.obj", *COARSE)),
+    "write": (_saved_blend, ("write", "{}", "OUT/x.obj", "--open", *COARSE)),
     "convert": (_saved_blend, ("convert", "{}", "OUT/x.3mf", *COARSE)),
     "teapot": (lambda _: CORNER, ("teapot", "-o", "OUT", "--style", "paper", "--tolerance", 1)),
 }
