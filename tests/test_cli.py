@@ -184,7 +184,7 @@ EXIT_CODES = [
     (QUADRICS, "", 0, 0, None),
     (QUADRICS, "true", 1, 0, None),
     (QUADRICS, "false", 0, 0, None),
-    (TWISTED, "", 1, 1, None),
+    pytest.param(TWISTED, "", 1, 1, None, marks=pytest.mark.slow),
     pytest.param(TWISTED, "true", 1, 1, None, marks=pytest.mark.slow),
     (TWISTED, "false", 1, 1, None),
 ]
