@@ -69,6 +69,7 @@ def smooth(space) -> bool:
 
 @pytest.mark.parametrize("degree", [*range(1, 6), pytest.param(6, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("order", [0, 1, 2])
+@pytest.mark.sampled(2)
 def test_both_constructions_agree_on_the_alfeld_split(order, degree):
     partition = alfeld()
     net, conditions = by_net(partition, order, degree), by_conditions(partition, order, degree)
