@@ -40,7 +40,8 @@ class SearchSettings:
     """Degrees with regular surfaces that are tried on a layout before it is given up."""
 
     above: int
-    """Degrees above the first that is proved which are tried for a fair surface; beyond, nothing was gained."""
+    """Degrees above the first that is proved and not stiff which are tried for a fair surface; beyond, nothing was
+    gained."""
 
     fewest: int
     """Spaces of smaller dimension are not tried: there is always a larger one, and none of these was fair."""
@@ -58,8 +59,10 @@ class SearchSettings:
     """Spaces with fewer unknowns, or with fewer for each piece, are stiff, as of GC^1 surfaces of degree 4 around four
     pipes and more: few of them have a fair surface, and the next degree is tried however large."""
 
-    most: int = 160
-    """Spaces of larger dimension are not tried for fairness alone: they take many seconds."""
+    most: int = 200
+    """Spaces of larger dimension are not tried for fairness alone: they take many seconds.  Those of degree 7 and GC^2
+    on fans around three to five contacts have 164 to 195, take 3 to 20 seconds, and are fair where those of degree 6
+    are not."""
 
     narrow: float = 0.25
     further: float = 4.0
@@ -113,7 +116,8 @@ class Search(Generic[B]):
         best: B | None = None
         tried, highest, counts = 0, settings.highest, False
         for degree in range(1, HIGHEST_DEGREE + 1) if self.degree is None else [check_degree(self.degree)]:
-            if degree > highest or (tried >= settings.degrees and degree > settings.per_order * self.order):
+            enough = best is None and tried >= settings.degrees and degree > settings.per_order * self.order
+            if degree > highest or enough:
                 break
             tried += 1
             regions, here = tee(regions)
@@ -131,8 +135,8 @@ class Search(Generic[B]):
                 if not self.raised:
                     return self._with_attempts(found)
                 best = found if best is None or excess(found) < excess(best) else best
-                highest = min(highest, degree + settings.above)
-                counts |= not settings.is_stiff(space)
+                if not settings.is_stiff(space):
+                    highest, counts = min(highest, degree + settings.above), True
                 regions = [placed]
                 break
             if best is not None and not excess(best):
