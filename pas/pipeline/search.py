@@ -37,11 +37,10 @@ class SearchSettings:
     """How far a search goes."""
 
     degrees: int
-    """Degrees with regular surfaces that are tried on a layout before it is given up."""
+    """Degrees with regular surfaces that are tried on a layout before it is given up, where none of them is proved."""
 
     above: int
-    """Degrees above the first that is proved and not stiff which are tried for a fair surface; beyond, nothing was
-    gained."""
+    """Degrees above the first that is proved which are tried for a fair surface; beyond, nothing was gained."""
 
     fewest: int
     """Spaces of smaller dimension are not tried: there is always a larger one, and none of these was fair."""
@@ -80,7 +79,7 @@ GIVEN = SearchSettings(degrees=4, above=2, fewest=1)
 CORNER = replace(GIVEN, above=1, fewest=12)
 """On six tetrahedra that the program chose, within the usual limits of fairness, before all."""
 
-CHOSEN = SearchSettings(degrees=2, above=1, fewest=15)
+CHOSEN = SearchSettings(degrees=2, above=2, fewest=15)
 """On layouts that the program chose, of which the first that has a proved surface is kept: more half-planes made no
 shape fairer that another degree did not."""
 
@@ -135,8 +134,8 @@ class Search(Generic[B]):
                 if not self.raised:
                     return self._with_attempts(found)
                 best = found if best is None or excess(found) < excess(best) else best
-                if not settings.is_stiff(space):
-                    highest, counts = min(highest, degree + settings.above), True
+                highest = min(highest, degree + settings.above)
+                counts |= not settings.is_stiff(space)
                 regions = [placed]
                 break
             if best is not None and not excess(best):
