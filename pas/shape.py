@@ -102,6 +102,12 @@ class Shape(ABC):
 
     __radd__ = __add__
 
+    def __or__(self, other: Any) -> Any:
+        """The union of two solids or two meshes; raises `TypeError` for other shapes, as & and - do."""
+        refuse_mixed(self, other)
+
+    __and__ = __sub__ = __ror__ = __rand__ = __rsub__ = __or__
+
     def save(self, path: str | Path, **options: Any) -> Path:
         """Write the exact project file (`.pas.json`); returns its path.  See `pas.save`."""
         path = loaded(VERBS["save"])(self, path, **options)
@@ -136,19 +142,20 @@ class Shape(ABC):
 def refuse_mixed(first: Shape, second: object) -> NoReturn:
     """Raise `TypeError` for an operation of a solid or mesh and what is not of its kind."""
     if not isinstance(second, Shape):
-        raise TypeError(f"|, & and - take two solids or two meshes, not a {first.kind} and {shown(second)}")
-    kinds = first.kind, second.kind
-    other = second.kind if first.kind == "mesh" else first.kind if second.kind == "mesh" else ""
-    raise TypeError(
-        f"|, & and - take two solids or two meshes, not a {kinds[0]} and a {kinds[1]}; "
-        + (
-            f"take the mesh of the {other} first, as in shape.mesh(tolerance)"
-            if other
-            else f"make a solid of the {second.kind} first, as blend.solid() and assembly[name].shape are"
-            if second.kind == "assembly" or hasattr(second, "solid")
-            else f"no solid can be made of a {second.kind}: take the meshes of both, as in a.mesh(tolerance)"
-        )
-    )
+        raise TypeError(f"|, & and - take two solids or two meshes, not {_one(first.kind)} and {shown(second)}")
+    other: Any = next((s for s in (first, second) if s.kind not in ("solid", "mesh")), second)
+    if "mesh" in (first.kind, second.kind):
+        meshless = first if second.kind == "mesh" else second
+        hint = f"take the mesh of the {meshless.kind} first, as in shape.mesh(tolerance)"
+    elif other.kind == "assembly" or hasattr(other, "solid"):
+        hint = f"make a solid of the {other.kind} first, as blend.solid() and assembly[name].shape are"
+    else:
+        hint = f"no solid can be made of a {other.kind}: take the meshes of both, as in a.mesh(tolerance)"
+    raise TypeError(f"|, & and - take two solids or two meshes, not {_one(first.kind)} and {_one(second.kind)}; {hint}")
+
+
+def _one(kind: str) -> str:
+    return f"an {kind}" if kind.startswith("a") else f"a {kind}"
 
 
 def _own_mesh(shape: Any, settings: MeshSettings) -> Any:

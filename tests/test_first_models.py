@@ -136,3 +136,55 @@ def test_a_cut_into_many_triangles_looks_at_the_clock(monkeypatch):
     assert seen[first + 1] == ""
     with pytest.raises(LimitError, match="gave up after"), limit(0.5):
         solid.torus((0, 0, 0), (0, 0, 1), 2, HALF).mesh(1e-5)
+
+
+def bars(size, low, high):
+    """Three square bars along the axes, from `low` to `high`, that cross in the middle of a cube of a given size."""
+    ends = [[*((1, 2),) * axis, (low, high), *((1, 2),) * (2 - axis)] for axis in range(3)]
+    return [solid.box(*zip(*sides, strict=True)) for sides in ends]
+
+
+@pytest.mark.parametrize("flush", [True, False])
+@pytest.mark.parametrize("tolerance", [None, 0.1])
+def test_square_bars_and_holes_that_cross_meet_in_corners_of_six_edges(flush, tolerance):
+    low, high = (0, 3) if flush else (-1, 4)
+    frame = reduce(lambda made, bar: made - bar, bars(3, low, high), solid.box((0, 0, 0), (3, 3, 3))).mesh(tolerance)
+    assert frame.is_closed and frame.euler_characteristic == 2 - 2 * 5
+    assert (len(frame.points), frame.volume) == (8 + 24 + 8, pytest.approx(27 - 7))
+    cross = solid.union(bars(3, low, high)).mesh(tolerance)
+    assert (len(cross.points), cross.volume) == (24 + 8, pytest.approx(1 + 3 * (high - low - 1)))
+
+
+def bend():
+    """A quarter of a torus between two straight pipes."""
+    quarter = solid.torus((0, 0, 0), (0, 0, 1), 2, HALF) & solid.box((0, 0, -1), (3, 3, 1))
+    return solid.union(
+        quarter, solid.cylinder((2, -2, 0), (2, 0, 0), HALF), solid.cylinder((-2, 2, 0), (0, 2, 0), HALF)
+    )
+
+
+def rounded_disc(inner=Fraction(5, 2)):
+    """A disc whose upper rim is rounded by a torus; without an `inner` disc there is a pan in its middle."""
+    made = solid.cylinder((0, 0, 0), (0, 0, HALF), 3) | solid.torus((0, 0, HALF), (0, 0, 1), Fraction(5, 2), HALF)
+    return made | solid.cylinder((0, 0, 0), (0, 0, 1), inner) if inner else made
+
+
+HALF_RING = pi / 8 * (2 * pi * 2.5)
+"""The volume of the upper half of a torus of the radii 5/2 and 1/2."""
+
+TANGENT_MODELS = {
+    "bend": (bend, pi / 4 * (4 + pi)),
+    "pan": (lambda: rounded_disc(0), 9 * pi / 2 + HALF_RING),
+    "disc": (rounded_disc, 9 * pi / 2 + 2.5**2 * pi / 2 + pi / 16 * 2 * pi * (2.5 + 2 / (3 * pi))),
+}
+
+
+@pytest.mark.parametrize("tolerance", [None, 0.05, 0.2])
+@pytest.mark.parametrize("name", TANGENT_MODELS)
+def test_faces_that_touch_along_a_plane_section_go_on_smoothly(name, tolerance):
+    make, volume = TANGENT_MODELS[name]
+    shape = make()
+    mesh = shape.mesh(tolerance)
+    assert mesh.is_closed and mesh.euler_characteristic == 2
+    assert mesh.volume == pytest.approx(volume, abs=mesh.area * mesh.deviation)
+    assert shape.volume(tolerance) == pytest.approx(volume, rel=4e-3)

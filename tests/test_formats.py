@@ -11,6 +11,7 @@ from conftest import EQUAL, ROOT, solved
 
 import pas
 from pas import solid
+from pas.cli import main
 from pas.exchange.formats import FORMATS, UNITS, Format, suffixes_of
 from pas.exchange.parts import TRIANGLES
 
@@ -47,12 +48,15 @@ def test_one_verb_writes_everything(shapes, suffix, tmp_path):
     for name, shape in shapes.items():
         path = tmp_path / f"{name}{suffix}"
         tolerance = None if name == "mesh" else 0.1
-        if suffix == ".3mf" and name in ("blend", "surface"):
-            with pytest.raises(ValueError, match=f"the mesh of '{name}' is open"):
+        edged = FORMATS[suffix].bodies and name in ("blend", "surface")
+        if edged:
+            body = {"blend": r"the body .*, as in shape\.solid\(\)\.write\('blend\.", "surface": "close it"}[name]
+            with pytest.raises(
+                ValueError, match=f"the surface of '{name}' has edges; .*{body}.*, or .* with open=True"
+            ):
                 pas.write(shape, path, tolerance=tolerance)
             assert not path.exists()
-            continue
-        assert pas.write(shape, path, tolerance=tolerance, unit="inch") == path
+        assert pas.write(shape, path, tolerance=tolerance, unit="inch", open=edged) == path
         assert path.stat().st_size > 500
 
 
@@ -97,7 +101,7 @@ def test_a_tolerance_reaches_the_mesh(tmp_path):
     torus = pas.torus(2, 1, angle=True)
     sizes = [pas.write(torus, tmp_path / f"{t}.stl", tolerance=t).stat().st_size for t in (0.1, 0.01)]
     assert (sizes[1] - 84) // 50 == len(torus.mesh(0.01).triangles) > (sizes[0] - 84) // 50
-    half = pas.write(torus, tmp_path / "half.stl", tolerance=0.1, domain=((0, np.pi), None))
+    half = pas.write(torus, tmp_path / "half.stl", tolerance=0.1, domain=((0, np.pi), None), open=True)
     assert half.stat().st_size < sizes[0]
 
 
@@ -164,9 +168,29 @@ def test_files_hold_the_mesh_that_was_made_before(shapes, tmp_path, monkeypatch)
     monkeypatch.delattr("pas.surface.meshing.Mesher.mesh")
     for name, mesh in meshes.items():
         for suffix in (".stl", ".obj"):
-            path = pas.write(shapes[name], tmp_path / f"{name}{suffix}", tolerance=0.07)
+            path = pas.write(shapes[name], tmp_path / f"{name}{suffix}", tolerance=0.07, open=True)
             assert len(trimesh.load_mesh(path, process=False).faces) == len(mesh.triangles)
         with pytest.raises((NameError, AttributeError)):
             shapes[name].mesh(0.08)
     with pytest.raises(ValueError, match="read-only"):
         meshes["blend"].points[0] = 0
+
+
+def test_an_open_surface_in_a_3mf_file_is_called_one(shapes, tmp_path):
+    lib3mf = pytest.importorskip("lib3mf")
+    path = pas.write([shapes["mesh"], shapes["surface"]], tmp_path / "a.3mf", open=True)
+    model = lib3mf.get_wrapper().CreateModel()
+    model.QueryReader("3mf").ReadFromFile(str(path))
+    objects = model.GetMeshObjects()
+    types = [objects.GetCurrentMeshObject().GetType() for _ in range(2) if objects.MoveNext()]
+    assert types == [lib3mf.ObjectType.Model, lib3mf.ObjectType.Surface]
+
+
+def test_commands_write_surfaces_where_that_is_what_they_say(shapes, tmp_path, capsys):
+    project = str(shapes["blend"].save(tmp_path / "a.pas.json"))
+    assert main(["write", project, str(tmp_path / "a.stl"), "--tolerance", "0.1"]) == 2
+    assert "as in shape.solid().write('a.stl'), or write the bare surface with open=True" in capsys.readouterr().err
+    assert main(["write", project, str(tmp_path / "a.stl"), "--tolerance", "0.1", "--open"]) == 0
+    assert main(["mesh", project, "-o", str(tmp_path / "b.stl"), "--tolerance", "0.1"]) == 0
+    assert main(["convert", project, str(tmp_path / "c.stl"), "--tolerance", "0.1"]) == 0
+    assert [trimesh.load_mesh(tmp_path / f"{n}.stl").is_watertight for n in "abc"] == [False, False, True]

@@ -171,7 +171,7 @@ def test_it_meshes_draws_and_writes(name, tmp_path):
         assert path.read_bytes()[:4] == b"\x89PNG"
     four = pas.draw(shape, tmp_path / "four.png", four_views=True, cut=True, exploded=True, **options)
     assert four.exists()
-    written = shape.write(tmp_path / "a.stl", **({} if name == "mesh" else {"tolerance": tolerance}))
+    written = shape.write(tmp_path / "a.stl", open=True, **({} if name == "mesh" else {"tolerance": tolerance}))
     assert (written.stat().st_size - 84) % 50 == 0
     assert written.stat().st_size == 84 + 50 * len(mesh.triangles)
 

@@ -54,6 +54,23 @@ def test_solids_are_given_one_by_one_or_in_a_sequence():
     assert np.array_equal(BALL.translate(1, 2, "3").box, BALL.translate((1, 2, 3)).box)
 
 
+def test_scaling_takes_three_factors_one_by_one_and_a_centre_by_name_or_after_the_factor():
+    assert np.array_equal(BOX.scale(2, 3, "1/2").box, BOX.scale((2, 3, "1/2")).box)
+    assert np.array_equal(BOX.scale(2, (2, 0, 0)).box, BOX.scale(2, center=(2, 0, 0)).box)
+    assert np.array_equal(BOX.scale(2, 2, 2, center=(2, 0, 0)).box, BOX.scale(2, (2, 0, 0)).box)
+
+
+def test_files_that_are_no_projects_are_not_called_truncated(tmp_path):
+    for name, text, words in (
+        ("a.toml", "order = 1", "is a problem file; read it with pas.read_problem"),
+        ("a.txt", "ply 1.0", r"not a project file of pas \(.pas.json\), which shape.save writes"),
+        ("a.pas.json", '{"format": ', "the file was truncated or edited"),
+    ):
+        (tmp_path / name).write_text(text)
+        with pytest.raises(pas.ProjectFileError, match=words):
+            pas.load(tmp_path / name)
+
+
 @pytest.mark.parametrize(
     ("call", "error", "words"),
     [
@@ -86,7 +103,27 @@ def test_solids_are_given_one_by_one_or_in_a_sequence():
             TypeError,
             "no solid can be made of a parametric surface: take the",
         ),
-        (lambda: pas.torus().write("a.stl"), ValueError, r"give a finite one, .* go round the whole with angle=True"),
+        (
+            lambda: pas.torus() | BALL,
+            TypeError,
+            "take two solids or two meshes, not a parametric surface and a solid; no",
+        ),
+        (lambda: PAIR - BALL, TypeError, r"not an assembly and a solid; make a solid of the assembly first"),
+        (lambda: BALL.mesh(0.3) & PAIR, TypeError, "not a mesh and an assembly; take the mesh of the assembly first"),
+        (lambda: None | BALL, TypeError, "take two solids or two meshes, not a solid and None"),
+        (lambda: BALL.scale(1, 2), TypeError, "center must be three numbers"),
+        (lambda: BALL.scale(1, 2, -2), ValueError, r"the factor must be positive, not \(1, 2, -2\)"),
+        (
+            lambda: pas.tube(lambda t: t, 1, (0, 1, 0), (0, 0, 1)),
+            TypeError,
+            "center must be three expressions in t, such",
+        ),
+        (lambda: solid.tube(("t", 0, 0), 1, (0, None)), TypeError, "an end of the interval must be a number"),
+        (
+            lambda: pas.torus().write("a.stl"),
+            ValueError,
+            r"with angle=True to go round the whole turn; of others, .* give a finite one, such as domain=",
+        ),
         (lambda: BALL.write("a.step"), TypeError, "STEP files hold faces with parameters; a solid or"),
         (lambda: pas.load("a.step"), pas.ProjectFileError, r"a\.step: \.step files are written and not read"),
         (lambda: solid.assembly(a=pas.torus()), TypeError, "the part 'a' must be .*; of a surface take its mesh"),

@@ -248,7 +248,7 @@ def test_the_command_writes_three_files(tmp_path, capsys):
     assert "within" in capsys.readouterr().out
     assert main(["render", str(project), "-o", str(tmp_path / "a.png"), "--curvature"]) == 0
     assert main(["convert", str(project), str(tmp_path / "a.3mf")]) == 2
-    assert "3MF files hold closed bodies, and the mesh of 'a' is open" in capsys.readouterr().err
+    assert "a.3mf would be taken for a closed body, and the surface of 'a' has edges" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_mpoly
@@ -234,9 +234,14 @@ class AffineShape(ABC, Generic[M]):
         """
         return self._moved(rotation(axis, degrees, center))
 
-    def scale(self, factor: Exact | VectorLike, center: VectorLike = (0, 0, 0)) -> M:
-        """The shape scaled by a positive number, or by three, one for each axis."""
-        return self._moved(scaling(factor, center))
+    def scale(self, factor: Exact | VectorLike, *others: Any, center: VectorLike = (0, 0, 0)) -> M:
+        """The shape scaled by a positive number, or by three, one for each axis, with `center` kept in place.
+
+        The three are given in one sequence or one by one; the centre may stand after the factor, too.
+        """
+        if len(others) == 1:
+            return self._moved(scaling(factor, others[0]))
+        return self._moved(scaling((factor, *others) if others else factor, center))  # type: ignore[arg-type]
 
     def mirror(self, normal: VectorLike, center: VectorLike = (0, 0, 0)) -> M:
         """The shape reflected in the plane through `center` with the given normal."""

@@ -102,7 +102,7 @@ def run_mesh(options: argparse.Namespace) -> CommandResult:
     if not mesh.is_closed:
         check_open(options.output)
     whole = kind.parts is None
-    path = write_as(mesh if whole else shape, options.output, MeshSettings() if whole else settings)
+    path = write_as(mesh if whole else shape, options.output, MeshSettings() if whole else settings, open=True)
     return CommandResult(f"{path}: {size_of(mesh)}", {"written": [str(path)], **size_record(mesh)})
 
 
@@ -153,7 +153,7 @@ def _written(shape: Any, options: argparse.Namespace) -> CommandResult:
     from pas.exchange.write import write_as
 
     mesh = settings_of(MeshSettings, options)
-    path = write_as(shape, options.output, mesh, unit=options.unit, sew=options.sew)
+    path = write_as(shape, options.output, mesh, unit=options.unit, sew=options.sew, open=bool(options.open))
     return CommandResult(str(path), {"written": [str(path)]})
 
 
@@ -181,7 +181,7 @@ def run_problem(options: argparse.Namespace) -> CommandResult:
     text, facts = kind.text(shape), kind.facts(shape)  # nothing that may give up comes after the files are written
     with together(folder) as place:
         base = place / problem.name
-        written = [shape.save(f"{base}.pas.json", certificate=certificate), mesh.write(f"{base}.stl")]
+        written = [shape.save(f"{base}.pas.json", certificate=certificate), mesh.write(f"{base}.stl", open=True)]
         reason = "" if options.no_picture else _draw(shape, f"{base}.png", drawn, written, clock)
     files = [str(folder / path.name) for path in written]
     done = problem.satisfied(certificate) and not reason

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.inputs import shown
 from pas.exchange.formats import UNITS, Content, Request
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Floats, Integers
@@ -64,6 +65,24 @@ def is_closed(thing: Any) -> bool:
     if isinstance(thing, list | tuple):
         return all(map(is_closed, thing))
     return not kind_of(thing, "shape").open and all(p.mesh.is_closed for p in parts_of(thing, Request("shape")))
+
+
+def require_closed(thing: Any, parts: Sequence[Piece], file: str) -> None:
+    """Raise `ValueError` for a part with edges, in a file that is taken for bodies."""
+    edged = next((part for part in parts if not part.mesh.is_closed), None)
+    if edged is None:
+        return
+    bounds = any(map(_bounds, thing if isinstance(thing, list | tuple) else [thing]))
+    body = f"write the body that it bounds, as in shape.solid().write({file!r})" if bounds else "close it"
+    raise ValueError(
+        f"{file} would be taken for a closed body, and the surface of {edged.name!r} has edges; {body}, or write the "
+        "bare surface with open=True"
+    )
+
+
+def _bounds(shape: Any) -> bool:
+    """Whether a shape has a body with it in its boundary, by `solid()`."""
+    return kind_of(shape, "shape").body is not None and hasattr(shape, "solid")
 
 
 TRIANGLES: Content[list[Piece]] = Content(
@@ -174,10 +193,10 @@ def patches_of(patches: Any, request: Request) -> list[RationalPatch]:
 def _patches(item: Any, number: int, domain: Any) -> Sequence[RationalPatch]:
     kind = kind_of(item, f"patches must be RationalPatch objects, parametric surfaces or blends; patches[{number}]")
     if kind.patches is None:
+        triangles = "shape.solid().write('name.3mf')" if _bounds(item) else "shape.write('name.3mf')"
         raise TypeError(
             "STEP files hold faces with parameters; a solid or a piecewise algebraic surface has none; write its "
-            "triangles, as in pas.write(shape, 'name.stl'); patches must be RationalPatch objects, parametric surfaces "
-            f"or parametric blends, not {item!r}"
+            f"triangles, as in {triangles}, or rational patches in the place of {shown(item)}"
         )
     try:
         return kind.patches(item, domain)

@@ -29,8 +29,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Protocol, TypeAlias
 
+from pas.algebra.inputs import check_flag
 from pas.exchange.files import replacing, target
 from pas.exchange.formats import FORMATS, Request, suffixes_of
+from pas.exchange.parts import require_closed
 from pas.limits import Report, checkpoint, limited
 from pas.parametric.domain import DomainLike
 from pas.settings import MeshSettings
@@ -58,6 +60,7 @@ def write(
     domain: DomainLike = None,
     unit: str | None = None,
     sew: float | None = None,
+    open: bool = False,
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Path:
@@ -69,12 +72,15 @@ def write(
     surface, .vtu and .msh the tetrahedra of a volume mesh, or such as fill a solid.
     `unit`, that of the model, is micrometer, millimeter, centimeter, meter, inch, foot, or um, mm, cm, m, in, ft: files
     tell it, the numbers of .stl files become millimeters, those of .glb files meters.
+    Files of .stl, .obj and .3mf are taken for closed bodies: surfaces with edges are written there if `open` says so.
 
-    Raises `ValueError` for another suffix or unit, a folder that does not exist and options that say nothing of such
-    files, `TypeError` for what no such file holds, `MissingLibraryError` where a package for the format is absent,
-    and what meshing raises.
+    Raises `ValueError` for another suffix or unit, a folder that does not exist, options that say nothing of such files
+    and a surface with edges where a body is meant, `TypeError` for what no such file holds, `MissingLibraryError` where
+    a package for the format is absent, and what meshing raises.
     """
-    return write_as(thing, path, MeshSettings(tolerance, domain=domain), unit=unit, sew=sew)
+    return write_as(
+        thing, path, MeshSettings(tolerance, domain=domain), unit=unit, sew=sew, open=check_flag(open, "open")
+    )
 
 
 def write_as(thing: Writable, path: str | Path, mesh: MeshSettings, **options: Any) -> Path:
@@ -85,6 +91,8 @@ def write_as(thing: Writable, path: str | Path, mesh: MeshSettings, **options: A
     request = Request(place.stem, mesh, **options)
     format_.check(request)
     content = format_.content.of(thing, request)
+    if format_.bodies and not request.open:
+        require_closed(thing, content, place.name)
     with replacing(place) as temporary:
         checkpoint(f"writing {place.name}")
         format_.write(content, temporary, request)
@@ -109,9 +117,9 @@ def write_mesh(
     seconds: float | None = None,
     progress: Report | None = None,
 ) -> Path:
-    """`write` for triangles of surfaces and meshes, within `tolerance` (the model's units)."""
+    """`write` for triangles of surfaces and meshes, with edges or none, within `tolerance` (the model's units)."""
     check_open(path)
-    return write(shape, path, tolerance=tolerance, domain=domain)
+    return write(shape, path, tolerance=tolerance, domain=domain, open=True)
 
 
 @limited("writing a solid", "a coarser tolerance")

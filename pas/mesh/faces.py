@@ -171,7 +171,7 @@ def _flat(field: FaceField, points: Floats, triangles: Integers, labels: Integer
 
 
 def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) -> NDArray[np.bool_]:
-    """For groups (K, m) of vertices on different faces, whether the faces' common point is not close."""
+    """For groups (K, m) of vertices on different faces, whether the faces' common point is not close, or no corner."""
     result = np.zeros(len(groups), dtype=bool)
     p = points[groups]
     size = np.sqrt(((p - p.mean(axis=1, keepdims=True)) ** 2).sum(axis=2)).max(axis=1) * 2
@@ -185,6 +185,27 @@ def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) 
         result[at] = (rest > 1e-9 * size[at]) | (moved > FARTHEST * size[at])
     found = np.flatnonzero(~result)
     result[found] = ~_on_boundary(field, end[found], names[found], 1e-3 * size[found])
+    if names.shape[1] == 3:
+        found = np.flatnonzero(~result)
+        result[found] = _crossed(field, end[found], names[found], 1e-3 * size[found])
+    return result
+
+
+def _crossed(field: FaceField, points: Floats, names: Integers, reach: Floats) -> NDArray[np.bool_]:
+    """Whether one of three faces (N, 3) that meet in points (N, 3) has two opposite parts there, so no corner is one.
+
+    Of the eight parts of space between three bars that cross, say, four are inside, each beside two or three others.
+    """
+    units = np.stack([unit_rows(field.jets(points, label)[:, 1:]) for label in names.T], axis=1)
+    towards = np.einsum("nij,kj->nki", np.linalg.pinv(units), 2.0 * _CORNERS - 1)  # on which sides of the faces
+    inside = field.inside(field.signs((points[:, None] + reach[:, None, None] * towards).reshape(-1, 3)))
+    sides = inside.reshape(-1, 2, 2, 2)
+    result = np.zeros(len(points), dtype=bool)
+    for axis in (1, 2, 3):
+        first, second = np.moveaxis(sides, axis, 0)
+        bounds = first != second
+        even, odd = bounds[:, 0, 0] & bounds[:, 1, 1], bounds[:, 0, 1] & bounds[:, 1, 0]
+        result |= (even | odd) & (bounds.sum(axis=(1, 2)) == 2)
     return result
 
 

@@ -48,9 +48,9 @@ def exact_rectangle(surface: ParametricMap, domain: DomainLike = None) -> Rectan
         if not math.isfinite(high - low):
             sides = ["(-1, 1)" if not np.isfinite(side).all() else "None" for side in surface.domain]
             raise ValueError(
-                f"the domain of {name} is infinite ({low:g} to {high:g}); "
-                f"give a finite one, such as domain=({', '.join(sides)}); where that is a part of a turn, the "
-                "ready-made surfaces (spheres, tori, tubes, surfaces of revolution) go round the whole with angle=True"
+                f"the domain of {name} is infinite ({low:g} to {high:g}); ready-made surfaces (spheres, tori, tubes, "
+                "surfaces of revolution) are made with angle=True to go round the whole turn; of others, or for a part "
+                f"of the turn, give a finite one, such as domain=({', '.join(sides)})"
             )
         if not own[0] <= low < high <= own[1]:
             raise ValueError(

@@ -10,7 +10,7 @@ the z-axis; `ParametricSurface.moved` places them.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Sequence, Sized
 
 from flint import fmpq
 
@@ -153,7 +153,7 @@ def tube(
     e1, e2 perpendicular to C' and each other it is a circular tube; that is not asked.  `domain` is that of t.
     Lengths are in the model's units; with `angle` h is the angle in radians.
 
-    Raises `ValueError` where one of the three is no triple of expressions.
+    Raises `ValueError` or `TypeError` where one of the three is no triple of expressions.
     """
     u, v, turn = _circle(angle, "h")
     triples = [_triple(center, "center"), _triple(first, "first"), _triple(second, "second")]
@@ -186,6 +186,7 @@ def _positive(**sizes: Exact) -> tuple[fmpq, ...]:
 
 
 def _triple(items: Sequence[FunctionLike], name: str) -> tuple[str, ...]:
-    if isinstance(items, str) or len(items) != 3:
-        raise ValueError(f"{name} must be three expressions, not {shown(items)}")
+    if isinstance(items, str) or not isinstance(items, Sized) or len(items) != 3:
+        error = ValueError if isinstance(items, str | Sized) else TypeError
+        raise error(f"{name} must be three expressions in t, such as ('cos(t)', 'sin(t)', 0), not {shown(items)}")
     return tuple(map(str, items))

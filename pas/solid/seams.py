@@ -1,11 +1,11 @@
 """The curves along which faces of a solid touch, each given by two functions that vanish on it.
 
 Where two faces touch, their own two functions do not say where.  What says it is a claimed joint; the line along which
-a plane touches a cylinder or cone; else a wall that cuts one of the surfaces where the other one does.  Two faces may
-touch along several curves, as a blend does along both circles in which a pipe that goes through it ends: where all of
-them are cut from one surface f by functions h, the faces' seam is f = 0 with the product of the h, so that each point
-is sought on the curve that is nearest to it.  And where two faces continue each other across a plane, that is no
-boundary, though a lattice sees three functions.
+a plane touches a cylinder or cone; a curve on a plane face along which both have the same normals; else a wall that
+cuts one of the surfaces where the other one does.  Two faces may touch along several curves, as a blend does along both
+circles in which a pipe that goes through it ends: where all of them are cut from one surface f by functions h, the
+faces' seam is f = 0 with the product of the h, so that each point is sought on the curve that is nearest to it.  And
+where two faces continue each other across a plane, that is no boundary, though a lattice sees three functions.
 
 Not guaranteed: of curves that have no function in common only the first is a seam.
 """
@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations_with_replacement, product
+from itertools import combinations, combinations_with_replacement, product
 
 import numpy as np
 from flint import fmpq_mpoly
@@ -28,13 +28,24 @@ from pas.solid.tree import Bools, Tree, atoms
 
 Curve = tuple[Polynomial, Polynomial]
 
+HIGHEST = 6
+"""Degree of functions of which plane sections are looked at: that of the blends of pipes with continuous curvature."""
+
 
 @dataclass(frozen=True)
 class Seam:
-    """Two functions, and the ideals of the curves that are their common zeros."""
+    """Two functions, and the ideals of the curves that are their common zeros.
+
+    The `section` is a plane that all faces cross that touch there: where it is a face itself, this is no seam of it.
+    """
 
     functions: Curve
     curves: tuple[Ideal, ...]
+    section: Polynomial | None = None
+
+    def crosses(self, surfaces: Sequence[Polynomial]) -> bool:
+        """Whether one of some surfaces is the section."""
+        return self.section is not None and self.section in [f.primitive() for f in surfaces]
 
     def is_on(self, surfaces: Sequence[Polynomial]) -> bool:
         """Whether each of the curves is on one of some surfaces."""
@@ -58,7 +69,7 @@ def seams_of(tree: Tree, claimed: Sequence[Curve]) -> list[Seam]:
                 shared = first & second if first != second or times[first] > 1 else frozenset()
                 if len(shared) > 1:
                     several[common, shared] = _united(common, [single[n] for n in sorted(shared)])
-    return [*sorted(several.values(), key=lambda seam: -len(seam.curves)), *single]
+    return [*sorted(several.values(), key=lambda seam: -len(seam.curves)), *single, *_sections(tree)]
 
 
 def _lines(tree: Tree) -> list[Curve]:
@@ -66,6 +77,29 @@ def _lines(tree: Tree) -> list[Curve]:
     faces = dict.fromkeys(a.function.primitive() for a in atoms(tree) if a.face and isinstance(a.function, Polynomial))
     pairs = product((f for f in faces if f.degree == 1), (f for f in faces if f.degree == 2))
     return [(plane, across) for plane, quadric in pairs if (across := tangent_line(plane, quadric)) is not None]
+
+
+def _sections(tree: Tree) -> list[Seam]:
+    """The curves on plane faces along which others touch, as a torus and a cylinder do where a bend ends."""
+    faces_of = (a.function.primitive() for a in atoms(tree) if a.face and isinstance(a.function, Polynomial))
+    functions, found = dict.fromkeys(faces_of), []
+    for plane in (f for f in functions if f.degree == 1):
+        faces: dict[Polynomial, list[Polynomial]] = {}
+        for function in (f for f in functions if 1 < f.degree <= HIGHEST):
+            for factor, _ in on_plane(function, plane).factor()[1]:
+                if factor.total_degree() > 1:
+                    faces.setdefault(Polynomial.from_raw(factor).primitive(), []).append(function)
+        for curve, touching in ((c, several) for c, several in faces.items() if len(several) > 1):
+            ideal = Ideal(plane, curve)
+            if any(_touch(*pair, ideal) for pair in combinations(touching, 2)):
+                found.append(Seam((plane, curve), (ideal,), plane))
+    return found
+
+
+def _touch(first: Polynomial, second: Polynomial, curve: Ideal) -> bool:
+    """Whether two surfaces have the same normals along a curve."""
+    a, b = ([f.diff(x) for x in "xyz"] for f in (first, second))
+    return all(curve.contains(a[i] * b[j] - a[j] * b[i]) for i, j in combinations(range(3), 2))
 
 
 def tangent_line(plane: Polynomial, quadric: Polynomial) -> Polynomial | None:
@@ -113,7 +147,7 @@ class Seams:
         columns, used = self._evaluator.columns, self._evaluator.used
         first, second = (polynomials_of(columns[c].function) for c in (a, b))
         for start, seam in zip(range(used, len(columns), 2), self._given, strict=True):
-            if seam.is_on(first) and seam.is_on(second):
+            if not seam.crosses((*first, *second)) and seam.is_on(first) and seam.is_on(second):
                 return start, start + 1
         if len(first) != 1 or len(second) != 1 or first[0].degree == second[0].degree == 1:
             return ()  # planes cross

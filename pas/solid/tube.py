@@ -46,7 +46,7 @@ class TubeCurve:
         if isinstance(interval, str) or not isinstance(interval, Sized) or len(interval) != 2:
             error = ValueError if isinstance(interval, str | Sized) else TypeError
             raise error(f"interval must be two rising numbers, such as (0, 1), not {shown(interval)}")
-        low, high = (rational(end, "interval") for end in interval)
+        low, high = (rational(end, "an end of the interval") for end in interval)
         if low >= high:
             raise ValueError(f"interval must be two rising numbers, not {plain(low)} and {plain(high)}")
         self.exact_interval = (low, high)

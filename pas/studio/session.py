@@ -239,7 +239,7 @@ class StudioSession:
             raise InputError(f"this shape cannot be written as {suffix} here; it can be as {', '.join(known)}")
         with TemporaryDirectory() as folder:
             path = Path(folder) / name
-            shape.save(path) if suffix == PROJECT else shape.write(path)
+            shape.save(path) if suffix == PROJECT else shape.write(path, open=True)
             content = np.frombuffer(path.read_bytes(), dtype=np.uint8)
         proved = shape.certificate.proved
         return Message({"kind": "file", "name": name, "proved": proved}, {"content": content})

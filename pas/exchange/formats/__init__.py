@@ -56,13 +56,14 @@ class Request:
 
     `name` is the file's, without suffix; `mesh` says how the thing is meshed, where it is, and the domain of what has
     parameters; `unit` is the model's, by its name in UNITS once it is made, None where it is not told; `sew` the
-    distance within which faces are joined.
+    distance within which faces are joined; `open` that surfaces with edges are meant where files are taken for bodies.
     """
 
     name: str
     mesh: MeshSettings = field(default_factory=MeshSettings)
     unit: str | None = option(None, "of the model, such as mm or inch, for formats that have one", str, "UNIT")
     sew: float | None = option(None, "join exact faces whose sides are within that distance", float, "D")
+    open: bool = option(False, "write a surface with edges, even where files are taken for bodies: .stl, .obj, .3mf")
 
     def __post_init__(self) -> None:
         if self.unit is not None:
@@ -107,8 +108,9 @@ class Format(Generic[C]):
 
     `write(content, path, request)` writes to a path that exists already and becomes the file when it returns;
     `require` raises `MissingLibraryError` where a package that it needs is absent, before any work; `limits` says of a
-    thing of which the content can be made whether such files can hold it; `closed` that they hold closed bodies only;
-    `unitless` that they have no unit, neither told nor understood.
+    thing of which the content can be made whether such files can hold it; `bodies` that they are taken for closed
+    bodies, as for printing, and `closed` that they are for nothing else; `unitless` that they have no unit, neither
+    told nor understood.
     """
 
     name: str
@@ -116,6 +118,7 @@ class Format(Generic[C]):
     write: Callable[[C, Path, Request], None]
     require: Callable[[], object] = _no_library
     limits: Callable[[Any], bool] | None = None
+    bodies: bool = False
     closed: bool = False
     unitless: bool = False
 

@@ -8,8 +8,9 @@ VTP (VTK's XML of polygons), by pyvista: `face`, `part` and `color` of triangles
 points have `parameters` where all parts are meshes of parametric surfaces.  In both, points are doubled along sharp
 edges.
 
-3MF, by lib3mf: one named object a part, its colour and the unit of lengths.  Guaranteed: each part is a closed object
-of its own in the file's build.  Not guaranteed: more than single precision, which is what lib3mf takes.
+3MF, by lib3mf: one named object a part, its colour and the unit of lengths.  Guaranteed: each part is an object of its
+own in the file's build, of the type "surface" where it is open (3MF core 1.3, 4.1).  Not guaranteed: more than single
+precision, which is what lib3mf takes.
 """
 
 from __future__ import annotations
@@ -106,7 +107,7 @@ def require_lib3mf() -> Any:
 
 
 def write_3mf(parts: Sequence[Piece], path: Path, request: Request) -> None:
-    """All parts; raises `ValueError` for one that is open."""
+    """All parts."""
     lib3mf = require_lib3mf()
     wrapper = lib3mf.get_wrapper()
     model = wrapper.CreateModel()
@@ -114,9 +115,8 @@ def write_3mf(parts: Sequence[Piece], path: Path, request: Request) -> None:
     model.SetUnit(getattr(lib3mf.ModelUnit, units[request.told_unit]))
     for part in parts:
         checkpoint()
-        if not part.mesh.is_closed:
-            raise ValueError(f"3MF files hold closed bodies, and the mesh of {part.name!r} is open")
         item = model.AddMeshObject()
+        item.SetType(lib3mf.ObjectType.Model if part.mesh.is_closed else lib3mf.ObjectType.Surface)
         item.SetName(part.name)
         points, triangles = part.mesh.points, part.mesh.triangles
         item.SetGeometry(_records(lib3mf.Position, points, "<f4"), _records(lib3mf.Triangle, triangles, "<u4"))
@@ -135,4 +135,4 @@ def _records(kind: Any, rows: Any, number: str) -> Any:
     return (kind * len(rows)).from_buffer_copy(data)
 
 
-THREE_MF = Format(".3mf", TRIANGLES, write_3mf, require_lib3mf, is_closed, closed=True)
+THREE_MF = Format(".3mf", TRIANGLES, write_3mf, require_lib3mf, is_closed, bodies=True, closed=True)

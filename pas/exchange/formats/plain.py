@@ -51,7 +51,7 @@ def binary_stl(points: Floats, triangles: Integers) -> bytes:
     return b"binary STL".ljust(80) + np.uint32(len(corners)).tobytes() + data.tobytes()
 
 
-STL = Format(".stl", TRIANGLES, write_stl)
+STL = Format(".stl", TRIANGLES, write_stl, bodies=True)
 
 
 def write_obj(parts: Sequence[Piece], path: Path, request: Request) -> None:
@@ -89,7 +89,7 @@ def _words(names: Sequence[str]) -> list[str]:
     return all_different(("_".join(name.split()) for name in names), "_")
 
 
-OBJ = Format(".obj", TRIANGLES, write_obj)
+OBJ = Format(".obj", TRIANGLES, write_obj, bodies=True)
 
 
 def write_ply(parts: Sequence[Piece], path: Path, request: Request) -> None:
