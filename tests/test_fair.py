@@ -501,6 +501,7 @@ def test_the_bound_on_curvature_may_be_close(text, most, near):
     assert above.status is pas.Status.REFUTED and np.sqrt(4 * mean**2 - 2 * gauss) > most * (1 - near)
 
 
+@pytest.mark.slow
 def test_the_bound_on_curvature_is_close_for_a_corner_of_degree_6():
     """Where the slopes' sixth power is some 1e-11 of what it is elsewhere in a cell: halving alone leaves rounding."""
     surface = fair(UNEQUAL, 2).surface

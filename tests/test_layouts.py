@@ -158,6 +158,7 @@ def test_the_layout_of_a_region_is_the_one_it_was_built_on(kind):
 
 @pytest.mark.parametrize("order", [1, 2, 3, 8])
 @pytest.mark.parametrize("kind", LAYOUTS)
+@pytest.mark.sampled(3)
 def test_a_kind_that_is_asked_for_has_a_region_at_any_order_or_a_sentence(kind, order):
     for contacts in (five(), NODES["six-way"], NODES["elbow"]):
         try:
@@ -194,6 +195,7 @@ def arcs(layout, piece):
 
 
 @pytest.mark.parametrize("name", ["elbow", "unequal at 120 degrees", "T", "Y", "off centre"])
+@pytest.mark.sampled(2)
 def test_nodes_are_proved_and_fair(name):
     blend = pas.blend(NODES[name], 1)
     assert blend.certificate.proved

@@ -15,7 +15,7 @@ wherever the inner one's is not positive.  At an opening both are the same cone,
 inner region.  So the wall ends in what is between two curves without a common point.
 
 All inequalities are proved by Bernstein branch and bound with rounding accounted for (see `pas.bernstein.signs`).  What
-is not promised: a thickness of the wall, which can only be measured (see `pas.pipeline.hollow`).
+is not promised: a thickness of the wall (see `pas.certify.thickness`).
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def _inside(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> Verdict:
     if not all(_one_nappe(inner, outer, number) for number, join in enumerate(outer.joins) if join.opening):
         return claim.undecided("the outer region is open, and the inner one not along the same cone")
     frame = outer.partition.frame
-    parts = common_parts(_in_frame_of(inner.partition, outer.partition), outer.local)
+    parts = common_parts(in_frame_of(inner.partition, outer.partition), outer.local)
     below = [frame.localise(p).raw for p in inner.polynomials]
     cones = [frame.localise(c.clip).raw for c, j in zip(inner.contacts, inner.joins, strict=True) if j.opening]
     above = [-p.raw for p in outer.patches]
@@ -119,7 +119,7 @@ def _end(inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) ->
     plane = frame.localise(inner.partition.frame.globalise(ours.planes[0].plane)).primitive()
     if plane not in (theirs.planes[0].plane, -theirs.planes[0].plane):
         return claim.refuted("the two surfaces end in different planes")
-    local = _in_frame_of(inner.partition, outer.partition)
+    local = in_frame_of(inner.partition, outer.partition)
     corners = [local.corners(face.vertices) for face in ours.faces]
     return _nested(claim, inner, number, corners, (), "one plane, the inner section in the interior of the outer one")
 
@@ -129,7 +129,7 @@ def _open_end(claim: Proposition, inner: PiecewisePolynomial, outer: PiecewisePo
     if not _one_nappe(inner, outer, number):
         return claim.refuted("the two surfaces do not end in one nappe of one cone")
     cone = outer.joins[number].contact.clip.raw
-    local = _in_frame_of(inner.partition, outer.partition)
+    local = in_frame_of(inner.partition, outer.partition)
     corners = [local.corners(cell) for cell in local.cells]
     return _nested(claim, inner, number, corners, (cone, -cone), "one cone, the inner curve inside the outer surface")
 
@@ -184,7 +184,7 @@ def prove_inside(simplices: Sequence[Sequence[Vector]], values: Exact, inside: S
     return replace(worst, examined=examined)
 
 
-def _in_frame_of(partition: Partition, other: Partition) -> Partition:
+def in_frame_of(partition: Partition, other: Partition) -> Partition:
     """A partition in the local coordinates of another one."""
     return other.local if partition is other else partition.in_frame(other.frame)
 

@@ -1,8 +1,8 @@
 """Hollow nodes: an outer and an inner blend, the inner one proved inside the outer one.
 
 Both are blends of the same order with the same clips, mostly around one centre; between their contacts is a thickness.
-That the one is inside the other is proved of their polynomials (see `pas.certify.nesting`), and how thick the wall is
-between the ends is measured.
+That the one is inside the other is proved of their polynomials (see `pas.certify.nesting`); how thick the wall is
+between the ends is measured, and proved to be more than a bound (see `pas.certify.thickness`).
 
 `Solid.shell` makes walls of any solid, of one thickness everywhere, with inner faces that are no polynomials.  A hollow
 blend takes a second or two, both its sides are fair algebraic surfaces with GC^k at all contacts, and its wall is as
@@ -23,6 +23,7 @@ from flint import fmpq
 
 from pas.algebra.rational import Exact, exact, plain, rational
 from pas.certify.nesting import nesting
+from pas.certify.thickness import thicker_than
 from pas.contacts.contact import Contact, ContactLike, as_contact
 from pas.contacts.ends import ContactEnd
 from pas.contacts.parallels import inner_contact
@@ -39,7 +40,7 @@ from pas.pipeline.wall_mesh import WallMesh
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
 from pas.solid.solid import Solid
-from pas.verdicts import Findings, Status
+from pas.verdicts import Findings, Status, Verdict
 
 ROUNDED = 2.0**-29
 """By how much coefficients of an inner surface may be another machine's, over the largest: radii that are irrational
@@ -103,6 +104,20 @@ class HollowBlend(Shape, Generic[B]):
         distance, place = least_distance(*meshes)
         x, y, z = place.tolist()
         return Wall(distance, (x, y, z), max(mesh.deviation or 0.0 for mesh in meshes))
+
+    @limited("bounding the thickness of a wall", "a smaller bound")
+    def thicker_than(self, bound: Exact, *, seconds: float | None = None, progress: Report | None = None) -> Verdict:
+        """The verdict on all points of the inner surface being farther than `bound` from the outer one: proved, refuted
+        at a point where it is nearer, or undecided.
+
+        In the model's units, up to the clips of the contacts, where the wall is as thick as `thickness`: smaller bounds
+        only can be proved.  Of a T a second for a bound of half the least distance, about three for nine tenths of it,
+        and more for nearer ones.  Raises `ValueError` for a bound that is not positive.
+        """
+        number = rational(bound, "bound")
+        if number <= 0:
+            raise ValueError(f"bound must be positive, not {plain(number)}")
+        return thicker_than(self.inner.surface, self.outer.surface, number)
 
     def solid(self, length: Length = None, names: Sequence[str] | None = None) -> Solid:
         """The wall as a solid, open at its ends: see `Blend.solid` for the arguments.

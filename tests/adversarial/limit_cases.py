@@ -184,6 +184,9 @@ LONG_CALLS = {
     "pas.save": LongCall(_corner, lambda p, f, **k: pas.save(p, f / "x.pas.json", **k)),
     "Blend.mesh": LongCall(_corner, lambda p, f, **k: p.mesh(T, **k), 3),
     "Blend.hollow": LongCall(_corner, lambda p, f, **k: p.hollow("1/20", **k), 3),
+    "HollowBlend.thicker_than": LongCall(
+        lambda p: _corner(p).hollow("1/20"), lambda p, f, **k: p.thicker_than("1/25", **k)
+    ),
     "HollowBlend.mesh": LongCall(lambda p: _corner(p).hollow("1/20"), lambda p, f, **k: p.mesh(T, **k), 3),
     "SolutionSpace.optimum": LongCall(_space, lambda p, f, **k: p.optimum(**k)),
     "pas.solutions": LongCall(_pipes, lambda p, f, **k: pas.solutions(p, 2, **k)),

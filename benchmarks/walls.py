@@ -1,0 +1,109 @@
+"""How even the walls of hollow nodes are: 44 nodes and four junctions, the thickness an eighth of the largest radius.
+
+Bends of 60 to 120 degrees, T, Y, corners, crosses, unequal and skew pipes, cones and spheres, at GC^1 and GC^2; then a
+T whose branch is 4/5 and 1/2 as wide as its run, a cross, and the bottom bracket of a bicycle.  Prints for each the
+thinnest and the thickest wall over the thickness, as measured along normals of the outer side from some thousand points
+of the inner one, and whether it is proved and fair; with `--prove` also by how much of the thickness it is proved to be
+thicker, in hundredths.
+
+    python benchmarks/walls.py [--orders 1 2] [--only WORDS] [--prove]
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from math import cos, radians, sin
+
+import pas
+from pas.pipeline.search import excess
+from pas.surface.depth import Depth
+
+X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
+
+
+def _back(axis: Sequence[int]) -> tuple[int, ...]:
+    return tuple(-c for c in axis)
+
+
+def _turned(degrees: float) -> tuple[Fraction, Fraction, int]:
+    """A direction at an angle from x."""
+    return Fraction(round(1000 * cos(radians(degrees))), 1000), Fraction(round(1000 * sin(radians(degrees))), 1000), 0
+
+
+def nodes() -> Iterator[tuple[str, list[object], Fraction]]:
+    """The 22 nodes: a name, contacts without clips, and the largest radius."""
+    one, half, most = Fraction(1), Fraction(1, 2), Fraction(4, 5)
+    for degrees in (60, 75, 90, 105, 120):
+        yield f"bend {degrees}", [(X, 1), (_turned(degrees), 1)], one
+    yield "bend 90, 1 : 4/5", [(X, 1), (Y, most)], one
+    yield "bend 120, 1 : 1/2", [(X, 1), (_turned(120), half)], one
+    yield "T", [(X, 1), (_back(X), 1), (Z, 1)], one
+    yield "T 1 : 4/5", [(X, 1), (_back(X), 1), (Z, most)], one
+    yield "T 1 : 1/2", [(X, 1), (_back(X), 1), (Z, half)], one
+    yield "T at 60 degrees", [(X, 1), (_back(X), 1), (_turned(60), most)], one
+    yield "Y", [(_turned(d), 1) for d in (0, 120, 240)], one
+    yield "Y 1 : 1 : 1/2", [(_turned(0), 1), (_turned(120), 1), (_turned(240), half)], one
+    yield "corner", [(X, 1), (Y, 1), (Z, 1)], one
+    yield "corner 1 : 3/4 : 1/2", [(X, 1), (Y, Fraction(3, 4)), (Z, half)], one
+    yield "skew pipes", [((3, 1, 0), 1), ((-1, 3, 1), 1), ((0, -1, 3), most)], one
+    yield "cross", [(X, 1), (_back(X), 1), (Y, 1), (_back(Y), 1)], one
+    yield "cross 1 : 3/4", [(X, 1), (_back(X), 1), (Y, Fraction(3, 4)), (_back(Y), Fraction(3, 4))], one
+    yield "tetrahedron", [((1, 1, 1), 1), ((1, -1, -1), 1), ((-1, 1, -1), 1), ((-1, -1, 1), 1)], one
+    yield "pipe and cone", [pas.Pipe(X, 1, 2), pas.Cone(Y, 1, 2, "1/4")], one
+    yield "cone, pipe and pipe", [pas.Cone(X, 1, 3, "1/8"), pas.Pipe(_back(X), 1, 3), pas.Pipe(Z, most, 3)], one
+    yield "pipe and sphere", [pas.Pipe(X, 1, 2), pas.Sphere(_back(X), "3/2", -1, (-3, 0, 0))], Fraction(3, 2)
+
+
+def junctions() -> Iterator[tuple[str, list[object], Fraction]]:
+    """The bottom bracket of a bicycle; the other junctions are among the nodes."""
+    wide, narrow = Fraction("17.45"), Fraction("14.3")
+    yield "bicycle joint", [(X, wide), (_back(X), wide), (_turned(73), narrow)], wide
+
+
+def report(name: str, contacts: list[object], radius: Fraction, order: int, prove: bool) -> tuple[float, float]:
+    """Prints the line of one node; gives its thinnest and thickest wall over the thickness."""
+    start, thickness = time.process_time(), radius / 8
+    make = pas.node if isinstance(contacts[0], tuple) else pas.blend
+    outer = make(contacts, order)
+    blended = time.process_time() - start
+    wall = outer.hollow(thickness, prove=False)
+    seconds = time.process_time() - start - blended
+    shares = Depth(outer.surface)(Depth(wall.inner.surface).samples)[0] / float(thickness)
+    low, high = float(shares.min()), float(shares.max())
+    said = "proved" if wall.certificate.proved else "NOT PROVED"
+    fair = " ".join(name for name, side in (("outer", outer), ("inner", wall.inner)) if excess(side))
+    degrees = f"{outer.surface.degree}/{wall.inner.surface.degree}"
+    line = f"{name:<22} GC^{order}  {low:.3f} to {high:.3f}  {said}  {degrees}  {blended:5.1f} + {seconds:5.1f} s"
+    print(line + (f"  not fair: {fair}" if fair else ""), flush=True)
+    if prove:
+        start = time.process_time()
+        share = next(
+            (n for n in range(100, 0, -1) if n < 100 * low and wall.thicker_than(thickness * n / 100).proved), 0
+        )
+        print(f"{'':<22} proved thicker than {share / 100:.2f} of it, {time.process_time() - start:.1f} s", flush=True)
+    return low, high
+
+
+def main() -> None:
+    """Measure them all."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--orders", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--only", default="")
+    parser.add_argument("--prove", action="store_true")
+    options = parser.parse_args()
+    found = []
+    for name, contacts, radius in (*nodes(), *junctions()):
+        for order in options.orders if options.only in name else ():
+            try:
+                found.append(report(name, contacts, radius, order, options.prove))
+            except pas.PasError as error:
+                print(f"{name:<22} GC^{order}  {error}", flush=True)
+    lows, highs = zip(*found, strict=True)
+    print(f"{len(found)} walls of {min(lows):.3f} to {max(highs):.3f} of the thickness")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,246 @@
+"""The proof that a wall is thicker than a bound everywhere: no point of one surface is as near to one of the other.
+
+On a tetrahedron with corners v_i let L be the linear function with L(v_i) = f(v_i), and c_a and f_a the B-coefficients
+of L and f.  Where f = 0, L = L - f lies between the least and the largest c_a - f_a.  So the zeros of f there lie in a
+*slice*, what is between two parallel planes in the tetrahedron: it is convex, its corners lie on the edges of the
+tetrahedron, and it is as thin as the square of the size.
+
+A bound holds if all slices of one surface are farther than it from all of the other: for each two there is a direction
+n in which `min n . a - max n . b` over their corners is more than the bound times |n|.  Any n will do; tried are the
+normals of both and from middle to middle.  Tetrahedra with slices that are not parted from all that are still there of
+the other surface are halved.  Those that are parted go, as parts of what is there are parted from them as well.
+
+The bound is refuted where two edges, one of each surface's, each hold a zero, as f changes its sign between their ends,
+and both slices' corners on them are nearer to one another than the bound.  Looked at are each slice and the nearest one
+of the other surface, before other pairs, and of those only such as hold one that is not to be halved already.
+
+Guaranteed for all zeros of both functions in their regions, up to the clips of contacts.  Not promised: anything beyond
+the clips, where pipes go on, and bounds as near to the least distance as what rounding counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import chain
+from typing import TypeAlias
+
+import numpy as np
+from flint import fmpq, fmpq_mpoly
+from numpy.typing import NDArray
+
+from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.rational import Vector, plain, to_float
+from pas.bernstein.forms import corner_points, nearby_forms
+from pas.bernstein.search import Cells, Fate, Fates, Limits, search
+from pas.bernstein.simplices import Simplices, at_vertices
+from pas.bernstein.subdivision import edges
+from pas.certify.certificate import Proposition
+from pas.certify.nesting import in_frame_of
+from pas.limits import checkpoint
+from pas.surface.function import PiecewisePolynomial
+from pas.verdicts import Status, Verdict
+
+CLEAR = 1e-9
+"""Over the reach of the regions: by how much distances are more than a bound, or less; corners, planes and sums are off
+by some hundred 2^-53 of it."""
+
+Pairs: TypeAlias = "tuple[NDArray[np.intp], NDArray[np.intp]]"
+"""The numbers (P,) of slices of the inner surface, and of one of the outer surface's for each."""
+
+FLAT = 2.0**-20
+"""Edges along which L changes by less, over the largest |L|, are taken as a whole where they meet the slice: along
+others where it has a value is known to 2^-30."""
+
+LIMITS = Limits(depth=60, cells=400_000)
+"""Slices a quarter as large as the wall is thick are some ten thousand."""
+
+LARGE = 2
+"""Slices so many times as large as most are halved before pairs are looked for, which is done as far as the largest
+reaches."""
+
+
+@dataclass(frozen=True)
+class Slices(Cells):
+    """Where zeros in tetrahedra lie: the slices' corners (N, 12, 3), two on each edge of a tetrahedron, their middles
+    (N, 3) and the radii (N,) of balls around these that hold them, and their normals (N, 3); `crossed` (N, 6) are the
+    edges that hold a zero.
+
+    An edge that does not meet the slice has another one's corners.
+    """
+
+    corners: Floats
+    middles: Floats
+    radii: Floats
+    normals: Floats
+    crossed: NDArray[np.bool_]
+
+
+def slices(batch: Simplices) -> tuple[Slices, NDArray[np.bool_]]:
+    """The slices of the first form's zeros in tetrahedra, and which there are, (N,): the others hold no zeros in use.
+
+    A zero is in use where no other form, which is a clip's, is positive; `crossed` are edges with one that surely is.
+    """
+    form, size = batch.forms[0], len(batch)
+    weights = np.array(homogeneous_exponents(batch.degrees[0], 4)) / batch.degrees[0]
+    values = at_vertices(form, 4)
+    off = values @ weights.T - form
+    low, high = off.min(axis=1) - 2 * batch.bound, off.max(axis=1) + 2 * batch.bound
+    first, second = np.array(edges(4)).T
+    ends, change = values[:, first], values[:, second] - values[:, first]
+    least, most = np.minimum(ends, values[:, second]), np.maximum(ends, values[:, second])
+    met = (most >= low[:, None]) & (least <= high[:, None])
+    flat = np.abs(change) <= FLAT * np.abs(values).max(axis=1)[:, None]
+    with np.errstate(all="ignore"):
+        shares = np.stack([(limit[:, None] - ends) / change for limit in (low, high)], axis=2)
+    shares = np.where(flat[:, :, None], [0.0, 1.0], np.sort(shares, axis=2) + [-(2.0**-30), 2.0**-30])
+    shares = np.clip(shares, 0, 1)[..., None]
+    start, way = batch.corners[:, first, None], (batch.corners[:, second] - batch.corners[:, first])[:, :, None]
+    corners = start + shares * way
+    spare = corners[np.arange(size), met.argmax(axis=1)]
+    corners = np.where(met[:, :, None, None], corners, spare[:, None])
+    crossed = (least < -batch.bound) & (most > batch.bound)
+    a, b, c = np.moveaxis(batch.corners[:, 1:] - batch.corners[:, :1], 1, 0)
+    across, rise = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1), values[:, 1:] - values[:, :1]
+    volumes = (a * across[:, 0]).sum(axis=1, keepdims=True)
+    normals = np.einsum("nk,nki->ni", rise, across) / np.where(volumes, volumes, 1.0)
+    none = (form.min(axis=1) > batch.bound) | (form.max(axis=1) < -batch.bound)
+    for clip in batch.forms[1:]:
+        none |= clip.min(axis=1) > batch.bound
+        crossed &= (clip.max(axis=1) < -batch.bound)[:, None]
+    corners = corners.reshape(size, 12, 3)
+    middles = corners.mean(axis=1)
+    radii = np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1, initial=0.0)
+    return Slices(corners, middles, radii, normals, crossed), met.any(axis=1) & ~none
+
+
+def thicker_than(inner: PiecewisePolynomial, outer: PiecewisePolynomial, bound: fmpq) -> Verdict:
+    """The verdict on all points of one surface being farther than `bound`, in the model's units, from all of the other.
+
+    Refuted at a point of the inner surface.
+    """
+    claim = Proposition(outer, f"a wall thicker than {plain(bound)}")
+    if not all(join.confined for surface in (inner, outer) for join in surface.joins):
+        return claim.undecided("a clip passes through a region, so that a part of it only is in use")
+    batch, start = _tetrahedra(inner, outer)
+    reach = float(np.abs(batch.corners).max())
+    distance, clear = to_float(bound / outer.partition.frame.scale), CLEAR * reach
+    witness: list[Floats] = []
+
+    def judge(cells: Simplices, _: int) -> Fates:
+        checkpoint("bounding the thickness of a wall")
+        found, there = slices(cells)
+        fates = np.where(there, Fate.WAIT, Fate.SETTLED).astype(np.intp)
+        large = there & (found.radii > LARGE * np.median(found.radii[there] if there.any() else found.radii))
+        if large.any():
+            fates[large] = Fate.SPLIT
+            return fates
+        numbers = [np.flatnonzero(there & side) for side in (cells.source < start, cells.source >= start)]
+        fates[there] = Fate.SETTLED
+        if not all(map(len, numbers)):
+            return fates
+        sides = found.select(numbers[0]), found.select(numbers[1])
+        nearest = nearest_pairs(*sides)
+        nearer = np.flatnonzero(_nearer(*sides, nearest, distance - clear))
+        if len(nearer):
+            number = nearest[0][nearer[0]]
+            fates[numbers[0][number]] = Fate.REFUTE
+            witness.append(sides[0].middles[number])
+            return fates
+        for some, left in zip(numbers, close(*sides, nearest, distance + clear), strict=True):
+            fates[some[left]] = Fate.SPLIT
+        return fates
+
+    result = search(batch, judge, Simplices.halved, LIMITS, "bounding the thickness of a wall")
+    if result.status is Status.PROVED:
+        return claim.proved(
+            f"slices that hold the two surfaces are parted; {result.examined} tetrahedra", result.examined
+        )
+    if result.status is Status.REFUTED:
+        return claim.refuted("the two surfaces are nearer to one another somewhere", witness[0], result.examined)
+    x, y, z = outer.partition.frame.place(result.open.corners.mean(axis=1)[0])
+    return claim.undecided(f"{len(result.open)} tetrahedra undecided, one around ({x:.4g}, {y:.4g}, {z:.4g})")
+
+
+def _tetrahedra(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple[Simplices, int]:
+    """The cells of both regions in the outer one's local coordinates with the forms of their functions, then those of
+    the clips of openings, negative where a surface is in use; and how many are the inner region's."""
+    frame, degree = outer.partition.frame, max(inner.degree, outer.degree, 1)
+    below = [frame.localise(p).raw for p in inner.polynomials]
+    sides = (
+        (inner, below, in_frame_of(inner.partition, outer.partition)),
+        (outer, [p.raw for p in outer.patches], outer.local),
+    )
+    cells: list[tuple[Vector, ...]] = []
+    raws: list[fmpq_mpoly] = []
+    clips: list[list[fmpq_mpoly]] = []
+    for surface, polynomials, local in sides:
+        cells += [tuple(local.corners(cell)) for cell in local.cells]
+        raws += [polynomials[piece] for piece in local.piece_of]
+        open_at = [
+            frame.localise(c.clip).raw for c, j in zip(surface.contacts, surface.joins, strict=True) if j.opening
+        ]
+        clips += [open_at] * len(local.cells)
+    found = [nearby_forms(raws, cells, degree)]
+    for column in zip(*clips, strict=True):
+        found.append(nearby_forms(column, cells, max(1, *(int(p.total_degree()) for p in column))))
+    forms, error = [form for form, _ in found], max(off for _, off in found)
+    return Simplices.of(forms, corner_points(cells), error), len(inner.partition.cells)
+
+
+def nearest_pairs(first: Slices, second: Slices) -> Pairs:
+    """Each slice with the one of the other side whose middle is the nearest."""
+    from scipy.spatial import cKDTree
+
+    there, here = cKDTree(second.middles).query(first.middles)[1], cKDTree(first.middles).query(second.middles)[1]
+    return np.concatenate([np.arange(len(first)), here]), np.concatenate([there, np.arange(len(second))])
+
+
+def close(first: Slices, second: Slices, nearest: Pairs, distance: float) -> list[NDArray[np.bool_]]:
+    """Which slices of each of two surfaces are not parted by more than a distance from all of the other one; some
+    pairs, which are likely not to be, are looked at before the others."""
+    found = [np.zeros(len(side), dtype=bool) for side in (first, second)]
+    for one, other in chain([nearest], _near(first, second, distance)):
+        new = ~(found[0][one] & found[1][other])
+        left = ~apart(first, second, (one[new], other[new]), distance)
+        found[0][one[new][left]] = found[1][other[new][left]] = True
+    return found
+
+
+def _near(first: Slices, second: Slices, distance: float) -> Iterator[Pairs]:
+    """The pairs of slices whose balls are not farther apart than a distance, some at once."""
+    from scipy.spatial import cKDTree
+
+    most = distance + float(first.radii.max() + second.radii.max())
+    tree = cKDTree(second.middles)
+    at_once = 64  # slices with some ten thousand pairs, whose corners a processor's cache holds
+    for start in range(0, len(first), at_once):
+        some = cKDTree(first.middles[start : start + at_once])
+        pairs = some.sparse_distance_matrix(tree, most * (1 + CLEAR), output_type="ndarray")
+        one, other = pairs["i"] + start, pairs["j"]
+        near = pairs["v"] <= distance * (1 + CLEAR) + first.radii[one] + second.radii[other]
+        yield one[near], other[near]
+
+
+def apart(first: Slices, second: Slices, pairs: Pairs, distance: float) -> NDArray[np.bool_]:
+    """Which pairs of slices are parted by more than a distance, (P,)."""
+    result, rows = np.zeros(len(pairs[0]), dtype=bool), np.arange(len(pairs[0]))
+    for way in range(3):
+        one, other = (numbers[rows] for numbers in pairs)
+        n = (second.middles[other] - first.middles[one], second.normals[other], first.normals[one])[way]
+        below = np.einsum("pki,pi->pk", first.corners[one], n).max(axis=1, initial=-np.inf)
+        above = np.einsum("pki,pi->pk", second.corners[other], n).min(axis=1, initial=np.inf)
+        parted = above - below > distance * np.linalg.norm(n, axis=1)
+        result[rows[parted]], rows = True, rows[~parted]
+    return result
+
+
+def _nearer(first: Slices, second: Slices, pairs: Pairs, distance: float) -> NDArray[np.bool_]:
+    """Which pairs of slices have zeros on edges that are surely nearer than a distance, (P,)."""
+    result = np.zeros(len(pairs[0]), dtype=bool)
+    for i, j in np.ndindex(6, 6):
+        rows = np.flatnonzero(first.crossed[pairs[0], i] & second.crossed[pairs[1], j] & ~result)
+        one, other = (numbers[rows] for numbers in pairs)
+        away = first.corners[one, 2 * i : 2 * i + 2, None] - second.corners[other, None, 2 * j : 2 * j + 2]
+        result[rows] = np.linalg.norm(away, axis=3).max(axis=(1, 2), initial=0.0) < distance
+    return result
