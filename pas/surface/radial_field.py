@@ -154,7 +154,8 @@ class RadialField(LocalSurface):
         """Whether f changes its sign once, from inside to outside, along all rays to points, as sampled."""
         samples = 32  # places along a ray where the sign of f is looked at
         profiles, leave = self.profiles(points)
-        shares, values = np.outer(np.linspace(0.0, 1.0, samples + 1), leave), 0.0
+        shares = np.outer(np.linspace(0.0, 1.0, samples + 1), leave)
+        values = np.zeros_like(shares)
         for coefficients in profiles[::-1]:
             values = values * shares + coefficients
         inside = values < 0
