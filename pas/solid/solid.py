@@ -246,7 +246,8 @@ class Solid(AffineShape["Solid"], Shape):
     def _sheet_mesh(self, tolerance: float | None, quality: Quality) -> Mesh | None:
         if self.sheets is None:
             return None
-        return self.sheets.mesh(self._tolerance(None) if tolerance is None else check_tolerance(tolerance), quality)
+        wanted = self._tolerance(None) if tolerance is None else check_tolerance(tolerance)
+        return self.sheets.mesh(wanted, quality, self.faces)
 
     @limited("meshing a solid", "a coarser tolerance")
     def face_mesh(
