@@ -82,7 +82,7 @@ def is_sound(mesh, body, tolerance, euler):
                 np.abs(polynomial(points)) / np.linalg.norm(polynomial.gradient(points), axis=-1)
                 for polynomial in body.polynomials[face]
             ]
-            assert min(distances.max() for distances in away) < 1e-9 * np.ptp(points)
+            assert np.min(away, axis=0).max() < 1e-9 * np.ptp(points)
     return mesh
 
 

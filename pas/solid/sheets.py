@@ -10,8 +10,9 @@ sheet; a surface that ends elsewhere than in one loop on each contact has no suc
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -29,6 +30,12 @@ from pas.piecewise import PiecewiseSurface
 from pas.solid.field import SolidField
 from pas.solid.strips import Chain, SolidStrip, off_strip, rows_within
 
+Loops = dict[tuple[int, int], Integers]
+"""Vertices of the loop in which chain `c` of side `s` ends, in order, by `(s, c)`."""
+
+Loose: TypeAlias = tuple[Mesh, list[Integers]]
+"""A mesh, and loops of its vertices that have it to their left."""
+
 
 @dataclass(frozen=True, eq=False)
 class Side:
@@ -38,8 +45,8 @@ class Side:
     name: str
     chains: tuple[Chain, ...]
 
-    def mesh(self, tolerance: float, quality: Quality) -> tuple[Mesh, list[Integers]] | None:
-        """Its mesh with the chains', and the loops in which these end.
+    def mesh(self, tolerance: float, quality: Quality, without: Collection[int] = ()) -> Loose | None:
+        """Its mesh with those of chains but for some, whose numbers are given, and the loops in which these end.
 
         None where the surface does not end in one loop on each contact and nowhere else.
         """
@@ -49,17 +56,17 @@ class Side:
         nearest = [int(np.argmin([chain.off(found.points[loop]) for loop in known])) for chain in self.chains if known]
         if sorted(nearest) != [*range(len(self.chains))] or len(known) != len(nearest):
             return None
-        made = _Faces([found.points], deviation=found.deviation or 0.0)
+        made = Faces([found.points], deviation=found.deviation or 0.0)
         made.add(self.name, found.triangles, found.normals)
         loops = [known[number] for number in nearest]
         for number, chain in enumerate(self.chains):
-            for strip in chain.strips:
+            for strip in chain.strips if number not in without else ():
                 if not made.goes_on(strip, loops, number, tolerance):
                     return None
-        return made.mesh(), loops
+        return made.mesh, loops
 
 
-class _Faces:
+class Faces:
     """A mesh while it is made: blocks of points, and triangles by the names of their faces."""
 
     def __init__(self, points: Sequence[Floats], deviation: float) -> None:
@@ -114,14 +121,28 @@ class _Faces:
         self.add(chain.name, triangles, end.normals(corners))
         return True
 
-    def mesh(self, order: Sequence[str] = ()) -> Mesh:
-        """Faces of one name are one; those named in `order` come first."""
-        made = self._faces
-        known = dict.fromkeys(name for name, _, _ in made)
-        names = (*(name for name in order if name in known), *(name for name in known if name not in order))
-        faces = np.repeat([names.index(name) for name, _, _ in made], [len(t) for _, t, _ in made])
-        triangles, normals = (np.concatenate([face[i] for face in made]) for i in (1, 2))
+    def put(self, mesh: Mesh, flipped: bool = False) -> int:
+        """All of a mesh, perhaps seen from its other side; the number that its first vertex has now."""
+        first = int(self.added(mesh.points)[0])
+        turned = mesh.flipped if flipped else mesh
+        for face, name in enumerate(turned.names):
+            self.add(name, turned.triangles[turned.faces == face] + first, turned.normals[turned.faces == face])
+        self.deviation = max(self.deviation, mesh.deviation or 0.0)
+        return first
+
+    @property
+    def mesh(self) -> Mesh:
+        """All of them, in order; a name may stand there several times."""
+        faces = np.repeat(np.arange(len(self._faces)), [len(triangles) for _, triangles, _ in self._faces])
+        triangles, normals = (np.concatenate([face[i] for face in self._faces]) for i in (1, 2))
+        names = tuple(name for name, _, _ in self._faces)
         return Mesh(self.points, triangles, faces, names, normals, deviation=self.deviation)
+
+
+def merged(mesh: Mesh, order: Sequence[str]) -> Mesh:
+    """A mesh with faces of one name made one, in an order."""
+    names = sorted({*mesh.names}, key=order.index)
+    return replace(mesh, faces=np.array([names.index(name) for name in mesh.names])[mesh.faces], names=tuple(names))
 
 
 def _quads(begin: Integers, end: Integers) -> list[tuple[Integers, Integers, Integers]]:
@@ -175,27 +196,33 @@ class SheetBody:
         a, b, c = zip(*(map_.direction(column) for column in zip(*self.place.matrix, strict=True)), strict=True)
         return replace(self, place=Affine((a, b, c), map_.exact(self.place.shift)))
 
-    def mesh(self, tolerance: float, quality: Quality, order: Sequence[str] = ()) -> Mesh | None:
-        """A closed mesh within a tolerance (the model's units), as measured; None where a surface is not as wished.
+    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
+        """A closed mesh within a tolerance (the model's units), as measured; None where a surface is not as wished."""
+        found = self.opened(tolerance, quality, {})
+        return None if found is None else found[0]
 
-        Faces that are named in `order` come first.
+    def opened(self, tolerance: float, quality: Quality, ends: Mapping[int, bool]) -> tuple[Mesh, Loops] | None:
+        """Its mesh without the ends of some chains, by their numbers, and where that is false without their strips.
+
+        Also the loops that are left open.  None where a surface is not as wished.
         """
         stretch = 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
-        found = [side.mesh(tolerance / stretch, quality) for side in self.sides]
-        meshes, ends = [pair[0] for pair in found if pair], [pair[1] for pair in found if pair]
-        if len(meshes) < len(self.sides):
+        short = [number for number, whole in ends.items() if not whole]
+        found = [side.mesh(tolerance / stretch, quality, short) for side in self.sides]
+        made, loops = Faces([], 0.0), Loops({})
+        for number, pair in enumerate(found):
+            if pair is None:
+                return None
+            first = made.put(pair[0], flipped=number > 0)
+            loops |= {(number, chain): loop + first for chain, loop in enumerate(pair[1])}
+        for number, chain in enumerate(self.sides[0].chains):
+            if number not in ends and not made.ended(chain, loops[0, number], loops.get((1, number))):
+                return None
+        if made.deviation > tolerance / stretch:
             return None
-        start = len(meshes[0].points)
-        made = _Faces([mesh.points for mesh in meshes], max(mesh.deviation or 0.0 for mesh in meshes))
-        for mesh, first in zip((meshes[0], *(mesh.flipped for mesh in meshes[1:])), (0, start), strict=False):
-            for face, name in enumerate(mesh.names):
-                made.add(name, mesh.triangles[mesh.faces == face] + first, mesh.normals[mesh.faces == face])
-        inner = [loop + start for loop in ends[1]] if len(ends) > 1 else [None] * len(ends[0])
-        cases = zip(self.sides[0].chains, ends[0], inner, strict=True)
-        if not all(made.ended(*case) for case in cases) or made.deviation > tolerance / stretch:
-            return None
-        mesh = made.mesh(order)
-        return mesh if self.place is None else mesh._moved(self.place)
+        mesh = made.mesh
+        left = {key: loop for key, loop in loops.items() if key[1] in ends}
+        return mesh if self.place is None else mesh._moved(self.place), left
 
 
 def _fan(loop: Integers, middle: int) -> Integers:
@@ -205,11 +232,17 @@ def _fan(loop: Integers, middle: int) -> Integers:
 
 def face_mesh(mesh: Mesh, field: SolidField, tolerance: float, quality: Quality) -> FaceMesh:
     """A mesh of a body with labels, by its faces' names, in a field's coordinates; remeshed where its long triangles
-    are not wanted."""
+    are not wanted.  Faces of one name that are on different functions are apart in the mesh.
+    """
     columns = field.evaluator.columns[: field.evaluator.used]
-    numbers = np.array([next(n for n, c in enumerate(columns) if name in c.names) for name in mesh.names])
     points = field.evaluator.local(mesh.points)
-    first = np.array([int(np.argmax(mesh.faces == face)) for face in range(len(numbers))])
+    first = np.array([int(np.argmax(mesh.faces == face)) for face in range(len(mesh.names))])
+    numbers = np.zeros(len(mesh.names), dtype=np.intp)
+    for face, name in enumerate(mesh.names):
+        known = np.array([n for n, c in enumerate(columns) if name in c.names])
+        jets = field.evaluator.jets(points[mesh.triangles[first[face], :1]].repeat(len(known), axis=0), known)
+        off = np.abs(jets[:, 0]) / np.linalg.norm(jets[:, 1:], axis=1)
+        numbers[face] = known[np.argmin(np.nan_to_num(off, nan=np.inf))]
     slopes = field.evaluator.jets(points[mesh.triangles[first, 0]], numbers)[:, 1:]
     sides = (slopes * mesh.normals[first, 0]).sum(axis=1) < 0
     made = Labelled.of(points, mesh.triangles, (2 * numbers + sides)[mesh.faces])
