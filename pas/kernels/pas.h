@@ -1,6 +1,5 @@
 /* The signatures of all functions of the library: included by every source, so that the compiler checks them, and read
-   by library.py, which declares them to ctypes.  They return 0, or else there was no memory; those with other results
-   are called from C alone.
+   by library.py, which declares them to ctypes.  They return 0, or else there was no memory.
 
    Arrays of numbers are `double` or `whole`, of truth values `char`; what is `const` is only read.  Other types are those
    of structures, of which addresses are given. */
