@@ -69,6 +69,7 @@ def test_distances_and_bounds_are_those_of_the_surface():
         inside, outside = distance.decided_within(points, np.full(len(points), radius))
         assert not (inside & (exact + radius > 1e-9)).any() and not (outside & (exact - radius <= 0)).any()
         assert (inside | outside).any()
+    assert not np.any(distance.decided_within(points, np.abs(exact) + 1e-6)), "these balls meet the surface"
 
 
 def test_they_take_part_in_everything_that_solids_do(tmp_path):

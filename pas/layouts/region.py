@@ -31,9 +31,6 @@ member, at 1.3 they have, and at 1.6 one of three times the energy."""
 CLEAR, FARTHEST = 1.2, 1.15
 """Rays end this much beyond the surfaces of pipes at least, and no farther out than this beyond the farthest curve."""
 
-STEEPEST = 0.1
-"""Cosine to a clip's normal below which a ray is not followed to the clip's plane."""
-
 FINE = 16
 """Parts of its length, at least, in which the end of a ray is rounded."""
 
@@ -80,7 +77,8 @@ class Builder:
             if cosine > 0:
                 sine = max(1 - cosine * cosine, 1e-9) ** 0.5
                 low = max(low, min(disc.radius / sine, 1.1 * disc.distance))
-                if cosine > STEEPEST:
+                steepest = 0.1  # cosine to a clip's normal below which a ray is not followed to the clip's plane
+                if cosine > steepest:
                     planes.append(float(disc.unit @ disc.middle) / cosine)
             else:
                 low = max(low, disc.radius)

@@ -189,12 +189,6 @@ class Solid(AffineShape["Solid"], Shape):
         """
         return bounding_box(self.tree)
 
-    @property
-    def bounding_box(self) -> Floats:
-        """Two corners (2, 3) of the smallest box with sides along the axes, up to the default tolerance."""
-        points = self.mesh().points
-        return np.stack([points.min(axis=0), points.max(axis=0)])
-
     @cached_property
     def field(self) -> SolidField:
         """The solid as the mesher and evaluation want it."""
