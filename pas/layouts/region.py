@@ -31,17 +31,10 @@ member, at 1.3 they have, and at 1.6 one of three times the energy."""
 CLEAR, FARTHEST = 1.2, 1.15
 """Rays end this much beyond the surfaces of pipes at least, and no farther out than this beyond the farthest curve."""
 
-OUTSIDE, STEP, STEPS = 1.1, 1.1, 8
-"""Walls are flat, and between the ends of rays that are far apart they would cut into pipes: where one comes nearer
-than this beyond the surfaces of pipes the ends that it hangs on go out by the factor, up to so many times.  A run
-behind two branches side by side was pinched there by 0.16 of its radius, whatever the degree; nodes of five pipes of
-GC^2 became fair a degree lower."""
-
-ROUND_CURVES = 1.25
-"""Walls begin next to curves: seen under so many times the angle of one it is not asked for how far out they are."""
-
-STEEPEST = 0.1
-"""Cosine to a clip's normal below which a ray is not followed to the clip's plane."""
+OUTSIDE = 1.1
+"""Walls are flat, and between the ends of rays that are far apart they would cut into pipes: none comes nearer than
+this beyond the surfaces of pipes.  A run behind two branches side by side was pinched there by 0.16 of its radius,
+whatever the degree; nodes of five pipes of GC^2 became fair a degree lower."""
 
 FINE = 16
 """Parts of its length, at least, in which the end of a ray is rounded."""
@@ -85,7 +78,8 @@ class Builder:
         """The distance along a unit vector (3,) at which all pipes are left, or the nearest clip plane beyond that."""
         low = float(self.left(direction[None])[0])
         toward = [(float(direction @ disc.unit), float(disc.unit @ disc.middle)) for disc in self.discs]
-        planes = [height / cosine for cosine, height in toward if cosine > STEEPEST]
+        steepest = 0.1  # cosine to a clip's normal below which a ray is not followed to the clip's plane
+        planes = [height / cosine for cosine, height in toward if cosine > steepest]
         high = max(float(np.hypot(disc.distance, disc.radius)) for disc in self.discs)
         return min(max(CLEAR * low, min((p for p in planes if p > CLEAR * low), default=0.0)), FARTHEST * high)
 
@@ -106,8 +100,8 @@ class Builder:
         far = np.linalg.norm(points, axis=2)
         directions = points.reshape(-1, 3) / far.reshape(-1, 1)
         near = far.reshape(-1) < OUTSIDE * self.left(directions)
-        for disc in self.discs:
-            near &= directions @ disc.direction < cos(min(ROUND_CURVES * disc.angle, pi))
+        for disc in self.discs:  # walls begin next to curves: under 5/4 of the angle of one that is no matter
+            near &= directions @ disc.direction < cos(min(1.25 * disc.angle, pi))
         return [wall for wall, found in zip(walls, near.reshape(far.shape).any(axis=1), strict=True) if found]
 
 
@@ -119,7 +113,8 @@ def region(layout: Layout, discs: Sequence[Disc], walls: float = WALLS) -> Regio
     carried = dict(zip(check_fits(layout, discs), discs, strict=True))
     builder = Builder(layout, discs, walls)
     farther = [1.0] * len(layout.all_rays)
-    for _ in range(STEPS):
+    step, steps = 1.1, 8  # by which ends of rays go out where walls between them come too near, and how often
+    for _ in range(steps):
         ends = [builder.end(ray, times) for ray, times in zip(layout.all_rays, farther, strict=True)]
         pieces = _pieces(layout, carried, ends)
         free = set(ends)
@@ -127,7 +122,7 @@ def region(layout: Layout, discs: Sequence[Disc], walls: float = WALLS) -> Regio
         if not near:
             break
         moved = free.intersection(corner for corners in near for corner in corners)
-        farther = [times * STEP if end in moved else times for times, end in zip(farther, ends, strict=True)]
+        farther = [times * step if end in moved else times for times, end in zip(farther, ends, strict=True)]
     return Region.of_triangles(pieces, layout.center, layout.name)
 
 
