@@ -86,6 +86,7 @@ def test_files_that_are_no_projects_are_not_called_truncated(tmp_path):
         (lambda: solid.union([3, BALL]), TypeError, "union takes solids, .* not 3"),
         (lambda: solid.intersection(7), TypeError, "intersection takes solids, .* not 7"),
         (lambda: solid.union([]), ValueError, "at least one solid"),
+        (lambda: solid.intersection(), ValueError, "at least one solid"),
         (lambda: solid.assembly([BALL, BOX]), TypeError, r"have names, as in assembly\(pot=a, lid=b\) .* has none"),
         (lambda: solid.assembly(BALL, BOX), TypeError, "the parts of an assembly have names"),
         (lambda: BALL.translate(1, 2), ValueError, "offset must be three numbers, not 2"),

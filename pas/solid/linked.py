@@ -27,9 +27,6 @@ from pas.solid.strips import Sections, SolidStrip
 EQUAL = 2.0**-40
 """Coefficients that are off by less, over the largest, are the same: heights of caps are rounded to doubles."""
 
-COARSE = 2.0**-6
-"""Tolerance of the meshes by which bodies are found to be apart, over the size of one."""
-
 ROOM = 2.0
 """Over the distances of two such meshes from their bodies, how far these must be apart."""
 
@@ -67,17 +64,12 @@ class LinkedPart:
         return tuple(found)
 
     @cached_property
-    def coarse(self) -> Mesh | None:
-        """A coarse mesh of it, by which it is found to be apart from others."""
-        points = np.concatenate([chain.curve for chain in self.body.sides[0].chains])
-        return self.body.mesh(COARSE * float(np.ptp(points, axis=0).max()), Quality.BALANCED)
-
-    @cached_property
     def boxes(self) -> dict[str, Floats]:
         """The box (2, 3) of each face of the coarse mesh, by its name."""
-        assert self.coarse is not None
-        points, faces = self.coarse.points[self.coarse.triangles], self.coarse.faces
-        corners = {name: points[faces == face].reshape(-1, 3) for face, name in enumerate(self.coarse.names)}
+        mesh = self.body.coarse
+        assert mesh is not None
+        points = mesh.points[mesh.triangles]
+        corners = {name: points[mesh.faces == face].reshape(-1, 3) for face, name in enumerate(mesh.names)}
         return {name: np.stack([some.min(axis=0), some.max(axis=0)]) for name, some in corners.items()}
 
     @cached_property
@@ -98,7 +90,7 @@ class LinkedPart:
 
     def beside(self, plane: Polynomial, room: float) -> set[str] | None:
         """The faces that come as near as `room` to a plane, positive outside; None where one is beyond it."""
-        mesh = self.coarse
+        mesh = self.body.coarse
         assert mesh is not None
         slope = plane.gradient(np.zeros(3))
         heights = plane(mesh.points) / np.linalg.norm(slope)
@@ -113,6 +105,12 @@ class LinkedBodies:
 
     parts: tuple[LinkedPart, ...]
     links: tuple[Link, ...] = ()
+
+    @property
+    def size(self) -> float:
+        """The longest side of a box around all of them, as coarse meshes show it."""
+        boxes = np.array([part.box for part in self.parts])
+        return float((boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)).max())
 
     def moved(self, map_: Affine) -> LinkedBodies:
         """Its image."""
@@ -158,9 +156,10 @@ def united(one: SheetBody | LinkedBodies, other: SheetBody | LinkedBodies) -> Li
     links += [replace(k, part=k.part + first, other=k.other + first) for k in those.links]
     for i, mine in enumerate(these.parts):
         for j, its in enumerate(those.parts, first):
-            if mine.coarse is None or its.coarse is None:
+            meshes = mine.body.coarse, its.body.coarse
+            if meshes[0] is None or meshes[1] is None:
                 return None
-            room = ROOM * ((mine.coarse.deviation or 0.0) + (its.coarse.deviation or 0.0))
+            room = ROOM * sum(mesh.deviation or 0.0 for mesh in meshes if mesh)
             if _gap(mine.box, its.box) > room:
                 continue
             found = tuple(_links(i, mine, j, its))

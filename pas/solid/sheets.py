@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -29,6 +30,9 @@ from pas.mesh.walls import End, ring
 from pas.piecewise import PiecewiseSurface
 from pas.solid.field import SolidField
 from pas.solid.strips import Chain, SolidStrip, off_strip, rows_within
+
+COARSE = 2.0**-6
+"""Tolerance of meshes that show where a body is, over the size of it."""
 
 Loops = dict[tuple[int, int], Integers]
 """Vertices of the loop in which chain `c` of side `s` ends, in order, by `(s, c)`."""
@@ -196,6 +200,22 @@ class SheetBody:
         a, b, c = zip(*(map_.direction(column) for column in zip(*self.place.matrix, strict=True)), strict=True)
         return replace(self, place=Affine((a, b, c), map_.exact(self.place.shift)))
 
+    @cached_property
+    def coarse(self) -> Mesh | None:
+        """A coarse mesh of it, which shows where it is; None where it has none."""
+        points = np.concatenate([chain.curve for side in self.sides for chain in side.chains])
+        return self.mesh(COARSE * self._stretch * float(np.ptp(points, axis=0).max()), Quality.BALANCED)
+
+    @property
+    def _stretch(self) -> float:
+        """By how much lengths grow at most where it was moved."""
+        return 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
+
+    @property
+    def size(self) -> float | None:
+        """The longest side of a box around it, as the coarse mesh shows it."""
+        return None if self.coarse is None else float(np.ptp(self.coarse.points, axis=0).max())
+
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         """A closed mesh within a tolerance (the model's units), as measured; None where a surface is not as wished."""
         found = self.opened(tolerance, quality, {})
@@ -206,7 +226,7 @@ class SheetBody:
 
         Also the loops that are left open.  None where a surface is not as wished.
         """
-        stretch = 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
+        stretch = self._stretch
         short = [number for number, whole in ends.items() if not whole]
         found = [side.mesh(tolerance / stretch, quality, short) for side in self.sides]
         made, loops = Faces([], 0.0), Loops({})

@@ -189,12 +189,6 @@ class Solid(AffineShape["Solid"], Shape):
         """
         return bounding_box(self.tree)
 
-    @property
-    def bounding_box(self) -> Floats:
-        """Two corners (2, 3) of the smallest box with sides along the axes, up to the default tolerance."""
-        points = self.mesh().points
-        return np.stack([points.min(axis=0), points.max(axis=0)])
-
     @cached_property
     def field(self) -> SolidField:
         """The solid as the mesher and evaluation want it."""
@@ -249,7 +243,10 @@ class Solid(AffineShape["Solid"], Shape):
     def _sheet_mesh(self, tolerance: float | None, quality: Quality) -> Mesh | None:
         if self.sheets is None:
             return None
-        return self.sheets.mesh(self._tolerance(None) if tolerance is None else check_tolerance(tolerance), quality)
+        if tolerance is not None:
+            return self.sheets.mesh(check_tolerance(tolerance), quality)
+        size = self.sheets.size  # the box takes longer
+        return None if size is None else self.sheets.mesh(RELATIVE_TOLERANCE * size, quality)
 
     @limited("meshing a solid", "a coarser tolerance")
     def face_mesh(
