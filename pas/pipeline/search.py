@@ -23,6 +23,7 @@ from pas.blending.space import Space
 from pas.contacts.contact import ContactLike
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.contradictions import check_wishes
+from pas.fairing.fit_settings import SETTINGS
 from pas.fairing.wishes import Wishes
 from pas.layouts.planes import has_whole_planes
 from pas.partition.cells import Partition
@@ -54,14 +55,14 @@ class SearchSettings:
     """Higher degrees are not tried."""
 
     few: int = 15
-    stiff: int = 4
+    stiff: int = SETTINGS.stiff
     """Spaces with fewer unknowns, or with fewer for each piece, are stiff, as of GC^1 surfaces of degree 4 around four
     pipes and more: few of them have a fair surface, and the next degree is tried however large."""
 
-    most: int = 200
-    """Spaces of larger dimension are not tried for fairness alone: they take many seconds.  Those of degree 7 and GC^2
-    on fans around three to five contacts have 164 to 195, take 3 to 20 seconds, and are fair where those of degree 6
-    are not."""
+    most: int = 170
+    """Spaces of larger dimension are not tried for fairness alone: they take many seconds.  Those of GC^2 and degree 7
+    on fans around three and four contacts have 168 and 164, take 3 to 15, and are fair where those of degree 6 are not;
+    with the 195 around five, a hard node took three times as long."""
 
     narrow: float = 0.25
     further: float = 4.0
