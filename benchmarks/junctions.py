@@ -3,7 +3,7 @@
 The run has radius 1 (a reducer's thinner end 3/5 to 9/10); radii of branches are drawn from 3/10 to 1, their angles to
 the run from 50 to 90 degrees, the angles around it so that branches are at least 80 degrees apart; clips are placed by
 `pas.struts`.  Prints a line for each junction, and how many are proved, have a waist within its limit, and are within
-all limits; with `--solids` also how long the solid's mesh takes at a hundredth of the radius.
+all limits; with `--solids` also how long meshes of the solid take, full and as a wall, at a thousandth of the radius.
 
     python benchmarks/junctions.py [--kinds T cross ...] [--count 60] [--seed 2026] [--solids]
 """
@@ -60,6 +60,7 @@ def main() -> None:
     generator = random.Random(options.seed)
     known: Counter[str] = Counter()
     waists, seconds = [], []
+    spent: dict[str, list[float]] = {"full": [], "hollow": []}
     for number in range(options.count):
         kind, order = options.kinds[number % len(options.kinds)], 1 + number // len(options.kinds) % 2
         items = draw(generator, kind)
@@ -76,8 +77,7 @@ def main() -> None:
         known["straight"] += fairness.waist <= blend.limits.waist
         known["within all other limits"] += not [word for word in beyond if not word.startswith("waist")]
         known["within all"] += not beyond
-        meshed = solid_mesh(blend) if options.solids else ""
-        known["meshed"] += meshed.startswith(", solid in")
+        meshed = solid_meshes(blend, spent) if options.solids else ""
         print(
             f"#{number} {kind}, GC^{order}: {blend.surface.partition.title}, degree {blend.surface.degree}, waist "
             f"{fairness.waist:.3f}, {', '.join(beyond) or 'fair'}, {seconds[-1]:.1f} s{meshed}",
@@ -88,18 +88,27 @@ def main() -> None:
         f"{options.count} junctions: {shares}; waist {median(waists):.3f} (median), {max(waists):.3f} (largest); "
         f"seconds of one processor: {median(seconds):.1f} (median), {max(seconds):.1f} (largest)"
     )
+    for name, times in spent.items():
+        if times:
+            print(f"{len(times)} meshes of {name} solids: {median(times):.2f} s (median), {max(times):.2f} s (largest)")
 
 
-def solid_mesh(blend: pas.Blend) -> str:
-    """How long the mesh of a junction's solid takes, in words, or why there is none."""
-    start = time.process_time()
-    try:
-        mesh = blend.solid().mesh(0.01, seconds=120)
-    except pas.PasError as error:
-        return f", no solid: {error}"
-    spent = time.process_time() - start
-    assert mesh.is_watertight
-    return f", solid in {spent:.2f} s, {len(mesh.triangles)} triangles"
+def solid_meshes(blend: pas.Blend, spent: dict[str, list[float]]) -> str:
+    """How long the meshes of a junction's solid take, full and hollow, in words, or why there is none."""
+    words = ""
+    thickness = Fraction(round(125 * min(end.radius or end.radii[0] for end in blend.ends())), 1000)
+    for name, of in (("full", lambda: blend), ("hollow", lambda: blend.hollow(thickness))):
+        try:
+            solid = of().solid()
+            start = time.process_time()
+            mesh = solid.mesh(0.001, seconds=120)
+        except pas.PasError as error:
+            words += f", {name}: {error}"
+            continue
+        spent[name].append(time.process_time() - start)
+        assert mesh.is_closed
+        words += f", {name} in {spent[name][-1]:.2f} s{'' if solid.sheets else ' by a lattice'}"
+    return words
 
 
 if __name__ == "__main__":

@@ -15,7 +15,10 @@ from inspect import signature
 from pathlib import Path
 from typing import Any, ClassVar, Generic, NoReturn, TypeVar
 
+import numpy as np
+
 from pas.algebra.inputs import shown
+from pas.algebra.monomials import Floats
 from pas.registry import Registry, loaded
 from pas.settings import MeshSettings, given
 from pas.verdicts import Verdicts
@@ -60,6 +63,12 @@ class Shape(ABC):
                 owner = "a parametric surface" if name == "domain" else "a shape of another kind"
                 raise ValueError(f"{name} is that of {owner}, which {self!r} is not")
         return self.mesh(**wanted)
+
+    @property
+    def bounding_box(self) -> Floats:
+        """Two corners (2, 3) of the smallest box with sides along the axes, up to the default tolerance."""
+        points: Floats = self.mesh().points
+        return np.stack([points.min(axis=0), points.max(axis=0)])
 
     @cached_property
     def _last_mesh(self) -> dict[Any, Any]:
@@ -148,7 +157,7 @@ def refuse_mixed(first: Shape, second: object) -> NoReturn:
         meshless = first if second.kind == "mesh" else second
         hint = f"take the mesh of the {meshless.kind} first, as in shape.mesh(tolerance)"
     elif other.kind == "assembly" or hasattr(other, "solid"):
-        hint = f"make a solid of the {other.kind} first, as blend.solid() and assembly[name].shape are"
+        hint = f"make a solid of the {other.kind} first, as shape.solid() and assembly[name].shape are"
     else:
         hint = f"no solid can be made of a {other.kind}: take the meshes of both, as in a.mesh(tolerance)"
     raise TypeError(f"|, & and - take two solids or two meshes, not {_one(first.kind)} and {_one(second.kind)}; {hint}")

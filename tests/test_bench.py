@@ -28,6 +28,7 @@ def test_benchmarks_run():
     assert " passed" in bench("--benchmark-disable")
 
 
+@pytest.mark.slow
 def test_a_run_makes_a_page(tmp_path):
     file = tmp_path / "run.json"
     bench("-k", QUICK, f"--benchmark-json={file}")

@@ -110,6 +110,7 @@ def test_meshes_are_read_by_others(made, tmp_path, capsys, suffix):
 @pytest.mark.parametrize(
     "style", [[], ["--zebra"], ["--highlights"], ["--curvature"], ["--combs"], *(["--style", name] for name in STYLES)]
 )
+@pytest.mark.sampled(4)
 def test_render(made, tmp_path, capsys, style):
     path = tmp_path / "a.png"
     code, out, _ = run(capsys, "render", made / "equal_gc1.pas.json", "-o", path, "--tolerance", "0.05", *style)
@@ -184,7 +185,7 @@ EXIT_CODES = [
     (QUADRICS, "", 0, 0, None),
     (QUADRICS, "true", 1, 0, None),
     (QUADRICS, "false", 0, 0, None),
-    (TWISTED, "", 1, 1, None),
+    pytest.param(TWISTED, "", 1, 1, None, marks=pytest.mark.slow),
     pytest.param(TWISTED, "true", 1, 1, None, marks=pytest.mark.slow),
     (TWISTED, "false", 1, 1, None),
 ]

@@ -108,6 +108,7 @@ def test_what_is_no_foot_is_refused(branch, error, words):
         ([*HALVES, (Z, 1)], 1, "node: a foot needs a run of two pipes"),
     ],
 )
+@pytest.mark.sampled(2)
 def test_a_junction_is_the_better_one_and_says_which(items, order, reason):
     found = pas.junction(items, order)
     assert found.certificate.proved
@@ -128,6 +129,7 @@ def feet():
     return [pas.foot(RUN, pas.Pipe(axis, "1/2", "auto", (place, 0, 0))) for axis, place in places]
 
 
+@pytest.mark.slow
 def test_a_header_is_one_solid_with_proved_joints(feet):
     header = pas.header(RUN, feet, (-3, 7), 1)
     assert header.proved and len(header.verdicts) == 2 * len(feet)

@@ -188,3 +188,10 @@ def test_faces_that_touch_along_a_plane_section_go_on_smoothly(name, tolerance):
     assert mesh.is_closed and mesh.euler_characteristic == 2
     assert mesh.volume == pytest.approx(volume, abs=mesh.area * mesh.deviation)
     assert shape.volume(tolerance) == pytest.approx(volume, rel=4e-3)
+
+
+def test_faces_that_touch_along_a_plane_section_may_cross_elsewhere():
+    """Beside a straight pipe half a ring goes its way: they touch where both begin, and cross further on."""
+    ring = solid.torus((0, 0, 0), (0, 0, 1), 2, HALF) - solid.box((0, -3, -1), (3, 0, 1))
+    mesh = (ring | solid.cylinder((2, 0, 0), (2, 4, 0), HALF)).mesh(0.05)
+    assert mesh.is_closed and mesh.euler_characteristic == 2

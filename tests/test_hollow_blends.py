@@ -213,12 +213,10 @@ def made(name, order):
     "name, order",
     [
         ("elbow", 1),
-        ("corner", 2),
-        ("sharp", 1),
         ("unequal", 1),
         *(pytest.param(*case, marks=pytest.mark.slow) for case in product(("T", "five", "cross"), (1, 2))),
         *(pytest.param(name, 2, marks=pytest.mark.slow) for name in ("elbow", "sharp", "unequal")),
-        pytest.param("corner", 1, marks=pytest.mark.slow),
+        *(pytest.param(*case, marks=pytest.mark.slow) for case in (("corner", 1), ("corner", 2), ("sharp", 1))),
     ],
 )
 def test_nodes_are_hollow(name, order):
@@ -291,7 +289,8 @@ def test_an_inner_side_around_a_sharp_bend_has_a_centre_further_in():
     assert np.array_equal(hollow.solid(0).contains(points), inside & ~cavity)
 
 
-@pytest.mark.parametrize("thickness, order", [("1/16", 1), pytest.param("1/2", 1, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("thickness, order", [("1/16", 1), ("1/2", 1)])
 def test_walls_around_sharp_bends_may_be_thin_and_thick(thickness, order):
     hollow = made("sharp", order).outer.hollow(thickness)
     assert hollow.certificate.proved

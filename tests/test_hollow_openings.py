@@ -90,7 +90,7 @@ def test_a_wall_ends_in_rings_on_the_cone(name):
     assert 0.1 < mesh.volume / hollow.outer.mesh(2e-2).area < 0.16
 
 
-@pytest.mark.parametrize("name", ["upright", "nozzle"])
+@pytest.mark.parametrize("name", ["upright", pytest.param("nozzle", marks=pytest.mark.slow)])
 def test_the_solid_is_the_wall_and_its_neighbours_walls(name):
     hollow = made(name)
     wall = hollow.solid("1/2")

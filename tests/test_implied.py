@@ -46,6 +46,7 @@ SOLIDS = {
 
 
 @pytest.mark.parametrize("name", SOLIDS)
+@pytest.mark.sampled(3)
 def test_three_faces_that_meet_in_a_curve_where_two_are_enough(name):
     shape, volume = SOLIDS[name]
     extent = float(np.ptp(shape.box, axis=0).max())

@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import cache
 from html import escape
 
+import numpy as np
 import pytest
 from conftest import DATA, EQUAL, ROOT, solved
 
@@ -174,6 +175,13 @@ def test_it_meshes_draws_and_writes(name, tmp_path):
     written = shape.write(tmp_path / "a.stl", open=True, **({} if name == "mesh" else {"tolerance": tolerance}))
     assert (written.stat().st_size - 84) % 50 == 0
     assert written.stat().st_size == 84 + 50 * len(mesh.triangles)
+
+
+@every_kind
+def test_it_has_the_box_of_its_mesh(name):
+    shape = sample(name)
+    points = shape.mesh().points
+    assert np.array_equal(shape.bounding_box, [points.min(axis=0), points.max(axis=0)])
 
 
 @every_kind

@@ -44,6 +44,7 @@ TABLE = [
 
 
 @pytest.mark.parametrize(("number", "order", "degree", "constant", "each", "less"), TABLE)
+@pytest.mark.sampled(3)
 def test_pipes_on_fans_have_the_dimensions_of_the_formula(number, order, degree, constant, each, less):
     layout = fan(number)
     for count in (0, 2, 3)[: 2 + (number > 5)]:

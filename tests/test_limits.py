@@ -166,6 +166,7 @@ def test_files_look_at_the_clock_while_they_are_written(suffix, tmp_path, tickin
 
 
 @pytest.mark.parametrize("command", ["blend", "teapot"])
+@pytest.mark.sampled(2)
 def test_a_command_that_draws_gives_up_before_any_file_is_in_its_place(command, tmp_path, monkeypatch, capsys):
     """However late: once the files are there nothing looks at the clock any more."""
     from pas.designs.teapot import Teapot

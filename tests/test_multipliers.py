@@ -58,6 +58,7 @@ SPACES = [
 
 
 @pytest.mark.parametrize(("clips", "radii", "order", "degree"), SPACES)
+@pytest.mark.sampled(3)
 def test_the_space_is_that_of_normal_forms(clips, radii, order, degree):
     partition, system = corner(clips, radii, order)
     space = solve(PlacedContacts(partition, system.contacts, order), degree)
@@ -122,6 +123,7 @@ def test_published_higher_order_multipliers_satisfy_the_system(facts, key, order
         (UNIT, EQUAL, 3, (5, 6)),
     ],
 )
+@pytest.mark.sampled(2)
 def test_generators_span_all_solutions_of_each_degree(clips, radii, order, degrees):
     partition, system = corner(clips, radii, order)
     generators = system.generators()

@@ -66,7 +66,7 @@ def test_the_same_verb_gives_the_same_type(kind):
     assert len(repr(coarse)) < 100 and "within" in str(coarse)
 
 
-@pytest.mark.parametrize("kind", ["generatrix", "sphere"])
+@pytest.mark.parametrize("kind", ["generatrix", pytest.param("sphere", marks=pytest.mark.slow)])
 def test_blends_by_a_generatrix_are_within_the_tolerance(kind):
     """Points of the blend are no further from the mesh than the deviation says (and some nearly as far)."""
     from scipy.spatial import cKDTree

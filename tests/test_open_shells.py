@@ -73,6 +73,7 @@ def test_thin_walls(name, tolerance):
 
 
 @pytest.mark.parametrize("name", ["bowl", "pipe", "angle"])
+@pytest.mark.sampled(2)
 def test_rays_through_a_thin_wall(name):
     shape, faces, thickness, *_ = OPEN[name]
     mesh = shape.shell(thickness, open=faces).mesh(1e-3)

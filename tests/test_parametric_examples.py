@@ -48,6 +48,7 @@ def test_links_of_the_readme_exist():
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n in SLOW else ()) for n in BLENDS])
+@pytest.mark.sampled(3)
 def test_blend(script, name):
     order, degrees, regular, number = BLENDS[name]
     blend = script["solve"](FOLDER / f"{name}.toml")

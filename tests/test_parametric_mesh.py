@@ -211,6 +211,7 @@ TRADED = {
 
 
 @pytest.mark.parametrize("name", TRADED)
+@pytest.mark.sampled(3)
 def test_good_angles_or_few_triangles(name):
     surface = TRADED[name]
     angles, usual, count = (surface.mesh(2e-3, quality=q) for q in ("angles", "balanced", "count"))
@@ -242,4 +243,4 @@ def test_a_mesh_of_a_size_has_no_quality():
     blend = pas.generatrix_blend(*ends)
     with pytest.raises(ValueError, match="of a mesh with a given size no quality can be chosen"):
         blend.mesh(size=(20, 20), quality="angles")
-    assert blend.mesh(quality="count").deviation is not None
+    assert blend.mesh(0.1, quality="count").deviation is not None

@@ -181,6 +181,7 @@ def test_printed_exponent_has_poles_for_even_order_and_more_than_two_surfaces():
 @pytest.mark.parametrize("n", [2, 3, 4, 5])
 @pytest.mark.parametrize("order", [0, 1, 2, 3, 4])
 @pytest.mark.parametrize("normalized", [False, True])
+@pytest.mark.sampled(4)
 def test_weights_of_any_number_and_order(n, order, normalized):
     balance = "1/3" if n == 2 else [Fraction(i + 1, n + 2) for i in range(n)]
     weights = pas.Weights(range(n), order, balance, normalized)

@@ -81,6 +81,7 @@ def near(image, color):
 
 
 @pytest.mark.parametrize("style", list(pas.Style))
+@pytest.mark.sampled(2)
 def test_parametric_blends_are_drawn_with_their_surfaces(tmp_path, style):
     image = pixels(pas.draw(BLEND, tmp_path / "a.png", style=style, size=(400, 300), domain=TURN))
     rows = np.flatnonzero(np.abs(image - image[:, :1]).max(axis=(1, 2)) > 30)

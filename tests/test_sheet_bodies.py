@@ -10,8 +10,10 @@ from flint import fmpq
 
 import pas
 from pas import solid
+from pas.mesh.quality import Quality
 from pas.pipeline.blend import struts
-from pas.solid.sheets import RuledEnd
+from pas.solid.sheets import SheetBody
+from pas.solid.strips import Sections
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 SKEW = (0.292372, 0.956305, 0)
@@ -29,11 +31,17 @@ NODES = {
     "tetrahedral": ([((1, 1, 1), 1), ((1, -1, -1), 1), ((-1, 1, -1), 1), ((-1, -1, 1), 1)], 1),
     "bicycle": ([*((way, "17.45") for way in both(X)), (SKEW, "14.3")], 1),
     "cone": ([pas.Pipe(X, 1, 2), pas.Pipe(Y, 1, 2), pas.Cone(Z, 1, 2, slope="-1/8")], 1),
+    "axes that miss": ([pas.Pipe(X, "1/3", 1, (0, "1/2", 0)), pas.Pipe(Z, "1/3", 1)], 1),
+    "plate": ([pas.Plate(Z, 2), pas.Pipe(Z, 1, 2)], 1),
+    "nozzle": ([pas.Opening("x^2 + y^2 - 4", X, "4/7"), pas.Pipe(X, "1/2", 3)], 1),
+    "ball": ([pas.Contact("x^2 + y^2 + (z + 2)^2 - 4", "-z - 3/2"), pas.Pipe(Z, "1/2", 1)], 1),
+    "paraboloid": ([pas.Contact("3*x^2 + 3*y^2 + z - 4", "z - 1"), pas.Pipe(X, "1/2", 2)], 1),
 }
-
 """Contacts or struts, and the order."""
 
-CASES = [pytest.param(name, marks=() if name in ("T", "cone") else pytest.mark.slow) for name in NODES]
+OPEN = ("plate", "nozzle")
+QUICK = ("T", "cone", *OPEN, "ball")
+CASES = [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in NODES]
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +58,14 @@ def blends():
 
 
 def radius(blend):
-    return max(contact.rim.radii[0] for contact in blend.surface.contacts)
+    """That of the widest neighbour on which no region opens."""
+    joins = zip(blend.surface.contacts, blend.surface.joins, strict=True)
+    return max(contact.rim.radii[0] for contact, join in joins if not join.opening)
+
+
+def reach(blend):
+    """How far neighbours go on: but a default length around openings."""
+    return None if any(join.opening for join in blend.surface.joins) else int(np.ceil(radius(blend)))
 
 
 def is_sound(mesh, body, tolerance, euler):
@@ -63,9 +78,11 @@ def is_sound(mesh, body, tolerance, euler):
         rows = mesh.faces == mesh.names.index(face)
         if "blend" not in face:
             points = corners[rows].reshape(-1, 3)
-            (polynomial,) = body.polynomials[face]
-            away = np.abs(polynomial(points)) / np.linalg.norm(polynomial.gradient(points), axis=-1)
-            assert away.max() < 1e-9 * np.ptp(points)
+            away = [
+                np.abs(polynomial(points)) / np.linalg.norm(polynomial.gradient(points), axis=-1)
+                for polynomial in body.polynomials[face]
+            ]
+            assert np.min(away, axis=0).max() < 1e-9 * np.ptp(points)
     return mesh
 
 
@@ -73,11 +90,11 @@ def is_sound(mesh, body, tolerance, euler):
 def test_nodes_are_bounded_by_their_sheets(name, blends):
     blend = blends(name)
     r, size = radius(blend), len(blend.surface.contacts)
-    body = blend.solid(int(np.ceil(r)))
+    body = blend.solid(reach(blend))
     assert body.sheets is not None
     for share in (1e-2, 1e-3):
         mesh = is_sound(body.mesh(share * r), body, share * r, 2)
-    assert set(mesh.names) == set(body.faces) and len(mesh.names) == 1 + 2 * size
+    assert mesh.names == body.faces and len(mesh.names) == 1 + 2 * size + (name in OPEN)
     assert mesh.volume == pytest.approx(body.volume(1e-2 * r), rel=2e-3)
     assert mesh.area == pytest.approx(body.area(1e-2 * r), rel=2e-3)
 
@@ -86,7 +103,7 @@ def test_nodes_are_bounded_by_their_sheets(name, blends):
 def test_hollow_nodes_are_bounded_by_their_sheets(name, blends):
     blend = blends(name)
     r, size = radius(blend), len(blend.surface.contacts)
-    body = blend.hollow("1/8" if r < 10 else "17/8").solid(int(np.ceil(r)))
+    body = blend.hollow("17/8" if r > 10 else "1/24" if r < 1 / 2 else "1/16").solid(reach(blend))
     assert body.sheets is not None
     mesh = is_sound(body.mesh(1e-2 * r), body, 1e-2 * r, 2 * (2 - size))
     assert len(mesh.names) == 2 * (1 + size) + size
@@ -95,7 +112,7 @@ def test_hollow_nodes_are_bounded_by_their_sheets(name, blends):
 
 
 def test_the_lattice_says_the_same(blends):
-    for body in (blends("cone").solid(1), blends("T").solid((1, 2, "1/2"))):
+    for body in (blends("cone").solid(1), blends("T").solid((1, 2, "1/2")), blends("plate").solid(("1/2", 1))):
         lattice = replace(body, sheets=None)
         assert lattice.volume(1e-2) == pytest.approx(body.volume(1e-2), rel=1e-3)
         assert lattice.area(1e-2) == pytest.approx(body.area(1e-2), rel=1e-3)
@@ -146,20 +163,57 @@ def test_set_operations_go_by_exact_faces(blends):
     assert body.cap("y - 5/2", "cut").sheets is None and body.renamed("all").sheets is None
 
 
-def test_what_is_no_tube_around_the_centre_has_none():
-    """Its lines must be straight and meet in one point, and the centre must be inside, on the same nappe."""
-    plane, center, one = pas.Polynomial("z - 2"), (fmpq(0),) * 3, fmpq(1)
+GOOD = [
+    *("x^2 + y^2 - 1", "x^2 + (y - 1/2)^2 - 1", "x^2 + 2*y^2 - (z + 1)^2/9", "x^2 + y^2 - (z - 5)^2/9"),
+    *("x^2 + y^2 - z - 1", "x^2 + (y + z/3)^2 + (z - 2)^2 - 5", "x^2 + y^2 - (z + 3)^2 + 4"),
+]
+WRONG = {
+    "the centre is outside": "x^2 + (y - 2)^2 - 1",
+    "the centre is in the other nappe": "x^2 + y^2 - (z - 1)^2",
+    "the centre is the apex": "x^2 + y^2 - z^2",
+    "it has two nappes up to the cap": "x^2 + y^2 - (z - 5/2)^2",
+    "it ends at the cap": "x^2 + y^2 + (z - 2)^2 - 1",
+    "it is not there at the clip": "x^2 + y^2 - z + 5/2",
+    "it is not convex": "x^2 + y^2 - 1 - (z + 5)^2/16",
+    "sections are hyperbolas": "x^2 - y^2 - 1",
+    "sections are parabolas": "x^2 - y - 1",
+    "it is all of space": "-x^2 - y^2 - 1",
+    "it is a plane": "x - 1",
+    "it is of degree 4": "x^4 + y^4 - 1",
+}
 
-    def found(surface):
-        return RuledEnd.of(pas.Contact(surface, "z - 2"), plane, one, center)
 
-    for good in ("x^2 + y^2 - 1", "x^2 + (y - 1/2)^2 - 1", "x^2 + 2*y^2 - (z + 1)^2/9", "x^2 + y^2 - (z - 5)^2/9"):
-        tube = found(good)
-        rim = tube.contact.rim.points()
-        assert tube.off(rim) < 1e-12 and abs(tube.carried(rim)[:, 2] - 3).max() < 1e-12
-        assert abs(tube.contact.surface(tube.carried(rim))).max() < 1e-12
-    for wrong in ("x^2 + (y - 2)^2 - 1", "x^2 + y^2 - (z - 1)^2", "x^2 + y^2 - z", "x^2 + y^2 + (z - 2)^2 - 1"):
-        assert found(wrong) is None
+@pytest.mark.parametrize("surface", GOOD)
+def test_sections_between_planes_are_on_their_quadric(surface):
+    """Row by row, with the ellipse that has the points of the first one."""
+    surface, plane, cap = map(pas.Polynomial, (surface, "z - 2", "z - 3"))
+    rows = Sections.of(surface, plane, cap, (fmpq(0),) * 3)
+    rim = pas.Contact(surface, plane).rim.points()
+    for share in (0, 0.3, 1):
+        points = rows(rim, share)
+        assert np.abs(surface(points)).max() < 1e-12 and np.abs(points[:, 2] - 2 - share).max() < 1e-12
+    assert np.abs(rows(rim, 0) - rim).max() < 1e-12
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_is_no_convex_quadric_around_the_centre_has_no_sections(case):
+    plane, cap = pas.Polynomial("z - 2"), pas.Polynomial("z - 3")
+    assert Sections.of(pas.Polynomial(WRONG[case]), plane, cap, (fmpq(0),) * 3) is None
+
+
+def test_bodies_have_sheets_where_each_rule_holds(blends):
+    """A wall's inner strips must be inside the outer ones, and all of them above the wall's floor."""
+    body = blends("cone").hollow("1/8").solid(1).sheets
+    outer, inner = body.sides
+    assert SheetBody.of([outer, inner]) is not None and SheetBody.of([inner, outer]) is None
+    chain = outer.chains[0]
+    for floor, found in (("-1", True), ("x - 5/2", False)):
+        floored = replace(chain, floor=pas.Polynomial(floor))
+        assert (SheetBody.of([replace(outer, chains=(floored, *outer.chains[1:]))]) is not None) == found
+    assert SheetBody.of([outer, replace(inner, name="neighbour 1 end")]) is None
+    for number in range(3):  # an end is left over
+        side = replace(outer, chains=outer.chains[:number] + outer.chains[number + 1 :])
+        assert side.mesh(1e-2, Quality.BALANCED) is None
 
 
 @pytest.mark.slow
@@ -167,3 +221,15 @@ def test_a_node_with_a_torus_has_a_lattice():
     contacts = [pas.Torus(Z, (2, 0, 0), "1/2", (-2, 2, 0)), pas.Cone((1, -1, 0), "1/2", 2, slope="1/8")]
     surface = pas.blend([*contacts, pas.Cone((-1, -1, 0), "1/2", 2, slope="-1/8")], 1)
     assert surface.solid("1/2").sheets is None
+
+
+@pytest.mark.slow
+def test_two_pipes_and_a_wider_cone_as_wall_moved_and_cut():
+    contacts = [pas.Pipe(Y, "1/2", 2), pas.Pipe((1, -1, 0), "1/2", 2), pas.Cone(Z, "1/2", 2, slope="1/8")]
+    wall = pas.blend(contacts, 1).hollow("1/16").solid(1)
+    moved = wall.rotate((1, 2, 2), 40).translate((3, 0, 0))
+    is_sound(moved.mesh(1e-2), moved, 1e-2, -2)
+    cut = wall - solid.box((-4, -4, -4), (0, 4, 4), "cut")
+    assert np.abs(cut.box).max() < 4
+    mesh = cut.mesh(2e-2)
+    assert mesh.is_closed and {"cut x+", "blend", "inside of blend"} <= {*mesh.names}

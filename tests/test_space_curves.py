@@ -111,6 +111,7 @@ def test_arcs_and_components(g, h, arcs, components):
 
 
 @pytest.mark.parametrize("seed", range(12))
+@pytest.mark.sampled(4)
 def test_components_of_circles_are_those_that_meet(seed):
     random = Random(seed)
     circles = []

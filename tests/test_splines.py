@@ -67,8 +67,9 @@ def smooth(space) -> bool:
     return True
 
 
-@pytest.mark.parametrize("degree", range(1, 7))
+@pytest.mark.parametrize("degree", [*range(1, 6), pytest.param(6, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("order", [0, 1, 2])
+@pytest.mark.sampled(2)
 def test_both_constructions_agree_on_the_alfeld_split(order, degree):
     partition = alfeld()
     net, conditions = by_net(partition, order, degree), by_conditions(partition, order, degree)
@@ -123,7 +124,7 @@ def test_continuous_splines_are_as_many_as_domain_points(degree):
     assert by_net(partition, 0, degree).dimension == expected
 
 
-@pytest.mark.parametrize(("seed", "boundary"), [(0, False), (4, False), (4, True)])
+@pytest.mark.parametrize(("seed", "boundary"), [(0, False), pytest.param(4, False, marks=pytest.mark.slow), (4, True)])
 def test_both_constructions_agree_on_meshes(seed, boundary):
     partition = freudenthal(2, seed, boundary)
     for order, degree in ((1, 2), (2, 2)) if boundary else ((1, 2), (1, 3), (2, 3)):
@@ -132,6 +133,7 @@ def test_both_constructions_agree_on_meshes(seed, boundary):
         assert smooth(net)
 
 
+@pytest.mark.slow
 def test_quartics_on_a_jittered_mesh_by_the_public_way():
     """48 cells go to the net of B-coefficients; polynomials are among the solutions."""
     partition = freudenthal(2, seed=5)

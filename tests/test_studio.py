@@ -463,6 +463,7 @@ LONG_TO_MESH = ("Helicoid to pipe", "Round an obstacle")
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[pytest.mark.slow] if name in LONG_TO_MESH else []) for name in GALLERY]
 )
+@pytest.mark.sampled(3)
 def test_formats_that_are_offered_are_written_and_no_others(name):
     made = StudioSession()
     offered = made.solve(GALLERY[name]).head["formats"]

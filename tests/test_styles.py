@@ -101,6 +101,7 @@ def test_every_kind_is_painted_in_every_style_or_says_why_not(kind):
 
 
 @pytest.mark.parametrize("kind", CURVED)
+@pytest.mark.sampled(2)
 def test_curvatures_are_known_where_a_kind_says_so(kind, tmp_path):
     scene = scene_of(sample(kind), Picture(style="mean", combs=True))
     first = scene.layers[0]
@@ -265,6 +266,7 @@ def test_highlights_are_as_many_as_lights_and_the_same_after_a_turn():
 @pytest.mark.parametrize(
     ("view", "size"), [(None, (400, 300)), ((-1, 1, -0.4), (400, 300)), ((0, 0, 1), (400, 300)), (None, (300, 400))]
 )
+@pytest.mark.sampled(3)
 def test_legends_have_room_of_their_own(options, view, size):
     picture = Picture(**options, view=view, size=size, tolerance=0.05)
     scene = scene_of(solved(EQUAL, 1), picture)

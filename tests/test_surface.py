@@ -55,6 +55,7 @@ def test_normals_and_curvatures_agree_across_contacts(radii, order):
 
 
 @pytest.mark.parametrize(("radii", "order"), CASES)
+@pytest.mark.sampled(2)
 def test_normals_and_curvatures_agree_across_faces(radii, order):
     surface = solved(radii, order).surface
     gaps = []

@@ -67,6 +67,7 @@ def from_facts(style):
 
 
 @pytest.mark.parametrize("style", ["paper", "better"])
+@pytest.mark.sampled(2)
 def test_printed_patches_make_one_closed_solid_with_all_joints(style):
     shape = from_facts(style)
     assert shape.proved
@@ -102,6 +103,7 @@ def test_spouts_are_members_of_their_ideals():
 
 
 @pytest.mark.parametrize("style", ["paper", "better"])
+@pytest.mark.sampled(2)
 def test_teapots_are_closed_joined_and_of_the_known_volume(style):
     pot = built(style)
     shape = pot.solid
@@ -128,6 +130,7 @@ DIGESTS = {
 
 
 @pytest.mark.parametrize("name", DIGESTS)
+@pytest.mark.sampled(2)
 def test_designs_give_the_same_polynomials_bit_for_bit(name):
     wishes, number, digest = DIGESTS[name]
     faces = {k: v for part in ("pot", "lid", "solid") for k, v in getattr(built(**wishes), part).polynomials.items()}

@@ -49,6 +49,7 @@ def test_a_piece_that_is_not_proved_to_be_one_is_refused(bent):
         bent.solid(4)
 
 
+@pytest.mark.slow
 def test_the_other_nappe_of_a_cone_is_no_part_of_a_body(bent):
     """The third contact tapers by an eighth of its axis' unit: from 1/2 to 0 within four of them."""
     with pytest.raises(

@@ -8,6 +8,8 @@ import pytest
 from conftest import EQUAL, UNEQUAL, pipes, solved
 
 import pas
+from pas.fairing.constraints import Margins
+from pas.fairing.prepared import SLIM
 from pas.fairing.qp import Outcome, Programme, solve
 
 CENTRE = (0, 0, 0)
@@ -57,6 +59,12 @@ def test_the_surface_keeps_away_from_the_centre():
     for radii, order in ((EQUAL, 1), (EQUAL, 2), (EQUAL, 3), (UNEQUAL, 1)):
         points = solved(radii, order).surface.mesh(0.05).points
         assert np.linalg.norm(points, axis=1).min() > 0.09, (radii, order)
+
+
+def test_the_centre_is_inside_by_a_margin():
+    problem = pas.solutions(pipes(EQUAL), 1, 4).problem(near=[("1/50", "1/50", "1/50")], near_weight=10_000)
+    radius = 1 / 3
+    assert np.isclose(problem.solve().surface(np.zeros(3)), -SLIM * Margins.depth * radius, rtol=1e-4)
 
 
 def test_members_with_huge_coefficients_can_be_chosen_from():

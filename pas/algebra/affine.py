@@ -28,10 +28,6 @@ from pas.algebra.rational import (
     vector,
 )
 
-LARGEST_DENOMINATOR = 10**9
-"""Of the tangent of half an angle of rotation: the angle is off by less than 1e-17 radians of what a
-double can say, and the rotation is exactly a rotation."""
-
 
 def away(point: Sequence[fmpq]) -> list[fmpq_mpoly]:
     """The coordinates relative to a point: x - p, y - q, z - r."""
@@ -178,7 +174,10 @@ def rotation(axis: VectorLike, degrees: Exact, center: VectorLike) -> Affine:
         w, v = fmpq(0), a
     else:
         tangent = math.tan(math.radians(angle) / 2) / math.sqrt(to_float(square))
-        near = Fraction(tangent).limit_denominator(LARGEST_DENOMINATOR)
+        # Of the tangent of half an angle of rotation: the angle is off by less than 1e-17 radians of what a double can
+        # say, and the rotation is exactly a rotation.
+        largest_denominator = 10**9
+        near = Fraction(tangent).limit_denominator(largest_denominator)
         w, v = fmpq(1), tuple(c * fmpq(near.numerator, near.denominator) for c in a)  # type: ignore[assignment]
     x, y, z = v
     n = w * w + x * x + y * y + z * z

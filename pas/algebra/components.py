@@ -34,12 +34,6 @@ from pas.algebra.roots import (
 from pas.algebra.zeros import Quotient, RealZero, count_zeros, linear_form, linear_forms, real_zeros, value_at
 from pas.limits import checkpoint
 
-SHADOWS = 3
-"""Second linear forms that are tried."""
-
-MOST_HALVINGS = 1000
-"""Of a window, before the question is given up."""
-
 
 class LostError(Exception):
     """It could not be decided how the arcs of a curve go on; `place` is where, if known."""
@@ -56,7 +50,8 @@ class Components:
         self.curve = curve
         self._turns = sorted(set(curve.whole.turns or ()))
         others = (linear for linear in linear_forms() if linear != curve.linear)
-        self._shadows = [Shadow(curve, linear) for linear in islice(others, SHADOWS)]
+        shadows = 3  # second linear forms that are tried
+        self._shadows = [Shadow(curve, linear) for linear in islice(others, shadows)]
         self._points: dict[fmpq, list[RealZero]] = {}
         self._parents: dict[tuple[fmpq, int], tuple[fmpq, int]] = {}
 
@@ -215,7 +210,8 @@ class Shadow:
         ends = [rational_root(low), *(v for v in self.special if v != turn), rational_root(high)]
         around = (between(max(v for v in ends if v < turn), turn), between(turn, min(v for v in ends if turn < v)))
         bends = [self._bend(point) for point in points]
-        sizes = (self._windows(points, bends, turn, around, halved) for halved in range(MOST_HALVINGS))
+        most_halvings = 1000  # of a window, before the question is given up
+        sizes = (self._windows(points, bends, turn, around, halved) for halved in range(most_halvings))
         return next(filter(None, sizes), None)
 
     def _windows(

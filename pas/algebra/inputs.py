@@ -62,9 +62,6 @@ MOST_SURFACES = 32
 HIGHEST_EXPONENT = 24
 """Of the weights of a parametric blend: that for contact of order 8 is 9 or 10, others only flatten the ends."""
 
-HIGHEST_DERIVATIVE = 24
-"""Order of derivatives that are evaluated by Taylor series in two parameters, whose coefficients are 325 then."""
-
 FINEST = 1e-7
 """Tolerance of a mesh over the model's size: vertices are on the surface to 1e-9 of it, and at 1e-6 a corner takes
 some millions of triangles."""
@@ -143,7 +140,9 @@ def check_surface_degree(highest: int, degree: Any = None) -> int:
 
 def check_derivative(order: Any, name: str) -> int:
     """The order of a derivative."""
-    return whole(order, name, 0, HIGHEST_DERIVATIVE)
+    # Order of derivatives that are evaluated by Taylor series in two parameters, whose coefficients are 325 then.
+    highest_derivative = 24
+    return whole(order, name, 0, highest_derivative)
 
 
 def check_limit(most: Any) -> int | None:

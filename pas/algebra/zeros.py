@@ -25,9 +25,6 @@ from pas.algebra.roots import RealRoot, accuracies, exact, real_roots
 ENOUGH = 1024
 """Bits from which on a value near 0 is compared with 0 exactly."""
 
-PRINTED = 256
-"""Bits of points that are rounded to doubles, enough for most coordinates however they cancel."""
-
 
 def linear_form(coefficients: tuple[int, int, int]) -> Polynomial:
     """The polynomial `a x + b y + c z`."""
@@ -140,7 +137,8 @@ class RealZero:
     @cached_property
     def point(self) -> tuple[float, float, float]:
         """The coordinates, rounded."""
-        x, y, z = (to_float(exact(ball)) for ball in self.balls(PRINTED))
+        printed = 256  # bits of points that are rounded to doubles, enough for most coordinates however they cancel
+        x, y, z = (to_float(exact(ball)) for ball in self.balls(printed))
         return x, y, z
 
     def near(self, bits: int) -> Vector:

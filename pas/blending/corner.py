@@ -25,10 +25,6 @@ OTHERS = "for others give a partition, such as partition=pas.SingleCell(lower, u
 """What to do about contacts that make no corner."""
 
 
-LARGEST_DENOMINATOR = 1000
-"""Of the share by which the third leg of an elbow is made as long as the others, where that is no fraction."""
-
-
 def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Circular | None] = ()) -> SixTetrahedra:
     """The six-tetrahedra corner whose clip planes are those of two or three contacts.
 
@@ -69,7 +65,9 @@ def _third(first: Vector, second: Vector) -> Vector:
     """A leg across two others, about as long as the longer one."""
     across = cross(first, second)
     length = sqrt(to_float(max(dot(first, first), dot(second, second))) / to_float(dot(across, across)))
-    share = rational(Fraction(length).limit_denominator(LARGEST_DENOMINATOR))
+    # Of the share by which the third leg of an elbow is made as long as the others, where that is no fraction.
+    largest_denominator = 1000
+    share = rational(Fraction(length).limit_denominator(largest_denominator))
     x, y, z = (share * c for c in across)
     return x, y, z
 

@@ -68,18 +68,16 @@ def patches_of(placed: PlacedContacts, degree: int, members: Sequence[Sequence[P
     return tuple(found)
 
 
-MANY_CELLS = 12
-"""Cells above which sparse elimination serves: on C^1 quartics both take 10 to 20 ms with 6 cells, with 48 cells the
-net 1.3 s and dense elimination 17 s.  Homogeneous splines take 0.1 s on a node of 48 cells."""
-
-
 def _linear(placed: PlacedContacts, degree: int) -> Patches:
     if len(placed.partition.pieces) == 1:
         alone = PlacedContacts(SingleCell(), placed.contacts, placed.order)
         (found,) = Conditions(alone).solve(degree).matrices
         members = [Polynomial.from_row(row, degree).primitive() for row in found.tolist()]
         return patches_of(placed, degree, [(member,) for member in members])
-    if len(placed.partition.cells) > MANY_CELLS:
+    # Cells above which sparse elimination serves: on C^1 quartics both take 10 to 20 ms with 6 cells, with 48 cells the
+    # net 1.3 s and dense elimination 17 s. Homogeneous splines take 0.1 s on a node of 48 cells.
+    many_cells = 12
+    if len(placed.partition.cells) > many_cells:
         layout = placed.partition.layout
         if layout is None:
             return Net(placed, degree).solve()

@@ -31,9 +31,6 @@ from pas.verdicts import Status
 CURVE_LATTICE = 24
 """Subdivisions of a clip face's edge when its curve is sampled: some fifty points a curve."""
 
-OPENING_POINTS = 96
-"""Of the curve through which a region is open."""
-
 
 @dataclass(frozen=True)
 class ClipPlane:
@@ -156,7 +153,8 @@ class Join:
     @cached_property
     def rays(self) -> Floats:
         """Unit vectors (m, 3) from the centre, 0, to points spread along the curve of an opening, in order."""
-        return nappe_rays(self.nappe, OPENING_POINTS)
+        opening_points = 96  # of the curve through which a region is open
+        return nappe_rays(self.nappe, opening_points)
 
     @cached_property
     def nappe(self) -> Floats:

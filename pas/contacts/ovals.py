@@ -23,20 +23,8 @@ from pas.errors import GeometryError
 TURN = 0.1
 """Radians that the tangent may turn along one step: an oval has 63 points at least."""
 
-LONGEST_STEP = 1 / 40
-"""Over the extent of the bounds."""
-
-SHORTEST_STEP = 1e-9
-"""Over the same: below, the curve has a singular point there."""
-
 SLACK = 1e-6
 """Over the same: how far outside the bounds of all ovals a point must be to count as outside."""
-
-MOST_STEPS = 20_000
-"""Along one branch: an oval within the bounds that takes more is as good as open."""
-
-CORRECTIONS = 3
-"""Newton steps that bring a predicted point onto the curve: from half a step's turn they reach rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +82,9 @@ class Oval:
 
 def settled(curve: Polynomial, points: Floats) -> Floats:
     """Points (N, 3) brought onto a curve, across it, by Newton's method."""
-    for _ in range(CORRECTIONS):
+    # Newton steps that bring a predicted point onto the curve: from half a step's turn they reach rounding.
+    corrections = 3
+    for _ in range(corrections):
         slopes = curve.gradient(points)
         points = points - (curve(points) / (slopes**2).sum(axis=-1))[..., None] * slopes
     return points
@@ -127,15 +117,18 @@ def ovals(curve: Polynomial, normal: Floats, strips: Sequence[Strip]) -> tuple[l
 def follow(curve: Polynomial, normal: Floats, start: Floats, strips: Sequence[Strip]) -> tuple[Floats, bool]:
     """The points (m, 3) of the branch through a start in order, and whether it came back there."""
     extent = max(strip.width for strip in strips)
-    longest = LONGEST_STEP * extent
+    longest_step = 1 / 40  # over the extent of the bounds
+    longest = longest_step * extent
     points, at, way, step = [start], start, _tangent(curve, normal, start), longest / 10
-    while len(points) < MOST_STEPS and all(strip.holds(at, SLACK) for strip in strips):
+    most_steps = 20_000  # along one branch: an oval within the bounds that takes more is as good as open
+    while len(points) < most_steps and all(strip.holds(at, SLACK) for strip in strips):
         ahead = settled(curve, (at + step * way)[None])[0]
         direction = _tangent(curve, normal, ahead)
         moved = float(np.linalg.norm(ahead - at))
         if not (direction @ way > np.cos(TURN) and 0.5 * step < moved < 1.5 * step):
             step /= 2
-            if step < SHORTEST_STEP * extent:
+            shortest_step = 1e-9  # over the extent: below it the curve has a singular point there
+            if step < shortest_step * extent:
                 place = ", ".join(f"{c:.6g}" for c in at)
                 raise GeometryError(f"the contact's curve has a singular point at ({place})")
             continue

@@ -32,10 +32,6 @@ DIGITS = 32
 """Binary digits of numbers that are irrational: few enough for short polynomials, too fine for walls."""
 
 
-LARGEST_DENOMINATOR = 10**6
-"""Of coordinates of a principal axis that is neither the clip's normal nor follows from that: axes are found from
-rounded numbers, and then checked exactly."""
-
 Axes = tuple[tuple[Vector, fmpq], ...]
 """Three vectors across one another, each with the eigenvalue of the quadratic form that belongs to it."""
 
@@ -151,7 +147,10 @@ def _turned(matrix: fmpq_mat, first: Vector, second: Vector) -> Iterator[Vector]
 
 
 def _short(values: Sequence[float]) -> Vector:
-    x, y, z = (Fraction(v).limit_denominator(LARGEST_DENOMINATOR) for v in values)
+    # Of coordinates of a principal axis that is neither the clip's normal nor follows from that: axes are found from
+    # rounded numbers, and then checked exactly.
+    largest_denominator = 10**6
+    x, y, z = (Fraction(v).limit_denominator(largest_denominator) for v in values)
     return fmpq(x.numerator, x.denominator), fmpq(y.numerator, y.denominator), fmpq(z.numerator, z.denominator)
 
 

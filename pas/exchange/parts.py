@@ -72,17 +72,12 @@ def require_closed(thing: Any, parts: Sequence[Piece], file: str) -> None:
     edged = next((part for part in parts if not part.mesh.is_closed), None)
     if edged is None:
         return
-    bounds = any(map(_bounds, thing if isinstance(thing, list | tuple) else [thing]))
+    bounds = any(hasattr(item, "solid") for item in (thing if isinstance(thing, list | tuple) else [thing]))
     body = f"write the body that it bounds, as in shape.solid().write({file!r})" if bounds else "close it"
     raise ValueError(
         f"{file} would be taken for a closed body, and the surface of {edged.name!r} has edges; {body}, or write the "
         "bare surface with open=True"
     )
-
-
-def _bounds(shape: Any) -> bool:
-    """Whether a shape has a body with it in its boundary, by `solid()`."""
-    return kind_of(shape, "shape").body is not None and hasattr(shape, "solid")
 
 
 TRIANGLES: Content[list[Piece]] = Content(
@@ -193,7 +188,7 @@ def patches_of(patches: Any, request: Request) -> list[RationalPatch]:
 def _patches(item: Any, number: int, domain: Any) -> Sequence[RationalPatch]:
     kind = kind_of(item, f"patches must be RationalPatch objects, parametric surfaces or blends; patches[{number}]")
     if kind.patches is None:
-        triangles = "shape.solid().write('name.3mf')" if _bounds(item) else "shape.write('name.3mf')"
+        triangles = "shape.solid().write('name.3mf')" if hasattr(item, "solid") else "shape.write('name.3mf')"
         raise TypeError(
             "STEP files hold faces with parameters; a solid or a piecewise algebraic surface has none; write its "
             f"triangles, as in {triangles}, or rational patches in the place of {shown(item)}"

@@ -15,8 +15,10 @@ from importlib import import_module
 from typing import Any, TypeVar
 
 from pas.algebra.affine import Affine
+from pas.algebra.inputs import whole
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import vector
+from pas.exchange.parametric_records import PARAMETRIC
 from pas.exchange.records import PARTITION
 from pas.exchange.schema import (
     ANYTHING,
@@ -35,6 +37,8 @@ from pas.exchange.schema import (
     list_of,
     read_by,
 )
+from pas.parametric.solids import FlatEnd, SurfaceDistance
+from pas.parametric.surface import ParametricSurface
 from pas.solid.functions import Distance, Moved, Pieces
 from pas.solid.joints import Joint
 from pas.solid.shell import FaceDistance, Hollowable
@@ -112,6 +116,19 @@ def _face_distance(near: Solid, faces: Any, thickness: float, tolerance: float) 
     return FaceDistance(near, faces, float(thickness), float(tolerance))
 
 
+def _bounded(inside: ParametricSurface, end: int | None = None) -> Distance:
+    """The distance from a surface that bounds a body, or the height above the plane of one of its ends."""
+    distance = SurfaceDistance(inside, inside.mesh())
+    return distance if end is None else FlatEnd(distance, whole(end, "end", 0, len(distance.edges) - 1))
+
+
+def _bounded_entries(function: Function) -> dict[str, Any]:
+    if isinstance(function, FlatEnd):
+        return {"inside": function.distance.surface, "end": function.number}
+    assert isinstance(function, SurfaceDistance)
+    return {"inside": function.surface}
+
+
 def _of_class(**entries: Any) -> Function:
     """A function of a class that says how it is read; raises `ValueError` for one that is not known."""
     name, data = entries["class"], entries["data"]
@@ -138,7 +155,7 @@ def _class_entries(function: Function) -> dict[str, Any]:
 
 
 FUNCTION: Value = choice(
-    "a function: a table with a polynomial, pieces, what it is near, what is moved, or a class",
+    "a function: a table with a polynomial, pieces, what it is near or inside, what is moved, or a class",
     Table(
         {"polynomial": POLYNOMIAL},
         make=_not_constant,
@@ -162,6 +179,13 @@ FUNCTION: Value = choice(
         make=_face_distance,
         entries=lambda f: {"near": f.solid, "faces": f.faces, "thickness": f.thickness, "tolerance": f.tolerance},
         of=lambda function: isinstance(function, FaceDistance),
+    ),
+    Table(
+        {"inside": PARAMETRIC},
+        {"end": WHOLE},
+        make=_bounded,
+        entries=_bounded_entries,
+        of=lambda function: isinstance(function, SurfaceDistance | FlatEnd),
     ),
     Table({"class": TEXT, "data": ANYTHING}, make=_of_class, entries=_class_entries),
 )

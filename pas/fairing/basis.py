@@ -33,9 +33,6 @@ CONDITION = 1e4
 Derivative = tuple[int, ...]
 """A partial derivative by the numbers of its variables: (0, 2) is d^2/dx dz, () the value itself."""
 
-ATTEMPTS = 6
-"""Changes of basis before giving up; each gains about ten digits."""
-
 STEP_BITS, BITS, GUARD_BITS = 60, 128, 64
 """Binary digits of a change of basis, below the largest number of each row; those that the members have to begin with,
 below 1; and those which they keep at least when a change makes sums of them that cancel."""
@@ -171,7 +168,8 @@ def orthonormal(source: Products, samples: Callable[[list[Floats]], Floats]) -> 
     """
     members = _FixedPoint(source)
     whole, shift, doubles = members.unit, 0, members.doubles()
-    for _ in range(ATTEMPTS):
+    attempts = 6  # changes of basis before giving up; each gains about ten digits
+    for _ in range(attempts):
         columns = samples(doubles)
         norms = np.linalg.norm(columns, axis=0)
         columns = columns / norms

@@ -21,18 +21,8 @@ from pas.contacts.joins import Join
 from pas.fairing.basis import WorkingBasis
 from pas.surface.placed import PlacedContacts
 
-EDGE_LATTICE = 8
-"""Subdivisions of an edge of the walls and clip faces for the inequalities to begin with."""
-
 CONE_EVERY, CONE_SHARES = 4, (0.3, 0.7, 0.9, 1.1)
 """Points of an opening's curve that the cone through it is looked at beside, and where, in multiples of them."""
-
-PLATE_SHARES = 0.4, 0.7
-"""Where plates are looked at inside their curves, besides the middle, in shares of the way to the curve."""
-
-WIDE_ANGLE = pi / 3
-"""Edges of outer faces seen from the centre under this angle, or a wider one, are cut into as many parts as are asked
-for; others into as many as leave points as near to each other, seen from there."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +109,8 @@ class AlphaOnCone:
         self.ends = join.curve()[::CONE_EVERY]
         self.pieces = self._pieces(join, self.ends)
         middle = self.ends.mean(axis=0)
-        self.inner = np.concatenate([middle[None], *(middle + s * (self.ends - middle) for s in PLATE_SHARES)])
+        shares = 0.4, 0.7  # of the way to the curve, where plates are looked at inside it besides the middle
+        self.inner = np.concatenate([middle[None], *(middle + s * (self.ends - middle) for s in shares)])
         self.inner_pieces = self._pieces(join, self.inner)
 
     def _pieces(self, join: Join, points: Floats) -> NDArray[np.intp]:
@@ -181,7 +172,8 @@ class SampledConstraints:
 
     def initial(self, margins: Margins) -> Inequalities:
         """Rows on lattices of the walls and clip faces and at the centre."""
-        return self.edges(EDGE_LATTICE, margins) + self._depth(margins)
+        edge_lattice = 8  # subdivisions of an edge of the walls and clip faces for the inequalities to begin with
+        return self.edges(edge_lattice, margins) + self._depth(margins)
 
     @cached_property
     def edges(self) -> Callable[[int, Margins], Inequalities]:
@@ -215,7 +207,10 @@ class SampledConstraints:
             return subdivisions
         units = corners / _lengths(corners)[:, None]
         angle = float(np.arccos(np.clip(min(units[i] @ units[i - 1] for i in range(3)), -1, 1)))
-        return min(subdivisions, ceil(round(subdivisions * angle / WIDE_ANGLE, 6)))
+        # Edges of outer faces seen from the centre under this angle, or a wider one, are cut into as many parts as are
+        # asked for; others into as many as leave points as near to each other, seen from there.
+        wide_angle = pi / 3
+        return min(subdivisions, ceil(round(subdivisions * angle / wide_angle, 6)))
 
     def _depth(self, margins: Margins) -> Inequalities:
         """The row at the centre, if there is one; all pieces have the same value there."""

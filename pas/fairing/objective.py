@@ -23,9 +23,6 @@ from pas.surface.fairness_limits import FairnessLimits, neighbour
 from pas.surface.placed import PlacedContacts
 from pas.surface.straight_runs import straight_runs
 
-LEAST_RAYS, RAYS_PER_UNKNOWN = 400, 3
-"""Rays, at the least."""
-
 SETTLED, LIVE = (3, 6), (2, 3)
 """How often the outer faces and triangles on the contact curves are quartered for rays, to settle and for sliders."""
 
@@ -77,7 +74,7 @@ class SurfaceObjective:
         neighbours = [neighbour(join, scale) for join in placed.joins]
         columns = [start @ coefficients for coefficients in basis.coefficients]
         slope = abs(float(space.guard.mean_alpha @ start))
-        number = max(LEAST_RAYS, RAYS_PER_UNKNOWN * basis.size)
+        number = max(400, 3 * basis.size)  # of rays, at the least
         rays = Directions.of(placed, columns, basis.degree, number, *(LIVE if live else SETTLED))
         surface = RaySamples(basis, rays, center, slope)
         sections = SectionExcess(basis, placed, columns, neighbours, limits)

@@ -30,10 +30,6 @@ from pas.fairing.wishes import (
     check_member,
 )
 
-FRACTION_BITS = 36
-"""Coefficients are rounded to this many bits below the largest: 10 digits, of which a basis as
-badly conditioned as `pas.fairing.basis.CONDITION` may cost four."""
-
 ROUNDING = 1e-7
 """What rounding and the solver may cost a point without margin, over the region's radius."""
 
@@ -134,7 +130,10 @@ class MemberProgramme:
         Raises `InfeasibleError` where a point of the user's does not hold for them, exactly.
         """
         assert self.exact is not None
-        shift = floor(log2(np.abs(q).max())) - FRACTION_BITS
+        # Coefficients are rounded to this many bits below the largest: 10 digits, of which a basis as badly conditioned
+        # as `pas.fairing.basis.CONDITION` may cost four.
+        fraction_bits = 36
+        shift = floor(log2(np.abs(q).max())) - fraction_bits
         step = fmpq(2**shift) if shift >= 0 else fmpq(1, 2**-shift)
         result = fmpq_mat(1, len(q), [round(float(x) / to_float(step)) * step for x in q])
         equations, pivots = self.exact

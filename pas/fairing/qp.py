@@ -33,9 +33,6 @@ optimum is unique, and the solver reaches 1e-6 or better where it does not fail.
 TOLERANCE = 1e-9
 """DAQP's primal tolerance: its default, 1e-6, hides contradictions of points."""
 
-EQUALITY = 5
-"""DAQP's mark of an equality row."""
-
 
 class Outcome(Enum):
     """What a programme came to."""
@@ -125,7 +122,8 @@ def _daqp(programme: Programme, chosen: NDArray[np.bool_]) -> tuple[Floats, int]
     lower = np.concatenate([programme.equal_to, programme.at_least[chosen]])
     upper = np.concatenate([programme.equal_to, np.full(int(chosen.sum()), 1e30)])
     sense = np.zeros(len(rows), dtype=np.int32)
-    sense[: len(programme.equalities)] = EQUALITY
+    equality = 5  # DAQP's mark of an equality row
+    sense[: len(programme.equalities)] = equality
     hessian = np.ascontiguousarray(programme.hessian)
     q, _, flag, _ = daqp.solve(hessian, programme.linear.copy(), rows, upper, lower, sense, primal_tol=TOLERANCE)
     return np.asarray(q), int(flag)

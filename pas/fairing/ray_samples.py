@@ -20,15 +20,8 @@ from pas.fairing.surface_points import QUANTITIES, SurfacePoints
 from pas.surface.directions import Directions
 from pas.surface.geometry import FIRST, JETS, ORDERS, SECOND, THIRD, Geometry, derivatives, derived
 
-HIT_STEPS, HIT, LONGEST_STEP = 12, 1e-8, 0.2
-"""Newton steps along rays, how short the last of them is (the next would be beyond rounding), and how long each may be
-as a share of the distance."""
-
 FEW = 256
 """Points whose derivatives are worked out together; of more, those of each piece: large tables leave the caches."""
-
-GRAZING = 1e-3
-"""The least cosine between ray and normal at which a surface is sampled."""
 
 AREA = QUANTITIES
 """The column of the logarithm of the area, which comes after the quantities of `SurfacePoints`."""
@@ -127,7 +120,8 @@ class RaySamples:
             return None
         geometry = MovingGeometry(self.jets_of(member, t, np.ones_like(self.degrees)))
         cosines = (geometry.axes[2] * self.rays.directions.T).sum(axis=0)
-        if not bool((cosines > GRAZING).all()):
+        grazing = 1e-3  # the least cosine between ray and normal at which a surface is sampled
+        if not bool((cosines > grazing).all()):
             return None
         areas = self.rays.solid_angles * t * t / cosines * self.scale**2
         return SampledGeometry(self, member, t, geometry, self._points(geometry, t), areas)
@@ -137,16 +131,16 @@ class RaySamples:
         for piece, here in self.rays.slices:
             column = member @ self.basis.coefficients[piece]
             profile[:, here] = (self._powers * column) @ self._monomials[:, here]
-        t = start
-        for _ in range(HIT_STEPS):
+        t, hit = start, 1e-8  # a step as short is the last: the next would be beyond rounding
+        for _ in range(12):
             value, slope = np.zeros_like(t), np.zeros_like(t)
             for coefficients in profile[::-1]:
                 slope = slope * t + value
                 value = value * t + coefficients
             with np.errstate(all="ignore"):
                 step = value / slope
-            t = t - np.clip(step, -LONGEST_STEP * t, LONGEST_STEP * t)
-            if np.abs(step).max(initial=0.0) < HIT:
+            t = t - np.clip(step, -0.2 * t, 0.2 * t)  # no farther at once: rays must not jump over a sheet
+            if np.abs(step).max(initial=0.0) < hit:
                 return t if bool((slope > 0).all()) else None
         return None
 

@@ -24,9 +24,6 @@ TOUCHED = 1e-6
 SETTLED = 1e-8
 """Singular values of equations, over the largest, that are taken for 0."""
 
-STIFF = 1e-9
-"""Added to second derivatives that are 0, over their mean: so that these can be inverted."""
-
 
 def refitted(
     space: PreparedSpace, surface: PiecewiseSurface, fitted: FittedMember | None, wishes: Wishes, steps: int | None
@@ -81,7 +78,8 @@ def compliance(space: PreparedSpace, surface: PiecewiseSurface, fitted: FittedMe
     touched = rows.rows[left <= TOUCHED * np.linalg.norm(rows.rows, axis=1) * np.linalg.norm(at.member)]
     free = null_space(np.concatenate([solver.programme.equations[:, :-1], touched]), SETTLED)
     inner = free.T @ matrix @ free
-    inner += STIFF * np.trace(inner) / max(len(inner), 1) * np.eye(len(inner))
+    stiff = 1e-9  # added to second derivatives that are 0, over their mean: so that these can be inverted
+    inner += stiff * np.trace(inner) / max(len(inner), 1) * np.eye(len(inner))
     return np.asarray(free @ np.linalg.solve(inner, free.T))
 
 

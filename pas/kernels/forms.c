@@ -175,32 +175,6 @@ static inline double depth_in(const double *map, double x, double y, double z)
     return least;
 }
 
-/* The cells in which points are deepest by their least barycentric coordinates, the first of several. */
-FAST
-void pas_deepest(whole cells, const double *maps, whole count, const double *points, whole *cell)
-{
-    for (whole start = 0; start < count; start += LANES) {
-        const whole size = count - start < LANES ? count - start : LANES;
-        double x[LANES] = {0}, y[LANES] = {0}, z[LANES] = {0}, best[LANES];
-        whole chosen[LANES] = {0};
-        for (whole r = 0; r < size; r++) {
-            x[r] = points[3 * (start + r)];
-            y[r] = points[3 * (start + r) + 1];
-            z[r] = points[3 * (start + r) + 2];
-        }
-        for (whole c = 0; c < cells; c++) {
-            const double *m = maps + 16 * c;
-            for (int r = 0; r < LANES; r++) {
-                const double least = depth_in(m, x[r], y[r], z[r]);
-                const int better = c == 0 || least > best[r];
-                best[r] = better ? least : best[r];
-                chosen[r] = better ? c : chosen[r];
-            }
-        }
-        for (whole r = 0; r < size; r++) cell[start + r] = chosen[r];
-    }
-}
-
 /* The piece of the cell in which a point is deepest, of all cells or those of one piece; -1 where it is outside all by
    more than a tolerance. */
 static whole piece_at(whole cells, const double *maps, const whole *piece_of, whole only, const double *p, double tolerance)

@@ -21,7 +21,7 @@ from pas.errors import MissingLibraryError
 PLACE = Path(__file__).with_name("_library.so")
 HEADER = Path(__file__).with_name("pas.h")
 
-SCALARS = {"whole": ctypes.c_ssize_t, "int": ctypes.c_int, "double": ctypes.c_double, "void": None}
+SCALARS = {"whole": ctypes.c_ssize_t, "int": ctypes.c_int, "double": ctypes.c_double}
 """The types of arguments and of results, as the header calls them."""
 
 ENTRIES: dict[str, DTypeLike] = {"whole": np.intp, "double": np.float64, "char": np.bool_}

@@ -1,6 +1,5 @@
 /* The signatures of all functions of the library: included by every source, so that the compiler checks them, and read
-   by library.py, which declares them to ctypes.  They return 0, or else there was no memory; those with other results
-   are called from C alone.
+   by library.py, which declares them to ctypes.  They return 0, or else there was no memory.
 
    Arrays of numbers are `double` or `whole`, of truth values `char`; what is `const` is only read.  Other types are those
    of structures, of which addresses are given. */
@@ -13,35 +12,10 @@
 typedef ptrdiff_t whole;
 typedef struct Mesh Mesh; /* see halfedge.h */
 
-/* contour.c */
-int pas_crossings(whole count, const whole *tetrahedra, whole size, const char *negative, whole *keys, whole *number);
-int pas_oriented(whole count, whole *triangles, const double *points, const whole *edges, const double *nodes,
-                 const char *negative);
-
 /* cut.c */
 int pas_mesh_cut_counts(const Mesh *m, whole q, whole *base, whole *counts);
 int pas_mesh_cut(const Mesh *m, whole q, const whole *base, double *points, whole *corners, whole *codes,
                  whole *labels);
-
-/* drawn.c */
-int pas_pieces_of(const whole *sizes, const double *maps, const whole *piece_of, whole count, const double *points,
-                  whole *pieces);
-int pas_bent(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
-             const double *tables, whole count, const double *points, double *values, double *gradients, double *bends);
-int pas_drawn(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
-              const double *tables, const whole *all_degrees, const whole *all_starts, const double *all_tables,
-              whole count, const double *points, const char *still, double left, double close, double *moved,
-              double *gradients, double *bends, char *lost);
-int pas_distances(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees,
-                  const whole *starts, const double *tables, whole count, const double *points, double *distances);
-int pas_closed(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
-               const double *tables, whole count, whole steps, double close, double *points, double *gradients);
-int pas_on_rings(whole rings, const whole *degrees, const whole *starts, const double *tables, const double *middles,
-                 const double *normals, whole count, const double *points, const whole *numbers, whole steps,
-                 double settled, double *result);
-int pas_slid(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
-             const double *tables, whole walls, const double *planes, const double *across, const double *back,
-             const whole *numbers, whole steps, double settled, double farthest, whole count, double *points);
 
 /* edits.c */
 int pas_mesh_split(Mesh *m, whole count, const whole *halves, const whole *ends);
@@ -54,7 +28,6 @@ int pas_ranges(whole n, whole m, const double *lattice, const double *inverse, w
 int pas_slopes(whole n, whole m, const double *lattice, const double *inverse, const double *coefficients, whole count,
                const double *corners, const double *normals, double *least, double *sizes);
 int pas_leaving(whole faces, const double *weights, whole count, const double *points, double *multiples, whole *face);
-void pas_deepest(whole cells, const double *maps, whole count, const double *points, whole *cell);
 int pas_located(const whole *sizes, const double *maps, const whole *piece_of, const double *normals, const whole *table,
                 const whole *starts, const double *walls, whole count, const double *points, double tolerance,
                 whole *pieces);
@@ -77,13 +50,6 @@ int pas_mixed(whole pieces, whole count, const whole *degrees, const whole *star
 /* keys.c */
 int pas_numbered(whole count, const whole *keys, whole wanted, whole *distinct, whole *inverse, whole *number);
 
-/* lattice.c */
-int pas_eighths(whole count, whole m, whole means, const whole *halves, const whole *taken, const whole *corners,
-                double rounding, const whole *keys, const double *points, const double *forms, whole *new_keys,
-                double *new_points, double *new_forms, whole *number);
-int pas_risings(whole count, whole m, whole lower, const whole *up, const double *forms, const double *points,
-                double *means, double *least, double *sizes);
-
 /* lengths.c */
 int pas_mesh_bends(Mesh *m);
 int pas_mesh_sizes(Mesh *m, double parts, double fine, double longest, double bent, double grade);
@@ -98,17 +64,6 @@ int pas_levels(whole n, whole rays, const double *profiles, whole samples, const
 int pas_tetrahedra(whole levels, const whole *halved, const whole *halved_ends, const whole *missed,
                    const whole *missed_ends, const whole *counts, whole *found);
 int pas_tetrahedra_taken(whole count, whole place, whole *corners);
-
-/* radial.c */
-int pas_around(const whole *sizes, const double *maps, const whole *piece_of, const whole *degrees, const whole *starts,
-               const double *tables, whole rings, const double *middles, const double *squares, whole count,
-               const double *points, whole steps, double settled, double most, double away, double *result);
-int pas_near(const whole *sizes, const double *maps, const whole *piece_of, whole parts, const whole *degrees,
-             const whole *starts, const double *tables, const whole *all_degrees, const whole *all_starts,
-             const double *all_tables, whole count, const double *points, whole steps, double settled, double steep,
-             double off, double *result, char *grazed);
-int pas_once(whole parts, whole count, const double *profiles, const double *leave, whole samples, const double *shares,
-             whole *once);
 
 /* rays.c */
 int pas_rays(const whole *numbers, const double *bounds, const double *maps, const double *widths, const double *clear,

@@ -11,13 +11,12 @@ Not possible: callables, which have no text.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from pas.algebra.rational import rational, to_fraction
-from pas.algebra.rational_function import RING, RationalFunction
+from pas.exchange.parametric_records import COMPONENTS, DOMAIN, PARAMETRIC, exact_surface
 from pas.exchange.records import kept
 from pas.exchange.schema import (
     ANYTHING,
@@ -28,13 +27,9 @@ from pas.exchange.schema import (
     WHOLE,
     Table,
     alone,
-    choice,
     list_of,
     maybe,
-    read_terms,
-    row,
     table_of,
-    terms_record,
 )
 from pas.parametric.blends import ParametricBlend, blend_by, method_of
 from pas.parametric.data import BlendingData
@@ -42,45 +37,6 @@ from pas.parametric.patches import ExactControl, RationalPatch, bezier_patches
 from pas.parametric.surface import ParametricSurface
 from pas.render.parametric import blend_layers, surface_layers
 from pas.shape import Kind
-
-_TERMS = replace(
-    list_of(row(WHOLE, WHOLE, NUMBER), words="a list of terms"),
-    read=lambda record: RING.from_dict(read_terms(record, "a component")),
-    write=terms_record,
-)
-_QUOTIENT = row(_TERMS, _TERMS)
-_COMPONENTS = list_of(replace(_QUOTIENT, write=lambda f: _QUOTIENT.write((f.numerator, f.denominator))), 3)
-_DOMAIN = list_of(row(maybe(NUMBER), maybe(NUMBER)), 2)
-_COMMON = {"parameters": list_of(TEXT, 2), "domain": _DOMAIN}
-
-
-def _exact(components: Any, parameters: Any, domain: Any) -> ParametricSurface:
-    """A surface of rational functions, each as its numerator and its denominator."""
-    first, second = parameters
-    x, y, z = (RationalFunction.quotient(above, below, (first, second)) for above, below in components)
-    return ParametricSurface(x, y, z, (first, second), domain)
-
-
-def _written(expressions: Any, parameters: Any, domain: Any) -> ParametricSurface:
-    (x, y, z), (first, second) = expressions, parameters
-    return ParametricSurface(x, y, z, (first, second), domain)
-
-
-def _entries(surface: ParametricSurface) -> dict[str, Any]:
-    """Everything that defines a surface; raises `ValueError` for one made of callables."""
-    common = {"parameters": surface.parameters, "domain": surface.ends}
-    if surface.is_exact:
-        return common | {"components": surface.components}
-    if surface.text is None:
-        raise ValueError(f"a surface without expressions cannot be saved ({surface.inexact}); write them as strings")
-    return common | {"expressions": surface.text}
-
-
-_SURFACE = choice(
-    "a surface: a table with components or expressions",
-    Table({"components": _COMPONENTS, **_COMMON}, make=_exact, entries=_entries, of=lambda surface: surface.is_exact),
-    Table({"expressions": list_of(TEXT, 3), **_COMMON}, make=_written, entries=_entries),
-)
 
 
 def exact_patches(surface: ParametricSurface, domain: Any) -> Sequence[RationalPatch]:
@@ -93,7 +49,7 @@ def exact_patches(surface: ParametricSurface, domain: Any) -> Sequence[RationalP
 SURFACE = Kind(
     "parametric surface",
     ParametricSurface,
-    *kept(alone("surface", _SURFACE)),
+    *kept(alone("surface", PARAMETRIC)),
     surface_layers,
     patches=exact_patches,
     curved=True,
@@ -133,7 +89,7 @@ def _blend(surfaces: Any, values: Any, order: int, method: str, options: Any, do
     made = blend_by(method, data, order, options)
     surface = made.surface.with_domain(domain)
     if components is not None:
-        stored = _exact(components, surface.parameters, domain)
+        stored = exact_surface(components, surface.parameters, domain)
         if stored.components != surface.components:
             if made.weights is not None:
                 raise ValueError("components must be the weighted sum of the surfaces, and they are others")
@@ -143,13 +99,13 @@ def _blend(surfaces: Any, values: Any, order: int, method: str, options: Any, do
 
 _BLEND = Table(
     {
-        "surfaces": list_of(_SURFACE),
+        "surfaces": list_of(PARAMETRIC),
         "values": list_of(NUMBER),
         "order": WHOLE,
         "method": TEXT,
         "options": table_of(ANYTHING),
-        "domain": _DOMAIN,
-        "components": maybe(_COMPONENTS),
+        "domain": DOMAIN,
+        "components": maybe(COMPONENTS),
     },
     make=_blend,
     entries=_blend_entries,

@@ -18,9 +18,6 @@ from pas.contacts.rims import Rim
 from pas.errors import GeometryError
 from pas.partition.layout import Layout, Ray
 
-CURVE_POINTS = 96
-"""Points of a contact's curve by which a layout is fitted to it."""
-
 
 @dataclass(frozen=True, eq=False)
 class Disc:
@@ -47,7 +44,8 @@ class Disc:
             )
         x, y, z = rim.normal if height > 0 else (-c for c in rim.normal)
         origin = to_floats(center)
-        points, middle = np.asarray(rim.points(CURVE_POINTS)), np.array(to_floats(rim.center))
+        curve_points = 96  # points of a contact's curve by which a layout is fitted to it
+        points, middle = np.asarray(rim.points(curve_points)), np.array(to_floats(rim.center))
         return cls(number, (x, y, z), abs(height), points - origin, middle - origin)
 
     @cached_property

@@ -24,21 +24,6 @@ from pas.partition.layout import Layout, Ray
 LONGEST_AXIS = 4
 """Largest entry of an axis: longer ones lengthen the numbers of the algebra, and gained little."""
 
-PRICE = 0.004
-"""Radians of gap that one more in an axis' entries is worth."""
-
-NEAR_AXIS = 0.97
-"""Sine of the azimuth that a disc may take up: those that reach an axis' pole lie between no two half-planes."""
-
-SAME = 1e-9
-"""Radians below which axes count as equally good: the first is taken, the same one on all machines."""
-
-LEAST_GAP = radians(2.3)
-"""Azimuth between two discs below which no fan is made: there half-planes would nearly coincide."""
-
-EDGE, LEAST_SHARE, MOST_SHARE = 0.07, 0.15, 0.36
-"""Half-planes keep this angle (radians) from discs, but at least and at most these shares of a gap."""
-
 WIDE_GAP = 60
 """Degrees of a gap for each of which, after the first, one more half-plane is put in."""
 
@@ -84,16 +69,22 @@ def best_gaps(discs: Sequence[Disc]) -> Gaps:
     axes, poles, frames = _axes()
     directions, angles = np.array([disc.direction for disc in discs]), np.array([disc.angle for disc in discs])
     shares = np.sin(angles) / np.sqrt(np.maximum(1 - (poles @ directions.T) ** 2, 1e-18))
-    here = np.flatnonzero(((shares <= NEAR_AXIS) & (angles <= pi / 2)).all(axis=1))
+    # Sine of the azimuth that a disc may take up: those that reach an axis' pole lie between no two half-planes.
+    near_axis = 0.97
+    here = np.flatnonzero(((shares <= near_axis) & (angles <= pi / 2)).all(axis=1))
     first, second = np.moveaxis(frames[here] @ directions.T, 1, 0)
     middles, halves = np.arctan2(second, first), np.arcsin(shares[here])
     order = middles.argsort(axis=1, kind="stable")
     middles, halves = np.take_along_axis(middles, order, axis=1), np.take_along_axis(halves, order, axis=1)
     sizes = np.diff(middles, axis=1, append=middles[:, :1] + 2 * pi) - halves - np.roll(halves, -1, axis=1)
     least = sizes.min(axis=1)
-    worth = least - PRICE * np.abs(np.array(axes)[here]).sum(axis=1)
-    best = int((worth > worth.max(initial=-np.inf) - SAME).argmax()) if len(here) else -1
-    if best < 0 or least[best] < LEAST_GAP:
+    price = 0.004  # radians of gap that one more in an axis' entries is worth
+    worth = least - price * np.abs(np.array(axes)[here]).sum(axis=1)
+    same = 1e-9  # radians below which axes count as equally good: the first is taken, the same one on all machines
+    best = int((worth > worth.max(initial=-np.inf) - same).argmax()) if len(here) else -1
+    # Azimuth between two discs below which no fan is made: there half-planes would nearly coincide.
+    least_gap = radians(2.3)
+    if best < 0 or least[best] < least_gap:
         found = "" if best < 0 else f" (the best leaves a gap of {degrees(least[best]):.2g} degrees)"
         raise GeometryError(f"no fan of half-planes through one axis keeps the {len(discs)} contacts apart{found}")
     number = int(here[best])
@@ -134,7 +125,7 @@ def _azimuths(gaps: Gaps, each: int) -> list[float]:
     found = []
     for middle, half, size in zip(gaps.middles, gaps.halves, gaps.sizes, strict=True):
         number = each + max(0, int(degrees(size) // WIDE_GAP) - 1)
-        low = max(LEAST_SHARE, min(MOST_SHARE, EDGE / max(size, 1e-3)))
+        low = max(0.15, min(0.36, 0.07 / max(size, 1e-3)))  # shares of a gap, between them 0.07 radians from discs
         shares = [0.5] if number == 1 else [low + (1 - 2 * low) * i / (number - 1) for i in range(number)]
         found += [middle + half + size * share for share in shares]
     return found

@@ -34,9 +34,6 @@ BEYOND = 0.3
 LEAST = 0.01
 """How far above the opening other contacts end at least, over its height."""
 
-ABOVE = 1.3
-"""Over the height at which the axis of the cone leaves all other contacts: where the region ends on it."""
-
 ROUND = 64
 """Parts of their length, at least, in which corners are rounded."""
 
@@ -163,7 +160,8 @@ def _top(axis: Floats, others: Sequence[Polynomial], far: float, least: float) -
     if inside[-1]:
         raise GeometryError("the axis of the opening does not leave all other contacts, which must lie around it")
     leave = float(shares[np.flatnonzero(inside)[-1]]) if inside.any() else 0.0
-    return ABOVE * max(leave, least)
+    above = 1.3  # over the height at which the axis of the cone leaves all other contacts: where the region ends on it
+    return above * max(leave, least)
 
 
 def _rounded(corner: Floats) -> Vector:

@@ -27,14 +27,6 @@ from pas.layouts.open_cone import open_cone
 from pas.layouts.spacing import is_free
 from pas.partition.cells import OpenRegion
 
-DEPTH = 0.5
-"""How far below the plate the centre is, over the smallest radius of its curve: rays through the curve rise by 27
-degrees there, and pipes are not seen much foreshortened yet."""
-
-WITHIN = 0.5
-"""How far from the middle of the plate's curve, over its smallest radius, the axis of the one other contact may meet
-the plate for the centre to be on it."""
-
 FINE = 16
 """Parts of its length, at least, in which the way to the centre is rounded."""
 
@@ -151,10 +143,16 @@ def _center(surface: Polynomial, edge: Rim, rims: Mapping[int, Rim], number: int
         (rim,) = rims.values()
         slope = dot(normal, rim.normal)
         met = _sum(rim.center, rim.normal, -surface.raw(*rim.center) / slope) if slope else foot
-        if np.linalg.norm(np.array(to_floats(minus(met, foot)))) < WITHIN * edge.radii[0]:
+        # How far from the middle of the plate's curve, over its smallest radius, the axis of the one other contact may
+        # meet the plate for the centre to be on it.
+        within = 0.5
+        if np.linalg.norm(np.array(to_floats(minus(met, foot)))) < within * edge.radii[0]:
             foot = met
         up = minus(rim.center, foot)
-    wanted = DEPTH * edge.radii[0] * float(np.linalg.norm(to_floats(normal))) / to_float(dot(normal, up))
+    # How far below the plate the centre is, over the smallest radius of its curve: rays through the curve rise by 27
+    # degrees there, and pipes are not seen much foreshortened yet.
+    depth = 0.5
+    wanted = depth * edge.radii[0] * float(np.linalg.norm(to_floats(normal))) / to_float(dot(normal, up))
     step = power_of_two(wanted / FINE)
     return _sum(foot, up, -fmpq(round(wanted / to_float(step))) * step)
 

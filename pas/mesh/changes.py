@@ -10,12 +10,6 @@ from pas.limits import checkpoint
 from pas.mesh.field import FaceField
 from pas.mesh.rows import Floats, Integers, dots
 
-ROOT_STILL = 1e-10
-"""The step of Newton's method along a lattice edge, over the edge's length, where it ends."""
-
-MOST_CHANGES = 12
-"""Functions that may change sign along one lattice edge and still be told apart."""
-
 NEAR, BISECTIONS = 1e-6, 40
 """How far before and after a crossing, over the edge's length, the side is checked; and how often an
 edge is halved where it is not what it should be."""
@@ -53,7 +47,8 @@ def _first_turn(
     order = np.argsort(roots, axis=1, kind="stable")
     result, label = np.full(len(roots), 0.5), np.full(len(roots), -1)
     state, open_edges = start.copy(), np.arange(len(roots))
-    for place in range(min(len(start), MOST_CHANGES)):
+    most_changes = 12  # functions that may change sign along one lattice edge and still be told apart
+    for place in range(min(len(start), most_changes)):
         checkpoint()
         column = order[open_edges, place]
         state[column, open_edges] ^= roots[open_edges, column] < 2.0
@@ -110,4 +105,5 @@ def _roots(field: FaceField, labels: Integers, a: Floats, b: Floats) -> Floats:
         found = field.jets(a[rows] + at[:, None] * along, labels[rows])
         return turned[rows] * found[:, 0], turned[rows] * dots(found[:, 1:], along)
 
-    return sign_change(jets, np.zeros(len(a)), np.ones(len(a)), start, ROOT_STILL)
+    root_still = 1e-10  # the step of Newton's method along a lattice edge, over the edge's length, where it ends
+    return sign_change(jets, np.zeros(len(a)), np.ones(len(a)), start, root_still)

@@ -35,9 +35,6 @@ from pas.mesh.surfaces import mesh_apart, mesh_touching, together
 THIN = 0.3
 """Share of the cubes of the first lattice that do not show one sheet, above which surfaces are meshed one by one."""
 
-LONGER = 2.5
-"""Edges over those of the first mesh, which are a quarter of what the tolerance and the room between sheets allow."""
-
 UPRIGHT = 0.3
 """Cosine with the normals below which triangles are untangled before they are cut."""
 
@@ -157,7 +154,9 @@ def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quali
     ground = FaceGround(field, int(first.labels.max()) + 1, long=quality is not Quality.ANGLES)
     remesher = Remesher(ground, tolerance, Settings(folded=FOLD, flat=quality.flat))
     mesh = remesher.begun(first)
-    mesh.caps[:] = LONGER * first.sizes  # so that sheets that the lattice keeps apart do not touch
+    # Edges over those of the first mesh, which are a quarter of what the tolerance and the room between sheets allow.
+    longer = 2.5
+    mesh.caps[:] = longer * first.sizes  # so that sheets that the lattice keeps apart do not touch
     remesher.graded(mesh, remesher.parts)
     remesher.untangle(mesh, UPRIGHT)
     found = remesher.refined(mesh)

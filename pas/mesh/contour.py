@@ -10,10 +10,27 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.kernels.library import compiled
 from pas.limits import checkpoint
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.topology import distinct, numbered
+
+KINDS = ((1, 2, 4, 8), (14, 13, 11, 7), (3,), (5,), (9,), (6,), (10,), (12,))
+"""Tetrahedra by the bits of their corners on the negative side: with one there or elsewhere, and with two and two."""
+
+
+def _cut(mask: int) -> list[list[tuple[int, int]]]:
+    """Two triangles whose corners are on crossed edges, of which the second counts for two corners on each side."""
+    inside = [k for k in range(4) if mask >> k & 1]
+    outside = [k for k in range(4) if not mask >> k & 1]
+    if len(inside) == len(outside) == 2:
+        (a, b), (c, d) = inside, outside
+        return [[(a, c), (a, d), (b, d)], [(a, c), (b, d), (b, c)]]
+    (apex,), others = sorted((inside, outside), key=len)
+    return 2 * [[(apex, k) for k in others]]
+
+
+CUTS = np.array([_cut(mask) if 0 < mask < 15 else np.zeros((2, 3, 2), dtype=int) for mask in range(16)])
+"""The ends (16, 2, 3, 2) of the edges that triangles of a tetrahedron cross, by the bits of its corners."""
 
 
 def snapped(
@@ -61,10 +78,15 @@ def crossings(negative: NDArray[np.bool_], tets: Integers) -> tuple[Integers, In
 
     `negative` (N,) says on which side each node is, `tets` (M, 4) are node numbers.
     """
-    size, number = len(negative), np.empty(1, dtype=np.intp)
-    keys = np.empty(6 * len(tets), dtype=np.intp)
-    compiled().call("pas_crossings", len(tets), tets, size, negative, keys, number)
-    unique, inverse = numbered(keys[: 3 * number[0]])
+    size, sides = len(negative), negative[tets] @ np.array([1, 2, 4, 8])
+    triangles = []
+    for masks in KINDS:
+        rows = np.flatnonzero(np.isin(sides, masks))
+        ends = tets[rows[:, None, None, None], CUTS[sides[rows]]]
+        keys = ends.min(axis=3) * size + ends.max(axis=3)
+        parts = 1 if masks in KINDS[:2] else 2
+        triangles += [keys[:, part] for part in range(parts)]
+    unique, inverse = numbered(np.concatenate(triangles).ravel())
     return np.stack([unique // size, unique % size], axis=1), inverse.reshape(-1, 3)
 
 
@@ -77,9 +99,11 @@ def oriented(
     negative to the positive ends of the edges through its corners; moving a corner along its edge
     does not change the side.
     """
-    result = triangles.copy()
-    compiled().call("pas_oriented", len(result), result, points, edges, nodes, negative)
-    return result
+    a, b = edges[triangles].transpose(2, 1, 0)
+    ways = (nodes[b] - nodes[a]) * np.where(negative[a], 1.0, -1.0)[:, :, None]
+    first, second, third = points[triangles].transpose(1, 0, 2)
+    sides = (np.cross(second - first, third - first) * (ways[0] + ways[1] + ways[2])).sum(axis=1)
+    return np.where(sides[:, None] < 0, triangles[:, [0, 2, 1]], triangles)
 
 
 def _without_doubles(triangles: Integers) -> Integers:

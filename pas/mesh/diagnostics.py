@@ -40,9 +40,6 @@ normals are parallel there."""
 FLAT = 12.0
 """Degrees: a wedge with less can hardly be shown by a lattice."""
 
-MOST_ACTIVE = 8
-"""Functions that vanish at one point, of which all signs are tried."""
-
 WORDS = {
     "singular": "{} is singular",
     "thin": "{} touch, and the solid has no thickness between them there; let them cross, or leave a wall between them",
@@ -179,7 +176,8 @@ class _Place:
         """The functions that vanish at a point, those `close` (n,) or of a group, and decide there what is inside."""
         close = self._vanishing(point[None])[0] if close is None else close
         zero = [c for c, vanishes in zip(self.near, close, strict=True) if c in group or vanishes]
-        if len(zero) > MOST_ACTIVE:
+        most_active = 8  # functions that vanish at one point, of which all signs are tried
+        if len(zero) > most_active:
             return []
         inside = np.array(self._patterns(point, zero)).reshape((2,) * len(zero))
         return [c for axis, c in enumerate(zero) if (inside != np.flip(inside, axis)).any()]

@@ -32,18 +32,9 @@ many must show the same pieces, holes and faces, unless all of the boundary is c
 MANY = 0.01
 """Share of the cubes in which more than one sheet may be, above which a lattice is made finer without a look."""
 
-ALONG_CURVES = 0.03
-"""Such a share that is no smaller in a finer lattice is left for a look."""
-
 PATIENCE, UNCLEAR = 3, 4000
 """Lattices that show no less trouble than the first of them, and cubes in which the boundary is not clear, after which
 a reason is looked for why it does not come out."""
-
-MOST_UNSEEN = 30_000
-"""Cubes above which a set of which no sample was inside counts as empty: to show it would take far more."""
-
-ROOM, TIMES = 30_000, 3
-"""Cubes, and times the first lattice's, that all lattices together may have in which the boundary does not come out."""
 
 CROWDED = Refusal(f"the solid is empty or too thin for its size: its lattice needs more than {MOST_CUBES} cubes")
 
@@ -72,7 +63,8 @@ def first_mesh(
         reason, places, first = found.reason or reason, found.places, ahead[0].octree
         if len(places):
             failures.append((first.count, len(places)))
-            ending = _given_up(field, first, failures, TIMES * start.count + ROOM, found)
+            room = 3 * start.count + 30_000  # cubes that all lattices in which the boundary does not come out may have
+            ending = _given_up(field, first, failures, room, found)
             if ending is not None:
                 return ending
         if not any(len(one.crossings.edges) for one in ahead):
@@ -96,7 +88,9 @@ def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
     while not octree.crowded and not octree.is_seen:
         if not octree.count:
             raise GeometryError("the solid is empty: its inequalities hold together nowhere")
-        if octree.count > MOST_UNSEEN or octree.levels == DEEPEST:
+        # Cubes above which a set of which no sample was inside counts as empty: to show it would take far more.
+        most_unseen = 30_000
+        if octree.count > most_unseen or octree.levels == DEEPEST:
             where = f"with a lattice of {octree.finest} nothing of it is seen"
             return Refusal(f"the solid is empty or too thin for its size: {where}")
         octree = octree.refined(least=QUIET)
@@ -106,7 +100,8 @@ def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
         if found is not None and found.stays:
             return Refusal(_sentence(found, octree))
         finer = octree.refined()
-        if not finer.crowded and octree.open_share < ALONG_CURVES and finer.open_share >= octree.open_share:
+        along_curves = 0.03  # share of open cubes that, no smaller in a finer lattice, is left for a look
+        if not finer.crowded and octree.open_share < along_curves and finer.open_share >= octree.open_share:
             break
         octree = finer
     return CROWDED if octree.crowded else octree

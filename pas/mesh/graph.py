@@ -44,9 +44,6 @@ a thin pipe are on the same side of it."""
 SMALL = 0.8
 """A ring is that small whose next circle is narrower than this share of the others' spacing."""
 
-HALVINGS = 12
-"""Rounds in which edges of rings that are missing are halved."""
-
 SEEN = 1e-9
 """Determinants over the product of the three distances count as positive from here."""
 
@@ -173,7 +170,8 @@ def hull(field: RayField, level: int) -> tuple[Floats, Integers]:
     rings = [ring.round(AROUND) for ring in field.rims]
     for ring in field.rims:
         units = units[ring.inside(units) == ring.opening]
-    for _ in range(HALVINGS):
+    halvings = 12  # rounds in which edges of rings that are missing are halved
+    for _ in range(halvings):
         poles = np.array([-ring.middle if ring.opening else ring.middle for ring in field.rims]).reshape(-1, 3)
         free = np.concatenate([*_collars(field, rings, spacing), units])
         free = free[_clear(free, rings, spacing)]

@@ -26,9 +26,6 @@ from pas.mesh.topology import numbered
 TURNED = 0.5
 """Cosine between a triangle and the normals at its corners that flips keep, or do not make worse."""
 
-HELD = 0.8
-"""Cosine between triangles on ruled faces, which may be long, and the normals, below which a collapse makes none."""
-
 PASSES = 12
 """Flips at most, over the number of triangles."""
 
@@ -237,7 +234,10 @@ class HalfEdges:
         See `Limits` in `pas/kernels/edits.c`.
         """
         done = np.empty(1, dtype=np.intp)
-        self._call("pas_mesh_collapse", len(halves), halves, np.array([longer, kept, HELD, off, *flat]), done)
+        # Cosine between triangles on ruled faces, which may be long, and the normals, below which a collapse makes
+        # none.
+        held = 0.8
+        self._call("pas_mesh_collapse", len(halves), halves, np.array([longer, kept, held, off, *flat]), done)
         if done[0]:
             self._call("pas_mesh_pack")
         return int(done[0])

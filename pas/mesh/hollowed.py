@@ -33,9 +33,6 @@ from pas.mesh.topology import is_closed_manifold
 SHARE = 1 / 3
 """Of the thickness, how near each side is at least: less than 1/2, so that they do not meet."""
 
-STEEP = 0.05
-"""Ratio of singular values below which normals count as parallel, where a vertex is moved along several."""
-
 SMOOTH = 0.97
 """Cosine between normals of faces with one inner face above which their common vertex has one image."""
 
@@ -149,7 +146,9 @@ class Doubled:
                 continue
             matrix = np.array([self._normals[vertex, other] for other in rows])
             right = np.where(self.wall.inner[rows] >= 0, -self.wall.thickness, 0.0)
-            move = np.linalg.pinv(matrix, rcond=STEEP) @ right
+            # Ratio of singular values below which normals count as parallel, where a vertex is moved along several.
+            steep = 0.05
+            move = np.linalg.pinv(matrix, rcond=steep) @ right
             row = 2 * len(self.mesh.points) + len(self._extra)
             self._extra.append(self.mesh.points[vertex] + move)
             self._placed[row] = placing

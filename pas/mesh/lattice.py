@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.bernstein.subdivision import Means, means, raised
-from pas.kernels.library import compiled
 from pas.limits import checkpoint
 from pas.mesh.field import CellField
 from pas.mesh.rows import Floats, Integers, all_of, any_of
@@ -30,6 +29,9 @@ TINY = 1e-300
 ROUNDING = 1e-13
 """Over the largest coefficient on a cell: below this a coefficient's sign is not known."""
 
+
+AT_ONCE = 2048
+"""Tetrahedra that are cut together, so that their coefficients stay in a processor's cache."""
 
 LOOKS = Limits(depth=5, cells=2000)
 """Of tetrahedra that may hide a component: how often they are halved, and how many are looked at together."""
@@ -140,19 +142,22 @@ def _weights(count: int) -> Integers:
 
 def _kept(forms: Floats) -> NDArray[np.bool_]:
     """Which tetrahedra may hold zeros."""
-    return np.asarray((forms.min(axis=1) <= ROUNDING) & (forms.max(axis=1) >= -ROUNDING))
+    return np.asarray((forms.min(axis=-1) <= ROUNDING) & (forms.max(axis=-1) >= -ROUNDING))
 
 
 def _cut(degree: int, keys: Integers, points: Floats, forms: Floats) -> tuple[Integers, Floats, Floats]:
     """The eighths that may hold zeros of tetrahedra with keys (T, 4), corners (T, 4, 3) and forms (T, m)."""
     corners, parts = eighths(degree)
-    count, m, number = 8 * len(forms), forms.shape[1], np.empty(1, dtype=np.intp)
-    new_keys, new_points = np.empty((count, 4), dtype=np.intp), np.empty((count, 4, 3))
-    new_forms = np.empty((count, m))
-    tables = (len(parts.halves), parts.halves, parts.taken, corners, ROUNDING, keys, points, forms)
-    compiled().call("pas_eighths", len(forms), m, *tables, new_keys, new_points, new_forms, number)
-    found = int(number[0])
-    return new_keys[:found], new_points[:found], new_forms[:found]
+    found = []
+    for start in range(0, len(forms), AT_ONCE):
+        some = slice(start, start + AT_ONCE)
+        of_parts = parts(forms[some]).transpose(1, 0, 2)
+        kept = np.nonzero(_kept(of_parts))
+        own, ends = kept[0] + start, corners[kept[1]]
+        with np.errstate(over="ignore"):  # keys wrap around
+            found.append(((ends @ keys[own, :, None])[:, :, 0], ends / 2 @ points[own], of_parts[kept]))
+    new_keys, new_points, new_forms = (np.concatenate(rows) for rows in zip(*found, strict=True))
+    return new_keys, new_points, new_forms
 
 
 def _turning(degree: int, forms: Floats, points: Floats) -> tuple[NDArray[np.bool_], Floats]:
@@ -165,9 +170,14 @@ def risings(forms: Floats, corners: Floats, degree: int) -> tuple[Floats, Floats
     """Of functions on tetrahedra (T, 4, 3) the mean (T, 3) of the gradient's B-coefficients, up to a positive factor,
     their least product with that (T,), and the largest of their squared sizes (T,)."""
     up = raised(degree, 4)
-    mean, least, size = np.empty((len(forms), 3)), np.empty(len(forms)), np.empty(len(forms))
-    compiled().call("pas_risings", len(forms), forms.shape[1], len(up), up, forms, corners, mean, least, size)
-    return mean, least, size
+    a, b, c = np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 0)
+    across = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    across /= (a * across[:, 0]).sum(axis=1)[:, None, None]
+    steps = forms[:, up[:, 1:]] - forms[:, up[:, :1]]
+    x, y, z = (sum(steps[:, :, k] * across[:, k, i, None] for k in range(3)) for i in range(3))
+    mean = np.stack([x.mean(axis=1), y.mean(axis=1), z.mean(axis=1)], axis=1)
+    along = x * mean[:, :1] + y * mean[:, 1:2] + z * mean[:, 2:]
+    return mean, along.min(axis=1), (x * x + y * y + z * z).max(axis=1)
 
 
 @cache

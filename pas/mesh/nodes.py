@@ -35,9 +35,6 @@ SAME = 1e-7
 SHARP = 1e-3
 """Least singular value of unit normals: below, rounding moves a common zero, and the functions touch elsewhere."""
 
-MOST_FACES = 6
-"""Faces near a place of which all pairs and triples are tried."""
-
 AROUND, REACH = 3.0, 4.0
 """Over a triangle's size: how far away its neighbours' faces count, and how far a node may be."""
 
@@ -54,9 +51,6 @@ NOWHERE = np.empty((0, 3))
 
 FOUND, PARALLEL = 1e-10, 1e-5
 """Distance over the extent of the box up to which a point is on a surface; sine up to which gradients are parallel."""
-
-ISOLATED = 1e-3
-"""Least singular value, in the scale of `reach`, above which no curve of such points passes."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +131,8 @@ def _systems(
     for row, near in enumerate(tree.query_ball_point(centers, AROUND * size)):
         distance = np.linalg.norm(tree.data[near] - centers[row], axis=1)
         close = dict.fromkeys(int(columns[near[k]]) for k in np.argsort(distance, kind="stable"))
-        few = sorted(list(close)[:MOST_FACES])
+        most_faces = 6  # faces near a place of which all pairs and triples are tried
+        few = sorted(list(close)[:most_faces])
         own = [tuple(few)] if len(few) > 3 else []
         own += [*combinations(few, 3), *combinations(few, 2)]
         systems += [field.functions(labels) for labels in own]
@@ -224,7 +219,8 @@ def _touching(field: FaceField, points: Floats, pairs: Integers, reach: Floats) 
             break
     found = _touch(field, points, pairs, FOUND * extent)
     matrix = _system(field, points[found], pairs[found], scale[found], reach[found])[1]
-    found[found] = np.linalg.svd(matrix, compute_uv=False)[:, 2] > ISOLATED
+    isolated = 1e-3  # least singular value, in the scale of `reach`, above which no curve of such points passes
+    found[found] = np.linalg.svd(matrix, compute_uv=False)[:, 2] > isolated
     points[~found] = np.nan
     return points
 

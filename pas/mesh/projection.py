@@ -21,10 +21,6 @@ PARALLEL, WELL_APART, PEAKED = 1e-6, 1e-6, 1e-4
 that three of length 1 span, above which their inverse is written down, with the same bits on every machine."""
 
 
-SLOPE_STEP = 1e-5
-"""Of the differences that give second derivatives, over the extent of the box."""
-
-
 def distances(field: FaceField, points: Floats, labels: Integers) -> Floats:
     """Distances (N,) of points (N, 3) from the zeros of functions given as labels (N,), to first order."""
     jets = field.jets(points, labels)
@@ -33,7 +29,8 @@ def distances(field: FaceField, points: Floats, labels: Integers) -> Floats:
 
 def second_derivatives(field: FaceField, points: Floats, labels: Integers) -> Floats:
     """Those (N, 3, 3) of functions given as labels (N,) at points (N, 3), by differences."""
-    apart = SLOPE_STEP * extent_of(field)
+    slope_step = 1e-5  # of the differences that give second derivatives, over the extent of the box
+    apart = slope_step * extent_of(field)
     around = points[:, None] + apart * np.concatenate([np.eye(3), -np.eye(3)])
     slopes = field.jets(around.reshape(-1, 3), np.repeat(labels, 6))[:, 1:].reshape(-1, 2, 3, 3)
     result = (slopes[:, 0] - slopes[:, 1]) / (4 * apart)

@@ -6,9 +6,6 @@ import numpy as np
 
 from pas.mesh.rows import Floats, Integers, cross
 
-SMOOTH_COSINE = 0.9
-"""Normals of a vertex's faces closer than this are one, so that smooth joints are shaded smoothly."""
-
 GROUPS = 8
 """Of close normals at a vertex that are told apart; the rest share one more."""
 
@@ -58,7 +55,9 @@ def sharp_points(count: int, triangles: Integers, normals: Floats) -> tuple[Inte
     groups, pending = np.zeros(len(corner), dtype=np.intp), np.ones(len(corner), dtype=bool)
     leader = order[first][corner]
     for group in range(GROUPS):
-        close = pending & ((flat * flat[leader]).sum(axis=1) > SMOOTH_COSINE)
+        # Normals of a vertex's faces closer than this are one, so that smooth joints are shaded smoothly.
+        smooth_cosine = 0.9
+        close = pending & ((flat * flat[leader]).sum(axis=1) > smooth_cosine)
         groups[close], pending = group, pending & ~close
         if not pending.any():
             break

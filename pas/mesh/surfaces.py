@@ -33,26 +33,12 @@ from pas.mesh.topology import connected
 ROOM = 3.0
 """Half of a cube about a point of one surface that must miss the others, over the tolerance."""
 
-HALVINGS = 6
-"""Of the tolerance, until there is that room."""
-
-BESIDE, MOSTLY = 1e-6, 0.5
-"""How far on both sides of a piece the set is looked at, over the extent of the box; share of a piece's triangles
-across which it must change."""
-
 SHARES = (1 / 4, 1 / 16)
 """Of the tolerance, to which one of the surfaces after the other is meshed until they do not cross: where two bend the
 same way, chords of the outer one pass through the inner one if they are long beside those."""
 
-LEFT = 0.7
-"""Share of the tolerance to which surfaces are meshed: a vertex that moves into a point of contact takes the rest."""
-
 NEAR = 0.3
 """Distance from a vertex, over its size, up to which a point of contact is that vertex."""
-
-ON = 1e-9
-"""Share of a volume of six lengths, or of an area, up to which rounding leaves open on which side of a triangle or of
-its edge something is."""
 
 
 def mesh_apart(
@@ -65,7 +51,8 @@ def mesh_apart(
 
     None where there is no room between them.
     """
-    for halving in range(HALVINGS):
+    halvings = 6  # of the tolerance, until there is that room
+    for halving in range(halvings):
         checkpoint("meshing surfaces one by one")
         aim = tolerance / 2**halving
         found = _all_made(mesh(shell, aim) for shell in shells)
@@ -111,11 +98,12 @@ def _bounding(field: FaceField, shell: FaceField, mesh: Labelled) -> np.ndarray:
     """Which triangles (T,) are on pieces that bound the set: it changes across most triangles of each."""
     middles = mesh.points[mesh.triangles].mean(axis=1)
     at = newton(middles, shell, mesh.labels[:, None], mesh.sizes[mesh.triangles].max(axis=1))
-    step = BESIDE * extent_of(field) * unit_rows(shell.jets(at, mesh.labels)[:, 1:])
+    beside, mostly = 1e-6, 0.5  # how far on both sides of a piece, over the extent; share of its triangles that must do
+    step = beside * extent_of(field) * unit_rows(shell.jets(at, mesh.labels)[:, 1:])
     changes = field.inside(field.signs(at - step)) & ~field.inside(field.signs(at + step))
     pieces = connected(mesh.topology.edges, len(mesh.points))[mesh.triangles[:, 0]]
     share = np.bincount(pieces, changes) / np.maximum(np.bincount(pieces), 1)
-    return np.asarray(share[pieces] > MOSTLY)
+    return np.asarray(share[pieces] > mostly)
 
 
 def mesh_touching(
@@ -134,7 +122,10 @@ def mesh_touching(
     finer = [(-1, 1.0), *product(range(len(surfaces)), SHARES)]
     for number, share in sorted(finer, key=lambda pair: -pair[1]):
         checkpoint("meshing surfaces that touch")
-        found = _all_made(made(i, LEFT * tolerance * (share if i == number else 1.0)) for i in range(len(surfaces)))
+        # Share of the tolerance to which surfaces are meshed: a vertex that moves into a point of contact takes the
+        # rest.
+        left = 0.7
+        found = _all_made(made(i, left * tolerance * (share if i == number else 1.0)) for i in range(len(surfaces)))
         if isinstance(found, Refusal):
             return found
         meshes, reached = zip(*found, strict=True)
@@ -215,6 +206,9 @@ def _pierced(ends: Floats, corners: Floats) -> np.ndarray:
     normal, along = cross(b - a, c - a), q - p
     sides = [((x - a) * normal).sum(axis=1) for x in (p, q)]
     turns = [(cross(u - p, v - p) * along).sum(axis=1) for u, v in ((a, b), (b, c), (c, a))]
-    slack = ON * size**3
+    # Share of a volume of six lengths, or of an area, up to which rounding leaves open on which side of a triangle or
+    # of its edge something is.
+    on = 1e-9
+    slack = on * size**3
     across = (np.minimum(*sides) <= slack) & (np.maximum(*sides) >= -slack)
     return np.asarray(across & ((np.min(turns, axis=0) >= -slack) | (np.max(turns, axis=0) <= slack)))

@@ -35,12 +35,6 @@ LEAST, FINEST = 2, 8
 BENT = 0.02
 """Share of the tetrahedra in which the function may turn for a lattice that is tried."""
 
-ATTEMPTS = 3
-"""Lattices, each twice as fine as the one before, that are tried in vain."""
-
-SEARCHED = 20_000
-"""Tetrahedra among which each that may hide a component is cut further; with more, some may be missed."""
-
 MANY = 150_000
 """Tetrahedra beyond which a lattice is not refined further."""
 
@@ -51,9 +45,6 @@ change the topology; where there are some all on walls stay apart as well."""
 MORE = 0.4
 """Added to the number of parts into which edges of the first triangles are cut, before that is rounded down: these may
 be a little coarser than those of a star, which rays have to see all of."""
-
-FOLDS = 0.03
-"""Share of folded triangles, and of those without area, that coarsening and smoothing may have to mend."""
 
 
 def triangulate(field: CellField, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:
@@ -87,7 +78,8 @@ class Beginnings:
         self._parts, self._ended = 1, False  # of the next lattice at least; whether there is none
 
     def __iter__(self) -> Iterator[Beginning]:
-        for number in range(ATTEMPTS):
+        attempts = 3  # lattices, each twice as fine as the one before, that are tried in vain
+        for number in range(attempts):
             if number == len(self._found):
                 self._look()
             if number == len(self._found):
@@ -101,7 +93,9 @@ class Beginnings:
             self._ended = _finest(cells)
             if cells.parts >= max(self._parts, 1 << LEAST):
                 bent, hidden = cells.bent()
-                plain = len(bent) <= BENT * len(cells.forms) and (not hidden or len(cells.forms) > SEARCHED)
+                # Tetrahedra among which each that may hide a component is cut further; with more, some may be missed.
+                searched = 20_000
+                plain = len(bent) <= BENT * len(cells.forms) and (not hidden or len(cells.forms) > searched)
                 grid = cells.lattice if plain or self._ended else None
                 if grid is not None and len(grid.tetrahedra):
                     self._found.append(_beginning(self._field, grid, bent))
@@ -164,7 +158,9 @@ def _first(field: CellField, grid: Lattice) -> Labelled:
         if not field.within(points):
             continue
         upright = uprightness(points, triangles, unit_rows(field.gradients(points)))
-        if np.mean(~(upright >= Settings.folded)) <= FOLDS and _shows_curves(field, points[~inner]):
+        # Share of folded triangles, and of those without area, that coarsening and smoothing may have to mend.
+        folds = 0.03
+        if np.mean(~(upright >= Settings.folded)) <= folds and _shows_curves(field, points[~inner]):
             return open_mesh(field, points, triangles, rim)
     upright = uprightness(crossed, plain, unit_rows(field.gradients(crossed)))
     place = crossed[plain[np.argmin(upright)]].mean(axis=0)

@@ -42,9 +42,6 @@ Place = tuple[fmpq, fmpq]
 WORN = 2.0**-12
 """Coefficients are worked out afresh where they may be off by this share of a polynomial's greatest."""
 
-DEPTH = 200
-"""Halvings in all after which a rectangle counts as undecided: it is then 2^-100 wide each way."""
-
 RENEWALS = 64
 """Rectangles that wait to be worked out afresh at most; each takes as long as some hundred halvings."""
 
@@ -171,7 +168,8 @@ def without_common_zero(polynomials: Sequence[fmpq_mpoly], chart: RationalChart,
     seeker = _Seeker(polynomials, degrees, effort)
     table, off = seeker.net(chart)
     whole = _Rectangles(chart, table[None], np.array([off]), np.array([[0, 0]], dtype=object), np.zeros((1, 2), int))
-    found = search(whole, seeker.judge, seeker.split, Limits(DEPTH, effort), "looking for common zeros")
+    depth = 200  # halvings in all after which a rectangle counts as undecided: it is then 2^-100 wide each way
+    found = search(whole, seeker.judge, seeker.split, Limits(depth, effort), "looking for common zeros")
     if len(found.refuted):
         return ZeroSearch(Status.REFUTED, seeker.zero, seeker.exact, seeker.cells)
     return ZeroSearch(found.status, found.open.place(0) if len(found.open) else None, False, seeker.cells)

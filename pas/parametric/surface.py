@@ -26,6 +26,7 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
+from pas.algebra.affine import Affine, AffineShape
 from pas.algebra.inputs import check_tolerance
 from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
@@ -40,9 +41,11 @@ from pas.parametric.domain import DomainLike
 from pas.parametric.maps import ParametricMap
 from pas.parametric.nets import Framed, Nets, Rectangle, exact_net, exact_rectangle
 from pas.parametric.regularity import regularity
+from pas.parametric.solids import solid_of
 from pas.parametric.tiling import GRID, SEAM, Placing, assemble
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
+from pas.solid.solid import Solid
 from pas.verdicts import Findings
 
 LARGEST = 1_000_000
@@ -65,7 +68,7 @@ WAYS = {
 """Such parts, and whether long cells are halved as well: the best of these meshes is kept."""
 
 
-class ParametricSurface(ParametricMap, Shape):
+class ParametricSurface(ParametricMap, AffineShape["ParametricSurface"], Shape):
     __doc__ = (ParametricMap.__doc__ or "").replace("A map (x, y, z)", "A surface (x, y, z)")
     kind = "parametric surface"
 
@@ -110,6 +113,21 @@ class ParametricSurface(ParametricMap, Shape):
             return _assembled(framed, leaves, worst, place, wanted, nets is not None)
 
         return self._kept((wanted, rectangle, how), lambda: how.best_of(partial(made, *way) for way in WAYS[how]))
+
+    def _moved(self, map_: Affine) -> ParametricSurface:
+        return self.moved(map_.matrix, map_.shift)
+
+    @limited("making a solid of a surface", "a smaller domain")
+    def solid(self, face: str = "surface", *, seconds: float | None = None, progress: Report | None = None) -> Solid:
+        """The body that the surface bounds, as a `pas.solid.Solid` with a face of that name.
+
+        The surface is closed, as a ball's or a ring's are, or has ends in planes, as a vase or a tube has, which are
+        closed by flat faces, "surface start" and "surface end".  Raises `ValueError` for an infinite domain,
+        `GeometryError` where it has other edges, an end that is not plane, or passes through itself.
+
+            pas.surface_of_revolution("1 + h^2/4", "h", angle=True, interval=(-1, 2)).solid("vase")
+        """
+        return solid_of(self, self.mesh(), face)
 
 
 def _assembled(framed: Framed, leaves: Integers, worst: float, place: Placing, wanted: float, proved: bool) -> Mesh:

@@ -45,7 +45,7 @@ def assemble(surface: ParametricMap, cells: Integers, place: Placing, size: floa
 
     `place` gives the points at places of the grid.
     """
-    places, triangles = _triangles(surface, cells, [_closes(surface, axis, size) for axis in (0, 1)])
+    places, triangles = _triangles(surface, cells, [closes(surface, axis, size) for axis in (0, 1)])
     points, off = place(places)
     same = _merged(points, triangles, places, size)
     kept, first = np.unique(same, return_index=True)
@@ -59,9 +59,9 @@ def assemble(surface: ParametricMap, cells: Integers, place: Placing, size: floa
     return Tiles(points[first], triangles, normals, shares[first], away)
 
 
-def _closes(surface: ParametricMap, axis: int, size: float) -> bool:
-    """Whether the sides at both ends of a parameter are one curve."""
-    ends, free = (0.0, 1.0), np.linspace(0.0, 1.0, 65)
+def closes(surface: ParametricMap, axis: int, size: float) -> bool:
+    """Whether the sides at both ends of a parameter's finite interval are one curve."""
+    ends, free = surface.domain[axis], np.linspace(*surface.domain[1 - axis], 65)
     values = surface.on_grid(ends, free) if axis == 0 else surface.on_grid(free, ends)
     first, last = (values[0], values[-1]) if axis == 0 else (values[:, 0], values[:, -1])
     return bool((np.abs(first - last) <= SEAM * size).all())

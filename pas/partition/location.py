@@ -19,9 +19,6 @@ from pas.kernels.library import compiled
 from pas.partition.complex import CellComplex, OuterFace
 from pas.partition.layout import Ray, primitive, reduced
 
-MOST_PLANES = 12
-"""Of 2^planes combinations of signs a table is kept; with more planes the test of all cells is not slower either."""
-
 Integers = NDArray[np.intp]
 
 
@@ -68,7 +65,10 @@ class Location:
             normal = primitive(cross(minus(b, a), minus(c, a)))
             found[max(normal, (-normal[0], -normal[1], -normal[2]))] = None
         normals = list(found)
-        if len(normals) > MOST_PLANES:
+        # Of 2^planes combinations of signs a table is kept; with more planes the test of all cells is not slower
+        # either.
+        most_planes = 12
+        if len(normals) > most_planes:
             return None
         table = np.full(1 << len(normals), -1, dtype=np.intp)
         for outer in self.partition.outer_faces:

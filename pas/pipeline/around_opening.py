@@ -12,17 +12,20 @@ from dataclasses import dataclass
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.affine import height
+from pas.algebra.affine import Frame, height
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, dot, exact, to_float, to_floats
+from pas.algebra.rational import Vector, dot, exact, minus, to_float, to_floats
+from pas.algebra.scaling import scaled
 from pas.contacts.cones import FARTHEST, first_met
 from pas.contacts.contact import Contact
 from pas.contacts.joins import Join
 from pas.errors import GeometryError
+from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.neighbours import is_left_once, moved
 from pas.solid.solid import Solid
+from pas.solid.strips import Chain, Outwards, SolidStrip, Straight
 
 AROUND, OUTWARDS, ALONG = 48, 12, 256
 """Rays round an opening and between it and the edge, and places on each, by which surfaces are looked through."""
@@ -98,30 +101,87 @@ class AroundOpening:
         depth = self.low / 2
         return self.low - (min(reach * size, depth) if reach > 0 else depth)
 
-    def ended(self, around: Solid, reach: fmpq, shorter: bool) -> Solid:
-        """The solid around the opening up to a distance of `reach`; in a curved surface of less if it may be `shorter`.
+    def fitting(self, reach: fmpq, shorter: bool) -> fmpq:
+        """How far around the opening the solid goes: `reach`, or in a curved surface less if it may be `shorter`.
 
         Raises `GeometryError` where rays between the opening and the edge do not leave the surface at an angle, as
-        samples tell, and once, as is proved.
+        samples tell.
         """
-        wanted = min(reach, self.radius / 2) if shorter and not self.flat else reach
-        works = reach if self.flat else next((part for n in range(PARTS) if self._leave(part := wanted / 2**n)), None)
+        if self.flat:
+            return reach
+        wanted = min(reach, self.radius / 2) if shorter else reach
+        works = next((part for n in range(PARTS) if self.leave(self.wide(part := wanted / 2**n))), None)
         if works is None or (works != reach and not shorter):
             advice = "compose the solid with pas.solid.patch" if works is None else f"take {to_float(works):.4g}"
-            whole = "" if self.flat else "; of a straight run pas.header gives the whole"
             raise GeometryError(
                 f"neighbour {self.number} does not go on as one sheet, seen from within, for {to_float(reach):.4g} "
-                f"around its opening; {advice} instead{whole}"
+                f"around its opening; {advice} instead; of a straight run pas.header gives the whole"
             )
+        return works
+
+    def ended(self, around: Solid, reach: fmpq, works: fmpq) -> Solid:
+        """The solid around the opening up to a distance that is `fitting` for `reach`.
+
+        Raises `GeometryError` where it is not proved that rays leave the surface once.
+        """
         alone = around if self.flat else self._apart(around, reach, works)
         return alone.cap(self.edge(works), f"{around.faces[0]} end")
+
+    def chain(self, name: str, reach: fmpq, works: fmpq) -> Chain:
+        """What bounds a solid from the opening on: with a `reach` of 0 the cone down to its flat back, else the surface
+        called `name` for a distance that `works`, the edge and the back."""
+        back, length = scaled(self.back(reach)), float(np.linalg.norm(to_floats(self.axis)))
+        down, clip = -np.array(to_floats(self.axis)) / length, self.contact.clip
+        if reach > 0:
+            around, edge = self.walled(name, works, self.edge(works)), scaled(self.edge(works))
+            pole = np.array([*down, 0.0]) if self.flat else self._center
+            strips = (*around.strips, SolidStrip(f"{name} end", edge, Straight(back, pole)))
+        else:
+            strips = (SolidStrip(f"{name} end", clip, Straight(back, self._center)),)
+        return Chain(self.contact, self._clip, self._curve, strips, End(back, down), f"{name} back")
+
+    def walled(self, name: str, works: fmpq, edge: Polynomial, floor: Polynomial | None = None) -> Chain:
+        """What bounds one side of a wall from the opening on: its surface up to an edge, if that `works` for more than
+        0, and a ring in the edge, or in the cone of the opening, above a floor."""
+        clip, strips = self._clip, tuple[SolidStrip, ...]()
+        if works > 0 and self.flat:
+            middle = np.array([*to_floats(self._above(self.middle)), 1.0])
+            strips = (SolidStrip(name, self.contact.surface, Straight(scaled(edge), middle, towards=False)),)
+        elif works > 0:
+            axis = np.array(to_floats(self.axis)) * to_float(self.scale)
+            rays = Outwards(self.join.contact.surface, self._frame, axis, to_float(self.wide(works)))
+            strips = (SolidStrip(name, self.contact.surface, rays),)
+        end = End(scaled(edge) if works > 0 else clip.surface, clip.axis)
+        return Chain(self.contact, clip, self._curve, strips, end, f"{name} end", floor)
+
+    def _above(self, point: Vector) -> Vector:
+        """Where the line from the centre through a point is in the plane through the opening across the axis."""
+        from_center = minus(point, self.center)
+        return moved(self.center, (self.low / dot(from_center, self.axis), from_center))
+
+    @property
+    def _center(self) -> Floats:
+        return np.array([*to_floats(self.center), 1.0])
+
+    @property
+    def _frame(self) -> Frame:
+        return Frame(self.center, self.scale)
+
+    @property
+    def _curve(self) -> Floats:
+        return self._frame.global_points(self.join.curve())
+
+    @property
+    def _clip(self) -> End:
+        """The cone, seen from its apex."""
+        return End(self.contact.clip, -self.join.nappe[0] / np.linalg.norm(self.join.nappe[0]))
 
     def _apart(self, around: Solid, reach: fmpq, works: fmpq) -> Solid:
         """The solid around the opening below a plane above which rays do not come back; see `neighbours`."""
         length = float(np.linalg.norm(self.join.nappe[0]))
-        high = HIGHER * float((self._met(works)[1] @ self.join.nappe[0]).max()) / length**2
+        high = HIGHER * float((self._met(self.wide(works))[1] @ self.join.nappe[0]).max()) / length**2
         low = to_float(self._back(reach) / self.scale) / length
-        across = BEYOND * to_float(self._wide(works)) * self.join.nappe[1:]
+        across = BEYOND * to_float(self.wide(works)) * self.join.nappe[1:]
         square = [self.join.nappe[0] + i * across[0] + j * across[1] for i, j in ((-1, -1), (-1, 1), (1, 1), (1, -1))]
         floor, roof = ([_exact(share * corner) for corner in square] for share in (WITHIN * low, high))
         cone = self.edge(works).raw.compose(*(c + self.scale * g for c, g in zip(self.center, GENERATORS, strict=True)))
@@ -141,21 +201,21 @@ class AroundOpening:
         for g, a, c, m in zip(GENERATORS, self.axis, self.center, self.middle, strict=True):
             foot = m if self.flat else c + share * a
             point = g - (share - self.low / dot(self.axis, self.axis)) * a if self.flat else g
-            onto.append(foot + (point - foot) / self._wide(reach))
+            onto.append(foot + (point - foot) / self.wide(reach))
         return Polynomial.from_raw(self.contact.clip.raw.compose(*onto))
 
-    def _met(self, reach: fmpq) -> tuple[Floats, Floats]:
+    def _met(self, wide: fmpq) -> tuple[Floats, Floats]:
         """Rays (N, 3) between the opening and the edge, and where they first leave the surface, NaN where never."""
         angles = np.linspace(0, 2 * np.pi, AROUND, endpoint=False)
         across = np.outer(np.cos(angles), self.join.nappe[1]) + np.outer(np.sin(angles), self.join.nappe[2])
-        away = np.geomspace(1, to_float(self._wide(reach)), OUTWARDS)[:, None, None]
+        away = np.geomspace(1, to_float(wide), OUTWARDS)[:, None, None]
         rays = (self.join.nappe[0] + away * across).reshape(-1, 3)
         rays /= np.linalg.norm(rays, axis=1)[:, None]
         return rays, first_met(self.join.contact.surface, rays)[:, None] * rays
 
-    def _leave(self, reach: fmpq) -> bool:
-        """Whether rays leave the surface once, and at an angle, between the opening and the edge."""
-        rays, met = self._met(reach)
+    def leave(self, wide: fmpq) -> bool:
+        """Whether rays up to so many times as wide leave the surface once, and at an angle."""
+        rays, met = self._met(wide)
         surface = self.join.contact.surface
         if not np.isfinite(met).all():
             return False
@@ -164,7 +224,8 @@ class AroundOpening:
         beyond = np.geomspace(1, FARTHEST, ALONG)[1:, None, None] * met
         return bool(cosines.min() > GRAZING and (surface(beyond) > 0).all())
 
-    def _wide(self, reach: fmpq) -> fmpq:
+    def wide(self, reach: fmpq) -> fmpq:
+        """How wide the edge at a distance is over the opening."""
         return 1 + reach / self.radius
 
 

@@ -16,17 +16,19 @@ from flint import fmpq
 from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, exact, rational, to_float, to_floats
-from pas.algebra.scaling import Scaled
+from pas.algebra.scaling import Scaled, scaled
 from pas.contacts.contact import Contact
 from pas.contacts.ends import ContactEnd, triple
 from pas.errors import GeometryError
+from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.around_opening import AroundOpening
 from pas.pipeline.neighbours import NOTHING, separators
 from pas.solid.assembly import union
 from pas.solid.functions import Pieces, region
-from pas.solid.sheets import SheetBody
+from pas.solid.sheets import SheetBody, Side
 from pas.solid.solid import Solid, patch
+from pas.solid.strips import Chain, Sections, SolidStrip
 from pas.solid.tree import Atom, combined
 
 Around: TypeAlias = 'Literal["edged", "endless", "surface", "run"]'
@@ -59,20 +61,24 @@ def body(
     pieces = Pieces(surface.partition, surface.polynomials)
     inner = Solid(combined(False, Atom(pieces, face), region(surface.partition)))
     reaches = lengths_of(length, surface)
-    solids, ends = [inner], []
+    solids, ends, chains = [inner], [], []
     given = zip(titles, surface.contacts, surface.joins, reaches, strict=True)
     for number, (name, contact, join, reach) in enumerate(given):
         end = contact.clip if join.opening else _plane(surface, number)
         ends.append(end)
         if join.opening:
-            opening = AroundOpening.of(surface, number)
+            opening, works = AroundOpening.of(surface, number), NOTHING
             back = opening.back(reach) if floor is None else opening.at(floor)
             solids[0] = solids[0].cap(back, f"{name} back" if around != "run" else "")
             solids[0] = solids[0] if around == "surface" else solids[0].cap(end, "")
             if reach > 0 and around in ("edged", "endless"):
                 plate = patch(name, contact.surface, end).cap(back, f"{name} back")
-                solids.append(opening.ended(plate, reach, length is None) if around == "edged" else plate)
-        elif reach + beyond > 0:
+                works = opening.fitting(reach, length is None) if around == "edged" else reach
+                solids.append(opening.ended(plate, reach, works) if around == "edged" else plate)
+            chains.append(opening.chain(name, reach, works) if around == "edged" else None)
+            continue
+        chains.append(_chain(surface, number, name, end, reach))
+        if reach + beyond > 0:
             cap = _cap(end, reach + beyond)
             apart = separators(surface, number, name, reach, beyond)
             solids.append(patch(name, contact.surface, end, -cap, *apart).cap(cap, f"{name} end"))
@@ -82,7 +88,28 @@ def body(
             solid = solid.joined(face, name, (contact.surface, end), surface.order)
         elif reach == 0 and not (around == "run" and end.degree == 2):
             solid = solid.cap(end, f"{name} end")
-    return replace(solid, sheets=SheetBody.of([surface], ends, reaches, [face, *titles, *(f"{t} end" for t in titles)]))
+    known = [chain for chain in chains if chain is not None]
+    sheets = SheetBody.of([Side(surface, face, tuple(known))]) if len(known) == len(chains) else None
+    return replace(solid, sheets=sheets)
+
+
+def _chain(surface: PiecewiseSurface, number: int, name: str, plane: Polynomial, length: fmpq) -> Chain | None:
+    """What goes on from a contact by a length beyond a plane, up to a flat end; None where that is none of `strips`."""
+    contact, center = surface.contacts[number], surface.partition.center
+    cap = _cap(plane, length)
+    slope = scaled(plane).gradient(np.zeros(3))
+    axis, strips = slope / np.linalg.norm(slope), tuple[SolidStrip, ...]()
+    if length > 0:
+        rows = Sections.of(contact.surface, plane, cap, center)
+        if rows is None:
+            return None
+        strips = (SolidStrip(name, contact.scaled.surface, rows),)
+    try:
+        curve = Contact(contact.surface, plane, contact.near).rim.points()
+    except GeometryError:  # no curve that is known to be closed
+        return None
+    begin, end = (End(scaled(side), axis) for side in (plane, cap))
+    return Chain(contact.scaled, begin, curve, strips, end, f"{name} end")
 
 
 def hollow_body(
@@ -105,11 +132,41 @@ def hollow_body(
     ended = [name for name, reach in zip(inside, reaches, strict=True) if reach == 0]
     joints = tuple(joint for joint in cavity.joints if joint.second not in ended)
     solid = body(outer, length, names, floor=floors[0]) - replace(cavity, joints=joints)
-    if any(join.opening for join in outer.joins):
-        return solid
-    ends = [_plane(outer, number) for number in range(len(titles))]
-    called = ["blend", *titles, face, *inside, *(f"{title} end" for title in titles)]
-    return replace(solid, sheets=SheetBody.of([outer, inner], ends, reaches, called))
+    return replace(solid, sheets=_wall_sheets(outer, inner, titles, reaches, length is None, floors[0]))
+
+
+def _wall_sheets(
+    outer: PiecewiseSurface,
+    inner: PiecewiseSurface,
+    titles: Sequence[str],
+    reaches: Sequence[fmpq],
+    shorter: bool,
+    floor: fmpq | None,
+) -> SheetBody | None:
+    """The sheets of a wall: what goes on inside ends in the planes, edges and cones in which the outer side does."""
+    pairs: list[tuple[Chain | None, Chain | None]] = []
+    for number, (name, reach) in enumerate(zip(titles, reaches, strict=True)):
+        if not outer.joins[number].opening:
+            plane = _plane(outer, number)
+            pairs.append(
+                (_chain(outer, number, name, plane, reach), _chain(inner, number, f"{INSIDE} {name}", plane, reach))
+            )
+            continue
+        around, within = (AroundOpening.of(surface, number) for surface in (outer, inner))
+        works = around.fitting(reach, shorter) if reach > 0 else reach
+        edge, wide = around.edge(works), around.wide(works)
+        if around.center != within.center or not (within.flat or works == 0 or within.leave(wide)):
+            return None
+        assert floor is not None
+        side = around.walled(name, works, edge), within.walled(f"{INSIDE} {name}", within.radius * (wide - 1), edge)
+        pairs.append((side[0], replace(side[1], floor=scaled(around.at(floor)))))
+    sides = [
+        Side(surface, face, tuple(chain for chain in chains if chain is not None))
+        for surface, face, chains in zip(
+            (outer, inner), ("blend", f"{INSIDE} blend"), zip(*pairs, strict=True), strict=True
+        )
+    ]
+    return SheetBody.of(sides) if all(len(side.chains) == len(titles) for side in sides) else None
 
 
 def contact_ends(surface: PiecewiseSurface, length: Length = 0) -> tuple[ContactEnd, ...]:

@@ -97,7 +97,7 @@ class Blend(ChosenBlend):
         and another surface as a piece up to a wider cone, by default half of the opening's radius, with a flat
         "neighbour 1 back" (see `pas.pipeline.around_opening`).
 
-        With pipes, elliptic pipes and cones around its centre it is meshed at once, from the mesh of the surface (see
+        With plates, openings and quadrics around its centre it is meshed at once, from the mesh of the surface (see
         `pas.solid.sheets`).
 
         Raises `GeometryError` where a clip is neither a plane nor the cone of an opening, where the surface has no

@@ -23,6 +23,7 @@ from pas.blending.space import Space
 from pas.contacts.contact import ContactLike
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.contradictions import check_wishes
+from pas.fairing.fit_settings import SETTINGS
 from pas.fairing.wishes import Wishes
 from pas.layouts.planes import has_whole_planes
 from pas.partition.cells import Partition
@@ -37,7 +38,7 @@ class SearchSettings:
     """How far a search goes."""
 
     degrees: int
-    """Degrees with regular surfaces that are tried on a layout before it is given up."""
+    """Degrees with regular surfaces that are tried on a layout before it is given up, where none of them is proved."""
 
     above: int
     """Degrees above the first that is proved which are tried for a fair surface; beyond, nothing was gained."""
@@ -54,12 +55,14 @@ class SearchSettings:
     """Higher degrees are not tried."""
 
     few: int = 15
-    stiff: int = 4
+    stiff: int = SETTINGS.stiff
     """Spaces with fewer unknowns, or with fewer for each piece, are stiff, as of GC^1 surfaces of degree 4 around four
     pipes and more: few of them have a fair surface, and the next degree is tried however large."""
 
-    most: int = 160
-    """Spaces of larger dimension are not tried for fairness alone: they take many seconds."""
+    most: int = 170
+    """Spaces of larger dimension are not tried for fairness alone: they take many seconds.  Those of GC^2 and degree 7
+    on fans around three and four contacts have 168 and 164, take 3 to 15, and are fair where those of degree 6 are not;
+    with the 195 around five, a hard node took three times as long."""
 
     narrow: float = 0.25
     further: float = 4.0
@@ -77,7 +80,7 @@ GIVEN = SearchSettings(degrees=4, above=2, fewest=1)
 CORNER = replace(GIVEN, above=1, fewest=12)
 """On six tetrahedra that the program chose, within the usual limits of fairness, before all."""
 
-CHOSEN = SearchSettings(degrees=2, above=1, fewest=15)
+CHOSEN = SearchSettings(degrees=2, above=2, fewest=15)
 """On layouts that the program chose, of which the first that has a proved surface is kept: more half-planes made no
 shape fairer that another degree did not."""
 
@@ -113,7 +116,8 @@ class Search(Generic[B]):
         best: B | None = None
         tried, highest, counts = 0, settings.highest, False
         for degree in range(1, HIGHEST_DEGREE + 1) if self.degree is None else [check_degree(self.degree)]:
-            if degree > highest or (tried >= settings.degrees and degree > settings.per_order * self.order):
+            enough = best is None and tried >= settings.degrees and degree > settings.per_order * self.order
+            if degree > highest or enough:
                 break
             tried += 1
             regions, here = tee(regions)

@@ -211,7 +211,7 @@ def _color(color: Any, name: str) -> str:
     return color
 
 
-def union(solids: Solid | Sequence[Solid], *others: Solid) -> Solid:
+def union(solids: Solid | Sequence[Solid] = (), *others: Solid) -> Solid:
     """The union of at least one solid: `union(a, b)` or `union([a, b])`.
 
     Raises `ValueError` where there is none, `TypeError` for what is no solid.
@@ -219,7 +219,7 @@ def union(solids: Solid | Sequence[Solid], *others: Solid) -> Solid:
     return reduce(Solid.__or__, _solids(solids, others, "union"))
 
 
-def intersection(solids: Solid | Sequence[Solid], *others: Solid) -> Solid:
+def intersection(solids: Solid | Sequence[Solid] = (), *others: Solid) -> Solid:
     """The intersection of at least one solid: `intersection(a, b)` or `intersection([a, b])`.
 
     Raises `ValueError` where there is none, `TypeError` for what is no solid.

@@ -63,15 +63,7 @@ def _branch_box(tree: Tree, seen: Floats) -> tuple[Floats, Floats] | None:
     """See `_shrunk`."""
     evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
     start = None if is_contradiction(tree) or evaluator.is_empty else _linear_box(tree)
-    if start is None:
-        return None
-    try:
-        return _shrunk(evaluator, start, seen)
-    except GeometryError:
-        within = _within_unions(tree, start)
-        if (within == start).all():
-            raise
-        return _shrunk(evaluator, within, seen)
+    return None if start is None else _shrunk(evaluator, _within_unions(tree, start), seen)
 
 
 def _hull(boxes: Sequence[Floats]) -> Floats:
@@ -84,7 +76,7 @@ def _within_unions(tree: Tree, start: Floats) -> Floats:
     Of a union with something taken away the parts are bounded one by one, as without that.
     """
     for part in parts_of(tree, union=False):
-        if not (isinstance(part, Node) and part.union):
+        if not (isinstance(part, Node) and part.union) or np.abs(start).max() < FARTHEST:
             continue
         try:
             box = bounding_box(part)

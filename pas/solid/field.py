@@ -28,9 +28,6 @@ Integers = NDArray[np.intp]
 ALONG = 200
 """Points along a line on which faces touch, of which some are on a part of it that is not much shorter than the box."""
 
-STEEP = 0.3
-"""Slope, over the gradient's length, with which faces must rise: of sharper edges a lattice shows beads."""
-
 
 class SolidField:
     """The boundary of a tree inside a box, in the evaluator's local coordinates; see `pas.mesh.field.FaceField`.
@@ -47,7 +44,7 @@ class SolidField:
     ) -> None:
         center = exact_vector(np.round(box.mean(axis=0), 6).tolist())
         scale = exact(2.0 ** float(np.round(np.log2(max(float(np.ptp(box, axis=0).max()) / 2, 1e-30)))))
-        given = seams_of(tree, seams)
+        given = seams_of(tree, seams, box)
         self.evaluator = TreeEvaluator(tree, center, scale, tuple(f for seam in given for f in seam.functions))
         self._seams = Seams(self.evaluator, given)
         self.box = self.evaluator.local(box)
@@ -312,7 +309,9 @@ def _rise(gradients: Floats, changes: Floats) -> NDArray[np.bool_]:
     for _ in range(4):
         direction /= np.maximum(np.sqrt((direction * direction).sum(axis=1, keepdims=True)), 1e-300)
         margins = (gradients * direction).sum(axis=2) - (changes * np.abs(direction)).sum(axis=2)
-        result |= (margins > STEEP * size).all(axis=0)
+        # Slope, over the gradient's length, with which faces must rise: of sharper edges a lattice shows beads.
+        steep = 0.3
+        result |= (margins > steep * size).all(axis=0)
         if len(gradients) == 1 or result.all():
             break
         worst = (units * direction).sum(axis=2).argmin(axis=0)

@@ -1,7 +1,7 @@
 """The curves along which faces of a solid touch, each given by two functions that vanish on it.
 
 Where two faces touch, their own two functions do not say where.  What says it is a claimed joint; the line along which
-a plane touches a cylinder or cone; a curve on a plane face along which both have the same normals; else a wall that
+a plane touches a cylinder or cone; a plane face on which the one goes on as the other; else a wall that
 cuts one of the surfaces where the other one does.  Two faces may touch along several curves, as a blend does along both
 circles in which a pipe that goes through it ends: where all of them are cut from one surface f by functions h, the
 faces' seam is f = 0 with the product of the h, so that each point is sought on the curve that is nearest to it.  And
@@ -15,21 +15,19 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations, combinations_with_replacement, product
+from itertools import combinations_with_replacement, product
 
 import numpy as np
-from flint import fmpq_mpoly
 
 from pas.algebra.ideal import Ideal
+from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import polynomials_of
+from pas.solid.sections import on_plane, smooth_sections
 from pas.solid.tree import Bools, Tree, atoms
 
 Curve = tuple[Polynomial, Polynomial]
-
-HIGHEST = 6
-"""Degree of functions of which plane sections are looked at: that of the blends of pipes with continuous curvature."""
 
 
 @dataclass(frozen=True)
@@ -52,9 +50,14 @@ class Seam:
         return all(any(map(curve.contains, surfaces)) for curve in self.curves)
 
 
-def seams_of(tree: Tree, claimed: Sequence[Curve]) -> list[Seam]:
-    """The seams of claimed curves and of lines along which faces of a tree touch, those of several curves first."""
+def seams_of(tree: Tree, claimed: Sequence[Curve], box: Floats | None = None) -> list[Seam]:
+    """The seams of claimed curves and of those along which faces of a tree touch, those of several curves first.
+
+    Plane sections are among them where the solid's `box` (2, 3) is given.
+    """
     curves = [*claimed, *_lines(tree)]
+    cut = () if box is None else smooth_sections(tree, box)
+    sections = [Seam((plane, curve), (Ideal(plane, curve),), plane) for plane, curve in cut]
     single = [Seam(curve, (Ideal(*curve),)) for curve in curves]
     cutting: dict[Polynomial, list[int]] = {}
     for number, curve in enumerate(curves):
@@ -69,7 +72,7 @@ def seams_of(tree: Tree, claimed: Sequence[Curve]) -> list[Seam]:
                 shared = first & second if first != second or times[first] > 1 else frozenset()
                 if len(shared) > 1:
                     several[common, shared] = _united(common, [single[n] for n in sorted(shared)])
-    return [*sorted(several.values(), key=lambda seam: -len(seam.curves)), *single, *_sections(tree)]
+    return [*sorted(several.values(), key=lambda seam: -len(seam.curves)), *single, *sections]
 
 
 def _lines(tree: Tree) -> list[Curve]:
@@ -79,38 +82,10 @@ def _lines(tree: Tree) -> list[Curve]:
     return [(plane, across) for plane, quadric in pairs if (across := tangent_line(plane, quadric)) is not None]
 
 
-def _sections(tree: Tree) -> list[Seam]:
-    """The curves on plane faces along which others touch, as a torus and a cylinder do where a bend ends."""
-    faces_of = (a.function.primitive() for a in atoms(tree) if a.face and isinstance(a.function, Polynomial))
-    functions, found = dict.fromkeys(faces_of), []
-    for plane in (f for f in functions if f.degree == 1):
-        faces: dict[Polynomial, list[Polynomial]] = {}
-        for function in (f for f in functions if 1 < f.degree <= HIGHEST):
-            for factor, _ in on_plane(function, plane).factor()[1]:
-                if factor.total_degree() > 1:
-                    faces.setdefault(Polynomial.from_raw(factor).primitive(), []).append(function)
-        for curve, touching in ((c, several) for c, several in faces.items() if len(several) > 1):
-            ideal = Ideal(plane, curve)
-            if any(_touch(*pair, ideal) for pair in combinations(touching, 2)):
-                found.append(Seam((plane, curve), (ideal,), plane))
-    return found
-
-
-def _touch(first: Polynomial, second: Polynomial, curve: Ideal) -> bool:
-    """Whether two surfaces have the same normals along a curve."""
-    a, b = ([f.diff(x) for x in "xyz"] for f in (first, second))
-    return all(curve.contains(a[i] * b[j] - a[j] * b[i]) for i, j in combinations(range(3), 2))
-
-
 def tangent_line(plane: Polynomial, quadric: Polynomial) -> Polynomial | None:
     """The m that vanishes where a plane touches a quadric along a line: on the plane that is c m^2; None elsewhere."""
     factors = on_plane(quadric, plane).factor()[1]
     return Polynomial.from_raw(factors[0][0]) if [power for _, power in factors] == [2] else None
-
-
-def on_plane(polynomial: Polynomial, plane: Polynomial) -> fmpq_mpoly:
-    """A polynomial in two coordinates of the points of a plane: the plane's first one is replaced by what it is."""
-    return divmod(polynomial.raw, plane.raw)[1]
 
 
 def _united(common: Polynomial, seams: Sequence[Seam]) -> Seam:

@@ -1,9 +1,7 @@
-"""Boundaries of blends' solids without a lattice: surfaces' own meshes, tubes along straight lines, and flat ends.
+"""Boundaries of blends' solids without a lattice: surfaces' own meshes, strips that go on from them, and their ends.
 
-A contact of degree 2 whose matrix, in x, y, z and 1, has rank 3 is a cylinder or cone, made of straight lines through
-one point, which may be at infinity.  Sections by parallel planes are images of one another under a homothety from that
-point, or a translation, so that a mesh which ends on the clip goes on from it along these lines, with all its new
-vertices on the contact.
+A mesh of a surface ends in loops on its contacts; from these strips go on (see `pas.solid.strips`), and the last loops
+are closed by a plane, or in walls by rings.
 
 Which solids are bounded like that: `SheetBody.of`.  Guaranteed of their meshes: closed if the surfaces' are manifolds,
 each face within the tolerance as measured.  Not promised: what a proof of the surface would have to say, that it is one
@@ -12,19 +10,15 @@ sheet; a surface that ends elsewhere than in one loop on each contact has no suc
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
-from flint import fmpq
 
 from pas.algebra.affine import Affine
 from pas.algebra.monomials import Floats
-from pas.algebra.nullspace import nullspace
-from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, to_float, to_floats
-from pas.algebra.scaling import Scaled
-from pas.contacts.contact import Contact
 from pas.mesh.closed import FaceMesh, refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
@@ -34,101 +28,125 @@ from pas.mesh.rows import Integers
 from pas.mesh.topology import Edges
 from pas.mesh.walls import End, ring
 from pas.piecewise import PiecewiseSurface
-from pas.solid.field import SolidField, quadric
+from pas.solid.field import SolidField
+from pas.solid.strips import Chain, SolidStrip, off_strip, rows_within
 
+COARSE = 2.0**-6
+"""Tolerance of meshes that show where a body is, over the size of it."""
 
-@dataclass(frozen=True, eq=False)
-class RuledEnd:
-    """A contact from its clip on, between two parallel planes: x goes along its line to `stretch x + shift`.
+Loops = dict[tuple[int, int], Integers]
+"""Vertices of the loop in which chain `c` of side `s` ends, in order, by `(s, c)`."""
 
-    `clip` is the first plane, positive on the tube's side; nothing goes on where `length` is 0.
-    """
-
-    contact: Contact
-    clip: End
-    length: float = 0.0
-    stretch: float = 1.0
-    shift: Floats | float = 0.0
-
-    @classmethod
-    def of(cls, contact: Contact, plane: Polynomial, length: fmpq, center: Vector | None = None) -> RuledEnd | None:
-        """The tube of a `length` (the model's units) beyond a plane, positive on its side, in which a contact ends.
-
-        None where the contact is no cylinder or cone, or `center` is not inside of it, on its nappe.
-        """
-        contact, plane = contact.scaled, Scaled.of([plane]).polynomials[0]
-        slope = plane.gradient(np.zeros(3))
-        size = float(np.linalg.norm(slope))
-        clip = End(plane, slope / size)
-        if contact.surface.degree != 2 or length == 0:
-            return cls(contact, clip) if contact.surface.degree == 2 else None
-        matrix = quadric(contact.surface)
-        found = nullspace([{j: matrix[i, j] for j in range(4)} for i in range(4)], 4).tolist()
-        if len(found) != 1:
-            return None
-        apex, w = found[0][:3], found[0][3]
-        x, y, z = apex if w == 0 else (c / w for c in apex)
-        height = plane.raw(x, y, z) - (plane.raw(0, 0, 0) if w == 0 else 0)
-        if height == 0 or (center is not None and not _within(contact.surface, plane, center, height, w != 0)):
-            return None
-        step = to_float(length) * size / to_float(height)
-        shift = step * np.array(to_floats((x, y, z)))
-        return cls(contact, clip, to_float(length), 1.0 - step if w != 0 else 1.0, shift)
-
-    def carried(self, points: Floats) -> Floats:
-        """Points (N, 3) of the clip moved to where the tube ends."""
-        return self.stretch * points + self.shift
-
-    def off(self, points: Floats) -> float:
-        """How far points (N, 3) are at most from the curve in which it begins, to first order."""
-        return max(self.clip.off(points), self.sides.off(points))
-
-    @property
-    def sides(self) -> End:
-        """The contact's surface, seen along the tube."""
-        return End(self.contact.surface, self.clip.axis)
-
-    def holds(self, other: RuledEnd) -> bool:
-        """Whether another one, between the same planes, is inside, as points of both of its ends show."""
-        points = other.contact.rim.points()
-        return bool((self.contact.surface(np.stack([points, other.carried(points)])) < 0).all())
-
-
-def _within(surface: Polynomial, plane: Polynomial, center: Vector, apex: fmpq, cone: bool) -> bool:
-    """Whether a point is inside a cylinder or cone, and of a cone, with the apex at a height, on the plane's nappe."""
-    return bool(surface.raw(*center) <= 0 and (not cone or (plane.raw(*center) - apex) * -apex > 0))
+Loose: TypeAlias = tuple[Mesh, list[Integers]]
+"""A mesh, and loops of its vertices that have it to their left."""
 
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """A surface with a tube at each of its ends."""
+    """A surface, the name of its face, and what goes on from each of its contacts."""
 
     surface: PiecewiseSurface
-    tubes: tuple[RuledEnd, ...]
+    name: str
+    chains: tuple[Chain, ...]
 
-    def mesh(self, tolerance: float, quality: Quality) -> tuple[Mesh, list[Integers]] | None:
-        """Its mesh, whose faces are the surface and each tube, and the loops in which the tubes end.
+    def mesh(self, tolerance: float, quality: Quality, without: Collection[int] = ()) -> Loose | None:
+        """Its mesh with those of chains but for some, whose numbers are given, and the loops in which these end.
 
         None where the surface does not end in one loop on each contact and nowhere else.
         """
-        found = self.surface.mesh(tolerance / max(1.0, *(tube.stretch for tube in self.tubes)), quality=quality)
+        stretch = max(chain.stretch for chain in self.chains)
+        found = self.surface.mesh(tolerance / stretch, quality=quality)
         known = Edges(found.triangles, len(found.points)).loops
-        nearest = [int(np.argmin([tube.off(found.points[loop]) for loop in known])) for tube in self.tubes if known]
-        if sorted(nearest) != [*range(len(self.tubes))] or len(known) != len(nearest):
+        nearest = [int(np.argmin([chain.off(found.points[loop]) for loop in known])) for chain in self.chains if known]
+        if sorted(nearest) != [*range(len(self.chains))] or len(known) != len(nearest):
             return None
+        made = Faces([found.points], deviation=found.deviation or 0.0)
+        made.add(self.name, found.triangles, found.normals)
         loops = [known[number] for number in nearest]
-        points, parts, normals = [found.points], [found.triangles], [found.normals]
-        off, far = [found.deviation or 0.0], []
-        for tube, begin in zip(self.tubes, loops, strict=True):
-            rims = [found.points[begin], tube.carried(found.points[begin])]
-            off += [tube.sides.off((rim + np.roll(rim, -1, axis=0)) / 2) for rim in rims]
-            end = begin if tube.length == 0 else np.arange(len(begin)) + sum(map(len, points))
-            points += rims[1:] if tube.length else []
-            far.append(end)
-            quads = [np.stack(corners, axis=1) for corners in _quads(begin, end)] if tube.length else []
-            parts.append(np.concatenate(quads) if quads else np.empty((0, 3), dtype=np.intp))
-            normals.append(tube.sides.normals(np.concatenate(points)[parts[-1]]))
-        return _joined(points, parts, normals, ("",) * len(parts), max(off)), far
+        for number, chain in enumerate(self.chains):
+            for strip in chain.strips if number not in without else ():
+                if not made.goes_on(strip, loops, number, tolerance):
+                    return None
+        return made.mesh, loops
+
+
+class Faces:
+    """A mesh while it is made: blocks of points, and triangles by the names of their faces."""
+
+    def __init__(self, points: Sequence[Floats], deviation: float) -> None:
+        self.blocks, self.deviation = [*points], deviation
+        self._faces: list[tuple[str, Integers, Floats]] = []
+
+    @property
+    def points(self) -> Floats:
+        return np.concatenate(self.blocks)
+
+    def add(self, name: str, triangles: Integers, normals: Floats) -> None:
+        if len(triangles):
+            self._faces.append((name, triangles, normals))
+
+    def added(self, points: Floats) -> Integers:
+        """The numbers of points (N, 3), now among those of the mesh."""
+        first = sum(map(len, self.blocks))
+        self.blocks.append(points)
+        return np.arange(first, first + len(points))
+
+    def goes_on(self, strip: SolidStrip, loops: list[Integers], number: int, tolerance: float) -> bool:
+        """Whether a strip goes on from a loop, which it then replaces by that in which it ends."""
+        begin = self.points[loops[number]]
+        rows = rows_within(strip, begin, tolerance)
+        if rows is None:
+            return False
+        side, here, parts = End(strip.surface, np.zeros(3)), loops[number], []
+        for row in rows:
+            there = self.added(row)
+            parts += [np.stack(corners, axis=1) for corners in _quads(here, there)]
+            here = there
+        triangles = np.concatenate(parts)
+        self.add(strip.name, triangles, side.normals(self.points[triangles]))
+        self.deviation = max(self.deviation, off_strip(strip.surface, [begin, *rows]))
+        loops[number] = here
+        return True
+
+    def ended(self, chain: Chain, outer: Integers, inner: Integers | None) -> bool:
+        """Whether the end of a chain closes the mesh at a loop, or in a wall between two loops."""
+        points, end = self.points, chain.end
+        if inner is None:
+            (middle,) = self.added(points[outer].mean(axis=0)[None])
+            points, triangles = self.points, _fan(outer, int(middle))
+            if end.facing(points[triangles]).min() <= 0:
+                return False
+        else:
+            triangles = ring(points, outer, inner, end.axis, chain.name)
+        corners = points[triangles]
+        self.deviation = max(
+            self.deviation, *(end.off(p) for p in (corners, (corners + np.roll(corners, 1, axis=1)) / 2))
+        )
+        self.add(chain.name, triangles, end.normals(corners))
+        return True
+
+    def put(self, mesh: Mesh, flipped: bool = False) -> int:
+        """All of a mesh, perhaps seen from its other side; the number that its first vertex has now."""
+        first = int(self.added(mesh.points)[0])
+        turned = mesh.flipped if flipped else mesh
+        for face, name in enumerate(turned.names):
+            self.add(name, turned.triangles[turned.faces == face] + first, turned.normals[turned.faces == face])
+        self.deviation = max(self.deviation, mesh.deviation or 0.0)
+        return first
+
+    @property
+    def mesh(self) -> Mesh:
+        """All of them, in order; a name may stand there several times."""
+        faces = np.repeat(np.arange(len(self._faces)), [len(triangles) for _, triangles, _ in self._faces])
+        triangles, normals = (np.concatenate([face[i] for face in self._faces]) for i in (1, 2))
+        names = tuple(name for name, _, _ in self._faces)
+        return Mesh(self.points, triangles, faces, names, normals, deviation=self.deviation)
+
+
+def merged(mesh: Mesh, order: Sequence[str]) -> Mesh:
+    """A mesh with faces of one name made one, in an order."""
+    names = sorted({*mesh.names}, key=order.index)
+    return replace(mesh, faces=np.array([names.index(name) for name in mesh.names])[mesh.faces], names=tuple(names))
 
 
 def _quads(begin: Integers, end: Integers) -> list[tuple[Integers, Integers, Integers]]:
@@ -137,108 +155,94 @@ def _quads(begin: Integers, end: Integers) -> list[tuple[Integers, Integers, Int
     return [(after, begin, end), (after, end, beyond)]
 
 
-def _joined(
-    points: Sequence[Floats],
-    parts: Sequence[Integers],
-    normals: Sequence[Floats],
-    names: tuple[str, ...],
-    deviation: float,
-) -> Mesh:
-    """The mesh whose faces are given by their triangles; `names` are those of all of them."""
-    faces = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
-    return Mesh(
-        np.concatenate(points), np.concatenate(parts), faces, names, np.concatenate(normals), deviation=deviation
-    )
-
-
 @dataclass(frozen=True, eq=False)
 class SheetBody:
-    """What bounds a blend's solid: one side, or an outer and an inner one, and flat ends.
-
-    `names` are those of the faces: of each side its surface and its tubes, then of the ends.  `maps` are what it was
-    moved by, the first one first.
-    """
+    """What bounds a blend's solid: one side, or an outer and an inner one; `place` is how it was moved."""
 
     sides: tuple[Side, ...]
-    names: tuple[str, ...]
-    maps: tuple[Affine, ...] = ()
+    place: Affine | None = None
 
     @classmethod
-    def of(
-        cls,
-        surfaces: Sequence[PiecewiseSurface],
-        planes: Sequence[Polynomial],
-        lengths: Sequence[fmpq],
-        names: Sequence[str],
-    ) -> SheetBody | None:
-        """The body of a surface, or of a wall between two, with contacts that go on from `planes` by `lengths`.
+    def of(cls, sides: Sequence[Side]) -> SheetBody | None:
+        """The body of a surface, or of a wall between two.
 
         There is one where
 
-        - the region has a centre, from which all of it is seen, and each contact ends in a plane side of it;
-        - each contact is of degree 2, and where it goes on a cylinder or a cone with the centre inside, on its nappe.
-          Such a set is convex, so that all of it beyond the clip is seen from the centre through the disc in which the
-          clip cuts it, which is in sides of the region; as no ray passes two sides, contacts that go on meet neither
-          the region nor one another;
-        - of a wall, inner contacts that go on are inside the outer ones where they begin and end, and so between;
-        - the names differ.
+        - the region has a centre, from which all of it is seen;
+        - each contact ends in a plane side of it, and where it goes on is a convex part of a quadric with the centre
+          inside.  So all of that beyond the clip is seen from the centre through the disc in which the clip cuts it,
+          which is in sides of the region; as no ray passes two sides, contacts that go on meet neither the region nor
+          one another;
+        - or the region opens through the contact by a cone from the centre, in or out of which what goes on stays;
+        - of a wall, inner strips are inside the outer ones, as points of them show;
+        - the names of faces differ.
 
-        All else, plates, openings, spheres, tori and axes that miss the region's centre by more than the radius, has
-        None, and its solid is meshed from a lattice.
+        All else, tori that go on and axes that miss the region's centre by more than the radius, has none, and its
+        solid is meshed from a lattice.
         """
-        center = surfaces[0].partition.center
-        if center is None or len({*names}) != len(names) or any(j.opening for s in surfaces for j in s.joins):
+        chains = [chain for side in sides for chain in side.chains]
+        names = [
+            *(s.name for s in sides),
+            *(c.name for c in sides[0].chains),
+            *(t.name for c in chains for t in c.strips),
+        ]
+        if sides[0].surface.partition.center is None or not all(chain.sound for chain in chains):
             return None
-        sides = []
-        for surface, middle in zip(surfaces, (center, None), strict=False):
-            cases = zip(surface.contacts, planes, lengths, strict=True)
-            tubes = [tube for case in cases if (tube := RuledEnd.of(*case, middle)) is not None]
-            sides.append(Side(surface, tuple(tubes)))
-        if any(len(side.tubes) != len(planes) for side in sides):
+        if len({*names}) != len(names):
             return None
-        walls = zip(sides[0].tubes, sides[-1].tubes, strict=True) if len(sides) > 1 else ()
-        return cls(tuple(sides), tuple(names)) if all(outer.holds(inner) for outer, inner in walls) else None
+        walls = zip(sides[0].chains, sides[-1].chains, strict=True) if len(sides) > 1 else ()
+        return cls(tuple(sides)) if all(outer.holds(inner) for outer, inner in walls) else None
 
     def moved(self, map_: Affine) -> SheetBody:
         """Its image."""
-        return replace(self, maps=(*self.maps, map_))
+        if self.place is None:
+            return replace(self, place=map_)
+        a, b, c = zip(*(map_.direction(column) for column in zip(*self.place.matrix, strict=True)), strict=True)
+        return replace(self, place=Affine((a, b, c), map_.exact(self.place.shift)))
+
+    @cached_property
+    def coarse(self) -> Mesh | None:
+        """A coarse mesh of it, which shows where it is; None where it has none."""
+        points = np.concatenate([chain.curve for side in self.sides for chain in side.chains])
+        return self.mesh(COARSE * self._stretch * float(np.ptp(points, axis=0).max()), Quality.BALANCED)
+
+    @property
+    def _stretch(self) -> float:
+        """By how much lengths grow at most where it was moved."""
+        return 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
+
+    @property
+    def size(self) -> float | None:
+        """The longest side of a box around it, as the coarse mesh shows it."""
+        return None if self.coarse is None else float(np.ptp(self.coarse.points, axis=0).max())
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         """A closed mesh within a tolerance (the model's units), as measured; None where a surface is not as wished."""
-        stretch = float(np.prod([np.linalg.norm(m.floats[0], 2) for m in self.maps]))
-        found = [side.mesh(tolerance / stretch, quality) for side in self.sides]
-        meshes, loops = [pair[0] for pair in found if pair], [pair[1] for pair in found if pair]
-        if len(meshes) < len(self.sides):
-            return None
-        outer, inner = meshes[0], [mesh.flipped for mesh in meshes[1:]]
-        start, planes = len(outer.points), [tube.clip for tube in self.sides[0].tubes]
-        points = np.concatenate([mesh.points for mesh in (outer, *inner)])
-        if inner:
-            pairs = zip(loops[0], loops[1], planes, strict=True)
-            ends = [ring(points, a, b + start, plane.axis, "an end") for a, b, plane in pairs]
-        else:
-            middles = np.array([points[loop].mean(axis=0) for loop in loops[0]])
-            points = np.concatenate([points, middles])
-            ends = [_fan(loop, start + number) for number, loop in enumerate(loops[0])]
-        parts, normals = [], []
-        for mesh, first in zip((outer, *inner), (0, start), strict=False):
-            rows = [mesh.faces == face for face in range(1 + len(planes))]
-            parts += [mesh.triangles[row] + first for row in rows]
-            normals += [mesh.normals[row] for row in rows]
-        normals += [plane.normals(points[end]) for plane, end in zip(planes, ends, strict=True)]
-        made = _joined([points], [*parts, *ends], normals, self.names, max(m.deviation or 0.0 for m in meshes))
-        return self._placed(_without_empty(made), stretch)
+        found = self.opened(tolerance, quality, {})
+        return None if found is None else found[0]
 
-    def _placed(self, mesh: Mesh, stretch: float) -> Mesh:
-        """A mesh of what it was before it was moved, moved."""
-        for map_ in self.maps:
-            matrix = map_.floats[0]
-            turned = mesh.normals @ np.linalg.inv(matrix)
-            normals = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
-            triangles, step = mesh.triangles, -1 if np.linalg.det(matrix) < 0 else 1
-            points, normals = map_.points(mesh.points), normals[:, ::step]
-            mesh = replace(mesh, points=points, triangles=triangles[:, ::step], normals=normals)
-        return replace(mesh, deviation=stretch * (mesh.deviation or 0.0))
+    def opened(self, tolerance: float, quality: Quality, ends: Mapping[int, bool]) -> tuple[Mesh, Loops] | None:
+        """Its mesh without the ends of some chains, by their numbers, and where that is false without their strips.
+
+        Also the loops that are left open.  None where a surface is not as wished.
+        """
+        stretch = self._stretch
+        short = [number for number, whole in ends.items() if not whole]
+        found = [side.mesh(tolerance / stretch, quality, short) for side in self.sides]
+        made, loops = Faces([], 0.0), Loops({})
+        for number, pair in enumerate(found):
+            if pair is None:
+                return None
+            first = made.put(pair[0], flipped=number > 0)
+            loops |= {(number, chain): loop + first for chain, loop in enumerate(pair[1])}
+        for number, chain in enumerate(self.sides[0].chains):
+            if number not in ends and not made.ended(chain, loops[0, number], loops.get((1, number))):
+                return None
+        if made.deviation > tolerance / stretch:
+            return None
+        mesh = made.mesh
+        left = {key: loop for key, loop in loops.items() if key[1] in ends}
+        return mesh if self.place is None else mesh._moved(self.place), left
 
 
 def _fan(loop: Integers, middle: int) -> Integers:
@@ -246,19 +250,19 @@ def _fan(loop: Integers, middle: int) -> Integers:
     return np.stack([np.roll(loop, -1), loop, np.full(len(loop), middle)], axis=1)
 
 
-def _without_empty(mesh: Mesh) -> Mesh:
-    """The mesh without names of faces that have no triangles."""
-    kept = np.unique(mesh.faces)
-    return replace(mesh, faces=np.searchsorted(kept, mesh.faces), names=tuple(mesh.names[k] for k in kept.tolist()))
-
-
 def face_mesh(mesh: Mesh, field: SolidField, tolerance: float, quality: Quality) -> FaceMesh:
     """A mesh of a body with labels, by its faces' names, in a field's coordinates; remeshed where its long triangles
-    are not wanted."""
+    are not wanted.  Faces of one name that are on different functions are apart in the mesh.
+    """
     columns = field.evaluator.columns[: field.evaluator.used]
-    numbers = np.array([next(n for n, c in enumerate(columns) if name in c.names) for name in mesh.names])
     points = field.evaluator.local(mesh.points)
-    first = np.array([int(np.argmax(mesh.faces == face)) for face in range(len(numbers))])
+    first = np.array([int(np.argmax(mesh.faces == face)) for face in range(len(mesh.names))])
+    numbers = np.zeros(len(mesh.names), dtype=np.intp)
+    for face, name in enumerate(mesh.names):
+        known = np.array([n for n, c in enumerate(columns) if name in c.names])
+        jets = field.evaluator.jets(points[mesh.triangles[first[face], :1]].repeat(len(known), axis=0), known)
+        off = np.abs(jets[:, 0]) / np.linalg.norm(jets[:, 1:], axis=1)
+        numbers[face] = known[np.argmin(np.nan_to_num(off, nan=np.inf))]
     slopes = field.evaluator.jets(points[mesh.triangles[first, 0]], numbers)[:, 1:]
     sides = (slopes * mesh.normals[first, 0]).sum(axis=1) < 0
     made = Labelled.of(points, mesh.triangles, (2 * numbers + sides)[mesh.faces])

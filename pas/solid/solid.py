@@ -33,8 +33,9 @@ from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
 from pas.solid.joints import Joint, prove, refuse_unknown, verdict_list
+from pas.solid.linked import LinkedBodies, united
 from pas.solid.measures import curved_measures
-from pas.solid.sheets import SheetBody, face_mesh
+from pas.solid.sheets import SheetBody, face_mesh, merged
 from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, image, mapped
 from pas.verdicts import Findings, Verdict
@@ -46,13 +47,14 @@ class Solid(AffineShape["Solid"], Shape):
 
     `a | b`, `a & b` and `a - b` are union, intersection and difference.  Nothing changes a solid: all
     methods return new ones.  `joints` are the claims of `joined`; `verdicts` proves them.  Where `sheets` bound it, as
-    they do a blend's solid until set operations change it, it is meshed from these, else from a lattice.
+    they do a blend's solid until set operations change it, and unions of such that go on in one another or are apart,
+    it is meshed from these, else from a lattice.
     """
 
     tree: Tree
     joints: tuple[Joint, ...] = ()
     special_points: tuple[tuple[float, float, float], ...] = ()
-    sheets: SheetBody | None = None
+    sheets: SheetBody | LinkedBodies | None = None
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False, init=False)
     kind = "solid"
 
@@ -70,7 +72,8 @@ class Solid(AffineShape["Solid"], Shape):
             refuse_mixed(self, other)
         tree = combined(union, self.tree, complement(other.tree) if less else other.tree)
         joints = tuple(dict.fromkeys(self.joints + other.joints))
-        return Solid(tree, joints, self.special_points + other.special_points)
+        sheets = united(self.sheets, other.sheets) if union and self.sheets and other.sheets else None
+        return Solid(tree, joints, self.special_points + other.special_points, sheets)
 
     def _moved(self, map_: Affine) -> Solid:
         images: dict[Function, Function] = {}
@@ -186,12 +189,6 @@ class Solid(AffineShape["Solid"], Shape):
         """
         return bounding_box(self.tree)
 
-    @property
-    def bounding_box(self) -> Floats:
-        """Two corners (2, 3) of the smallest box with sides along the axes, up to the default tolerance."""
-        points = self.mesh().points
-        return np.stack([points.min(axis=0), points.max(axis=0)])
-
     @cached_property
     def field(self) -> SolidField:
         """The solid as the mesher and evaluation want it."""
@@ -241,12 +238,15 @@ class Solid(AffineShape["Solid"], Shape):
         """
         how = Quality.of(quality)
         found = None if how is Quality.ANGLES else self._sheet_mesh(tolerance, how)
-        return self.face_mesh(tolerance, quality=how).named(self.field) if found is None else found
+        return self.face_mesh(tolerance, quality=how).named(self.field) if found is None else merged(found, self.faces)
 
     def _sheet_mesh(self, tolerance: float | None, quality: Quality) -> Mesh | None:
         if self.sheets is None:
             return None
-        return self.sheets.mesh(self._tolerance(None) if tolerance is None else check_tolerance(tolerance), quality)
+        if tolerance is not None:
+            return self.sheets.mesh(check_tolerance(tolerance), quality)
+        size = self.sheets.size  # the box takes longer
+        return None if size is None else self.sheets.mesh(RELATIVE_TOLERANCE * size, quality)
 
     @limited("meshing a solid", "a coarser tolerance")
     def face_mesh(

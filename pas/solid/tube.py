@@ -160,7 +160,7 @@ def _radius(given: Any) -> fmpq:
     try:
         return rational(given, "radius")
     except (TypeError, ValueError) as error:
-        hint = "a tube of a radius that varies is pas.tube, a surface, whose closed mesh takes |, & and -"
+        hint = "a tube of a radius that varies is pas.tube(...).solid()"
         raise type(error)(f"{error}; {hint}") from None
 
 

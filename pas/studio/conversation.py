@@ -22,9 +22,6 @@ from pas.studio.workers import INSIDE, RefusedError, StoppedError, Worker
 REST = 0.08
 """Seconds without a move after which what is seen is proved."""
 
-LONGEST_REQUEST = 1 << 18
-"""Characters of a request; those that bring a file may have `LONGEST_FILE`."""
-
 LONGEST_FILE = 1 << 23
 
 Send = Callable[[Message], Awaitable[None]]
@@ -212,7 +209,8 @@ def request_of(text: str) -> Request:
         raise ValueError("a request must be JSON") from None
     if not isinstance(request, dict) or request.get("do") not in VERBS:
         raise ValueError(f"a request says what to do: one of {', '.join(sorted(VERBS))}")
-    if len(text) > (LONGEST_FILE if request["do"] == "read" else LONGEST_REQUEST):
+    longest_request = 1 << 18  # characters of a request; those that bring a file may have `LONGEST_FILE`
+    if len(text) > (LONGEST_FILE if request["do"] == "read" else longest_request):
         raise ValueError("the request is too long")
     if request["do"] in WITH_DOCUMENT and not isinstance(request.get("document"), dict):
         raise ValueError("the request has no document")

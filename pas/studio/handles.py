@@ -31,9 +31,6 @@ from pas.pipeline.result import Blend
 from pas.studio.controls import Control
 from pas.studio.gallery import Data
 
-MOST_MEMBERS = 40
-"""Coefficients that are offered: more are no family that anybody shapes by hand."""
-
 
 def free_handle(blend: Blend, point: Floats) -> tuple[Handle, float]:
     """Of a single cell, the B-coefficient by which the surface is pulled next to a point, and its value.
@@ -161,7 +158,8 @@ def path_of(document: Data, name: str) -> list[Any]:
 def coefficients_of(shape: Any) -> list[float]:
     """The coefficients of a single cell's members, where a shape has few enough to show them."""
     single = getattr(shape, "kind", "") == "blend" and len(shape.surface.partition.pieces) == 1
-    return [float(value) for value in shape.coefficients] if single and shape.dimension <= MOST_MEMBERS else []
+    most_members = 40  # coefficients that are offered: more are no family that anybody shapes by hand
+    return [float(value) for value in shape.coefficients] if single and shape.dimension <= most_members else []
 
 
 def _members(blend: Blend) -> dict[str, Any]:

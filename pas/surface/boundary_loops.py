@@ -18,7 +18,6 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.contacts.cones import first_met, nappe_rays
 from pas.contacts.joins import Join
-from pas.kernels.library import compiled
 from pas.mesh.rows import Integers, dots
 from pas.surface.geometry import derivative_batch
 
@@ -184,10 +183,20 @@ class Loops:
 
     def _on_plane_loops(self, points: Floats, numbers: Integers) -> Floats:
         """Where rays from the middles of loops, of given numbers (N,) among these, through points (N, 3) meet them."""
-        result = np.empty((len(points), 3))
-        given = (len(self._middles), *self._batch.arrays, self._middles, self._normals, len(points), points, numbers)
-        compiled().call("pas_on_rings", *given, STEPS, SETTLED, result)
-        return result
+        middles, normals = self._middles[numbers], self._normals[numbers]
+        ways = points - middles
+        ways = ways - dots(ways, normals)[:, None] * normals
+        shares, moving = np.ones(len(points)), np.ones(len(points), dtype=bool)
+        for _ in range(STEPS):
+            jets = self._batch(middles + shares[:, None] * ways, numbers)
+            slopes = dots(jets[:, 1:], ways)
+            rising = slopes > 0
+            found = np.where(rising, shares - jets[:, 0] / np.where(rising, slopes, 1.0), np.inf)
+            found = np.where(moving, np.minimum(np.maximum(found, shares / 2), shares * 2), shares)
+            moving, shares = ~(np.abs(found - shares) < SETTLED), found
+            if not moving.any():
+                break
+        return middles + shares[:, None] * ways
 
 
 def _across(normal: Floats) -> Floats:

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_fraction
-from pas.kernels.library import compiled
 from pas.mesh.field import RimCurve
 from pas.mesh.rows import Integers, cross, dots, norms
 from pas.mesh.triangulate import Beginnings
@@ -25,6 +24,9 @@ from pas.surface.function import PiecewisePolynomial
 CLOSE = 1e-11
 """The last step along a gradient, in local units, that is worth another."""
 
+TINY = 1e-300
+"""The length of a gradient at least."""
+
 INSIDE = 1e-11
 """How far outside the region a point may be by rounding: in local units, barycentric coordinates, or over the way to
 where its ray leaves."""
@@ -33,27 +35,20 @@ where its ray leaves."""
 class LocalSurface(ABC):
     """A piecewise surface at points (N, 3) in its local coordinates, scaled.
 
-    The piece of a point is that of the cell it is deepest in; with `faces` that of the outer face through which its ray
-    from 0 leaves, given for each by the map (F, 3, 3) from points to weights of the corners, and the piece (F,).
+    The piece of a point is that of the cell it is deepest in.
     """
 
     rims: Sequence[RimCurve]
     """The curves on which it ends."""
 
-    def __init__(self, surface: PiecewisePolynomial, faces: tuple[Floats, Integers] | None = None) -> None:
+    def __init__(self, surface: PiecewisePolynomial) -> None:
         local, self.degree, self.evaluator = surface.local, max(surface.degree, 1), surface.evaluator
         self.frame = surface.partition.frame
         self.scale = float(to_fraction(self.frame.scale))
         self.reach = float(np.sqrt((local.points**2).sum(axis=1).max()))
         self._value, self._jets, self._bends = (self.evaluator.batch(*range(n)) for n in (1, 2, 3))
-        pieces = len(surface.patches)
-        if faces is not None:
-            self._pieces = np.array([pieces, len(faces[0]), 0]), *faces
-        elif pieces == 1:
-            self._pieces = np.array([1, 0, 0]), np.empty((0, 4, 4)), np.empty(0, dtype=np.intp)
-        else:
-            maps = np.ascontiguousarray(local.barycentric_maps)
-            self._pieces = np.array([pieces, 0, len(maps)]), maps, np.array(local.piece_of, dtype=np.intp)
+        self._maps = local.barycentric_maps if len(surface.patches) > 1 else np.empty((0, 4, 4))
+        self._piece_of = np.array(local.piece_of, dtype=np.intp)
 
     @cached_property
     def fixed(self) -> NDArray[np.bool_]:
@@ -62,9 +57,14 @@ class LocalSurface(ABC):
 
     def pieces(self, points: Floats) -> Integers:
         """The numbers of the pieces (N,) that hold points, or are nearest to them."""
-        found = np.empty(len(points), dtype=np.intp)
-        compiled().call("pas_pieces_of", *self._pieces, len(points), points, found)
-        return found
+        cells, deepest = np.zeros(len(points), dtype=np.intp), np.full(len(points), -np.inf)
+        x, y, z = points.T
+        for number, cell in enumerate(self._maps):
+            a, b, c, d = (m[0] * x + m[1] * y + m[2] * z + m[3] for m in cell)  # barycentric coordinates
+            depths = np.minimum(np.minimum(a, b), np.minimum(c, d))
+            cells[depths > deepest] = number
+            deepest = np.maximum(deepest, depths)
+        return self._piece_of[cells]
 
     def world(self, points: Floats) -> Floats:
         """The user's coordinates of points (..., 3)."""
@@ -84,9 +84,8 @@ class LocalSurface(ABC):
 
     def distances(self, points: Floats) -> Floats:
         """The distances |f| / |grad f| (N,), to first order."""
-        result = np.empty(len(points))
-        compiled().call("pas_distances", *self._pieces, *self._jets.arrays, len(points), points, result)
-        return result
+        jets = self.jets(points)
+        return np.asarray(np.abs(jets[:, 0]) / np.maximum(norms(jets[:, 1:]), TINY))
 
     @abstractmethod
     def near(self, points: Floats) -> Floats:
@@ -99,11 +98,11 @@ class LocalSurface(ABC):
         By a step along the gradient, or as `near` does where the next one would be more than a tenth of it.
         """
         left = 0.1  # a larger share means that a point was not near the surface
-        number = len(points)
-        (moved, gradients), bends = np.empty((2, number, 3)), np.empty(number)
-        lost = np.empty(number, dtype=np.bool_)
-        given = (*self._pieces, *self._jets.arrays, *self._bends.arrays, number, points, still, left**2, CLOSE**2)
-        compiled().call("pas_drawn", *given, moved, gradients, bends, lost)
+        ways = _steps(self.jets(points))
+        moved = np.where(still[:, None], points, points + ways)
+        values, gradients, bends = self._bent(moved)
+        allowed = (left**2 * dots(ways, ways) + CLOSE**2) * dots(gradients, gradients)
+        lost = ~still & ~(values * values <= allowed)
         if lost.any():
             moved[lost] = self.near(points[lost])
             gradients[lost], bends[lost] = self.bending(moved[lost])
@@ -111,19 +110,39 @@ class LocalSurface(ABC):
 
     def bending(self, points: Floats) -> tuple[Floats, Floats]:
         """Gradients (N, 3) and the larger of the principal curvatures' sizes (N,) at points on the surface."""
-        values, bends = np.empty((2, len(points)))
-        gradients = np.empty((len(points), 3))
-        given = (*self._pieces, *self._bends.arrays, len(points), points)
-        compiled().call("pas_bent", *given, values, gradients, bends)
-        return gradients, bends
+        return self._bent(points)[1:]
+
+    def _bent(self, points: Floats) -> tuple[Floats, Floats, Floats]:
+        """Values (N,), and what `bending` tells."""
+        f, gx, gy, gz, xx, xy, xz, yy, yz, zz = self._bends(points, self.pieces(points)).T
+        lengths = np.maximum(np.sqrt(gx * gx + gy * gy + gz * gz), TINY)
+        nx, ny, nz = gx / lengths, gy / lengths, gz / lengths
+        x, y, z = xx * nx + xy * ny + xz * nz, xy * nx + yy * ny + yz * nz, xz * nx + yz * ny + zz * nz
+        along = nx * x + ny * y + nz * z
+        trace = xx + yy + zz - along
+        squares = xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)
+        squares = squares + (along * along - 2 * (x * x + y * y + z * z))
+        bends = np.abs(trace) + np.sqrt(np.maximum(2 * squares - trace * trace, 0.0))
+        return f, np.stack([gx, gy, gz], axis=1), bends / (2 * lengths)
 
     def closed(self, points: Floats) -> tuple[Floats, Floats]:
         """Points very near the surface moved onto it along gradients, (N, 3), and the gradients (N, 3) there."""
-        steps = 6  # along gradients: from very near the surface two or three do
-        result, gradients = np.array(points, order="C"), np.empty((len(points), 3))
-        given = (*self._pieces, *self._jets.arrays, len(points), steps, CLOSE)
-        compiled().call("pas_closed", *given, result, gradients)
+        result, gradients, rows = np.array(points), np.empty((len(points), 3)), np.arange(len(points))
+        for _ in range(6):  # from very near the surface two or three do
+            jets = self.jets(result[rows])
+            ways, gradients[rows] = _steps(jets), jets[:, 1:]
+            result[rows] += ways
+            rows = rows[np.abs(ways).max(axis=1) > CLOSE]
+            if not len(rows):
+                break
         return result, gradients
+
+
+def _steps(jets: Floats) -> Floats:
+    """Newton's steps (N, 3) along gradients, by values and gradients (N, 4)."""
+    f, x, y, z = jets.T
+    shares = -f / np.maximum(x * x + y * y + z * z, TINY)
+    return np.stack([shares * x, shares * y, shares * z], axis=1)
 
 
 class LocalField(LocalSurface):
@@ -214,16 +233,14 @@ class LocalField(LocalSurface):
 
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
         """Points (N, 3) near walls or edges of given numbers (N,) moved to where the surface ends there."""
-        return self._slid(points, self._planes, rim)
+        planes, across, back = (table[rim] for table in self._planes)
+        return _onto(planes, back, _onto(planes, back, self._slid(_onto(planes, back, points), across)))
 
     def rim_distances(self, points: Floats, rim: Integers) -> Floats:
         """Distances (N,) of points (N, 3) in walls or edges of given numbers (N,) from the surface there, to first
         order."""
-        jets, across = self.jets(points), self._planes[1][rim]
-        g = jets[:, 1:]
-        for way in (across[:, 0], across[:, 1]):
-            g = g - dots(g, way)[:, None] * way
-        return np.asarray(np.abs(jets[:, 0]) / np.maximum(norms(g), 1e-300))
+        jets = self.jets(points)
+        return np.asarray(np.abs(jets[:, 0]) / np.maximum(norms(_free(jets[:, 1:], self._planes[1][rim])), TINY))
 
     @cached_property
     def _planes(self) -> tuple[Floats, Floats, Floats]:
@@ -243,18 +260,38 @@ class LocalField(LocalSurface):
 
     def near(self, points: Floats) -> Floats:
         """Points moved onto the surface along gradients."""
-        none = np.empty((0, 2, 4))
-        return self._slid(points, (none, none, none), np.empty(0, dtype=np.intp))
+        return self._slid(points, np.zeros((len(points), 2, 3)))
 
-    def _slid(self, points: Floats, walls: tuple[Floats, Floats, Floats], numbers: Integers) -> Floats:
-        """Points (N, 3) moved along gradients, onto walls (see `_planes`) of given numbers (N,) where there are any."""
-        steps = 20  # of Newton's method along gradients
+    def _slid(self, points: Floats, across: Floats) -> Floats:
+        """Points (N, 3) moved along gradients, and at right angles to orthonormal directions `across` (N, 2, 3), or
+        zeros."""
         settled = 1e-9  # length of a step, in local units, that ends it: the next is about its square
-        farthest = 0.2  # length of a step at most, over the region's reach
-        result = np.array(points, order="C")
-        given = (*self._pieces, *self._jets.arrays, len(walls[0]), *walls, numbers)
-        compiled().call("pas_slid", *given, steps, settled, farthest * self.reach, len(result), result)
+        farthest = 0.2 * self.reach  # length of a step at most
+        result, rows = np.array(points), np.arange(len(points))
+        for _ in range(20):
+            jets = self.jets(result[rows])
+            jets[:, 1:] = _free(jets[:, 1:], across[rows])
+            ways = _steps(jets)
+            lengths = norms(ways)
+            result[rows] += ways * np.minimum(farthest / np.maximum(lengths, TINY), 1.0)[:, None]
+            rows = rows[lengths > settled]
+            if not len(rows):
+                break
         return result
+
+
+def _onto(planes: Floats, back: Floats, points: Floats) -> Floats:
+    """Points (N, 3) moved onto two planes each (N, 2, 4) by the ways (N, 2, 3) onto them."""
+    first, second = (dots(points, planes[:, k, :3]) - planes[:, k, 3] for k in range(2))
+    return points - first[:, None] * back[:, 0] - second[:, None] * back[:, 1]
+
+
+def _free(gradients: Floats, across: Floats) -> Floats:
+    """What of gradients (N, 3) is at right angles to directions (N, 2, 3)."""
+    for number in range(2):
+        way = across[:, number]
+        gradients = gradients - dots(gradients, way)[:, None] * way
+    return gradients
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.bracket import sign_change
 from pas.algebra.monomials import Floats
 from pas.kernels.library import compiled
 from pas.mesh.graph import first
@@ -20,8 +21,8 @@ from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import profile_batch
 from pas.surface.local_field import INSIDE, LocalSurface
 
-STEPS = 60
-"""Along a ray at most: Newton's, each kept between the ends of a bracket that holds the root, else halved."""
+AROUND = np.array([0.0, *1.5 ** np.arange(6.0)])
+"""Shares of rays from the skeleton between which their meeting with the surface is looked for, from 1 on outwards."""
 
 SETTLED = 1e-9
 """Change of the share of a ray's length that ends the search: by Newton's method the next is about its square."""
@@ -37,12 +38,10 @@ class RadialField(LocalSurface):
         corners = np.array([surface.local.points[list(face.vertices)] for face in outer])
         self._weights = np.linalg.inv(corners.transpose(0, 2, 1))
         self._piece = np.array([face.piece for face in outer], dtype=np.intp)
-        super().__init__(surface, (self._weights, self._piece))
+        super().__init__(surface)
         self._profiles = profile_batch(self.evaluator.columns, self.degree)
         self.rims = surface.placed.loops
         self._loops = Loops(self.rims)
-        middles = np.array([ring.middle for ring in self.rims]).reshape(-1, 3)
-        self._skeleton = middles, dots(middles, middles)
 
     @cached_property
     def first(self) -> Labelled | None:
@@ -66,6 +65,10 @@ class RadialField(LocalSurface):
         compiled().call("pas_leaving", len(self._weights), self._weights, len(points), points, leave, faces)
         return leave, self._piece[faces]
 
+    def pieces(self, points: Floats) -> Integers:
+        """The pieces (N,) through whose outer faces rays to points leave the region."""
+        return self.leaving(points)[1]
+
     def profiles(self, points: Floats) -> tuple[Floats, Floats]:
         """Coefficients (n + 1, N) of f along the rays to points, in multiples of these, and where they leave (N,)."""
         leave, pieces = self.leaving(points)
@@ -79,11 +82,20 @@ class RadialField(LocalSurface):
         """Where rays through points (N, 3) meet the surface, (N, 3), and which of them (N,) graze or miss it."""
         steep = 0.4  # cosine between normal and ray below which a ray from the skeleton is taken
         off = 1e-6  # so far from the surface, over the way from 0, a ray has missed it: it left through a contact
-        result, grazed = np.empty((len(points), 3)), np.empty(len(points), dtype=np.bool_)
-        polynomials = (self.degree + 1, *self._profiles.arrays, *self._jets.arrays)
-        given = (*self._pieces, *polynomials, len(points), points, STEPS, SETTLED, steep, off)
-        compiled().call("pas_near", *given, result, grazed)
-        return result, grazed
+        profiles, leave = self.profiles(points)
+
+        def along(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
+            values, slopes = np.zeros(len(rows)), np.zeros(len(rows))
+            for coefficients in profiles[::-1]:
+                slopes = slopes * shares + values
+                values = values * shares + coefficients[rows]
+            return values, slopes
+
+        start = np.minimum(leave / 2 + np.where(leave > 1, 0.5, 0.0), 1.0)
+        found = sign_change(along, np.zeros(len(points)), leave, start, SETTLED)[:, None] * points
+        jets = self.jets(found)
+        sizes = np.sqrt(dots(found, found) * dots(jets[:, 1:], jets[:, 1:]))
+        return found, ~((dots(found, jets[:, 1:]) > steep * sizes) & (np.abs(jets[:, 0]) <= off * sizes))
 
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
         """Points (N, 3) near curves of given numbers (N,) moved onto these."""
@@ -110,17 +122,41 @@ class RadialField(LocalSurface):
         a ring such rays stay in the region, however thin the surface is there.  Points that they do not meet nearby are
         those given `otherwise`.
         """
-        outwards = 1.5  # the furthest step outwards along a ray of the skeleton, over the distance from it
-        away = 10.0  # how far, over the distance from the skeleton, such rays are followed at most
-        result, middles = np.array(otherwise, order="C"), self._skeleton
-        given = (*self._pieces, *self._jets.arrays, len(middles[0]), *middles, len(points), points)
-        compiled().call("pas_around", *given, STEPS, SETTLED, outwards, away**2, result)
+        feet = self._feet(points)
+        ways, farthest = points - feet, np.zeros(len(points))
+        for share in AROUND[1:]:
+            beyond = self.values(feet + share * ways) > 0
+            farthest = np.where(beyond & (farthest == 0), share, farthest)
+        met = np.flatnonzero(farthest > 0)
+        feet, ways = feet[met], ways[met]
+
+        def along(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
+            jets = self.jets(feet[rows] + shares[:, None] * ways[rows])
+            return jets[:, 0], dots(jets[:, 1:], ways[rows])
+
+        before = AROUND[np.searchsorted(AROUND, farthest[met]) - 1]
+        found = sign_change(along, before, farthest[met], np.ones(len(met)).clip(before, farthest[met]), SETTLED)
+        result = np.array(otherwise)
+        result[met] = feet + found[:, None] * ways
         return result
+
+    def _feet(self, points: Floats) -> Floats:
+        """The nearest points (N, 3) of the skeleton."""
+        feet, least = np.zeros_like(points), dots(points, points)
+        for middle in (ring.middle for ring in self.rims):
+            places = np.clip(points @ middle / (middle @ middle), 0.0, 1.0)[:, None] * middle
+            squares = dots(points - places, points - places)
+            nearer = squares < least
+            feet[nearer], least[nearer] = places[nearer], squares[nearer]
+        return feet
 
     def once(self, points: Floats) -> bool:
         """Whether f changes its sign once, from inside to outside, along all rays to points, as sampled."""
         samples = 32  # places along a ray where the sign of f is looked at
         profiles, leave = self.profiles(points)
-        shares, once = np.linspace(0.0, 1.0, samples + 1), np.empty(1, dtype=np.intp)
-        compiled().call("pas_once", *profiles.shape, profiles, leave, len(shares), shares, once)
-        return bool(once[0])
+        shares = np.outer(np.linspace(0.0, 1.0, samples + 1), leave)
+        values = np.zeros_like(shares)
+        for coefficients in profiles[::-1]:
+            values = values * shares + coefficients
+        inside = values < 0
+        return bool((inside[:-1] >= inside[1:]).all() and inside[0].all() and not inside[-1].any())

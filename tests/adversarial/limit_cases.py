@@ -227,6 +227,7 @@ LONG_CALLS = {
         _parts, lambda p, f, **k: draw_parts(p, f / "x.png", size=(64, 48), tolerance=T, **k), 3
     ),
     "ParametricSurface.mesh": LongCall(_patch, lambda p, f, **k: p.mesh(T, **k)),
+    "ParametricSurface.solid": LongCall(lambda _: pas.torus(2, 1, angle=True), lambda p, f, **k: p.solid(**k)),
     "ParametricBlend.mesh": LongCall(_hermite, lambda p, f, **k: p.mesh(T, ((-1, 1), (0, 1)), **k)),
     "ParametricBlend.prove": LongCall(_hermite, lambda p, f, **k: p.prove(((-1, 1), (0, 1)), **k)),
     "RationalPatch.mesh": LongCall(

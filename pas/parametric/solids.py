@@ -1,0 +1,235 @@
+"""Solids that parametric surfaces bound: closed ones, and such as end in planes, where flat faces close them.
+
+The inside is where the signed distance is not positive.  The foot of a point near the surface is found by Newton's
+method in the parameters, from the nearest of samples; it is accurate to rounding where the surface bends less sharply
+than samples are apart.  At a flat end the surface is continued along its normals, and the end's plane cuts it.
+
+Not guaranteed: that features between samples are seen.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pas.algebra.jets import Jet, variables
+from pas.algebra.lengths import lengths, unit
+from pas.algebra.monomials import Floats
+from pas.mesh.mesh import Mesh
+from pas.mesh.rows import Integers
+from pas.parametric.flat_ends import FlatEdge, closed, is_end
+from pas.parametric.maps import ParametricMap
+from pas.parametric.tiling import closes
+from pas.solid.functions import Distance
+from pas.solid.solid import Solid
+from pas.solid.tree import Atom, Bools, combined
+
+NEAR = 2.0
+"""Distance, over that of samples, up to which feet are found; the distance of others is that of the nearest sample."""
+
+STILL = 1e-8
+"""Step of Newton's method, over the surface's size, after which a foot is right to rounding."""
+
+
+@dataclass(frozen=True)
+class Feet:
+    """Of points (N,): the nearest of the surface (N, 3), the outward normals there, and whether they were found."""
+
+    points: Floats
+    normals: Floats
+    found: Bools
+    parameters: Floats
+
+
+class SurfaceDistance(Distance):
+    """The signed distance from a surface with a finite domain that is closed, or ends in planes; negative inside.
+
+    Raises `GeometryError` where it has other edges, or is seen to pass through itself.
+    """
+
+    def __init__(self, surface: ParametricMap, mesh: Mesh) -> None:
+        self.surface, self._size = surface, float(np.ptp(mesh.points, axis=0).max())
+        self._low, self._width = np.array([[low, high - low] for low, high in surface.domain]).T
+        self._closes = np.array([closes(surface, axis, self._size) for axis in (0, 1)])
+        self.edges, self._side = closed(surface, mesh)
+        grid = self._grid(mesh)
+        points, normals = surface(grid), surface.normals(grid)
+        diagonals = points[1:, 1:] - points[:-1, :-1], points[1:, :-1] - points[:-1, 1:]
+        self.gap = float(max(lengths(d).max() for d in diagonals))
+        kept = np.isfinite(normals).all(axis=2)
+        self._samples, self._normals, self._places = points[kept], self._side * normals[kept], grid[kept]
+        self._tree = cKDTree(self._samples)
+
+    def _grid(self, mesh: Mesh) -> Floats:
+        """Parameters (n, m, 2) as dense as the finest of a mesh, and no cells much longer than wide."""
+        assert mesh.parameters is not None
+        steps = [np.diff(np.unique(mesh.parameters[:, axis])) for axis in (0, 1)]
+        counts = np.array([w / s[s > 1e-9 * w].min() for w, s in zip(self._width, steps, strict=True)])
+        few = [np.linspace(low, low + width, 33) for low, width in zip(self._low, self._width, strict=True)]
+        points = self.surface.on_grid(*few)
+        long = np.array([lengths(np.diff(points, axis=axis)).sum(axis=axis).max() for axis in (0, 1)])
+        counts = np.maximum(counts, long / (2 * (long / counts).min()))
+        counts = np.clip(counts, 16, 1024) * min(1.0, 512 / float(np.sqrt(counts.prod())))
+        ends = [np.linspace(lo, lo + w, int(n) + 1) for lo, w, n in zip(self._low, self._width, counts, strict=True)]
+        return np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1)
+
+    def jets(self, points: Floats) -> Floats:
+        """Values and gradients (N, 4); far from the surface those of the nearest sample."""
+        return self._jets(points, self.feet(points))
+
+    def _jets(self, points: Floats, feet: Feet) -> Floats:
+        away = points - feet.points
+        above = (away * feet.normals).sum(axis=1)
+        distance = lengths(away)
+        value = np.where(above < 0, -distance, distance)
+        direction = away / np.where(np.abs(value) < 1e-12 * self._size, np.inf, value)[:, None]
+        gradient = np.where((np.abs(value) < 1e-9 * self._size)[:, None], feet.normals, direction)
+        for edge in self.edges:
+            on = self.is_at(edge, feet.parameters)
+            near = on & (distance < NEAR * self.gap)
+            value[near], gradient[near] = above[near], feet.normals[near]
+            beyond = np.flatnonzero(on & ~near & (edge.heights(points) > 0))
+            value[beyond] = np.where(edge.covers(points[beyond]), -1.0, 1.0) * distance[beyond]
+        return np.concatenate([value[:, None], gradient], axis=1)
+
+    def is_at(self, edge: FlatEdge, parameters: Floats) -> Bools:
+        """Which parameters (N, 2) are on an edge."""
+        return is_end(self.surface, edge.axis, edge.side, parameters)
+
+    def decided_within(self, centers: Floats, radii: Floats) -> tuple[Bools, Bools]:
+        """Whether it is certainly <= 0, and certainly > 0, in balls of given centres (N, 3) and radii (N,)."""
+        feet = self.feet(centers)
+        value, least = self._jets(centers, feet)[:, 0], self.least(centers, feet)
+        return (value <= 0) & (radii <= least), (value > 0) & (radii < least)
+
+    def away(self, points: Floats) -> Floats:
+        """How far points (N, 3) are from the nearest samples (N,)."""
+        return np.asarray(self._tree.query(points)[0])
+
+    def least(self, points: Floats, feet: Feet) -> Floats:
+        """The least distances (N,) of the surface from points with such feet."""
+        found = lengths(points - feet.points)
+        return np.where(feet.found, found, np.maximum(found - self.gap, 0.0))
+
+    def feet(self, points: Floats) -> Feet:
+        """The feet of points (N, 3): of those that are not near the nearest samples."""
+        distance, rows = self._tree.query(points)
+        near = np.flatnonzero(distance < NEAR * self.gap)
+        feet = Feet(self._samples[rows], self._normals[rows], distance < NEAR * self.gap, self._places[rows])
+        for part in np.array_split(near, 1 + len(near) // (1 << 14)):
+            self._improve(feet, points, part)
+        return feet
+
+    def _improve(self, feet: Feet, points: Floats, rows: Integers) -> None:
+        """Newton's method for the feet of some points, with no step that is longer than samples are apart."""
+        place, p, active = feet.parameters[rows], points[rows], np.arange(len(rows))
+        for _ in range(24):
+            here, first, second = self._expanded(place[active])
+            away = here - p[active]
+            slope = np.einsum("nij,nj->ni", first, away)
+            square = np.einsum("nij,nkj->nik", first, first)
+            bent = square + np.einsum("nikj,nj->nik", second, away)
+            good = (bent[:, 0, 0] > 0) & (_determinant(bent) > 0.1 * _determinant(square))
+            matrix = np.where(good[:, None, None], bent, square)
+            held = self._held(place[active], slope)
+            slope = np.where(held, 0.0, slope)
+            matrix = np.where(held[:, :, None] | held[:, None, :], np.eye(2) * square, matrix)
+            step = -_solved(matrix, slope)
+            length = lengths(np.einsum("ni,nij->nj", step, first))
+            step *= np.minimum(1.0, self.gap / np.maximum(length, 1e-300))[:, None]
+            place[active] = self._within(place[active] + step)
+            active = active[length > STILL * self._size]
+            if not len(active):
+                break
+        here, first, _ = self._expanded(place)
+        better = np.flatnonzero(lengths(here - p) <= lengths(feet.points[rows] - p))
+        chosen = rows[better]
+        feet.points[chosen], feet.parameters[chosen] = here[better], place[better]
+        normals = self._side * np.cross(first[better, 0], first[better, 1])
+        flat = lengths(normals) <= 1e-9 * lengths(first[better]).max(axis=1) ** 2
+        feet.normals[chosen[~flat]] = unit(normals[~flat])
+
+    def _held(self, place: Floats, slope: Floats) -> Bools:
+        """Which parameters (N, 2) stay at an end of the domain, beyond which the distance falls."""
+        low, high = place <= self._low, place >= self._low + self._width
+        return np.asarray(~self._closes & ((low & (slope > 0)) | (high & (slope < 0))))
+
+    def _within(self, place: Floats) -> Floats:
+        """Parameters in the domain: at its ends, or as many turns back."""
+        share = (place - self._low) / self._width
+        return np.asarray(self._low + self._width * np.where(self._closes, share % 1.0, np.clip(share, 0.0, 1.0)))
+
+    def _expanded(self, place: Floats) -> tuple[Floats, Floats, Floats]:
+        """Points (N, 3), first derivatives (N, 2, 3) and second ones (N, 2, 2, 3)."""
+        with np.errstate(all="ignore"):
+            parts = self.surface.values(*variables(place[:, 0], place[:, 1], (2, 2)))
+        result = np.zeros((3, 3, 3, len(place)))
+        for axis, part in enumerate(parts):
+            for i, j in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)):
+                whole = part.derivative(i, j) if isinstance(part, Jet) else part if i == j == 0 else 0.0
+                result[axis, i, j] = whole
+        point, t, h = result[:, 0, 0].T, result[:, 1, 0].T, result[:, 0, 1].T
+        second = [[result[:, 2, 0].T, result[:, 1, 1].T], [result[:, 1, 1].T, result[:, 0, 2].T]]
+        return point, np.stack([t, h], axis=1), np.stack([np.stack(row, axis=1) for row in second], axis=1)
+
+
+class FlatEnd(Distance):
+    """How far points are above the plane in which a surface ends, where the body ends there; else negative."""
+
+    def __init__(self, distance: SurfaceDistance, number: int) -> None:
+        self.distance, self.number = distance, number
+
+    @cached_property
+    def edge(self) -> FlatEdge:
+        """Where the surface ends."""
+        return self.distance.edges[self.number]
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        return cKDTree(self.edge.loop)
+
+    def jets(self, points: Floats) -> Floats:
+        """Values and gradients (N, 4)."""
+        edge, gap = self.edge, self.distance.gap
+        heights = edge.heights(points)
+        near = np.isfinite(self._tree.query(points, distance_upper_bound=NEAR * gap)[0])
+        far = np.flatnonzero(~near)
+        near[far] = edge.covers(points[far])
+        high = far[near[far] & (heights[far] > 0)]  # of which some are in other parts of the body
+        near[high] = heights[high] <= self.distance.away(points[high]) + gap
+        result = np.concatenate([heights[:, None], np.broadcast_to(edge.outwards, points.shape)], axis=1)
+        result[~near, 0] = np.minimum(heights[~near], -gap)
+        return result
+
+    def decided_within(self, centers: Floats, radii: Floats) -> tuple[Bools, Bools]:
+        """Whether it is certainly <= 0, and certainly > 0, in balls; the latter only of such as the surface misses."""
+        below, above = super().decided_within(centers, radii)
+        above[above] = radii[above] < self.distance.away(centers[above]) - self.distance.gap
+        return below, above
+
+
+def solid_of(surface: ParametricMap, mesh: Mesh, face: str) -> Solid:
+    """The body that a surface bounds, of which a mesh is given; see `ParametricSurface.solid`."""
+    distance = SurfaceDistance(surface, mesh)
+    ends = [
+        Atom(FlatEnd(distance, number), f"{face} {('start', 'end')[edge.side]}")
+        for number, edge in enumerate(distance.edges)
+    ]
+    return Solid(combined(False, Atom(distance, face), *ends))
+
+
+def _solved(matrix: Floats, right: Floats) -> Floats:
+    """The solutions (N, 2) of symmetric systems; of singular ones, as at poles, not far from the least."""
+    scale = np.maximum(np.einsum("nii->ni", matrix), 1e-300) ** -0.5
+    even = matrix * scale[:, :, None] * scale[:, None, :] + 1e-14 * np.eye(2)
+    (a, b), (_, d) = even.transpose(1, 2, 0)
+    first, second = (right * scale).T
+    solved = np.stack([d * first - b * second, a * second - b * first], axis=1)
+    return np.asarray(scale * solved / np.maximum(_determinant(even), 1e-14)[:, None])
+
+
+def _determinant(matrix: Floats) -> Floats:
+    return np.asarray(matrix[:, 0, 0] * matrix[:, 1, 1] - matrix[:, 0, 1] * matrix[:, 1, 0])

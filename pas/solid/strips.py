@@ -1,0 +1,225 @@
+"""What goes on from the loops in which a surface ends: strips of other surfaces, row by row, and what ends them.
+
+Sections of a quadric by parallel planes, where they are ellipses, are homothetic: their centres are on a line, a
+diameter, and their sizes over one another are roots of a polynomial of degree 2 in the height (Salmon 1882).  So a loop
+in the first plane gives one in each other plane, with all its vertices on the quadric.  Of a cylinder or a cone one
+strip of long triangles does; what is bowed has as many rows as the tolerance needs.
+
+Around an opening there are rays from the centre, and straight lines up to edges, walls and flat backs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+
+from pas.algebra.affine import Frame
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import Vector, dot, to_float, to_floats
+from pas.contacts.cones import first_met
+from pas.contacts.contact import Contact
+from pas.mesh.walls import End
+from pas.solid.field import quadric
+
+MOST_ROWS = 2**10
+"""Rows of a strip, beyond which there is none: a thousandth of its length is finer than any tolerance in use needs."""
+
+LINEAR = 2.0**-30
+"""Over the size of a strip: what is off by less half way along it is straight, to rounding."""
+
+
+class Rows(Protocol):
+    """From the points (N, 3) of a loop to those of the loop a share of the way along a strip."""
+
+    def __call__(self, points: Floats, share: float) -> Floats:
+        """The points (N, 3); those of the loop itself with 0, of the strip's end with 1."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sections:
+    """Rows of a quadric between two parallel planes: centres are `start + share step`, and sizes over the first the
+    root of `1 + share b + share^2 c`, with `growth = (b, c)`."""
+
+    start: Floats
+    step: Floats
+    growth: tuple[float, float]
+
+    @classmethod
+    def of(
+        cls, surface: Polynomial, plane: Polynomial, cap: Polynomial, center: Vector | None = None
+    ) -> Sections | None:
+        """Those of a surface from `plane` on, positive on the strip's side, to `cap`, its parallel, whose sections are
+        ellipses.
+
+        None where the surface is no quadric, ends before the cap, is not convex there, as a hyperboloid of one sheet,
+        or has `center` not inside on the same sheet.  With squared sizes a + b t + c t^2 at a height t, a sheet is
+        convex where b^2 >= 4 a c, and there are two of them where c > 0, on both sides of where the sizes are least.
+        """
+        if surface.degree != 2:
+            return None
+        matrix, high = quadric(surface), (plane - cap).raw.leading_coefficient()
+        normal = [plane.diff(i).raw(0, 0, 0) for i in range(3)]
+        system = fmpq_mat([[*(matrix[i, j] for j in range(3)), -normal[i]] for i in range(3)] + [[*normal, fmpq(0)]])
+        along = dot(normal, tuple(dot(matrix.tolist()[i][:3], normal) for i in range(3)))
+        across = dot(normal, normal) * sum(matrix[i, i] for i in range(3)) - along
+        if system.det() <= 0 or across <= 0:  # determinant and trace of the form in the plane
+            return None
+        heights = [t * high - plane.raw(0, 0, 0) for t in (fmpq(0), fmpq(1, 2), fmpq(1))]
+        known = [fmpq_mat(4, 1, [*(-matrix[i, 3] for i in range(3)), h]) for h in heights]
+        places = [system.solve(side).entries()[:3] for side in known]
+        first, middle, last = (-surface.raw(*place) for place in places)
+        c = 2 * (first + last - 2 * middle)
+        b = last - first - c
+        if first <= 0 or last <= 0 or b * b < 4 * first * c:
+            return None
+        levels = [fmpq(0), fmpq(1)] if center is None else [fmpq(0), fmpq(1), plane.raw(*center) / high]
+        outside = center is not None and surface.raw(*center) > 0
+        if outside or (c > 0 and min(levels) <= -b / (2 * c) <= max(levels)):
+            return None
+        start, end = (np.array(to_floats(places[i])) for i in (0, 2))
+        return cls(start, end - start, (to_float(b / first), to_float(c / first)))
+
+    def __call__(self, points: Floats, share: float) -> Floats:
+        b, c = self.growth
+        size = np.sqrt(max(1 + share * (b + share * c), 0.0))
+        return np.asarray(self.start + share * self.step + size * (points - self.start))
+
+
+@dataclass(frozen=True, eq=False)
+class Straight:
+    """Rows on straight lines up to a `target` of degree 1 or 2, negative before it and positive beyond.
+
+    Lines go away from a `pole`, or towards it; in homogeneous coordinates (4,), so that it may be at infinity.
+    """
+
+    target: Polynomial
+    pole: Floats
+    towards: bool = True
+
+    def __call__(self, points: Floats, share: float) -> Floats:
+        ways = self.pole[:3] - self.pole[3] * points
+        ways = ways if self.towards else -ways
+        at, slope = self.target(points), (self.target.gradient(points) * ways).sum(axis=-1)
+        bend = self.target(points + ways) - at - slope
+        steps = -2 * at / (slope + np.sqrt(np.maximum(slope * slope - 4 * bend * at, 0.0)))
+        return np.asarray(points + share * steps[:, None] * ways)
+
+
+@dataclass(frozen=True, eq=False)
+class Outwards:
+    """Rows of a surface where rays from the centre first meet it, up to `wide` times as far from those along `axis`.
+
+    The surface, and the axis (3,), are in the local coordinates of a frame, whose centre is 0.
+    """
+
+    surface: Polynomial
+    frame: Frame
+    axis: Floats
+    wide: float
+
+    def __call__(self, points: Floats, share: float) -> Floats:
+        local = self.frame.local_points(points)
+        middle = self.axis / (self.axis @ self.axis)
+        rays = middle + (1 + share * (self.wide - 1)) * (local / (local @ self.axis)[:, None] - middle)
+        rays /= np.linalg.norm(rays, axis=1)[:, None]
+        return self.frame.global_points(rays * first_met(self.surface, rays)[:, None])
+
+
+@dataclass(frozen=True, eq=False)
+class SolidStrip:
+    """A face from one loop to another; the `surface` is negative inside."""
+
+    name: str
+    surface: Polynomial
+    rows: Rows
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """What goes on from a contact: strips one after the other from its `curve`, points (N, 3) in order, up to an end.
+
+    `clip` is where the blend ends, seen along its axis from what goes on.  `end` is a plane, or seen from its apex a
+    cone, with the face `name`.  All of it is where `floor` is negative.
+    """
+
+    contact: Contact
+    clip: End
+    curve: Floats
+    strips: tuple[SolidStrip, ...]
+    end: End
+    name: str
+    floor: Polynomial | None = None
+
+    def off(self, points: Floats) -> float:
+        """How far points (N, 3) are at most from the curve in which it begins, to first order."""
+        return max(self.clip.off(points), End(self.contact.surface, self.clip.axis).off(points))
+
+    @cached_property
+    def loops(self) -> tuple[Floats, ...]:
+        """The curve, and that in which each strip ends."""
+        found = [self.curve]
+        for strip in self.strips:
+            found.append(strip.rows(found[-1], 1.0))
+        return tuple(found)
+
+    @cached_property
+    def bowed(self) -> tuple[bool, ...]:
+        """Which strips are not straight."""
+        ends = zip(self.strips, self.loops, self.loops[1:], strict=False)
+        middles = [(strip.rows(a, 0.5) - (a + b) / 2, np.ptp(b)) for strip, a, b in ends]
+        return tuple(bool(np.abs(off).max() > LINEAR * size) for off, size in middles)
+
+    @cached_property
+    def stretch(self) -> float:
+        """How much farther than the first loop's the chords of later loops are from the curve, at most; those of bowed
+        strips leave half of it to the bow."""
+        sags = [
+            np.linalg.norm(np.roll(p, 1, axis=0) + np.roll(p, -1, axis=0) - 2 * p, axis=1).max() for p in self.loops
+        ]
+        return max(1.0, *(s / sags[0] for s in sags)) * (2.0 if any(self.bowed) else 1.0)
+
+    @property
+    def sound(self) -> bool:
+        """Whether all loops are there, above the floor."""
+        points = np.concatenate(self.loops)
+        return bool(np.isfinite(points).all() and (self.floor is None or (self.floor(points) < 0).all()))
+
+    def holds(self, inner: Chain) -> bool:
+        """Whether the strips of another one, beside these, are inside of them, as points of both show."""
+        if len(self.strips) != len(inner.strips):
+            return False
+        shares, here = np.linspace(0, 1, 9), inner.curve
+        for mine, other in zip(self.strips, inner.strips, strict=True):
+            rows = [other.rows(here, float(share)) for share in shares]
+            if not (mine.surface(np.concatenate(rows)) < 0).all():
+                return False
+            here = rows[-1]
+        return True
+
+
+def rows_within(strip: SolidStrip, begin: Floats, tolerance: float) -> list[Floats] | None:
+    """The loops after a first one (N, 3) that make a strip within a tolerance, as measured; None where too many do."""
+    number = 1
+    while number <= MOST_ROWS:
+        rows = [strip.rows(begin, (k + 1) / number) for k in range(number)]
+        if off_strip(strip.surface, [begin, *rows]) <= tolerance:
+            return rows
+        number *= 2
+    return None
+
+
+def off_strip(surface: Polynomial, rows: Sequence[Floats]) -> float:
+    """How far the triangles between rows are from a surface at the middles of their edges, to first order."""
+    found, side = 0.0, End(surface, np.zeros(3))
+    for here, there in pairwise(rows):
+        across = [(here + there) / 2, (np.roll(here, -1, axis=0) + there) / 2]
+        along = [(row + np.roll(row, -1, axis=0)) / 2 for row in (here, there)]
+        found = max(found, *(side.off(points) for points in (*across, *along)))
+    return found
