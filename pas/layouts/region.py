@@ -32,9 +32,9 @@ CLEAR, FARTHEST = 1.2, 1.15
 """Rays end this much beyond the surfaces of pipes at least, and no farther out than this beyond the farthest curve."""
 
 OUTSIDE = 1.1
-"""Walls are flat, and between the ends of rays that are far apart they would cut into pipes: none comes nearer than
-this beyond the surfaces of pipes.  A run behind two branches side by side was pinched there by 0.16 of its radius,
-whatever the degree; nodes of five pipes of GC^2 became fair a degree lower."""
+"""Walls are flat, and between the ends of rays that are far apart they would cut into pipes: around three contacts and
+more none comes nearer than this beyond the surfaces of pipes.  A run behind two branches side by side was pinched there
+by 0.16 of its radius, whatever the degree; nodes of five pipes of GC^2 became fair a degree lower."""
 
 FINE = 16
 """Parts of its length, at least, in which the end of a ray is rounded."""
@@ -114,7 +114,7 @@ def region(layout: Layout, discs: Sequence[Disc], walls: float = WALLS) -> Regio
     builder = Builder(layout, discs, walls)
     farther = [1.0] * len(layout.all_rays)
     step, steps = 1.1, 8  # by which ends of rays go out where walls between them come too near, and how often
-    for _ in range(steps):
+    for _ in range(steps if len(discs) > 2 else 1):  # behind a bend nothing runs through
         ends = [builder.end(ray, times) for ray, times in zip(layout.all_rays, farther, strict=True)]
         pieces = _pieces(layout, carried, ends)
         free = set(ends)
