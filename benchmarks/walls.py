@@ -1,7 +1,7 @@
-"""How even the walls of hollow nodes are: 44 nodes and four junctions, the thickness an eighth of the largest radius.
+"""How even the walls of hollow nodes are: 44 nodes and the bottom bracket of a bicycle.
 
-Bends of 60 to 120 degrees, T, Y, corners, crosses, unequal and skew pipes, cones and spheres, at GC^1 and GC^2; then a
-T whose branch is 4/5 and 1/2 as wide as its run, a cross, and the bottom bracket of a bicycle.  Prints for each the
+Bends of 60 to 120 degrees, T, Y, corners, crosses, unequal and skew pipes, cones and spheres, at GC^1 and GC^2, with
+walls of an eighth of the largest radius.  Prints for each the
 thinnest and the thickest wall over the thickness, as measured along normals of the outer side from some thousand points
 of the inner one, and whether it is proved and fair; with `--prove` also by how much of the thickness it is proved to be
 thicker, in hundredths.
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from math import cos, radians, sin
@@ -54,13 +55,18 @@ def nodes() -> Iterator[tuple[str, list[object], Fraction]]:
     yield "tetrahedron", [((1, 1, 1), 1), ((1, -1, -1), 1), ((-1, 1, -1), 1), ((-1, -1, 1), 1)], one
     yield "pipe and cone", [pas.Pipe(X, 1, 2), pas.Cone(Y, 1, 2, "1/4")], one
     yield "cone, pipe and pipe", [pas.Cone(X, 1, 3, "1/8"), pas.Pipe(_back(X), 1, 3), pas.Pipe(Z, most, 3)], one
-    yield "pipe and sphere", [pas.Pipe(X, 1, 2), pas.Sphere(_back(X), "3/2", -1, (-3, 0, 0))], Fraction(3, 2)
+    yield "pipe and sphere", [pas.Pipe(X, 1, 2), pas.Sphere(_back(X), "3/2", "-1/2", (-3, 0, 0))], Fraction(3, 2)
 
 
 def junctions() -> Iterator[tuple[str, list[object], Fraction]]:
     """The bottom bracket of a bicycle; the other junctions are among the nodes."""
     wide, narrow = Fraction("17.45"), Fraction("14.3")
     yield "bicycle joint", [(X, wide), (_back(X), wide), (_turned(73), narrow)], wide
+
+
+def proved(wall: pas.HollowBlend[pas.Blend], bound: Fraction) -> bool:
+    """Whether a wall is proved to be thicker than a bound."""
+    return wall.thicker_than(bound).proved
 
 
 def report(name: str, contacts: list[object], radius: Fraction, order: int, prove: bool) -> tuple[float, float]:
@@ -80,9 +86,7 @@ def report(name: str, contacts: list[object], radius: Fraction, order: int, prov
     print(line + (f"  not fair: {fair}" if fair else ""), flush=True)
     if prove:
         start = time.process_time()
-        share = next(
-            (n for n in range(100, 0, -1) if n < 100 * low and wall.thicker_than(thickness * n / 100).proved), 0
-        )
+        share = bisect_left(range(int(100 * low)), True, key=lambda n: not proved(wall, thickness * (n + 1) / 100))
         print(f"{'':<22} proved thicker than {share / 100:.2f} of it, {time.process_time() - start:.1f} s", flush=True)
     return low, high
 

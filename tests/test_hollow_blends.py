@@ -379,6 +379,20 @@ class Upwards(EvenWall):
         return -super().slopes(points, sizes)
 
 
+@pytest.mark.parametrize(
+    "pipes, order",
+    [
+        ([((1, 0, 0), 1), ((-1, 0, 0), 1), ((0, 0, 1), 1)], 1),
+        ([((1, 0, 0), 1), ((0, 1, 0), "4/5")], 2),
+    ],
+)
+def test_walls_are_even_where_limits_of_fairness_leave_room(pipes, order):
+    wall = pas.node(pipes, order).hollow("1/8")
+    shares = 8 * Depth(wall.outer.surface)(Depth(wall.inner.surface).samples)[0]
+    assert 0.88 < shares.min() < shares.max() < 1.2
+    assert wall.certificate.proved and not wall.inner.surface.fairness().beyond(wall.inner.limits)
+
+
 def test_walls_of_unlike_ends_go_over_into_one_another():
     outer = bend()
     pipes = [pas.Pipe(axis, radius, "63/32") for (axis, _), radius in zip(ELBOW, ("9/10", "7/10"), strict=True)]

@@ -40,8 +40,9 @@ from pas.surface.depth import Depth
 Trial: TypeAlias = "tuple[int | None, Partition | Layout]"
 """A degree, None where it is to be found, and a partition to try."""
 
-EVEN = 0.5, 2.0
-"""The least and the largest share of its thickness that an even wall has anywhere."""
+EVEN = 0.88, 1.2
+"""The least and the largest share of its thickness that an even wall has anywhere; others are looked for beside a wall
+that is less even."""
 
 SHALLOW, DEEP = 1 / 16, 1 / 8
 """Shares of the smallest inner radius by which a centre is deeper than the thickness: with less it is moved, towards
