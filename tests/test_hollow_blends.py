@@ -272,6 +272,7 @@ def test_a_hollow_node_is_a_solid():
     assert wall.contains(far).tolist() == [True, False, False]
 
 
+@pytest.mark.slow
 def test_an_inner_side_around_a_sharp_bend_has_a_centre_further_in():
     hollow = made("sharp", 1)
     outer, inner = (part.surface.partition.center for part in (hollow.outer, hollow.inner))

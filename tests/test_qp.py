@@ -60,3 +60,8 @@ def test_wrong_answers_are_not_let_through(monkeypatch):
     assert checked(problem, np.array([0.8, 0.2])).outcome is Outcome.SOLVED
     monkeypatch.setattr(qp, "_daqp", lambda p, chosen: (np.array([0.9, 0.1]), 1))
     assert solve(problem).outcome is Outcome.FAILED
+
+
+def test_numbers_beyond_doubles_are_a_failure_and_no_error():
+    programme = Programme(np.diag([1, np.nan, 1]), np.ones(3), np.ones((1, 3)), np.ones(1), np.eye(3), np.zeros(3))
+    assert solve(programme).outcome is Outcome.FAILED

@@ -126,7 +126,7 @@ def test_arguments_are_checked(tmp_path):
         write_step(patches, tmp_path / "a.step", sew=0)
     with pytest.raises(ValueError, match="at least one patch"):
         write_step([], tmp_path / "a.step")
-    with pytest.raises(TypeError, match="must be RationalPatch objects"):
+    with pytest.raises(TypeError, match="or rational patches in the place of <Solid"):
         write_step([solid.ball((0, 0, 0), 1)], tmp_path / "a.step")
     assert not list(tmp_path.iterdir())
 

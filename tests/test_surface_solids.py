@@ -72,6 +72,7 @@ def test_distances_and_bounds_are_those_of_the_surface():
     assert not np.any(distance.decided_within(points, np.abs(exact) + 1e-6)), "these balls meet the surface"
 
 
+@pytest.mark.slow
 def test_they_take_part_in_everything_that_solids_do(tmp_path):
     body = pipe().solid("pipe")
     joined = (body | solid.ball((2, 0, 0), "2/5")) - solid.cylinder((2, 0, -1), (2, 0, 1), "1/10")

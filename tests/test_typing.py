@@ -46,6 +46,7 @@ MAY_BE_ANY = {
     "Verdict.to_record": TABLE,
     "Verdicts.to_record": TABLE,
     "Polynomial.surface": BELOW,
+    "Shape.__or__": "solids and meshes say what they give",
     "Shape.draw": FORWARDED,
     "Shape.save": FORWARDED,
     "Shape.show": FORWARDED,

@@ -77,7 +77,7 @@ def read(path: str | Path, *, edited: bool = False) -> dict[str, Any]:
     text = read_text(file, MOST_BYTES, ProjectFileError)
     if file.suffix.lower() == ".toml":
         raise ProjectFileError(f"{name}: is a problem file; read it with pas.read_problem, and solve it")
-    if text.strip() and not text.lstrip().startswith("{"):
+    if text.strip() and not text.lstrip().startswith(("{", "[")):
         raise ProjectFileError(f"{name}: not a project file of pas (.pas.json), which shape.save writes")
     record = _parsed(text, name)
     if not isinstance(record, dict) or record.get("format") != FORMAT:

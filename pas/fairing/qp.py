@@ -99,9 +99,10 @@ def solve(programme: Programme) -> QuadraticSolution:
         q, flag = _daqp(programme, chosen)
         if flag in (-1, -6):
             return QuadraticSolution(Outcome.INFEASIBLE, np.zeros(m))
-        if flag <= 0 and chosen.all():
+        failed = flag <= 0 or not np.isfinite(q).all()
+        if failed and chosen.all():
             return QuadraticSolution(Outcome.FAILED, np.zeros(m))
-        if flag <= 0:  # as where the rows alone keep the unknowns from going on for ever
+        if failed:  # as where the rows alone keep the unknowns from going on for ever
             chosen[:] = True
             continue
         missed = np.where(chosen, 0.0, programme.at_least - programme.rows @ q)

@@ -26,10 +26,6 @@ from pas.partition.layout import Layout
 GAP, OUTWARDS, FARTHEST = radians(5), 1.08, 6.0
 """Clips go outwards by this factor until a layout fits, mostly a fan with such a gap, up to so many times as far."""
 
-WIDE_GAP = radians(14)
-"""`MANY` contacts get such a gap: of the first nodes of five pipes of order 2, at 5 and 9 degrees, most were not fair
-or had no surface, and they took twice as long; of those of order 1 a third was not fair at 5 degrees."""
-
 FAR, PARTS, COARSE = 64, 100, 50
 """Clips that leave no room are moved up to so many times as far; parts of one in which that factor is given, since what
 is said has no more digits; and it is found to one part in so many of its own."""
@@ -106,7 +102,10 @@ def _served(contacts: Sequence[Contact], order: int, wanted: Layout | str | None
         any_kind = not roomy or have_room(node.discs)  # strips serve few contacts by ugly surfaces alone
         next(node.regions(order, wanted if wanted in LAYOUTS else None if any_kind else "fan"))
         wide = any_kind or (order < 2 and len(contacts) < 4)
-        gap = WIDE_GAP if len(contacts) >= MANY else GAP
+        # `MANY` contacts get such a gap: of the first nodes of five pipes of order 2, at 5 and 9 degrees, most were not
+        # fair or had no surface, and they took twice as long; of those of order 1 a third was not fair at 5 degrees.
+        wide_gap = radians(14)
+        gap = wide_gap if len(contacts) >= MANY else GAP
         served = wide or wanted not in (None, "fan") or min(best_gaps(node.discs).sizes) >= gap
         return node if served else None
     except GeometryError:

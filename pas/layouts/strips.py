@@ -34,18 +34,6 @@ SHRUNK = 0.45
 ROOM = radians(1.5)
 """Between a disc and the sides of its piece, at least: for the polygon round its clip face."""
 
-MOST_EMPTY = 12
-"""Empty sites, at the most."""
-
-WIDEST_EMPTY = 0.45
-"""Angular radius (radians) of an empty site, at the most."""
-
-LARGEST = 0.9
-"""Share of its Laguerre cell that a piece may take up."""
-
-LOOKED_AT = 3000
-"""Directions among which the one that is farthest from all sites is looked for."""
-
 
 @dataclass(frozen=True)
 class Site:
@@ -88,15 +76,18 @@ class SiteTriangulation:
     def of(cls, contacts: Sequence[Site], farthest: float) -> SiteTriangulation:
         """The net of contacts, with empty sites until no direction is farther than that (degrees) from one."""
         sites = list(contacts)
-        looked = spiral(LOOKED_AT)
-        while len(sites) <= len(contacts) + MOST_EMPTY:
+        looked_at = 3000  # directions among which the one that is farthest from all sites is looked for
+        looked = spiral(looked_at)
+        most_empty = 12  # empty sites, at the most
+        while len(sites) <= len(contacts) + most_empty:
             away = np.min([np.arccos(np.clip(looked @ s.direction, -1, 1)) - s.angle / 2 for s in sites], axis=0)
             worst = int(away.round(9).argmax())
             found = _triangulated(sites) if degrees(away[worst]) < farthest else None
             if found is not None:
                 return cls(tuple(sites), len(contacts), *found)
             gap = min(angle_between(looked[worst], s.direction) - s.angle for s in sites)
-            sites.append(Site(looked[worst], min(gap / 2, WIDEST_EMPTY)))
+            widest_empty = 0.45  # angular radius (radians) of an empty site, at the most
+            sites.append(Site(looked[worst], min(gap / 2, widest_empty)))
         raise GeometryError("the sphere of directions is not filled by a few more sites")
 
     def layout(self, center: Vector, longest: int) -> Layout:
@@ -146,7 +137,8 @@ class SiteTriangulation:
             raise GeometryError("a disc reaches beyond its Laguerre cell")
         every = number < self.contacts
         share = max((radius + SHRUNK * (x - radius)) / x for x in (depths if every else [least]))
-        share = min(share, LARGEST)
+        largest = 0.9  # share of its Laguerre cell that a piece may take up
+        share = min(share, largest)
         if share * least < radius:
             raise GeometryError("a piece would shrink into its disc")
         return [(t, site.direction + share * places[t]) for t in order]

@@ -31,9 +31,6 @@ from pas.mesh.topology import connected, edge_table, pinched
 SNAP = 0.4
 """Share of a lattice edge from its node within which crossings merge."""
 
-FARTHEST = 4.0
-"""How far from the middle of an edge or triangle, over its size, the faces' common point may be."""
-
 FLAT, MOST_UNCLEAR = 0.6, 1000
 """Sine of the angle between two faces below which they may touch nearby; triangles about which nodes are looked for:
 where there are more, the lattice is too coarse."""
@@ -182,7 +179,8 @@ def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) 
         end[at] = newton(start, field, functions, size[at])
         rest = norms(least_norm(field, functions, end[at]))
         moved = norms(end[at] - start)
-        result[at] = (rest > 1e-9 * size[at]) | (moved > FARTHEST * size[at])
+        farthest = 4.0  # how far from the middle of an edge or triangle, over its size, the faces' common point may be
+        result[at] = (rest > 1e-9 * size[at]) | (moved > farthest * size[at])
     found = np.flatnonzero(~result)
     result[found] = ~_on_boundary(field, end[found], names[found], 1e-3 * size[found])
     if names.shape[1] == 3:

@@ -22,9 +22,6 @@ from pas.solid.tree import Bools
 AROUND, FLAT = 128, 1e-7
 """Points of an edge; and how far it may be off its plane, over the surface's size."""
 
-PLACES = 300
-"""At which a surface is looked at for passing through itself."""
-
 
 @dataclass(frozen=True)
 class FlatEdge:
@@ -146,7 +143,8 @@ def _check_simple(points: Floats, triangles: Integers, mesh: Mesh, side: float, 
     Looked at are some vertices that are not among the `edged` ones.
     """
     rows = np.setdiff1d(np.unique(mesh.triangles), edged)
-    rows = rows[np.unique(np.linspace(0, len(rows) - 1, PLACES).astype(int))]
+    places = 300  # at which a surface is looked at for passing through itself
+    rows = rows[np.unique(np.linspace(0, len(rows) - 1, places).astype(int))]
     step = 4 * (mesh.deviation or 0.0)
     origin = points.max(axis=0) + np.ptp(points, axis=0) * [0.317, 0.419, 0.523]
     for sign, times in ((1, 0), (-1, -round(side))):

@@ -51,9 +51,6 @@ from pas.verdicts import Findings
 LARGEST = 1_000_000
 """Cells; twice as many triangles would not fit into the memory of a small machine."""
 
-BATCH = 1 << 18
-"""Coefficients of the cells that are searched at a time."""
-
 ParametricMesh = Mesh
 """What the meshes of parametric surfaces were called."""
 
@@ -261,7 +258,8 @@ def _leaves(starts: Sequence[tuple[Nets | None, Integers]], halving: _Halving) -
     leaves, worst = list[Integers](), 0.0
     while pending:
         cells = pending.pop()
-        most = BATCH // (4 if cells.table is None else cells.table[0].size)
+        batch = 1 << 18  # coefficients of the cells that are searched at a time
+        most = batch // (4 if cells.table is None else cells.table[0].size)
         found = search(cells, halving.judge, halving.split, Limits(cells=most), "meshing a surface")
         leaves.append(found.kept.places)
         worst = max(worst, float(found.kept.bounds.max(initial=0.0)))

@@ -134,7 +134,7 @@ class Cavity:
         if degree < HIGHEST_DEGREE:
             yield degree + 1, self._regions[0]
         if isinstance(own, Region) and not own.open and own.layout is not None:
-            yield None, own.layout
+            yield degree, own.layout
 
     def last_trials(self) -> Iterator[Trial]:
         """What to try where all these have nothing that is proved."""

@@ -25,9 +25,6 @@ from pas.pipeline.chosen import B
 SOLVED, INFEASIBLE = ("optimal", "optimal_inaccurate"), ("infeasible", "infeasible_inaccurate")
 """What cvxpy says of programmes."""
 
-MOST_ROUNDS = 1000
-"""Rounds that may be asked for."""
-
 
 class ConvexProblem(Generic[B]):
     """The choice of one member of a solution space by a quadratic energy, in the language of cvxpy.
@@ -97,7 +94,8 @@ class ConvexProblem(Generic[B]):
         """
         given, term = check_constraints(constraints), check_term(term)
         rows = Inequalities.none(self.space.dimension)
-        for _ in range(whole(rounds, "rounds", 1, MOST_ROUNDS)):
+        most_rounds = 1000  # rounds that may be asked for
+        for _ in range(whole(rounds, "rounds", 1, most_rounds)):
             checkpoint(f"solving a convex problem of degree {self.space.degree}")
             status = self._status(self.energy + term, [*self.constraints, *given, *self._stated(rows)])
             if status in INFEASIBLE:

@@ -51,14 +51,8 @@ ACROSS, ALONG, WIDE = 41, 17, 4.0
 """Samples across a neighbour and along it, by which the cylinder's radius is chosen, and how far they reach from the
 middle of its curve, over the curve's radius."""
 
-ROOM = 1.5
-"""Over the distance of the neighbour from the middle: the cylinder's radius where nothing else is near."""
-
 BEYOND = fmpq(21, 20)
 """How much larger than the cylinder the box is in which it is looked at."""
-
-ADVISED = 1 - 5e-4
-"""Of the least length that does not work: its four digits, rounded, are those of one that does."""
 
 NOTHING = fmpq(0)
 
@@ -84,9 +78,11 @@ def separators(
         comes_back = slab.comes_back()
         if comes_back is None:
             return ()
+        # Of the least length that does not work: its four digits, rounded, are those of one that does.
+        advised = 1 - 5e-4
         raise GeometryError(
             f"{name} comes back within {to_float(length):.4g} of its clip; take a length of at most "
-            f"{ADVISED * to_float(comes_back * frame.scale - beyond):.4g}"
+            f"{advised * to_float(comes_back * frame.scale - beyond):.4g}"
         )
     radius = slab.radius()
     if radius is None or not slab.is_one_piece(radius):
@@ -158,7 +154,9 @@ class Slab:
         step = 2 * WIDE * self.reach / (ACROSS - 1)
         if near <= far + step or far > (WIDE - 1) * self.reach:
             return None
-        return exact(min(ROOM * max(far, self.reach), (far + near) / 2))
+        # Over the distance of the neighbour from the middle: the cylinder's radius where nothing else is near.
+        room = 1.5
+        return exact(min(room * max(far, self.reach), (far + near) / 2))
 
     def _in_faces(self, points: Floats) -> np.ndarray:
         """Which points (N, 3) of the plane are in the clip faces."""

@@ -32,9 +32,6 @@ from pas.pipeline.hollow import HollowBlend, hollow
 from pas.pipeline.summary import summary
 from pas.solid.solid import Solid
 
-MOST_STEPS = 1000
-"""Steps of a slider that may be asked for at once."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Blend(ChosenBlend):
@@ -83,7 +80,8 @@ class Blend(ChosenBlend):
         """
         check_point_options(options, Sliders)
         if steps is not None:
-            whole(steps, "steps", 1, MOST_STEPS, "or None to settle")
+            most_steps = 1000  # steps of a slider that may be asked for at once
+            whole(steps, "steps", 1, most_steps, "or None to settle")
         wishes = self.wishes.changed(**options)
         chosen = refitted(self.space.prepared, self.surface, self.choice, wishes, steps)
         return Blend.of(self.space, chosen, wishes, {}, self.attempts)

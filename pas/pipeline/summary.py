@@ -14,9 +14,6 @@ from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import contact_ends
 from pas.pipeline.chosen import ChosenBlend
 
-MEASURABLE = 0.0005
-"""Seconds below which nothing is said of a stage: they would be printed as none."""
-
 
 def summary(blend: ChosenBlend) -> str:
     """A table of what was asked and what was found."""
@@ -33,10 +30,11 @@ def summary(blend: ChosenBlend) -> str:
         ("energy", f"{blend.energy:.6g} ({blend.plate.kind}){_told(blend)}"),
     ]
     rows += _fairness(blend)
+    measurable = 0.0005  # seconds below which nothing is said of a stage: they would be printed as none
     rows += [
         (f"seconds: {name}", f"{spent:.3f}{_told(blend)}")
         for name, spent in blend.timings.items()
-        if spent >= MEASURABLE
+        if spent >= measurable
     ]
     width = max(len(name) for name, _ in rows)
     return "\n".join(f"{name:<{width}}  {value}" for name, value in rows)

@@ -28,12 +28,6 @@ from pas.contacts.contact import Contact
 from pas.mesh.walls import End
 from pas.solid.field import quadric
 
-MOST_ROWS = 2**10
-"""Rows of a strip, beyond which there is none: a thousandth of its length is finer than any tolerance in use needs."""
-
-LINEAR = 2.0**-30
-"""Over the size of a strip: what is off by less half way along it is straight, to rounding."""
-
 
 class Rows(Protocol):
     """From the points (N, 3) of a loop to those of the loop a share of the way along a strip."""
@@ -174,7 +168,8 @@ class Chain:
         """Which strips are not straight."""
         ends = zip(self.strips, self.loops, self.loops[1:], strict=False)
         middles = [(strip.rows(a, 0.5) - (a + b) / 2, np.ptp(b)) for strip, a, b in ends]
-        return tuple(bool(np.abs(off).max() > LINEAR * size) for off, size in middles)
+        linear = 2.0**-30  # over the size of a strip: what is off by less half way along it is straight, to rounding
+        return tuple(bool(np.abs(off).max() > linear * size) for off, size in middles)
 
     @cached_property
     def stretch(self) -> float:
@@ -207,7 +202,9 @@ class Chain:
 def rows_within(strip: SolidStrip, begin: Floats, tolerance: float) -> list[Floats] | None:
     """The loops after a first one (N, 3) that make a strip within a tolerance, as measured; None where too many do."""
     number = 1
-    while number <= MOST_ROWS:
+    # Rows of a strip, beyond which there is none: a thousandth of its length is finer than any tolerance in use needs.
+    most_rows = 2**10
+    while number <= most_rows:
         rows = [strip.rows(begin, (k + 1) / number) for k in range(number)]
         if off_strip(strip.surface, [begin, *rows]) <= tolerance:
             return rows

@@ -28,10 +28,6 @@ from pas.surface.fairness_limits import Neighbour, unit
 ROUND = 0.01
 """How far the curve of a tube is from round about its axis, over its radius, at the most."""
 
-ALONG = 0.02
-"""Cosine between a tube's axis and its surface's normals, and curvature along it times the radius, at the most: cones,
-spheres and tori are no tubes."""
-
 IN_LINE = np.cos(np.radians(1))
 """Cosine of the angle between axes on one line, at the least."""
 
@@ -53,9 +49,6 @@ THROUGH = 0.95
 """Mean radius of a run over that of a wider one that it crosses, at the least.  The sides of two tubes meet at an angle
 whose cosine is that ratio, and a fillet of 3/5 of the wider radius leaves them by 0.008 of it there, by 0.016 at 0.9
 and 0.033 at 0.8.  Measured at right angles, both runs are within 0.03 at 0.95, and no more so at 0.9."""
-
-CROSSING = 0.2
-"""How far one tube must be outside of another, over the other's radius, so that points there belong to it alone."""
 
 AWAY, TOWARDS = 0.1, 0.5
 """Cosines from another contact: below the first a point belongs to the run alone and its waist is measured; above the
@@ -158,7 +151,9 @@ def guided(runs: Sequence[StraightRun], points: Floats) -> tuple[Floats, Floats]
     shares = np.stack([_eased((TOWARDS - c) / TOWARDS).prod(axis=1) for c in cosines], axis=1)
     for a, b in permutations(range(len(runs)), 2):
         ahead = np.clip(distances[:, b] - distances[:, a], -runs[b].radius, runs[b].radius)
-        shares[:, a] *= _eased(0.5 + ahead / (CROSSING * runs[b].radius))
+        # How far one tube must be outside of another, over the other's radius, so that points there belong to it alone.
+        crossing = 0.2
+        shares[:, a] *= _eased(0.5 + ahead / (crossing * runs[b].radius))
     return np.nan_to_num(distances, posinf=0.0), shares
 
 
@@ -215,7 +210,10 @@ def _tube(one: Neighbour) -> StraightEnd | None:
     far = np.linalg.norm(flat - center, axis=1)
     radius = float(far.mean())
     is_round = float(np.abs(far - radius).max()) <= ROUND * radius
-    is_tube = is_round and max(float(np.abs(one.normals @ axis).max()), radius * one.across) <= ALONG
+    # Cosine between a tube's axis and its surface's normals, and curvature along it times the radius, at the most:
+    # cones, spheres and tori are no tubes.
+    along = 0.02
+    is_tube = is_round and max(float(np.abs(one.normals @ axis).max()), radius * one.across) <= along
     return StraightEnd(center @ sides, axis, float((one.curve @ axis).mean()), radius) if is_tube else None
 
 
