@@ -157,7 +157,8 @@ def refuse_mixed(first: Shape, second: object) -> NoReturn:
         meshless = first if second.kind == "mesh" else second
         hint = f"take the mesh of the {meshless.kind} first, as in shape.mesh(tolerance)"
     elif other.kind == "assembly" or hasattr(other, "solid"):
-        hint = f"make a solid of the {other.kind} first, as shape.solid() and assembly[name].shape are"
+        part = "assembly[name].shape is" if other.kind == "assembly" else "shape.solid() is"
+        hint = f"make a solid of the {other.kind} first, as {part}"
     else:
         hint = f"no solid can be made of a {other.kind}: take the meshes of both, as in a.mesh(tolerance)"
     raise TypeError(f"|, & and - take two solids or two meshes, not {_one(first.kind)} and {_one(second.kind)}; {hint}")

@@ -239,6 +239,16 @@ def test_points_are_drawn_towards_a_surface_and_onto_its_rims(name):
     assert field.rim_distances(points, rim).max() > 1e-3
 
 
+@pytest.mark.parametrize("share", [0.5, 1.2])
+def test_points_that_are_not_near_are_drawn_along_rays(share):
+    """A step along the gradient alone would leave some of them off by more than a tenth of it."""
+    surface = solved(EQUAL, 2).surface
+    field = surface.mesher.radial_field
+    points = share * field.frame.local_points(surface.mesh(2e-2).points)
+    drawn, _, _ = field.drawn(points, np.zeros(len(points), dtype=bool))
+    assert (field.distances(drawn) < 0.11 * np.linalg.norm(drawn - points, axis=1)).all()
+
+
 def test_pieces_by_rays_and_pieces_of_cells_give_the_same_field():
     surface = solved(EQUAL, 2).surface
     fields = surface.mesher.radial_field, LocalField(surface)

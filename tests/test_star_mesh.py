@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import cache
+from unittest.mock import patch
 
 import numpy as np
 import pytest
-from conftest import DATA, EQUAL, UNEQUAL, solved
+from conftest import EQUAL, UNEQUAL, solved
 
 import pas
 from pas.mesh.quality import smallest_angles
@@ -121,15 +122,25 @@ def test_what_is_no_graph_is_meshed_from_a_lattice(monkeypatch):
 
 
 @cache
-def thin_arms(order):
-    """A blend of thin arms that miss one another, by the thin plate and so far from fair, and its largest extent."""
-    surface = pas.load(DATA / f"thin_arms_gc{order}.pas.json")
+def thin_arms(*arms, order):
+    """A blend of thin arms given by axis, radius, clip and a point on the axis, and its largest extent.
+
+    By the thin plate in a narrow region, and so far from fair.
+    """
+    pipes = [pas.Pipe(axis, radius, clip, point=point) for axis, radius, clip, point in arms]
+    with patch("pas.layouts.region.OUTSIDE", 0.0):
+        surface = pas.blend(pipes, order, energy=pas.ThinPlate()).surface
     return surface, float(np.ptp(surface.partition.points, axis=0).max())
 
 
 @pytest.mark.parametrize("share", [3e-3, 3e-4])
 def test_edges_across_thin_arms_are_cut_where_the_surface_is(no_lattice, share):
-    surface, extent = thin_arms(1)
+    surface, extent = thin_arms(
+        ((-2, 1, 2), "1/5", 1, ("-1/16", "-1/6", "1/5")),
+        ((-1, 0, 1), "1/5", "3/2", ("1/5", "-1/16", "1/10")),
+        ((0, 0, 2), "1/5", 1, ("1/8", "-1/8", "1/16")),
+        order=1,
+    )
     first = surface.mesher.radial_field.first
     normals = surface.mesher.radial_field.gradients(first.points)
     across = normals[Edges(first.triangles, len(first.points)).inner]
@@ -144,7 +155,12 @@ def test_edges_across_thin_arms_are_cut_where_the_surface_is(no_lattice, share):
 
 
 def test_the_distance_of_a_mesh_is_bounded_where_few_triangles_are_far(no_lattice):
-    surface, extent = thin_arms(2)
+    surface, extent = thin_arms(
+        ((2, -2, -1), "1/5", 1, ("1/10", "-1/6", "-1/10")),
+        ((1, -2, 2), "1/3", 1, ("-1/8", "-1/10", "1/12")),
+        ((1, 2, -2), "1/6", 2, ("-1/12", 0, "1/8")),
+        order=2,
+    )
     for share in (1e-3, 3e-4):
         mesh = surface.mesh(share * extent)
         assert mesh.deviation <= mesh.certificate.distance < 4 * share * extent

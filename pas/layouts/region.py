@@ -33,8 +33,9 @@ CLEAR, FARTHEST = 1.2, 1.15
 
 OUTSIDE = 1.1
 """Walls are flat, and between the ends of rays that are far apart they would cut into pipes: around three contacts and
-more none comes nearer than this beyond the surfaces of pipes.  A run behind two branches side by side was pinched there
-by 0.16 of its radius, whatever the degree; nodes of five pipes of GC^2 became fair a degree lower."""
+more, ends go out by tenths, seven times at most, until walls are so far beyond the surfaces of pipes.  A run behind
+two branches side by side was pinched there by 0.16 of its radius, whatever the degree; nodes of five pipes of GC^2
+became fair a degree lower."""
 
 FINE = 16
 """Parts of its length, at least, in which the end of a ray is rounded."""
@@ -114,9 +115,11 @@ def region(layout: Layout, discs: Sequence[Disc], walls: float = WALLS) -> Regio
     builder = Builder(layout, discs, walls)
     farther = [1.0] * len(layout.all_rays)
     step, steps = 1.1, 8  # by which ends of rays go out where walls between them come too near, and how often
-    for _ in range(steps if len(discs) > 2 else 1):  # behind a bend nothing runs through
+    for _ in range(steps):
         ends = [builder.end(ray, times) for ray, times in zip(layout.all_rays, farther, strict=True)]
         pieces = _pieces(layout, carried, ends)
+        if len(discs) < 3:  # behind a bend nothing runs through
+            break
         free = set(ends)
         near = builder.too_near([corners for piece in pieces for corners in piece if free.intersection(corners)])
         if not near:

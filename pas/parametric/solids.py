@@ -36,7 +36,8 @@ STILL = 1e-8
 
 @dataclass(frozen=True)
 class Feet:
-    """Of points (N,): the nearest of the surface (N, 3), the outward normals there, and whether they were found."""
+    """Of some points the nearest ones (N, 3) of the surface, the outward normals (N, 3) there, which of them (N,) were
+    found, the others being the nearest samples, and their parameters (N, 2)."""
 
     points: Floats
     normals: Floats

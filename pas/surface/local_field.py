@@ -33,10 +33,7 @@ where its ray leaves."""
 
 
 class LocalSurface(ABC):
-    """A piecewise surface at points (N, 3) in its local coordinates, scaled.
-
-    The piece of a point is that of the cell it is deepest in.
-    """
+    """A piecewise surface at points (N, 3) in its local coordinates, scaled."""
 
     rims: Sequence[RimCurve]
     """The curves on which it ends."""
@@ -47,24 +44,15 @@ class LocalSurface(ABC):
         self.scale = float(to_fraction(self.frame.scale))
         self.reach = float(np.sqrt((local.points**2).sum(axis=1).max()))
         self._value, self._jets, self._bends = (self.evaluator.batch(*range(n)) for n in (1, 2, 3))
-        self._maps = local.barycentric_maps if len(surface.patches) > 1 else np.empty((0, 4, 4))
-        self._piece_of = np.array(local.piece_of, dtype=np.intp)
 
     @cached_property
     def fixed(self) -> NDArray[np.bool_]:
         """Which of `rims` are fixed, and, at the end, that what is on none is not, (R + 1,)."""
         return np.array([*(curve.fixed for curve in self.rims), False])
 
+    @abstractmethod
     def pieces(self, points: Floats) -> Integers:
-        """The numbers of the pieces (N,) that hold points, or are nearest to them."""
-        cells, deepest = np.zeros(len(points), dtype=np.intp), np.full(len(points), -np.inf)
-        x, y, z = points.T
-        for number, cell in enumerate(self._maps):
-            a, b, c, d = (m[0] * x + m[1] * y + m[2] * z + m[3] for m in cell)  # barycentric coordinates
-            depths = np.minimum(np.minimum(a, b), np.minimum(c, d))
-            cells[depths > deepest] = number
-            deepest = np.maximum(deepest, depths)
-        return self._piece_of[cells]
+        """The numbers of the pieces (N,) whose polynomials count at points."""
 
     def world(self, points: Floats) -> Floats:
         """The user's coordinates of points (..., 3)."""
@@ -153,6 +141,8 @@ class LocalField(LocalSurface):
     def __init__(self, surface: PiecewisePolynomial) -> None:
         super().__init__(surface)
         self.surface = surface
+        self._maps = surface.local.barycentric_maps if len(surface.patches) > 1 else np.empty((0, 4, 4))
+        self._piece_of = np.array(surface.local.piece_of, dtype=np.intp)
         self.vertices = surface.local.points
         self.cells = np.array(surface.local.cells)
         outer = surface.local.outer_faces
@@ -169,6 +159,17 @@ class LocalField(LocalSurface):
         self.rims = [WallCurve(planes[[*numbers]]) for numbers in [*((i,) for i in range(self.walls)), *self.edges]]
         self.curves = [join.curve() for join in surface.joins if np.isfinite(join.radius)]
         self.feature_size = min((join.radius for join in surface.joins), default=np.inf)
+
+    def pieces(self, points: Floats) -> Integers:
+        """The numbers of the pieces (N,) of the cells in which points are deepest."""
+        cells, deepest = np.zeros(len(points), dtype=np.intp), np.full(len(points), -np.inf)
+        x, y, z = points.T
+        for number, cell in enumerate(self._maps):
+            a, b, c, d = (m[0] * x + m[1] * y + m[2] * z + m[3] for m in cell)  # barycentric coordinates
+            depths = np.minimum(np.minimum(a, b), np.minimum(c, d))
+            cells[depths > deepest] = number
+            deepest = np.maximum(deepest, depths)
+        return self._piece_of[cells]
 
     @cached_property
     def forms(self) -> Floats:

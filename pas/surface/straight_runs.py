@@ -187,11 +187,11 @@ def straight_runs(neighbours: Sequence[Neighbour]) -> tuple[StraightRun, ...]:
     equal angles around the centre."""
     tubes = {number: tube for number, one in enumerate(neighbours) if (tube := _tube(one)) is not None}
     pairs: list[tuple[int, int]] = []
-    wide = {pair: tubes[pair[0]].radius + tubes[pair[1]].radius for pair in combinations(tubes, 2)}
     for i, j in sorted(combinations(tubes, 2), key=lambda pair: float(tubes[pair[0]].axis @ tubes[pair[1]].axis)):
         if _continue(tubes[i], tubes[j], BEND) and not any(k in pair for pair in pairs for k in (i, j)):
             pairs.append((i, j))
-    pairs = [pair for pair in pairs if wide[pair] >= THROUGH * max(wide[other] for other in pairs)]
+    widths = [tubes[i].radius + tubes[j].radius for i, j in pairs]
+    pairs = [pair for pair, width in zip(pairs, widths, strict=True) if width >= THROUGH * max(widths)]
     if not pairs and len(neighbours) == 3 and all(_alike(a, b) for a, b in combinations(tubes.values(), 2)):
         pairs = list(combinations(tubes, 2))
     means = {number: one.mean for number, one in enumerate(neighbours)}
