@@ -213,10 +213,14 @@ class SampledConstraints:
         return min(subdivisions, ceil(round(subdivisions * angle / wide_angle, 6)))
 
     def _depth(self, margins: Margins) -> Inequalities:
-        """The row at the centre, if there is one; all pieces have the same value there."""
+        """The rows at the centre, if there is one; all pieces have the same value there."""
         if self.placed.partition.center is None:
             return Inequalities.none(self.basis.size)
-        return Inequalities(-self.basis.values(0, np.zeros((1, 3))), np.array([margins.depth * self.reach]))
+        depth = -self.basis.values(0, np.zeros((1, 3)))
+        # Members with alpha = 0 have any margin for the price of a scale: where only such sums are clean, 100 times as
+        # deep as the least thin plate with clean walls and more, there is no surface.
+        deepest = 100.0
+        return Inequalities(np.concatenate([depth, -depth]), self.reach * np.array([margins.depth, -deepest]))
 
 
 @lru_cache(maxsize=64)

@@ -49,7 +49,7 @@ _two, _three = partial(fan, each=2), partial(fan, each=3)
 _KINDS = (
     LayoutKind(
         "planes",
-        {1: tuple(map(LayoutTrial, _orbits)), 2: tuple(LayoutTrial(make, NEAR_WALLS) for make in _orbits)},
+        {1: tuple(map(LayoutTrial, _orbits)), 2: tuple(map(LayoutTrial, _orbits))},
     ),
     LayoutKind(
         "fan",
