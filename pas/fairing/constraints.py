@@ -216,11 +216,11 @@ class SampledConstraints:
         """The rows at the centre, if there is one; all pieces have the same value there."""
         if self.placed.partition.center is None:
             return Inequalities.none(self.basis.size)
+        # Members with alpha = 0 have any margin for the price of a scale, and where no others have, the solver fails
+        # among huge multiples of them: f goes no deeper than so many radii of the region, where it mostly goes to one.
+        deepest = 10.0 * self.radius * to_float(self.placed.partition.frame.scale)
         depth = -self.basis.values(0, np.zeros((1, 3)))
-        # Members with alpha = 0 have any margin for the price of a scale: where only such sums are clean, 100 times as
-        # deep as the least thin plate with clean walls and more, there is no surface.
-        deepest = 100.0
-        return Inequalities(np.concatenate([depth, -depth]), self.reach * np.array([margins.depth, -deepest]))
+        return Inequalities(np.concatenate([depth, -depth]), np.array([margins.depth * self.reach, -deepest]))
 
 
 @lru_cache(maxsize=64)

@@ -44,13 +44,10 @@ class LayoutKind:
     trials: Mapping[int, tuple[LayoutTrial, ...]]
 
 
-_orbits = [partial(planes, orbit=orbit) for orbit in ORBITS]
+_orbits = tuple(LayoutTrial(partial(planes, orbit=orbit)) for orbit in ORBITS)
 _two, _three = partial(fan, each=2), partial(fan, each=3)
 _KINDS = (
-    LayoutKind(
-        "planes",
-        {1: tuple(map(LayoutTrial, _orbits)), 2: tuple(map(LayoutTrial, _orbits))},
-    ),
+    LayoutKind("planes", {1: _orbits, 2: _orbits}),
     LayoutKind(
         "fan",
         {
