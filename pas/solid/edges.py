@@ -176,6 +176,19 @@ def circle_through(start: Point, end: Point, center: Point) -> Polynomial:
     return Polynomial.from_raw((x - center[0]) ** 2 + (y - center[1]) ** 2 - along(radius, radius))
 
 
+def radius_of(curve: Polynomial) -> tuple[Point, fmpq] | None:
+    """Centre and squared radius of a circle; None where a polynomial in x and y, negative inside, is none."""
+    x, y, _ = GENERATORS
+    a = curve.raw.to_dict().get((2, 0, 0), fmpq(0))
+    if curve.degree != 2 or a <= 0:
+        return None
+    p, q = (g / (-2 * a) for g in gradient(curve, (fmpq(0), fmpq(0))))
+    square = -curve.raw(p, q, 0) / a
+    if curve.raw != a * ((x - p) ** 2 + (y - q) ** 2 - square):
+        return None
+    return (p, q), square
+
+
 def arc(start: Point, end: Point, center: Point, left: bool, name: str) -> list[Edge]:
     """The arc of a circle between two different points of it, turning left or right, as edges of at most 100 degrees."""
     curve = circle_through(start, end, center)

@@ -14,11 +14,11 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import plain, to_float
 from pas.errors import GeometryError
-from pas.solid.edges import Edge, Loop, at, gradient, line
+from pas.solid.edges import Edge, Loop, at, gradient, line, radius_of
 from pas.solid.joints import Joint
 from pas.solid.profile import Profile, formula
 from pas.solid.sheets import Faces
-from pas.solid.sketch import radius_of, short, square_root
+from pas.solid.sketch import short, square_root
 from pas.solid.solid import Solid
 from pas.solid.swept import SweptBody, cross, flat, put_flat, put_side
 from pas.solid.tree import Atom, Tree, combined
@@ -124,7 +124,9 @@ class Prism(SweptBody):
             borders = np.cumsum([0, *count])
             for edge, (a, b) in zip(loop.edges, pairwise(borders.tolist()), strict=True):
                 below, above = (first + np.arange(a, b + 1) % len(points) + up for up in (0, n))
-                put_side(made, edge, self.lean.surface(edge), [*np.stack([above, below], axis=1)])
+                side = self.lean.surface(edge)
+                jets = lambda points, side=side: (side(points), side.gradient(points))  # noqa: E731
+                put_side(made, edge.name, [*np.stack([above, below], axis=1)], jets)
             first += len(points)
         put_flat(made, "bottom", triangles[:, ::-1], np.array([0.0, 0.0, -1.0]))
         above = triangles if not self.lean.slope else flat(tops)

@@ -4,8 +4,8 @@
     plate.extrude(5)
 
 A profile is a set of points of the plane, in x and y, between loops of straight edges and arcs of conics, all exact.
-As inequalities each edge stands in the formula of a loop once (Dobkin, Guibas, Hershberger and Snoeyink 1993); an arc
-stands with its chord.
+As inequalities each edge stands in the formula of a polygon once (Dobkin, Guibas, Hershberger and Snoeyink 1993); arcs
+add caps to that of their chords, or take them away.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, rational
 from pas.errors import GeometryError
-from pas.solid.edges import Edge, Loop, Point, across, along, apart, line, minus
+from pas.solid.edges import Edge, Loop, Point, across, along, apart, line, minus, radius_of
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined, complement
 
@@ -148,20 +148,25 @@ class Profile:
             for part, some in zip(self.parts, loops, strict=True)
             for loop in some
             if all(
-                values(other._formula(out), lambda polynomial, p=loop.edges[0].start: polynomial.raw(*p, 0)) != union
+                other.holds(loop.edges[0].start) != (out != union)
                 for other in self.parts
                 if other is not part
             )
         ]
 
-    def _formula(self, outside: bool) -> Tree:
-        return self._tree(lambda loop, _: formula(loop), outside)
+    def holds(self, point: Point) -> bool:
+        """Whether an exact point is inside or on the boundary."""
+        return bool(values(self._formula, lambda polynomial: polynomial.raw(*point, 0)))
+
+    @cached_property
+    def _formula(self) -> Tree:
+        return self._tree(lambda loop, _: formula(loop), False)
 
     def contains(self, points: ArrayLike) -> np.ndarray:
         """Whether points (..., 2) are inside, shape (...)."""
         flat = np.asarray(points, dtype=float)
         space = points_of(np.concatenate([flat, np.zeros((*flat.shape[:-1], 1))], axis=-1))
-        return np.asarray(values(self._formula(False), lambda polynomial: polynomial(space)))
+        return np.asarray(values(self._formula, lambda polynomial: polynomial(space)))
 
     def polygons(self, tolerance: float) -> list[Floats]:
         """Points (N, 2) of each loop of its boundary, whose chords are within a tolerance (the model's units) of it.
@@ -210,7 +215,8 @@ def moved_loop(loop: Loop, map_: Affine, flips: bool) -> Loop:
 def formula(
     loop: Loop, atom: Callable[[Edge], Truth] | None = None, wall: Callable[[Edge], Truth] | None = None
 ) -> Tree:
-    """What is inside a loop that is counterclockwise, by inequalities.
+    """What is inside a loop that is counterclockwise, by inequalities: what is inside its chords, and caps that arcs add
+    or take away, whose triangles are apart.
 
     `atom` makes the set to the left of an edge, of an arc that on its concave side; `wall` that to the left of an arc's
     chord.  By default these are sets in the plane.
@@ -223,7 +229,12 @@ def formula(
         places, n = [edge.start for edge in edges], len(edges)
         first, last = places.index(min(places)), places.index(max(places))
         chains = (first, (last - first) % n), (last, (first - last) % n)
-        found = joined(False, *(_chain(edges, *chain, lambda edge: _leaf(edge, atom, wall)) for chain in chains))
+        sides = [wall(edge) if edge.bow else atom(edge) for edge in edges]
+        inside = joined(False, *(_chain(edges, sides, *chain) for chain in chains))
+        caps = [joined(False, atom(e), negated(side)) for e, side in zip(edges, sides, strict=True) if e.bow > 0]
+        bays = [joined(True, negated(atom(e)), negated(side)) for e, side in zip(edges, sides, strict=True) if e.bow < 0]
+        frame = [wall(edge) for edge in _frame(edges)] if any(e.bow and radius_of(e.curve) is None for e in edges) else []
+        found = joined(False, joined(True, inside, *caps), *bays, *frame)
     assert not isinstance(found, bool)
     return found
 
@@ -241,22 +252,33 @@ def negated(part: Truth) -> Truth:
     return not part if isinstance(part, bool) else complement(part)
 
 
-def _chain(edges: Sequence[Edge], begin: int, many: int, leaf: Callable[[Edge], Truth]) -> Truth:
-    """What is to the left of consecutive edges, of which the first and the last go on endlessly.
+def _chain(edges: Sequence[Edge], sides: Sequence[Truth], begin: int, many: int) -> Truth:
+    """What is to the left of consecutive chords, of which the first and the last go on endlessly.
 
     It is divided at a corner of the convex hull: there both parts hold, or one of them does, as it is convex or not.
     """
-    mine = [edges[(begin + k) % len(edges)] for k in range(many)]
+    n = len(edges)
     if many == 1:
-        return leaf(mine[0])
+        return sides[begin % n]
+    mine = [edges[(begin + k) % n] for k in range(many)]
     chords = [minus(edge.end, edge.start) for edge in mine]
     direction = _outermost(chords[0], chords[-1])
     heights = [along(direction, edge.start) for edge in mine]
     highest = max(heights[1:])
     corners = [k for k in range(1, many) if heights[k] == highest]
     k = next((k for k in corners if across(chords[k - 1], chords[k]) != 0), corners[0])
-    parts = _chain(edges, begin, k, leaf), _chain(edges, begin + k, many - k, leaf)
+    parts = _chain(edges, sides, begin, k), _chain(edges, sides, begin + k, many - k)
     return joined(across(chords[k - 1], chords[k]) < 0, *parts)
+
+
+def _frame(edges: Sequence[Edge]) -> list[Edge]:
+    """The sides of a rectangle around edges with room to spare, which bounds caps of curves that go on endlessly."""
+    (a, b), (c, d) = (
+        (min(values) - (max(values) - min(values)) / 8, max(values) + (max(values) - min(values)) / 8)
+        for values in zip(*(p for edge in edges for p in edge.hull), strict=True)
+    )
+    corners = (a, c), (b, c), (b, d), (a, d)
+    return [Edge.straight(p, q, "") for p, q in zip(corners, corners[1:] + corners[:1], strict=True)]
 
 
 def _outermost(first: Point, last: Point) -> Point:
@@ -267,17 +289,6 @@ def _outermost(first: Point, last: Point) -> Point:
     sizes = [abs(v[0]) + abs(v[1]) for v in (first, last)]
     x, y = (first[i] / sizes[0] + last[i] / sizes[1] for i in (0, 1))
     return (y, -x) if side > 0 else (-y, x)
-
-
-def _leaf(edge: Edge, atom: Callable[[Edge], Truth], wall: Callable[[Edge], Truth]) -> Truth:
-    """What is to the left of an edge: of an arc that bows out the chord's side and the cap beyond it, of one that bows
-    in the chord's side without the cap."""
-    if not edge.bow:
-        return atom(edge)
-    chord, disc = wall(edge), atom(edge)
-    if edge.bow > 0:
-        return joined(True, chord, joined(False, disc, negated(chord)))
-    return joined(False, chord, joined(True, negated(disc), negated(chord)))
 
 
 def plane_atom(edge: Edge) -> Tree:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -26,7 +27,7 @@ from pas.solid.profile import Profile, Truth, formula, joined, negated
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
 from pas.solid.swept import SweptBody, put_flat, put_side
-from pas.solid.tree import Atom, atoms, combined
+from pas.solid.tree import Atom, combined
 
 X, Y, Z = GENERATORS
 ROUND = X * X + Y * Y
@@ -91,13 +92,16 @@ def _at_most_zero(raw: fmpq_mpoly, face: str) -> Truth:
     return Atom(Polynomial.from_raw(raw), face)
 
 
-def surface_of(edge: Edge) -> Polynomial:
-    """The surface that an edge sweeps out; of one on the axis nothing."""
-    found = _swept(edge.curve, edge.name)
-    assert not isinstance(found, bool)
-    named = next(atom for atom in atoms(found) if atom.face == edge.name)
-    assert isinstance(named.function, Polynomial)
-    return named.function
+def _jets(curve: Polynomial, points: Floats) -> tuple[Floats, Floats]:
+    """Values and gradients of a polynomial in the distance from the axis and the height, at points (..., 3).
+
+    On the axis, where an edge may end in an apex, the gradient is that of a plane through it.
+    """
+    r = np.linalg.norm(points[..., :2], axis=-1)
+    flat = np.stack([r, points[..., 2], np.zeros_like(r)], axis=-1)
+    slopes = curve.gradient(flat)
+    away = points[..., :2] / np.where(r > 0, r, 1.0)[..., None]
+    return curve(flat), np.concatenate([slopes[..., :1] * away, slopes[..., 1:2]], axis=-1)
 
 
 def _joints(loop: Loop) -> Iterator[Joint]:
@@ -145,7 +149,8 @@ class Turned(SweptBody):
             borders = np.cumsum([0, *count])
             for edge, (a, b) in zip(loop.edges, pairwise(borders.tolist()), strict=True):
                 if not _is_on_axis(edge):
-                    put_side(made, edge, surface_of(edge), [rows[first + k % len(some)] for k in range(a, b + 1)])
+                    turned = [rows[first + k % len(some)] for k in range(a, b + 1)]
+                    put_side(made, edge.name, turned, partial(_jets, edge.curve))
             first += len(some)
         if not self.is_full:
             last = turns[-1]

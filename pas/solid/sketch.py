@@ -10,10 +10,9 @@ from typing import Any
 
 from flint import fmpq
 
-from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact, plain, rational, to_float
 from pas.errors import GeometryError
-from pas.solid.edges import Edge, Loop, Point, across, along, arc, at, gradient, minus, turn
+from pas.solid.edges import Edge, Loop, Point, across, along, arc, at, minus, turn
 from pas.solid.profile import Profile, plane_point
 
 FINEST_PARAMETER = 10**9
@@ -236,16 +235,3 @@ def square_root(value: fmpq) -> fmpq:
     if p * p == value.p and q * q == value.q:
         return fmpq(p, q)
     return short(math.sqrt(to_float(value)))
-
-
-def radius_of(curve: Polynomial) -> tuple[Point, fmpq] | None:
-    """Centre and squared radius of a circle; None where a polynomial in x and y, negative inside, is none."""
-    x, y, _ = GENERATORS
-    a = curve.raw.to_dict().get((2, 0, 0), fmpq(0))
-    if curve.degree != 2 or a <= 0:
-        return None
-    p, q = (g / (-2 * a) for g in gradient(curve, (fmpq(0), fmpq(0))))
-    square = -curve.raw(p, q, 0) / a
-    if curve.raw != a * ((x - p) ** 2 + (y - q) ** 2 - square):
-        return None
-    return (p, q), square

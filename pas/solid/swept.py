@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -13,19 +13,17 @@ import numpy as np
 
 from pas.algebra.affine import Affine
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import Polynomial
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
-from pas.mesh.walls import End
-from pas.solid.edges import Edge, Loop
+from pas.solid.edges import Loop
 from pas.solid.sheets import Faces
 
 FINEST = 2.0**-40
 """Of polygons, over the size of the profile: where chords cross at that, so do edges, to rounding."""
 
-SINGULAR = 1e-9
-"""Of a gradient, over the largest on a face: at an apex there is no normal, and that of the triangle is taken."""
+Jets = Callable[[Floats], tuple[Floats, Floats]]
+"""From points (..., 3) to the values (...) and gradients (..., 3) of a function whose zero set a face is on."""
 
 B = TypeVar("B", bound="SweptBody")
 
@@ -100,25 +98,20 @@ def cross(u: Floats, v: Floats) -> Floats:
     return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
 
 
-def put_side(made: Faces, edge: Edge, surface: Polynomial, rows: Sequence[Integers]) -> None:
+def put_side(made: Faces, name: str, rows: Sequence[Integers], jets: Jets) -> None:
     """The face of an edge: rows of vertices (N,), one after the other along the edge, which is seen with the rows' order
     to the right.  A row may be one vertex, repeated."""
     quads = [(a[:-1], a[1:], b[1:], b[:-1]) for a, b in pairwise(rows)]
     triangles = np.concatenate([np.stack(t, axis=1) for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
     distinct = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
-    triangles, points = triangles[distinct], made.points
-    corners = points[triangles]
+    triangles = triangles[distinct]
+    corners = made.points[triangles]
+    _, slopes = jets(corners)
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    across /= np.linalg.norm(across, axis=1, keepdims=True)
-    slopes = surface.gradient(corners)
-    lengths = np.linalg.norm(slopes, axis=-1, keepdims=True)
-    steep = lengths > SINGULAR * lengths.max()
-    outward = np.where(steep, slopes / np.where(steep, lengths, 1.0), across[:, None, :])
-    outward *= np.sign((outward * across[:, None, :]).sum(axis=-1, keepdims=True))
-    made.add(edge.name, triangles, outward)
-    regular = (steep & np.roll(steep, 1, axis=1))[..., 0]
-    middles = (corners + np.roll(corners, 1, axis=1))[regular] / 2
-    made.deviation = max(made.deviation, End(surface, np.zeros(3)).off(middles))
+    slopes *= np.sign((slopes * across[:, None, :]).sum(axis=-1, keepdims=True))
+    made.add(name, triangles, slopes / np.linalg.norm(slopes, axis=-1, keepdims=True))
+    values, slopes = jets((corners + np.roll(corners, 1, axis=1)) / 2)
+    made.deviation = max(made.deviation, float((np.abs(values) / np.linalg.norm(slopes, axis=-1)).max()))
 
 
 def put_flat(made: Faces, name: str, triangles: Integers, normal: Floats) -> None:
