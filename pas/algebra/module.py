@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cached_property
-from typing import Any
+from typing import Any, Unpack
 
 from flint import fmpq, fmpz_mpoly, fmpz_mpoly_vec
 
@@ -18,7 +18,7 @@ from pas.algebra.inputs import natural
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
-from pas.limits import Report, checkpoint, limited
+from pas.limits import WorkLimits, checkpoint, limited
 
 Syzygy = tuple[Polynomial, ...]
 
@@ -27,9 +27,7 @@ Syzygy = tuple[Polynomial, ...]
 def syzygies(
     polynomials: Sequence[PolynomialLike | Sequence[PolynomialLike]],
     degree: int | None = None,
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> tuple[Syzygy, ...]:
     """All relations `a_1 v_1 + .. + a_m v_m = 0` with polynomial coefficients.
 
