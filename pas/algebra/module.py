@@ -203,7 +203,10 @@ def _vectors(items: Sequence[Any], name: str) -> list[Vector]:
         raise TypeError(
             f"{name} must be all polynomials or all tuples; number {tuples.index(not tuples[0]) + 1} differs"
         )
-    vectors = [tuple(_entry(p, f"{name}[{i}]") for p in (row if tuples[i] else (row,))) for i, row in enumerate(rows)]
+    vectors = [
+        tuple(Polynomial.named(p, f"{name}[{i}]").raw for p in (row if tuples[i] else (row,)))
+        for i, row in enumerate(rows)
+    ]
     for i, vector in enumerate(vectors):
         if not vector or len(vector) != len(vectors[0]):
             wanted = len(vectors[0]) or "at least 1"
@@ -211,10 +214,3 @@ def _vectors(items: Sequence[Any], name: str) -> list[Vector]:
                 f"{name}[{i}] must be a tuple of {wanted} polynomials like the first, not of {len(vector)}"
             )
     return vectors
-
-
-def _entry(expression: Any, name: str) -> Any:
-    try:
-        return Polynomial(expression).raw
-    except (ValueError, TypeError) as error:
-        raise type(error)(f"{name}: {error}") from None

@@ -93,7 +93,7 @@ class Solid(AffineShape["Solid"], Shape):
 
         Where the solid already ends on that surface, its end gets the name.
         """
-        polynomial = _inequality(plane, "plane")
+        polynomial = Polynomial.named(plane, "plane", constant=False)
 
         def rename(atom: Atom) -> Atom:
             known, is_wall = atom.function, not atom.face
@@ -303,15 +303,5 @@ def patch(name: str, polynomial: PolynomialLike, *region: PolynomialLike) -> Sol
     The face `polynomial = 0` gets the name; the region's walls have none and are meant to be shared
     with other patches (what is left open ends flat).  Raises `ValueError` for a constant.
     """
-    walls = [Atom(-_inequality(r, f"region[{i}]"), "") for i, r in enumerate(region)]
-    return Solid(combined(False, Atom(_inequality(polynomial, "polynomial"), name), *walls))
-
-
-def _inequality(expression: PolynomialLike, name: str) -> Polynomial:
-    try:
-        polynomial = Polynomial(expression)
-    except (ValueError, TypeError) as error:
-        raise type(error)(f"{name}: {error}") from None
-    if polynomial.degree < 1:
-        raise ValueError(f"{name} must be a polynomial that is not constant, not {polynomial}")
-    return polynomial
+    walls = [Atom(-Polynomial.named(r, f"region[{i}]", constant=False), "") for i, r in enumerate(region)]
+    return Solid(combined(False, Atom(Polynomial.named(polynomial, "polynomial", constant=False), name), *walls))
