@@ -10,8 +10,8 @@ part.mesh(1e-3)
 from pas.mesh.mesh import Mesh
 from pas.solid.assembly import Assembly, Part, assembly, intersection, union
 from pas.solid.joints import Joint
-from pas.solid.primitives import ball, box, cone, cylinder, half_space, implicit, torus
 from pas.solid.lettering import text
+from pas.solid.primitives import ball, box, cone, cylinder, half_space, implicit, torus
 from pas.solid.profile import Profile
 from pas.solid.sketch import Sketch, circle, polygon, rectangle, regular_polygon, rounded_rectangle, sketch
 from pas.solid.solid import Solid, patch

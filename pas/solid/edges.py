@@ -1,7 +1,7 @@
 """Edges and loops of plane profiles, exact: straight ones and arcs of conics, each with rational ends.
 
-An arc lies in the triangle of its ends and the point where its tangents there meet (a conic as a rational Bezier curve of
-degree 2, Farin 2002), so that loops whose triangles are apart do not meet: what is looked at here is exact.
+A conic is a rational Bezier curve of degree 2 (Farin 2002): an arc lies in the triangle of its ends and of the point
+where its tangents there meet.  So loops whose triangles are apart do not meet, and what is looked at here is exact.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from pas.errors import GeometryError
 Point = tuple[fmpq, fmpq]
 
 WIDEST = math.radians(100)
-"""Angle of an arc of a circle that is one edge: a quarter is, and tangents at the ends of what is longer meet far off."""
+"""Angle (radians) of the longest arc of a circle that is one edge: of longer ones tangents at the ends meet far off."""
 
 HALVINGS = 12
 """Of an arc, after which its triangle is 4^-12 of its length thin; what is still not apart touches."""
@@ -81,14 +81,13 @@ class Edge:
     def halves(self) -> tuple[Edge, Edge]:
         """Two arcs that make it, joined at a rational point near its middle."""
         assert self.control is not None
-        middle = tuple(map(exact, self.points(2)[1].tolist()))
-        found = beyond(self.curve, self.start, simplest(minus((middle[0], middle[1]), self.start)))
-        return self._to(found, self.start, self.end)
-
-    def _to(self, middle: Point, start: Point, end: Point) -> tuple[Edge, Edge]:
-        parts = []
-        for a, b in ((start, middle), (middle, end)):
-            parts.append(replace(self, start=a, end=b, control=tangents_meet(self.curve, a, b)))
+        x, y = (exact(c) for c in self.points(2)[1].tolist())
+        ways = minus((x, y), self.start), minus(self.control, self.start)
+        middle = beyond(self.curve, self.start, simplest(*ways))
+        parts = [
+            replace(self, start=a, end=b, control=tangents_meet(self.curve, a, b))
+            for a, b in ((self.start, middle), (middle, self.end))
+        ]
         return parts[0], parts[1]
 
     def points(self, parts: int) -> Floats:
@@ -142,17 +141,18 @@ def minus(a: Point, b: Point) -> Point:
     return a[0] - b[0], a[1] - b[1]
 
 
-def simplest(vector: Point) -> Point:
-    """A vector of short numbers in nearly the same direction."""
-    size = max(abs(to_float(v)) for v in vector)
-    x, y = (Fraction(to_float(v) / size).limit_denominator(64) for v in vector)
+def simplest(vector: Point, other: Point) -> Point:
+    """A vector of short numbers in nearly the direction of one, on the same side of another."""
+    u, v = to_floats(vector), to_floats(other)
+    sine = abs(u[0] * v[1] - u[1] * v[0]) / (math.hypot(*u) * math.hypot(*v))
+    x, y = (Fraction(c / math.hypot(*u)).limit_denominator(math.ceil(64 / sine)) for c in u)
     return rational(x), rational(y)
 
 
 def beyond(curve: Polynomial, start: Point, direction: Point) -> Point:
     """The other point in which the line through a point of a conic meets it."""
     slope = along(gradient(curve, start), direction)
-    bend = sum(curve.raw(*(s + sign * d for s, d in zip(start, direction, strict=True)), 0) for sign in (1, -1)) / 2
+    bend = curve.raw(start[0] + direction[0], start[1] + direction[1], 0) - slope
     return start[0] - slope / bend * direction[0], start[1] - slope / bend * direction[1]
 
 
@@ -190,7 +190,7 @@ def radius_of(curve: Polynomial) -> tuple[Point, fmpq] | None:
 
 
 def arc(start: Point, end: Point, center: Point, left: bool, name: str) -> list[Edge]:
-    """The arc of a circle between two different points of it, turning left or right, as edges of at most 100 degrees."""
+    """The arc of a circle between two different points of it, turning left or right, as edges up to `WIDEST`."""
     curve = circle_through(start, end, center)
     u, v = (to_floats(minus(p, center)) for p in (start, end))
     angle = math.atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])
@@ -202,7 +202,8 @@ def arc(start: Point, end: Point, center: Point, left: bool, name: str) -> list[
         u[0] * (math.cos(half) - 1) - u[1] * math.sin(half),
         u[0] * math.sin(half) + u[1] * (math.cos(half) - 1),
     )
-    middle = beyond(curve, start, simplest((exact(to_middle[0]), exact(to_middle[1]))))
+    tangent = center[1] - start[1], start[0] - center[0]
+    middle = beyond(curve, start, simplest((exact(to_middle[0]), exact(to_middle[1])), tangent))
     return [*arc(start, middle, center, left, name), *arc(middle, end, center, left, name)]
 
 

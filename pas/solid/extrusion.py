@@ -20,7 +20,7 @@ from pas.solid.profile import Profile, formula
 from pas.solid.sheets import Faces
 from pas.solid.sketch import short, square_root
 from pas.solid.solid import Solid
-from pas.solid.swept import SweptBody, cross, flat, put_flat, put_side
+from pas.solid.swept import COARSE, SweptBody, cross, flat, put_flat, put_side
 from pas.solid.tree import Atom, Tree, combined
 
 X, Y, Z = GENERATORS
@@ -86,11 +86,15 @@ class Lean:
             _, radius = _circle(edge)
             if radius <= self.slope * edge.bow * height:
                 raise GeometryError(
-                    f"the taper is too much for the edge {edge.name!r}: its radius, {plain(radius)}, is used up at height "
-                    f"{to_float(radius / abs(self.slope)):.6g}"
+                    f"the taper is too much for the edge {edge.name!r}: its radius, {plain(radius)}, is used up at "
+                    f"height {to_float(radius / abs(self.slope)):.6g}"
                 )
         for one, other in loop.corners:
-            if (one.control or other.control) and one.curve != other.curve and (one, other) not in [*loop.smooth_corners]:
+            if (
+                (one.control or other.control)
+                and one.curve != other.curve
+                and (one, other) not in [*loop.smooth_corners]
+            ):
                 raise GeometryError(
                     f"edges {one.name!r} and {other.name!r} meet with an angle at {at(one.end)}, one of them an arc: "
                     f"sides lean by a taper only where arcs go on in their neighbours' direction"
@@ -113,10 +117,15 @@ class Prism(SweptBody):
     height: float
     lean: Lean
 
-    def swept(self, tolerance: float) -> Faces:
+    def swept(self, tolerance: float) -> Faces | None:
         """Its faces: rows of the loops' polygons at both ends, and between them the sides."""
-        polygons, counts, triangles = self.polygons(tolerance)
-        tops = [self._top(loop, *some) for loop, some in zip(self.loops, zip(polygons, counts, strict=True), strict=True)]
+        found = self.polygons(tolerance)
+        if found is None:
+            return None
+        polygons, counts, triangles = found
+        tops = [
+            self._top(loop, *some) for loop, some in zip(self.loops, zip(polygons, counts, strict=True), strict=True)
+        ]
         levels = (np.concatenate(polygons), 0.0), (np.concatenate(tops), self.height)
         made = Faces([np.pad(p, ((0, 0), (0, 1)), constant_values=z) for p, z in levels], 0.0)
         n, first = len(levels[0][0]), 0
@@ -129,8 +138,10 @@ class Prism(SweptBody):
                 put_side(made, edge.name, [*np.stack([above, below], axis=1)], jets)
             first += len(points)
         put_flat(made, "bottom", triangles[:, ::-1], np.array([0.0, 0.0, -1.0]))
-        above = triangles if not self.lean.slope else flat(tops)
-        put_flat(made, "top", n + (triangles if above is None else above), np.array([0.0, 0.0, 1.0]))
+        top = flat(tops) if self.lean.slope else triangles
+        if top is None:
+            return None
+        put_flat(made, "top", n + top, np.array([0.0, 0.0, 1.0]))
         return made
 
     def _top(self, loop: Loop, points: Floats, counts: list[int]) -> Floats:
@@ -153,9 +164,9 @@ class Prism(SweptBody):
 
     def refuse_lost_top(self) -> None:
         """Raise `GeometryError` where the edges do not all reach the top in their order."""
-        polygons, counts, _ = self.polygons(max(loop.size for loop in self.loops) / 64)
         tops = []
-        for loop, points, count in zip(self.loops, polygons, counts, strict=True):
+        for loop in self.loops:
+            points, count = loop.polygon(COARSE)
             top = self._top(loop, points, count)
             chords = [np.roll(p, -1, axis=0) - p for p in (points, top)]
             lost = np.flatnonzero((chords[0] * chords[1]).sum(axis=1) <= 0)
@@ -166,7 +177,10 @@ class Prism(SweptBody):
                     f"{self.height:.6g}; take a smaller height or taper"
                 )
             tops.append(top)
-        if flat(tops) is None or min(cross(p, np.roll(p, -1, axis=0)).sum() * s for p, s in zip(tops, self._signs, strict=True)) <= 0:
+        if (
+            flat(tops) is None
+            or min(cross(p, np.roll(p, -1, axis=0)).sum() * s for p, s in zip(tops, self._signs, strict=True)) <= 0
+        ):
             raise GeometryError("the taper is too much: sides meet below the top; take a smaller height or taper")
 
     @property

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -21,9 +20,9 @@ Contour = list[tuple[Point, ...]]
 def text(words: str, size: Exact, corner: Sequence[Exact] = (0, 0), font: str | Path = "DejaVu Sans") -> Profile:
     """The outlines of a line of text, from a corner on the base line to the right.
 
-    `size` is that of the font, the distance between lines set solid, in the model's units; capital letters are about 0.7
-    of it high.  `font` is the name of a font that is installed, or the path of a TrueType or OpenType file; outlines of
-    degree 3 are replaced by parabolas within a thousandth of the size.  Faces are named after the letters, "a", "b 2".
+    `size` is that of the font, in the model's units; capital letters are about 0.7 of it high.  `font` is the name of a
+    font that is installed, or the path of a TrueType or OpenType file; of OpenType's cubic outlines parabolas are taken
+    that are within a thousandth of the size.  Faces are named after the letters, "a" or, with several outlines, "b 2".
     Raises `GeometryError` where the font has no such letter, where an outline crosses itself, and for blank text;
     `FileNotFoundError` where there is no such font.
     """
@@ -32,7 +31,6 @@ def text(words: str, size: Exact, corner: Sequence[Exact] = (0, 0), font: str | 
     if not isinstance(words, str):
         raise TypeError(f"text must be a string, not {words!r}")
     place = Path(_font_file(font))
-    logging.getLogger("fontTools").setLevel(logging.ERROR)  # dates of files are no matter of ours
     with TTFont(place, fontNumber=0) as opened:
         glyphs, letters = opened.getGlyphSet(), opened.getBestCmap()
         unit = positive(size, "size") / opened["head"].unitsPerEm
@@ -40,7 +38,9 @@ def text(words: str, size: Exact, corner: Sequence[Exact] = (0, 0), font: str | 
         parts: list[Profile] = []
         for number, letter in enumerate(words):
             if ord(letter) not in letters:
-                raise GeometryError(f"the font {place.stem} has no letter {letter!r}, the {number + 1}th of the text")
+                raise GeometryError(
+                    f"the font {place.stem} has no letter {letter!r}, which is number {number + 1} of the text"
+                )
             glyph = glyphs[letters[ord(letter)]]
             try:
                 parts += _letter([_placed(c, unit, (x, y)) for c in _contours(glyph, glyphs, opened)], letter)
@@ -114,7 +114,10 @@ def _letter(contours: Sequence[Contour], letter: str) -> list[Profile]:
         made.append(closed(edges))
     around = [[other for other in made if other is not one and _is_around(other, one)] for one in made]
     return [
-        _less(one, [hole for hole, those in zip(made, around, strict=True) if one in those and len(those) == len(outer) + 1])
+        _less(
+            one,
+            [hole for hole, those in zip(made, around, strict=True) if one in those and len(those) == len(outer) + 1],
+        )
         for one, outer in zip(made, around, strict=True)
         if len(outer) % 2 == 0
     ]

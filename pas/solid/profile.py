@@ -61,7 +61,9 @@ class Profile:
 
     def _with(self, other: Profile, union: bool, less: bool = False) -> Profile:
         if not isinstance(other, Profile):
-            raise TypeError(f"|, & and - take two profiles, not a profile and {shown(other)}; extrude the profile first")
+            raise TypeError(
+                f"|, & and - take two profiles, not a profile and {shown(other)}; extrude the profile first"
+            )
         return Profile(None, (self, replace(other, outside=not other.outside) if less else other), union)
 
     def translate(self, x: Exact, y: Exact) -> Profile:
@@ -147,11 +149,7 @@ class Profile:
             loop
             for part, some in zip(self.parts, loops, strict=True)
             for loop in some
-            if all(
-                other.holds(loop.edges[0].start) != (out != union)
-                for other in self.parts
-                if other is not part
-            )
+            if all(other.holds(loop.edges[0].start) != (out != union) for other in self.parts if other is not part)
         ]
 
     def holds(self, point: Point) -> bool:
@@ -215,8 +213,9 @@ def moved_loop(loop: Loop, map_: Affine, flips: bool) -> Loop:
 def formula(
     loop: Loop, atom: Callable[[Edge], Truth] | None = None, wall: Callable[[Edge], Truth] | None = None
 ) -> Tree:
-    """What is inside a loop that is counterclockwise, by inequalities: what is inside its chords, and caps that arcs add
-    or take away, whose triangles are apart.
+    """What is inside a loop that is counterclockwise, by inequalities.
+
+    It is what is inside its chords, and caps that arcs add or take away; their triangles are apart.
 
     `atom` makes the set to the left of an edge, of an arc that on its concave side; `wall` that to the left of an arc's
     chord.  By default these are sets in the plane.
@@ -232,8 +231,12 @@ def formula(
         sides = [wall(edge) if edge.bow else atom(edge) for edge in edges]
         inside = joined(False, *(_chain(edges, sides, *chain) for chain in chains))
         caps = [joined(False, atom(e), negated(side)) for e, side in zip(edges, sides, strict=True) if e.bow > 0]
-        bays = [joined(True, negated(atom(e)), negated(side)) for e, side in zip(edges, sides, strict=True) if e.bow < 0]
-        frame = [wall(edge) for edge in _frame(edges)] if any(e.bow and radius_of(e.curve) is None for e in edges) else []
+        bays = [
+            joined(True, negated(atom(e)), negated(side)) for e, side in zip(edges, sides, strict=True) if e.bow < 0
+        ]
+        frame = (
+            [wall(edge) for edge in _frame(edges)] if any(e.bow and radius_of(e.curve) is None for e in edges) else []
+        )
         found = joined(False, joined(True, inside, *caps), *bays, *frame)
     assert not isinstance(found, bool)
     return found

@@ -1,8 +1,8 @@
 """Solids of revolution of profiles.
 
-Where an edge's polynomial is E + r O, with E and O even in the distance r from the axis, it is at most 0 where E <= 0 and
-O <= 0, where E <= 0 and E^2 >= r^2 O^2, and where O <= 0 and E^2 <= r^2 O^2: the surface is that of E^2 - r^2 O^2, planes,
-cylinders, cones and spheres where that is a square or O is 0, tori of arcs of circles.
+Where an edge's polynomial is E + r O, with E and O even in the distance r from the axis, it is at most 0 where both E
+and O are, where E <= 0 and E^2 >= r^2 O^2, and where O <= 0 and E^2 <= r^2 O^2.  The surface is that of E^2 - r^2 O^2,
+or of E where O is 0: of segments planes, cylinders and cones, of arcs of circles tori and spheres.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from pas.solid.tree import Atom, combined
 X, Y, Z = GENERATORS
 ROUND = X * X + Y * Y
 FULL = 360
+
 
 def revolved(profile: Profile, degrees: fmpq) -> Solid:
     """The solid that a profile sweeps out; see `Profile.revolve`."""
@@ -74,7 +75,7 @@ def _swept(curve: Polynomial, face: str) -> Truth:
     for (i, j, _), c in curve.raw.to_dict().items():
         term = ROUND ** (i // 2) * Z**j * c
         even, odd = (even, odd + term) if i % 2 else (even + term, odd)
-    if odd == 0:
+    if not odd:
         return _at_most_zero(even, face)
     squares = even * even - ROUND * odd * odd
     below, falling = _at_most_zero(even, ""), _at_most_zero(odd, "")
@@ -88,7 +89,7 @@ def _swept(curve: Polynomial, face: str) -> Truth:
 
 def _at_most_zero(raw: fmpq_mpoly, face: str) -> Truth:
     if raw.is_constant():
-        return bool(raw.leading_coefficient() <= 0) if raw != 0 else True
+        return not raw or bool(raw.leading_coefficient() < 0)
     return Atom(Polynomial.from_raw(raw), face)
 
 
@@ -128,9 +129,12 @@ class Turned(SweptBody):
         """Whether it turns all round, so that it has no flat ends."""
         return self.angle == 2 * math.pi
 
-    def swept(self, tolerance: float) -> Faces:
+    def swept(self, tolerance: float) -> Faces | None:
         """Its faces: a row of points for each point of the polygons, one point on the axis."""
-        polygons, counts, triangles = self.polygons(tolerance / 2)
+        found = self.polygons(tolerance / 2)
+        if found is None:
+            return None
+        polygons, counts, triangles = found
         points = np.concatenate(polygons)
         widest = float(points[:, 0].max())
         step = 2 * math.acos(max(1 - tolerance / (2 * widest), 0.5))  # chords of a circle leave it by that

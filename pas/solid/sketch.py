@@ -76,7 +76,9 @@ class Sketch:
         tangent, chord = self.edges[-1].tangent(at_end=True), minus(end, self.end)
         side = across(tangent, chord)
         if side == 0:
-            raise GeometryError(f"the arc to {at(end)} would be straight: the last edge points there, or away from there")
+            raise GeometryError(
+                f"the arc to {at(end)} would be straight: the last edge points there, or away from there"
+            )
         share = along(chord, chord) / (2 * side)
         center = self.end[0] - share * tangent[1], self.end[1] + share * tangent[0]
         return self._with(face, lambda name: arc(self.end, end, center, side > 0, name))
@@ -107,7 +109,9 @@ class Sketch:
 
 def closed(edges: Sequence[Edge], whole: bool = False) -> Profile:
     """The profile inside edges, in either direction; raises `GeometryError` where they are no boundary."""
-    if len(edges) < 2 or all(edge.control is None and turn(edges[0].start, edges[0].end, edge.end) == 0 for edge in edges):
+    if len(edges) < 2 or all(
+        edge.control is None and turn(edges[0].start, edges[0].end, edge.end) == 0 for edge in edges
+    ):
         raise GeometryError("the profile has nothing inside: its edges are in one line")
     loop = Loop(tuple(edges), whole)
     if not whole:
@@ -133,7 +137,9 @@ def polygon(points: Sequence[Sequence[Exact]], face: str = "side") -> Profile:
         raise ValueError(f"a polygon has at least three corners, not {len(corners)}")
     for i, (a, b) in enumerate(zip(corners, corners[1:] + corners[:1], strict=True)):
         if a == b:
-            raise GeometryError(f"corners {i + 1} and {(i + 1) % len(corners) + 1} of the polygon are one point, {at(a)}")
+            raise GeometryError(
+                f"corners {i + 1} and {(i + 1) % len(corners) + 1} of the polygon are one point, {at(a)}"
+            )
     ends = zip(corners, corners[1:] + corners[:1], strict=True)
     return closed([Edge.straight(a, b, f"{face} {i + 1}") for i, (a, b) in enumerate(ends)])
 

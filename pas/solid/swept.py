@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from itertools import pairwise
 from typing import TypeVar
 
@@ -19,8 +18,11 @@ from pas.mesh.rows import Integers
 from pas.solid.edges import Loop
 from pas.solid.sheets import Faces
 
+COARSE = 2.0**-6
+"""Of polygons that show where a profile is, over its size."""
+
 FINEST = 2.0**-40
-"""Of polygons, over the size of the profile: where chords cross at that, so do edges, to rounding."""
+"""Of polygons, over the size of the profile: where chords cross even then, so do edges, to rounding."""
 
 Jets = Callable[[Floats], tuple[Floats, Floats]]
 """From points (..., 3) to the values (...) and gradients (..., 3) of a function whose zero set a face is on."""
@@ -42,44 +44,46 @@ class SweptBody(ABC):
     @property
     def size(self) -> float | None:
         """The longest side of a box around it, as a coarse mesh shows it."""
-        return float(np.ptp(self._coarse.points, axis=0).max())
+        made = self.swept(COARSE * self._profile_size)
+        if made is None:
+            return None
+        points = made.points if self.place is None else self.place.points(made.points)
+        return float(np.ptp(points, axis=0).max())
 
-    @cached_property
-    def _coarse(self) -> Mesh:
-        made = self.swept(max(loop.size for loop in self.loops) / 64).mesh
-        return made if self.place is None else made._moved(self.place)
+    @property
+    def _profile_size(self) -> float:
+        return max(loop.size for loop in self.loops)
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         """A closed mesh within a tolerance (the model's units), as measured; None where rounding spoils it."""
         stretch = 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
-        made = self.swept(tolerance / stretch).mesh
-        if made.deviation is None or made.deviation * stretch > tolerance:
+        faces = self.swept(tolerance / stretch)
+        if faces is None or faces.deviation * stretch > tolerance:
             return None
-        return made if self.place is None else made._moved(self.place)
+        return faces.mesh if self.place is None else faces.mesh._moved(self.place)
 
     @abstractmethod
-    def swept(self, tolerance: float) -> Faces:
-        """Its faces before it was moved, within a tolerance."""
+    def swept(self, tolerance: float) -> Faces | None:
+        """Its faces before it was moved, within a tolerance; None where polygons cross."""
 
-    def polygons(self, tolerance: float) -> tuple[list[Floats], list[list[int]], Integers]:
+    def polygons(self, tolerance: float) -> tuple[list[Floats], list[list[int]], Integers] | None:
         """Points (N, 2) of each loop, how many are of each edge, and triangles (T, 3) of all points inside.
 
-        Chords are as short as the tolerance needs, and so that they do not cross.
+        Chords are as short as the tolerance needs, and so that they do not cross; None where they do to rounding.
         """
-        size = max(loop.size for loop in self.loops)
-        relative = tolerance / size
-        while True:
-            found = [loop.polygon(relative * size / loop.size) for loop in self.loops]
+        while tolerance > FINEST * self._profile_size:
+            found = [loop.polygon(tolerance / loop.size) for loop in self.loops]
             triangles = flat([points for points, _ in found])
-            if triangles is not None or relative < FINEST:
-                return [p for p, _ in found], [c for _, c in found], np.zeros((0, 3)) if triangles is None else triangles
-            relative /= 4
+            if triangles is not None:
+                return [points for points, _ in found], [counts for _, counts in found], triangles
+            tolerance /= 4
+        return None
 
 
 def flat(polygons: Sequence[Floats]) -> Integers | None:
-    """Triangles (T, 3) between the points of polygons (N, 2), counterclockwise around what is inside, numbered in order.
+    """Triangles (T, 3) between the points of polygons (N, 2), which are numbered in order.
 
-    None where the polygons cross.
+    The polygons have what is inside to their left.  None where they cross.
     """
     from manifold3d import triangulate
 
@@ -99,8 +103,10 @@ def cross(u: Floats, v: Floats) -> Floats:
 
 
 def put_side(made: Faces, name: str, rows: Sequence[Integers], jets: Jets) -> None:
-    """The face of an edge: rows of vertices (N,), one after the other along the edge, which is seen with the rows' order
-    to the right.  A row may be one vertex, repeated."""
+    """The face of an edge between rows of vertices (N,): seen from outside, each is to the left of the one before it.
+
+    A row may be one vertex, repeated.  `jets` are those of the surface, of either sign.
+    """
     quads = [(a[:-1], a[1:], b[1:], b[:-1]) for a, b in pairwise(rows)]
     triangles = np.concatenate([np.stack(t, axis=1) for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
     distinct = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
