@@ -30,7 +30,7 @@ HALVINGS = 12
 
 
 @dataclass(frozen=True)
-class Edge:
+class PlaneEdge:
     """A piece of a profile's boundary from `start` to `end`, with what is inside to its left.
 
     `curve`, a polynomial in x and y, is 0 on it.  That of a straight edge is linear, negative to the left, and there is
@@ -44,12 +44,12 @@ class Edge:
     name: str
 
     @classmethod
-    def straight(cls, start: Point, end: Point, name: str) -> Edge:
+    def straight(cls, start: Point, end: Point, name: str) -> PlaneEdge:
         """The segment between two different points."""
         return cls(start, end, None, line(start, end), name)
 
     @classmethod
-    def parabola(cls, start: Point, control: Point, end: Point, name: str) -> Edge:
+    def parabola(cls, start: Point, control: Point, end: Point, name: str) -> PlaneEdge:
         """The Bezier curve of degree 2 with three control points, straight where these are in line."""
         area = turn(start, control, end)
         if area == 0:
@@ -73,12 +73,12 @@ class Edge:
         return minus(ends[1], ends[0])
 
     @property
-    def reversed(self) -> Edge:
+    def reversed(self) -> PlaneEdge:
         """The edge of what is on its other side."""
         return replace(self, start=self.end, end=self.start, curve=self.curve if self.control else -self.curve)
 
     @cached_property
-    def halves(self) -> tuple[Edge, Edge]:
+    def halves(self) -> tuple[PlaneEdge, PlaneEdge]:
         """Two arcs that make it, joined at a rational point near its middle."""
         assert self.control is not None
         x, y = (exact(c) for c in self.points(2)[1].tolist())
@@ -168,14 +168,6 @@ def tangents_meet(curve: Polynomial, a: Point, b: Point) -> Point:
     return (s * q[1] - t * p[1]) / d, (t * p[0] - s * q[0]) / d
 
 
-def circle_through(start: Point, end: Point, center: Point) -> Polynomial:
-    """The polynomial of the circle around a centre through a point; `end` must be on it, too."""
-    x, y, _ = GENERATORS
-    radius = minus(start, center)
-    assert along(radius, radius) == along(minus(end, center), minus(end, center))
-    return Polynomial.from_raw((x - center[0]) ** 2 + (y - center[1]) ** 2 - along(radius, radius))
-
-
 def radius_of(curve: Polynomial) -> tuple[Point, fmpq] | None:
     """Centre and squared radius of a circle; None where a polynomial in x and y, negative inside, is none."""
     x, y, _ = GENERATORS
@@ -189,14 +181,16 @@ def radius_of(curve: Polynomial) -> tuple[Point, fmpq] | None:
     return (p, q), square
 
 
-def arc(start: Point, end: Point, center: Point, left: bool, name: str) -> list[Edge]:
+def arc(start: Point, end: Point, center: Point, left: bool, name: str) -> list[PlaneEdge]:
     """The arc of a circle between two different points of it, turning left or right, as edges up to `WIDEST`."""
-    curve = circle_through(start, end, center)
+    x, y, _ = GENERATORS
+    radius = minus(start, center)
+    curve = Polynomial.from_raw((x - center[0]) ** 2 + (y - center[1]) ** 2 - along(radius, radius))
     u, v = (to_floats(minus(p, center)) for p in (start, end))
     angle = math.atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])
     angle = angle % (2 * math.pi) if left else -(-angle % (2 * math.pi))
     if abs(angle) <= WIDEST:
-        return [Edge(start, end, tangents_meet(curve, start, end), curve, name)]
+        return [PlaneEdge(start, end, tangents_meet(curve, start, end), curve, name)]
     half = angle / 2
     to_middle = (
         u[0] * (math.cos(half) - 1) - u[1] * math.sin(half),
@@ -207,6 +201,10 @@ def arc(start: Point, end: Point, center: Point, left: bool, name: str) -> list[
     return [*arc(start, middle, center, left, name), *arc(middle, end, center, left, name)]
 
 
+Complaint = Callable[[PlaneEdge, PlaneEdge], Exception]
+"""What is wrong with two edges that meet."""
+
+
 @dataclass(frozen=True)
 class Loop:
     """Edges one after the other, the last of which ends where the first begins; what is inside is to their left.
@@ -214,7 +212,7 @@ class Loop:
     `whole` says that it is all of one closed curve, as a circle, which is the `curve` of each edge.
     """
 
-    edges: tuple[Edge, ...]
+    edges: tuple[PlaneEdge, ...]
     whole: bool = False
 
     @property
@@ -223,7 +221,7 @@ class Loop:
         return replace(self, edges=tuple(edge.reversed for edge in self.edges[::-1]))
 
     @cached_property
-    def separated(self) -> tuple[Edge, ...]:
+    def separated(self) -> tuple[PlaneEdge, ...]:
         """Its edges, at least three, with arcs cut until no two have more than a common end.
 
         Raises `GeometryError` where it crosses or touches itself, or turns back at a point.
@@ -233,7 +231,7 @@ class Loop:
             edges = tuple(half for edge in edges for half in (edge.halves if edge.control else (edge,)))
         return apart(edges, self.complaint)
 
-    def complaint(self, one: Edge, other: Edge) -> GeometryError:
+    def complaint(self, one: PlaneEdge, other: PlaneEdge) -> GeometryError:
         """What is wrong with two of its edges that meet."""
         if one.end == other.start or other.end == one.start:
             corner = one.end if one.end == other.start else one.start
@@ -263,12 +261,12 @@ class Loop:
         return np.concatenate(found), [len(points) for points in found]
 
     @property
-    def corners(self) -> Iterator[tuple[Edge, Edge]]:
+    def corners(self) -> Iterator[tuple[PlaneEdge, PlaneEdge]]:
         """Each two edges that follow one another."""
         yield from zip(self.edges, self.edges[1:] + self.edges[:1], strict=True)
 
     @property
-    def smooth_corners(self) -> Iterator[tuple[Edge, Edge]]:
+    def smooth_corners(self) -> Iterator[tuple[PlaneEdge, PlaneEdge]]:
         """Those of different curves that go on in one direction."""
         for one, other in self.corners:
             u, v = one.tangent(at_end=True), other.tangent(at_end=False)
@@ -276,7 +274,7 @@ class Loop:
                 yield one, other
 
 
-def apart(edges: Sequence[Edge], complaint: Callable[[Edge, Edge], Exception]) -> tuple[Edge, ...]:
+def apart(edges: Sequence[PlaneEdge], complaint: Callable[[PlaneEdge, PlaneEdge], Exception]) -> tuple[PlaneEdge, ...]:
     """Edges with arcs cut until no two have more than a common end.
 
     Raises what `complaint` makes of two where that does not end.
@@ -294,7 +292,7 @@ def apart(edges: Sequence[Edge], complaint: Callable[[Edge, Edge], Exception]) -
     return tuple(edge for edge, _ in found)
 
 
-def _meeting(edges: Sequence[Edge]) -> list[tuple[int, int]]:
+def _meeting(edges: Sequence[PlaneEdge]) -> list[tuple[int, int]]:
     """The pairs of edges, by number, whose hulls have more in common than ends."""
     corners = [np.array([to_floats(p) for p in edge.hull]) for edge in edges]
     low, high = (np.array([f(c, axis=0) for c in corners]) for f in (np.min, np.max))
@@ -302,7 +300,7 @@ def _meeting(edges: Sequence[Edge]) -> list[tuple[int, int]]:
     return [(i, j) for i, j in np.argwhere(near).tolist() if not _are_apart(edges[i], edges[j])]
 
 
-def _are_apart(one: Edge, other: Edge) -> bool:
+def _are_apart(one: PlaneEdge, other: PlaneEdge) -> bool:
     """Whether the hulls of two edges have at most one end of both in common."""
     common = {one.start, one.end} & {other.start, other.end}
     if len(common) != 1:
@@ -335,7 +333,7 @@ def _holds(cone: list[Point], ray: Point) -> bool:
     return across(first, ray) >= 0 and across(ray, last) >= 0
 
 
-def near(one: Edge, other: Edge) -> str:
+def near(one: PlaneEdge, other: PlaneEdge) -> str:
     """A place at which two edges meet, to be read."""
     points = one.points(64), other.points(64)
     gaps = np.linalg.norm(points[0][:, None] - points[1][None], axis=2)

@@ -12,13 +12,12 @@ from flint import fmpq
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import plain, to_float
+from pas.algebra.rational import near, plain, square_root, to_float
 from pas.errors import GeometryError
-from pas.solid.edges import Edge, Loop, at, gradient, line, radius_of
+from pas.solid.edges import Loop, PlaneEdge, at, gradient, line, radius_of
+from pas.solid.formulas import PlaneSet, formula
 from pas.solid.joints import Joint
-from pas.solid.profile import Profile, formula
 from pas.solid.sheets import Faces
-from pas.solid.sketch import short, square_root
 from pas.solid.solid import Solid
 from pas.solid.swept import COARSE, SweptBody, cross, flat, put_flat, put_side
 from pas.solid.tree import Atom, Tree, combined
@@ -26,13 +25,13 @@ from pas.solid.tree import Atom, Tree, combined
 X, Y, Z = GENERATORS
 
 
-def extruded(profile: Profile, height: fmpq, taper: fmpq) -> Solid:
+def extruded(profile: PlaneSet, height: fmpq, taper: fmpq) -> Solid:
     """The solid over a profile; see `Profile.extrude`."""
     if height <= 0:
         raise ValueError(f"height must be positive, not {plain(height)}; translate the solid to put it elsewhere")
     if abs(taper) >= 90:
         raise ValueError(f"taper must be between -90 and 90 degrees, not {plain(taper)}")
-    slope = short(math.tan(math.radians(to_float(taper)))) if taper else fmpq(0)
+    slope = near(math.tan(math.radians(to_float(taper)))) if taper else fmpq(0)
 
     def lift(loop: Loop, outside: bool) -> Tree:
         lean = Lean(-slope if outside else slope)
@@ -55,7 +54,7 @@ class Lean:
 
     slope: fmpq
 
-    def surface(self, edge: Edge) -> Polynomial:
+    def surface(self, edge: PlaneEdge) -> Polynomial:
         """The surface over an edge, negative where its polynomial is."""
         if not self.slope:
             return edge.curve
@@ -65,7 +64,7 @@ class Lean:
         rest = radius - self.slope * edge.bow * Z
         return Polynomial.from_raw((X - center[0]) ** 2 + (Y - center[1]) ** 2 - rest * rest)
 
-    def wall(self, edge: Edge) -> Polynomial:
+    def wall(self, edge: PlaneEdge) -> Polynomial:
         """The plane over the chord of an arc, through the apex of its cone."""
         chord = line(edge.start, edge.end)
         if not self.slope:
@@ -106,7 +105,7 @@ def joints(loop: Loop, lean: Lean) -> Iterator[Joint]:
     for one, other in loop.smooth_corners:
         u, v = one.tangent(at_end=True)
         across = Polynomial.from_raw((X - one.end[0]) * u + (Y - one.end[1]) * v)
-        flat_side = Edge.straight(one.end, (one.end[0] + u, one.end[1] + v), "")
+        flat_side = PlaneEdge.straight(one.end, (one.end[0] + u, one.end[1] + v), "")
         yield Joint(one.name, other.name, (lean.surface(flat_side), across), 1)
 
 
@@ -188,13 +187,13 @@ class Prism(SweptBody):
         return [1 if loop.is_counterclockwise else -1 for loop in self.loops]
 
 
-def _square(edge: Edge) -> fmpq:
+def _square(edge: PlaneEdge) -> fmpq:
     """The squared length of the gradient of a straight edge's polynomial."""
     u, v = gradient(edge.curve, edge.start)
     return u * u + v * v
 
 
-def _circle(edge: Edge) -> tuple[tuple[fmpq, fmpq], fmpq]:
+def _circle(edge: PlaneEdge) -> tuple[tuple[fmpq, fmpq], fmpq]:
     found = radius_of(edge.curve)
     assert found is not None
     return found[0], square_root(found[1])

@@ -7,11 +7,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from pas.algebra.rational import Exact, rational
+from pas.algebra.rational import Exact, positive, rational
 from pas.errors import GeometryError, meant
-from pas.solid.edges import Edge, Point, turn
+from pas.solid.edges import PlaneEdge, Point, turn
 from pas.solid.profile import Profile, plane_point
-from pas.solid.sketch import closed, positive
+from pas.solid.sketch import closed
 
 Contour = list[tuple[Point, ...]]
 """Pieces of an outline, each with two or three control points."""
@@ -24,7 +24,7 @@ def text(words: str, size: Exact, corner: Sequence[Exact] = (0, 0), font: str | 
     font that is installed, or the path of a TrueType or OpenType file; of OpenType's cubic outlines parabolas are taken
     that are within a thousandth of the size.  Faces are named after the letters, "a" or, with several outlines, "b 2".
     Raises `GeometryError` where the font has no such letter, where an outline crosses itself, and for blank text;
-    `FileNotFoundError` where there is no such font.
+    `FileNotFoundError` where there is no such font, `TypeError` for what is no text.
     """
     from fontTools.ttLib import TTFont
 
@@ -108,7 +108,7 @@ def _letter(contours: Sequence[Contour], letter: str) -> list[Profile]:
     for number, contour in enumerate(contours):
         name = f"{letter} {number + 1}" if len(contours) > 1 else letter
         edges = [
-            Edge.straight(*piece, name) if len(piece) == 2 else Edge.parabola(*piece, name)  # type: ignore[call-arg, arg-type]
+            PlaneEdge.straight(*piece, name) if len(piece) == 2 else PlaneEdge.parabola(*piece, name)  # type: ignore[call-arg, arg-type]
             for piece in contour
         ]
         made.append(closed(edges))

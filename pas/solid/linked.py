@@ -32,7 +32,7 @@ ROOM = 2.0
 """Over the distances of two such meshes from their bodies, how far these must be apart."""
 
 
-class Boundary(Protocol):
+class SolidBoundary(Protocol):
     """What bounds a solid, of which it gives a mesh without a lattice."""
 
     @property
@@ -42,7 +42,7 @@ class Boundary(Protocol):
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         """A closed mesh within a tolerance (the model's units), as measured; None where there is none."""
 
-    def moved(self, map_: Affine) -> Boundary:
+    def moved(self, map_: Affine) -> SolidBoundary:
         """Its image."""
 
 
@@ -164,7 +164,7 @@ class LinkedBodies:
             made.add(strip.name, triangles, end.normals(corners) * (1 if side == 0 else -1))
 
 
-def united(one: Boundary, other: Boundary) -> LinkedBodies | None:
+def united(one: SolidBoundary, other: SolidBoundary) -> LinkedBodies | None:
     """Both together; None where they are not found to be apart but for links."""
     if not isinstance(one, SheetBody | LinkedBodies) or not isinstance(other, SheetBody | LinkedBodies):
         return None

@@ -4,17 +4,13 @@
     plate.extrude(5)
 
 A profile is a set of points of the plane, in x and y, between loops of straight edges and arcs of conics, all exact.
-As inequalities each edge stands in the formula of a polygon once (Dobkin, Guibas, Hershberger and Snoeyink 1993); arcs
-add caps to that of their chords, or take them away.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, reduce
-from operator import and_, or_
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 from flint import fmpq
@@ -23,18 +19,14 @@ from numpy.typing import ArrayLike
 from pas.algebra.affine import Affine, reflection, rotation, scaling, translation
 from pas.algebra.inputs import points_of, shown
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, rational
 from pas.errors import GeometryError
-from pas.solid.edges import Edge, Loop, Point, across, along, apart, line, minus, radius_of
+from pas.solid.edges import Loop, PlaneEdge, Point, apart
+from pas.solid.extrusion import extruded
+from pas.solid.formulas import Lift, formula, values
+from pas.solid.revolution import revolved
 from pas.solid.solid import Solid
-from pas.solid.tree import Atom, Tree, combined, complement
-
-Truth = Tree | bool
-"""A set in space, or all of it, or nothing."""
-
-Lift = Callable[[Loop, bool], Tree]
-"""What makes the set in space of a loop; of the points outside of it where the second argument is true."""
+from pas.solid.tree import Tree, combined, complement
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +88,6 @@ class Profile:
         direction.  Raises `ValueError` for a height that is not positive, `GeometryError` where a tapered solid has no
         top of the profile's form.
         """
-        from pas.solid.extrusion import extruded
-
         return extruded(self, rational(height, "height"), rational(taper, "taper"))
 
     def revolve(self, degrees: Exact = 360) -> Solid:
@@ -107,8 +97,6 @@ class Profile:
         degrees, counterclockwise from the half plane y = 0, the flat ends are called "start" and "end".  Raises
         `GeometryError` where the profile passes the axis.
         """
-        from pas.solid.revolution import revolved
-
         return revolved(self, rational(degrees, "degrees"))
 
     def tree(self, lift: Lift) -> Tree:
@@ -180,7 +168,7 @@ class Profile:
         return f"<Profile of {edges} edges in {len([*self.all_loops])} loops>"
 
 
-def _crossing(one: Edge, other: Edge) -> GeometryError:
+def _crossing(one: PlaneEdge, other: PlaneEdge) -> GeometryError:
     return GeometryError(f"edges {one.name!r} and {other.name!r} of two loops meet")
 
 
@@ -200,113 +188,11 @@ def moved_loop(loop: Loop, map_: Affine, flips: bool) -> Loop:
         x, y, _ = map_.exact((*point, fmpq(0)))
         return x, y
 
-    def image(edge: Edge) -> Edge:
+    def image(edge: PlaneEdge) -> PlaneEdge:
         start, end = moved(edge.start), moved(edge.end)
         if edge.control is None:
-            return Edge.straight(start, end, edge.name)
-        return Edge(start, end, moved(edge.control), map_.polynomial(edge.curve), edge.name)
+            return PlaneEdge.straight(start, end, edge.name)
+        return PlaneEdge(start, end, moved(edge.control), map_.polynomial(edge.curve), edge.name)
 
     edges = tuple(image(edge) for edge in loop.edges)
     return replace(loop, edges=tuple(edge.reversed for edge in edges[::-1]) if flips else edges)
-
-
-def formula(
-    loop: Loop, atom: Callable[[Edge], Truth] | None = None, wall: Callable[[Edge], Truth] | None = None
-) -> Tree:
-    """What is inside a loop that is counterclockwise, by inequalities.
-
-    It is what is inside its chords, and caps that arcs add or take away; their triangles are apart.
-
-    `atom` makes the set to the left of an edge, of an arc that on its concave side; `wall` that to the left of an arc's
-    chord.  By default these are sets in the plane.
-    """
-    atom, wall = atom or plane_atom, wall or plane_wall
-    if loop.whole:
-        found = atom(loop.edges[0])
-    else:
-        edges = loop.separated
-        places, n = [edge.start for edge in edges], len(edges)
-        first, last = places.index(min(places)), places.index(max(places))
-        chains = (first, (last - first) % n), (last, (first - last) % n)
-        sides = [wall(edge) if edge.bow else atom(edge) for edge in edges]
-        inside = joined(False, *(_chain(edges, sides, *chain) for chain in chains))
-        caps = [joined(False, atom(e), negated(side)) for e, side in zip(edges, sides, strict=True) if e.bow > 0]
-        bays = [
-            joined(True, negated(atom(e)), negated(side)) for e, side in zip(edges, sides, strict=True) if e.bow < 0
-        ]
-        frame = (
-            [wall(edge) for edge in _frame(edges)] if any(e.bow and radius_of(e.curve) is None for e in edges) else []
-        )
-        found = joined(False, joined(True, inside, *caps), *bays, *frame)
-    assert not isinstance(found, bool)
-    return found
-
-
-def joined(union: bool, *parts: Truth) -> Truth:
-    """The union or intersection of sets, all of space and nothing among them."""
-    if any(part is union for part in parts):
-        return union
-    sets = [part for part in parts if not isinstance(part, bool)]
-    return combined(union, *sets) if sets else not union
-
-
-def negated(part: Truth) -> Truth:
-    """What is not in a set."""
-    return not part if isinstance(part, bool) else complement(part)
-
-
-def _chain(edges: Sequence[Edge], sides: Sequence[Truth], begin: int, many: int) -> Truth:
-    """What is to the left of consecutive chords, of which the first and the last go on endlessly.
-
-    It is divided at a corner of the convex hull: there both parts hold, or one of them does, as it is convex or not.
-    """
-    n = len(edges)
-    if many == 1:
-        return sides[begin % n]
-    mine = [edges[(begin + k) % n] for k in range(many)]
-    chords = [minus(edge.end, edge.start) for edge in mine]
-    direction = _outermost(chords[0], chords[-1])
-    heights = [along(direction, edge.start) for edge in mine]
-    highest = max(heights[1:])
-    corners = [k for k in range(1, many) if heights[k] == highest]
-    k = next((k for k in corners if across(chords[k - 1], chords[k]) != 0), corners[0])
-    parts = _chain(edges, sides, begin, k), _chain(edges, sides, begin + k, many - k)
-    return joined(across(chords[k - 1], chords[k]) < 0, *parts)
-
-
-def _frame(edges: Sequence[Edge]) -> list[Edge]:
-    """The sides of a rectangle around edges with room to spare, which bounds caps of curves that go on endlessly."""
-    (a, b), (c, d) = (
-        (min(values) - (max(values) - min(values)) / 8, max(values) + (max(values) - min(values)) / 8)
-        for values in zip(*(p for edge in edges for p in edge.hull), strict=True)
-    )
-    corners = (a, c), (b, c), (b, d), (a, d)
-    return [Edge.straight(p, q, "") for p, q in zip(corners, corners[1:] + corners[:1], strict=True)]
-
-
-def _outermost(first: Point, last: Point) -> Point:
-    """A direction in which neither the ray against `first` nor the one along `last` rises."""
-    side = across(first, last)
-    if side == 0:
-        return first if along(first, last) < 0 else (first[1], -first[0])
-    sizes = [abs(v[0]) + abs(v[1]) for v in (first, last)]
-    x, y = (first[i] / sizes[0] + last[i] / sizes[1] for i in (0, 1))
-    return (y, -x) if side > 0 else (-y, x)
-
-
-def plane_atom(edge: Edge) -> Tree:
-    """The set on the left of a straight edge, or on the concave side of an arc, whatever z is."""
-    return Atom(edge.curve, edge.name)
-
-
-def plane_wall(edge: Edge) -> Tree:
-    """The set on the left of an edge's chord, whatever z is."""
-    return Atom(line(edge.start, edge.end), "")
-
-
-def values(tree: Tree, sign: Callable[[Polynomial], Any]) -> Any:
-    """Whether points are in a set of polynomials, of which `sign` gives values at them."""
-    if isinstance(tree, Atom):
-        assert isinstance(tree.function, Polynomial)
-        return (sign(tree.function) <= 0) != tree.outside
-    return reduce(or_ if tree.union else and_, (values(part, sign) for part in tree.parts))

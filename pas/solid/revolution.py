@@ -21,9 +21,9 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import plain, to_float
 from pas.errors import GeometryError
-from pas.solid.edges import Edge, Loop, at, line
+from pas.solid.edges import Loop, PlaneEdge, at, line
+from pas.solid.formulas import PlaneSet, Truth, formula, joined, negated
 from pas.solid.joints import Joint
-from pas.solid.profile import Profile, Truth, formula, joined, negated
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
 from pas.solid.swept import SweptBody, put_flat, put_side
@@ -34,7 +34,7 @@ ROUND = X * X + Y * Y
 FULL = 360
 
 
-def revolved(profile: Profile, degrees: fmpq) -> Solid:
+def revolved(profile: PlaneSet, degrees: fmpq) -> Solid:
     """The solid that a profile sweeps out; see `Profile.revolve`."""
     if not 0 < degrees <= FULL:
         raise ValueError(f"degrees must be above 0 and at most 360, not {plain(degrees)}")
@@ -60,12 +60,12 @@ def revolved(profile: Profile, degrees: fmpq) -> Solid:
     return Solid(made, tuple(claims), tuple((0.0, 0.0, to_float(z)) for _, z in ends), body)
 
 
-def _surface(edge: Edge) -> Truth:
+def _surface(edge: PlaneEdge) -> Truth:
     """The set that the left, or the concave, side of an edge sweeps out."""
     return _swept(edge.curve, edge.name)
 
 
-def _wall(edge: Edge) -> Truth:
+def _wall(edge: PlaneEdge) -> Truth:
     return _swept(line(edge.start, edge.end), "")
 
 
@@ -114,7 +114,7 @@ def _joints(loop: Loop) -> Iterator[Joint]:
             yield Joint(one.name, other.name, circle, 1)
 
 
-def _is_on_axis(edge: Edge) -> bool:
+def _is_on_axis(edge: PlaneEdge) -> bool:
     return edge.control is None and edge.start[0] == edge.end[0] == 0
 
 

@@ -5,18 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from typing import Any
 
 from flint import fmpq
 
-from pas.algebra.rational import Exact, plain, rational, to_float
+from pas.algebra.rational import Exact, near, plain, positive, rational, square_root, to_float
 from pas.errors import GeometryError
-from pas.solid.edges import Edge, Loop, Point, across, along, arc, at, minus, turn
+from pas.solid.edges import Loop, PlaneEdge, Point, across, along, arc, at, minus, turn
 from pas.solid.profile import Profile, plane_point
-
-FINEST_PARAMETER = 10**9
-"""Largest denominator of the parameter of an arc of irrational centre: it is off by less than doubles can say."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +23,7 @@ class Sketch:
     """
 
     start: Point
-    edges: tuple[Edge, ...] = ()
+    edges: tuple[PlaneEdge, ...] = ()
     count: int = 0
 
     @property
@@ -38,7 +34,7 @@ class Sketch:
     def line_to(self, x: Exact, y: Exact, face: str | None = None) -> Sketch:
         """A straight edge to a point."""
         end = self._target(x, y)
-        return self._with(face, lambda name: [Edge.straight(self.end, end, name)])
+        return self._with(face, lambda name: [PlaneEdge.straight(self.end, end, name)])
 
     def arc_to(
         self,
@@ -86,7 +82,7 @@ class Sketch:
     def curve_to(self, control: Sequence[Exact], x: Exact, y: Exact, face: str | None = None) -> Sketch:
         """A parabola's arc to a point: the Bezier curve of degree 2 with a control point."""
         middle, end = plane_point(control, "control"), self._target(x, y)
-        return self._with(face, lambda name: [Edge.parabola(self.end, middle, end, name)])
+        return self._with(face, lambda name: [PlaneEdge.parabola(self.end, middle, end, name)])
 
     def close(self, face: str | None = None) -> Profile:
         """The profile inside the edges, with a straight one back to the start where they do not end there.
@@ -107,7 +103,7 @@ class Sketch:
         return replace(self, edges=(*self.edges, *made(name)), count=self.count + 1)
 
 
-def closed(edges: Sequence[Edge], whole: bool = False) -> Profile:
+def closed(edges: Sequence[PlaneEdge], whole: bool = False) -> Profile:
     """The profile inside edges, in either direction; raises `GeometryError` where they are no boundary."""
     if len(edges) < 2 or all(
         edge.control is None and turn(edges[0].start, edges[0].end, edge.end) == 0 for edge in edges
@@ -120,7 +116,7 @@ def closed(edges: Sequence[Edge], whole: bool = False) -> Profile:
 
 
 def sketch(start: Sequence[Exact] = (0, 0)) -> Sketch:
-    """A sketch that begins at a point.
+    """A sketch that begins at a point, two exact numbers; raises `TypeError` or `ValueError` for anything else.
 
     solid.sketch((0, 0)).line_to(4, 0).arc_to(4, 1, radius="1/2").line_to(0, 1).close()
     """
@@ -130,7 +126,7 @@ def sketch(start: Sequence[Exact] = (0, 0)) -> Sketch:
 def polygon(points: Sequence[Sequence[Exact]], face: str = "side") -> Profile:
     """The profile inside a polygon with given corners, in either order; its edges are named "side 1", ...
 
-    Raises `GeometryError` where it crosses or touches itself.
+    Raises `ValueError` for less than three corners, `GeometryError` where it crosses or touches itself.
     """
     corners = [plane_point(p, f"points[{i}]") for i, p in enumerate(points)]
     if len(corners) < 3:
@@ -141,11 +137,14 @@ def polygon(points: Sequence[Sequence[Exact]], face: str = "side") -> Profile:
                 f"corners {i + 1} and {(i + 1) % len(corners) + 1} of the polygon are one point, {at(a)}"
             )
     ends = zip(corners, corners[1:] + corners[:1], strict=True)
-    return closed([Edge.straight(a, b, f"{face} {i + 1}") for i, (a, b) in enumerate(ends)])
+    return closed([PlaneEdge.straight(a, b, f"{face} {i + 1}") for i, (a, b) in enumerate(ends)])
 
 
 def rectangle(width: Exact, height: Exact, corner: Sequence[Exact] = (0, 0), face: str = "side") -> Profile:
-    """The rectangle with sides along the axes and its lower left corner at a point; lengths in the model's units."""
+    """The rectangle with sides along the axes and its lower left corner at a point; lengths in the model's units.
+
+    Raises `ValueError` for lengths that are not positive.
+    """
     w, h = positive(width, "width"), positive(height, "height")
     x, y = plane_point(corner, "corner")
     return polygon([(x, y), (x + w, y), (x + w, y + h), (x, y + h)], face)
@@ -156,7 +155,8 @@ def rounded_rectangle(
 ) -> Profile:
     """A rectangle with corners rounded by quarter circles, which continue its sides smoothly.
 
-    Raises `ValueError` for a radius that is more than half of a side.
+    Lengths are in the model's units.  Raises `ValueError` for a radius that is more than half of a side and for lengths
+    that are not positive.
     """
     w, h, r = positive(width, "width"), positive(height, "height"), positive(radius, "radius")
     if 2 * r > min(w, h):
@@ -165,16 +165,16 @@ def rounded_rectangle(
     places = [((x + r, y), (x + w - r, y)), ((x + w, y + r), (x + w, y + h - r))]
     places += [((x + w - r, y + h), (x + r, y + h)), ((x, y + h - r), (x, y + r))]
     centers = [(x + w - r, y + r), (x + w - r, y + h - r), (x + r, y + h - r), (x + r, y + r)]
-    edges: list[Edge] = []
+    edges: list[PlaneEdge] = []
     for i, ((start, end), center) in enumerate(zip(places, centers, strict=True)):
         if start != end:
-            edges.append(Edge.straight(start, end, f"{face} {2 * i + 1}"))
+            edges.append(PlaneEdge.straight(start, end, f"{face} {2 * i + 1}"))
         edges += arc(end, places[(i + 1) % 4][0], center, True, f"{face} {2 * i + 2}")
     return closed(edges)
 
 
 def circle(center: Sequence[Exact], radius: Exact, face: str = "circle") -> Profile:
-    """The disc of a radius about a centre, in the model's units."""
+    """The disc of a radius about a centre, in the model's units; raises `ValueError` for one that is not positive."""
     (x, y), r = plane_point(center, "center"), positive(radius, "radius")
     ends = [(x + r, y), (x, y + r), (x - r, y), (x, y - r)]
     quarters = [arc(a, b, (x, y), True, face) for a, b in zip(ends, ends[1:] + ends[:1], strict=True)]
@@ -184,7 +184,8 @@ def circle(center: Sequence[Exact], radius: Exact, face: str = "circle") -> Prof
 def regular_polygon(sides: int, radius: Exact, center: Sequence[Exact] = (0, 0), face: str = "side") -> Profile:
     """The polygon with equal sides whose corners are on a circle; the first is to the right of the centre.
 
-    The corners are rational points exactly on the circle, at angles right to within rounding of a double.
+    The corners are rational points exactly on the circle, at angles right to within rounding of a double; its radius is
+    in the model's units.  Raises `ValueError` for less than three sides and a radius that is not positive.
     """
     if not isinstance(sides, int) or isinstance(sides, bool) or sides < 3:
         raise ValueError(f"sides must be a whole number of at least 3, not {sides!r}")
@@ -194,22 +195,9 @@ def regular_polygon(sides: int, radius: Exact, center: Sequence[Exact] = (0, 0),
         if 2 * k == sides:
             corners.append((x - r, y))
             continue
-        t = short(math.tan(math.pi * k / sides))
+        t = near(math.tan(math.pi * k / sides))
         corners.append((x + r * (1 - t * t) / (1 + t * t), y + r * 2 * t / (1 + t * t)))
     return polygon(corners, face)
-
-
-def positive(value: Exact, name: str) -> fmpq:
-    """An exact number above 0; raises `ValueError` for others, by name."""
-    number = rational(value, name)
-    if number <= 0:
-        raise ValueError(f"{name} must be positive, not {plain(number)}")
-    return number
-
-
-def short(value: float) -> fmpq:
-    """A rational number of at most nine digits below, near a double."""
-    return rational(Fraction(value).limit_denominator(FINEST_PARAMETER))
 
 
 def _circumcenter(a: Point, b: Point, c: Point) -> Point:
@@ -233,11 +221,3 @@ def _center(start: Point, end: Point, radius: fmpq, left: bool) -> Point:
     share = square_root(rest)
     side = share if left else -share
     return (start[0] + end[0]) / 2 - side * chord[1], (start[1] + end[1]) / 2 + side * chord[0]
-
-
-def square_root(value: fmpq) -> fmpq:
-    """The root of a number that is not negative: exact where it is rational, else to within rounding of a double."""
-    p, q = math.isqrt(int(value.p)), math.isqrt(int(value.q))
-    if p * p == value.p and q * q == value.q:
-        return fmpq(p, q)
-    return short(math.sqrt(to_float(value)))
