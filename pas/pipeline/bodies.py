@@ -155,7 +155,10 @@ def _wall_sheets(
         if not outer.joins[number].opening:
             plane = clip_plane(outer, number)
             pairs.append(
-                (chain_beyond(outer, number, name, plane, reach), chain_beyond(inner, number, f"{INSIDE} {name}", plane, reach))
+                (
+                    chain_beyond(outer, number, name, plane, reach),
+                    chain_beyond(inner, number, f"{INSIDE} {name}", plane, reach),
+                )
             )
             continue
         around, within = (AroundOpening.of(surface, number) for surface in (outer, inner))

@@ -3,6 +3,9 @@
 Within the cone of its opening each foot takes the place of the run's own cylinder, which it touches all around, and
 below which it may dip; these contacts and those with the branches are joints of the solid.  That openings are apart is
 told by points along them.
+
+It is meshed at once, from the meshes of the feet (see `pas.solid.runs`), where the walls of hollow ones are proved and
+their branches do not meet beyond the openings; else from a lattice.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""One side of a header: a run's cylinder with feet on it, as it is made of the feet's meshes and of what is between them.
+"""One side of a header: a run's cylinder with feet on it, made of the feet's meshes and of what is between them.
 
 The cylinder goes from one end's strip to the other's, and around the curves in which the meshes of the feet end on it:
 its triangles have no other vertices than those of these curves and of two circles (see `pas.mesh.sweep`).
@@ -81,14 +81,15 @@ class RunSide:
         None where a foot has none, or where it is not seen that feet are apart.
         """
         made, holes, loops = Faces([], 0.0), list[Integers](), list[Integers]()
+        within = tolerance * (1 - 2.0**-10)  # the line that sweeps leans, by which triangles are wider than a step
         for number, (foot, opening) in enumerate(zip(self.feet, self.openings, strict=True)):
-            found = foot.mesh(tolerance, quality, (1 - opening,) if number + 2 in without else ())
+            found = foot.mesh(within, quality, (1 - opening,) if number + 2 in without else ())
             if found is None or not self.apart:
                 return None
             first = made.put(found[0])
             holes.append(found[1][opening][::-1] + first)
             loops.append(found[1][1 - opening] + first)
-        circles = [made.added(self._circle(chain, tolerance)) for chain in self.ends]
+        circles = [made.added(self._circle(chain, within)) for chain in self.ends]
         loops = [circles[0], circles[1][::-1], *loops]
         if not self._cover(made, (loops[0], loops[1]), holes):
             return None
@@ -96,14 +97,14 @@ class RunSide:
             for strip in chain.strips if number not in without else ():
                 if not made.goes_on(strip, loops, number, tolerance):
                     return None
-        found = made.mesh
-        return merged(found, found.names), loops  # the strips are of the same face
+        whole = made.mesh
+        return merged(whole, whole.names), loops  # the strips are of the same face
 
     def _cover(self, made: Faces, circles: tuple[Integers, Integers], holes: list[Integers]) -> bool:
         """Whether the cylinder between loops is added."""
-        middle, axes, _ = self._chart
+        middle, axes, radius = self._chart
         points = made.points
-        x, y, heights = axes @ (points - middle).T
+        x, y, heights = axes @ (points - middle).T / radius
         triangles = between_loops(np.stack([np.arctan2(y, x), heights], axis=1), circles, holes)
         if triangles is None:
             return False
