@@ -16,7 +16,7 @@ from conftest import ROOT
 PACKAGE = ROOT / "pas"
 TREES = {path: ast.parse(path.read_text(encoding="utf-8")) for path in sorted(PACKAGE.rglob("*.py"))}
 
-MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 57_827, 338, 2_887, 493
+MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 58_182, 340, 2_887, 495
 
 
 def module(path: Path) -> str:
