@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from conftest import AXES, ROOT, pipes
+from conftest import AXES, ROOT, parsed, pipes
 
 import pas
 from pas import solid
@@ -45,10 +45,12 @@ def indented(text: str) -> Iterator[str]:
 def blocks() -> Iterator[tuple[str, str]]:
     """Each indented block of each docstring, with its module."""
     for module, path in MODULES.items():
-        for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
-                for block in indented(ast.get_docstring(node) or ""):
-                    yield module, block
+        waiting: list[ast.Module | ast.ClassDef | ast.FunctionDef] = [parsed(path)]
+        while waiting:
+            node = waiting.pop()
+            waiting += [inner for inner in node.body[::-1] if isinstance(inner, ast.ClassDef | ast.FunctionDef)]
+            for block in indented(ast.get_docstring(node) or ""):
+                yield module, block
 
 
 def is_program(block: str) -> bool:
@@ -73,8 +75,9 @@ PIPES = "".join(f'[[pipes]]\naxis = {list(axis)}\nradius = "1/3"\nclip = 1\n' fo
 IMAGINED = {"pas.registry", "pas.bernstein.search"}
 """Modules whose program is about things that are not there."""
 
-PROGRAMS = [(m, b) for m, b in blocks() if is_program(b) and m not in IMAGINED]
-PROBLEMS = [(m, b) for m, b in blocks() if is_toml(b) and not is_program(b)]
+BLOCKS = list(blocks())
+PROGRAMS = [(m, b) for m, b in BLOCKS if is_program(b) and m not in IMAGINED]
+PROBLEMS = [(m, b) for m, b in BLOCKS if is_toml(b) and not is_program(b)]
 
 
 def test_there_are_snippets():
