@@ -75,6 +75,9 @@ PIPES = "".join(f'[[pipes]]\naxis = {list(axis)}\nradius = "1/3"\nclip = 1\n' fo
 IMAGINED = {"pas.registry", "pas.bernstein.search"}
 """Modules whose program is about things that are not there."""
 
+LONG = {"pas.pipeline.blend", "pas.pipeline.header", "pas.render.animate"}
+"""Modules whose program takes long; the README has the same blend, node and header, and other tests animate."""
+
 BLOCKS = list(blocks())
 PROGRAMS = [(m, b) for m, b in BLOCKS if is_program(b) and m not in IMAGINED]
 PROBLEMS = [(m, b) for m, b in BLOCKS if is_toml(b) and not is_program(b)]
@@ -85,7 +88,10 @@ def test_there_are_snippets():
     assert "pas.exchange.problem" in {m for m, _ in PROBLEMS}
 
 
-@pytest.mark.parametrize(("module", "block"), PROGRAMS, ids=[m for m, _ in PROGRAMS])
+@pytest.mark.parametrize(
+    ("module", "block"),
+    [pytest.param(m, b, id=m, marks=[pytest.mark.slow] * (m in LONG)) for m, b in PROGRAMS],
+)
 def test_programs_of_docstrings_run(module, block, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # where files that they write go
     if "register" in block:  # for all that comes after, so in a process of its own
