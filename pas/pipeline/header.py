@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Unpack
 
 import numpy as np
 from flint import fmpq
@@ -24,7 +25,7 @@ from pas.contacts.contact import Contact
 from pas.contacts.endless import Pipe
 from pas.contacts.joins import Join
 from pas.errors import GeometryError
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.around_opening import AroundOpening
 from pas.pipeline.bodies import FURTHER, INSIDE, body, length_of
@@ -84,9 +85,7 @@ def header(
     feet: Sequence[Blend | HollowBlend[Blend]],
     ends: tuple[Exact, Exact],
     length: Exact | None = None,
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> Solid:
     """The solid of a straight run and feet on it: all full, or all hollow, which makes a bore.
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,7 +23,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, rational, to_float
 from pas.errors import GeometryError
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
@@ -93,7 +93,7 @@ class Solid(AffineShape["Solid"], Shape):
 
         Where the solid already ends on that surface, its end gets the name.
         """
-        polynomial = _inequality(plane, "plane")
+        polynomial = Polynomial.named(plane, "plane", constant=False)
 
         def rename(atom: Atom) -> Atom:
             known, is_wall = atom.function, not atom.face
@@ -107,13 +107,7 @@ class Solid(AffineShape["Solid"], Shape):
 
     @limited("hollowing out a solid", "a coarser tolerance")
     def shell(
-        self,
-        thickness: Exact,
-        open: Sequence[str] = (),
-        tolerance: float | None = None,
-        *,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        self, thickness: Exact, open: Sequence[str] = (), tolerance: float | None = None, **limits: Unpack[WorkLimits]
     ) -> Solid:
         """The solid hollowed out: its points up to `thickness` from its faces, but for the `open` ones.
 
@@ -221,12 +215,7 @@ class Solid(AffineShape["Solid"], Shape):
 
     @limited("meshing a solid", "a coarser tolerance")
     def mesh(
-        self,
-        tolerance: float | None = None,
-        *,
-        quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> Mesh:
         """A closed triangle mesh within `tolerance` (the model's units) of the boundary.
 
@@ -250,12 +239,7 @@ class Solid(AffineShape["Solid"], Shape):
 
     @limited("meshing a solid", "a coarser tolerance")
     def face_mesh(
-        self,
-        tolerance: float | None = None,
-        *,
-        quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> FaceMesh:
         """The mesh as the mesher makes it: labelled, in the local coordinates of `field`."""
         quality = Quality.of(quality)
@@ -279,16 +263,12 @@ class Solid(AffineShape["Solid"], Shape):
         return RELATIVE_TOLERANCE * size if tolerance is None else check_tolerance(tolerance, size)
 
     @limited("measuring a solid", "a coarser tolerance")
-    def volume(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
-    ) -> float:
+    def volume(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> float:
         """The volume, with an error of second order in the tolerance of its mesh, of order 3/2 on cones."""
         return self._measures(tolerance)[0]
 
     @limited("measuring a solid", "a coarser tolerance")
-    def area(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
-    ) -> float:
+    def area(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> float:
         """The area of the boundary, with an error of the same order as that of the volume."""
         return self._measures(tolerance)[1]
 
@@ -323,15 +303,5 @@ def patch(name: str, polynomial: PolynomialLike, *region: PolynomialLike) -> Sol
     The face `polynomial = 0` gets the name; the region's walls have none and are meant to be shared
     with other patches (what is left open ends flat).  Raises `ValueError` for a constant.
     """
-    walls = [Atom(-_inequality(r, f"region[{i}]"), "") for i, r in enumerate(region)]
-    return Solid(combined(False, Atom(_inequality(polynomial, "polynomial"), name), *walls))
-
-
-def _inequality(expression: PolynomialLike, name: str) -> Polynomial:
-    try:
-        polynomial = Polynomial(expression)
-    except (ValueError, TypeError) as error:
-        raise type(error)(f"{name}: {error}") from None
-    if polynomial.degree < 1:
-        raise ValueError(f"{name} must be a polynomial that is not constant, not {polynomial}")
-    return polynomial
+    walls = [Atom(-Polynomial.named(r, f"region[{i}]", constant=False), "") for i, r in enumerate(region)]
+    return Solid(combined(False, Atom(Polynomial.named(polynomial, "polynomial", constant=False), name), *walls))

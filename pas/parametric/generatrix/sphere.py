@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import combinations
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, VectorLike, plain, rational, to_float, to_floats, vector
 from pas.errors import GeometryError, MeshError
-from pas.limits import Report, checkpoint, limited
+from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
@@ -70,8 +70,7 @@ class SphereBlend(Shape):
         *,
         size: tuple[int, int] | None = None,
         quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        **limits: Unpack[WorkLimits],
     ) -> Mesh:
         """Triangles of all blends and of the sphere between the circles, all welded, within `tolerance` as measured.
 
@@ -209,9 +208,7 @@ def blend_through_sphere(
     radius: Exact,
     angles: Sequence[float] | None = None,
     shape: GeneratrixShape | None = None,
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> SphereBlend:
     """Blend n >= 2 surfaces, each from its closed boundary to a circle on the sphere in the middle.
 
