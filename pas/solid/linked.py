@@ -22,14 +22,11 @@ from pas.algebra.polynomial import Polynomial
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, ring
-from pas.solid.sheets import Faces, Loops, SheetBody
+from pas.solid.sheets import ROOM, Faces, Loops, SheetBody
 from pas.solid.strips import Sections, SolidStrip
 
 EQUAL = 2.0**-40
 """Coefficients that are off by less, over the largest, are the same: heights of caps are rounded to doubles."""
-
-ROOM = 2.0
-"""Over the distances of two such meshes from their bodies, how far these must be apart."""
 
 
 class SolidBoundary(Protocol):

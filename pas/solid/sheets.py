@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 import numpy as np
 
@@ -34,11 +34,26 @@ from pas.solid.strips import Chain, SolidStrip, off_strip, rows_within
 COARSE = 2.0**-6
 """Tolerance of meshes that show where a body is, over the size of it."""
 
+ROOM = 2.0
+"""Over the distances of two such meshes from their bodies, how far these must be apart."""
+
 Loops = dict[tuple[int, int], Integers]
 """Vertices of the loop in which chain `c` of side `s` ends, in order, by `(s, c)`."""
 
 Loose: TypeAlias = tuple[Mesh, list[Integers]]
 """A mesh, and loops of its vertices that have it to their left."""
+
+
+class Bounding(Protocol):
+    """One side of a body, with what goes on from it at its ends."""
+
+    @property
+    def chains(self) -> tuple[Chain, ...]:
+        """What goes on."""
+
+    def mesh(self, tolerance: float, quality: Quality, without: Collection[int] = ()) -> Loose | None:
+        """Its mesh with those of chains but for some, whose numbers are given, and the loops in which these end; None
+        where there is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +174,7 @@ def _quads(begin: Integers, end: Integers) -> list[tuple[Integers, Integers, Int
 class SheetBody:
     """What bounds a blend's solid: one side, or an outer and an inner one; `place` is how it was moved."""
 
-    sides: tuple[Side, ...]
+    sides: tuple[Bounding, ...]
     place: Affine | None = None
 
     @classmethod
