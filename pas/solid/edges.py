@@ -22,12 +22,6 @@ from pas.errors import GeometryError
 
 Point = tuple[fmpq, fmpq]
 
-WIDEST = math.radians(100)
-"""Angle (radians) of the longest arc of a circle that is one edge: of longer ones tangents at the ends meet far off."""
-
-HALVINGS = 12
-"""Of an arc, after which its triangle is 4^-12 of its length thin; what is still not apart touches."""
-
 
 @dataclass(frozen=True)
 class PlaneEdge:
@@ -182,14 +176,15 @@ def radius_of(curve: Polynomial) -> tuple[Point, fmpq] | None:
 
 
 def arc(start: Point, end: Point, center: Point, left: bool, name: str) -> list[PlaneEdge]:
-    """The arc of a circle between two different points of it, turning left or right, as edges up to `WIDEST`."""
+    """The arc of a circle between two different points of it, to the left or right, as edges of at most 100 degrees."""
     x, y, _ = GENERATORS
     radius = minus(start, center)
     curve = Polynomial.from_raw((x - center[0]) ** 2 + (y - center[1]) ** 2 - along(radius, radius))
     u, v = (to_floats(minus(p, center)) for p in (start, end))
     angle = math.atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])
     angle = angle % (2 * math.pi) if left else -(-angle % (2 * math.pi))
-    if abs(angle) <= WIDEST:
+    widest = math.radians(100)  # of longer arcs the tangents at the ends meet far off
+    if abs(angle) <= widest:
         return [PlaneEdge(start, end, tangents_meet(curve, start, end), curve, name)]
     half = angle / 2
     to_middle = (
@@ -279,11 +274,13 @@ def apart(edges: Sequence[PlaneEdge], complaint: Callable[[PlaneEdge, PlaneEdge]
 
     Raises what `complaint` makes of two where that does not end.
     """
+    # Of an arc, after which its triangle is 4^-12 of its length thin: what is still not apart touches.
+    halvings = 12
     found = [(edge, 0) for edge in edges]
     while met := _meeting([edge for edge, _ in found]):
         cut: set[int] = set()
         for pair in met:
-            able = {n for n in pair if found[n][0].control and found[n][1] < HALVINGS}
+            able = {n for n in pair if found[n][0].control and found[n][1] < halvings}
             if not able:
                 raise complaint(*(found[n][0] for n in pair))
             cut |= able

@@ -17,9 +17,9 @@ from pas.errors import GeometryError
 from pas.solid.edges import Loop, PlaneEdge, at, gradient, line, radius_of
 from pas.solid.formulas import PlaneSet, formula
 from pas.solid.joints import Joint
-from pas.solid.sheets import Faces
+from pas.solid.sheets import COARSE, Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import COARSE, SweptBody, cross, flat, put_flat, put_side
+from pas.solid.swept import SweptBody, cross, flat, put_flat, put_side
 from pas.solid.tree import Atom, Tree, combined
 
 X, Y, Z = GENERATORS

@@ -31,12 +31,11 @@ from pas.solid.tree import Atom, combined
 
 X, Y, Z = GENERATORS
 ROUND = X * X + Y * Y
-FULL = 360
 
 
 def revolved(profile: PlaneSet, degrees: fmpq) -> Solid:
     """The solid that a profile sweeps out; see `Profile.revolve`."""
-    if not 0 < degrees <= FULL:
+    if not 0 < degrees <= 360:
         raise ValueError(f"degrees must be above 0 and at most 360, not {plain(degrees)}")
     for loop in profile.all_loops:
         for edge in loop.edges:
@@ -47,9 +46,9 @@ def revolved(profile: PlaneSet, degrees: fmpq) -> Solid:
                 )
     made = profile.tree(lambda loop, _: formula(loop, _surface, _wall))
     turn = rotation((0, 0, 1), degrees, (0, 0, 0)).direction((fmpq(1), fmpq(0), fmpq(0)))
-    if degrees < FULL:
+    if degrees < 360:
         begin, end = Polynomial.from_raw(-Y), Polynomial.from_raw(Y * turn[0] - X * turn[1])
-        wedge = combined(2 * degrees > FULL, Atom(begin, "start"), Atom(end, "end"))
+        wedge = combined(degrees > 180, Atom(begin, "start"), Atom(end, "end"))
         made = combined(False, made, wedge)
     loops = profile.boundary
     angle = math.atan2(to_float(turn[1]), to_float(turn[0])) % (2 * math.pi) or 2 * math.pi

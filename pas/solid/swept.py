@@ -16,13 +16,7 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
 from pas.solid.edges import Loop
-from pas.solid.sheets import Faces
-
-COARSE = 2.0**-6
-"""Of polygons that show where a profile is, over its size."""
-
-FINEST = 2.0**-40
-"""Of polygons, over the size of the profile: where chords cross even then, so do edges, to rounding."""
+from pas.solid.sheets import COARSE, Faces
 
 Jets = Callable[[Floats], tuple[Floats, Floats]]
 """From points (..., 3) to the values (...) and gradients (..., 3) of a function whose zero set a face is on."""
@@ -71,7 +65,8 @@ class SweptBody(ABC):
 
         Chords are as short as the tolerance needs, and so that they do not cross; None where they do to rounding.
         """
-        while tolerance > FINEST * self._profile_size:
+        finest = 2.0**-40  # over the profile's size: where chords cross even then, so do edges, to rounding
+        while tolerance > finest * self._profile_size:
             found = [loop.polygon(tolerance / loop.size) for loop in self.loops]
             triangles = flat([points for points, _ in found])
             if triangles is not None:
