@@ -22,7 +22,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, ring
-from pas.solid.sheets import ROOM, Faces, Loops, SheetBody
+from pas.solid.sheets import ROOM, Faces, Loops, SheetBody, roomy
 from pas.solid.strips import Sections, SolidStrip
 
 EQUAL = 2.0**-40
@@ -121,8 +121,18 @@ class LinkedBodies:
     @property
     def size(self) -> float:
         """The longest side of a box around all of them, as coarse meshes show it."""
+        return float(np.ptp(self._box, axis=0).max())
+
+    @property
+    def box(self) -> Floats:
+        """Two corners (2, 3) of a box that holds all of them, as coarse meshes show with room around them."""
+        known = [part.body.coarse.deviation or 0.0 for part in self.parts if part.body.coarse]
+        return roomy(self._box, max(known))
+
+    @cached_property
+    def _box(self) -> Floats:
         boxes = np.array([part.box for part in self.parts])
-        return float((boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)).max())
+        return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
     def moved(self, map_: Affine) -> LinkedBodies:
         """Its image."""

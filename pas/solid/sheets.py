@@ -158,6 +158,11 @@ class Faces:
         return Mesh(self.points, triangles, faces, names, normals, deviation=self.deviation)
 
 
+def roomy(box: Floats, deviation: float) -> Floats:
+    """The box (2, 3) around what a mesh in another one is so far from at most."""
+    return box + ROOM * deviation * np.array([[-1.0], [1.0]])
+
+
 def merged(mesh: Mesh, order: Sequence[str]) -> Mesh:
     """A mesh with faces of one name made one, in an order."""
     names = sorted({*mesh.names}, key=order.index)
@@ -227,6 +232,11 @@ class SheetBody:
     def size(self) -> float | None:
         """The longest side of a box around it, as the coarse mesh shows it."""
         return None if self.coarse is None else float(np.ptp(self.coarse.points, axis=0).max())
+
+    @property
+    def box(self) -> Floats | None:
+        """Two corners (2, 3) of a box that holds it, as the coarse mesh shows with room around it."""
+        return None if self.coarse is None else roomy(self.coarse.box, self.coarse.deviation or 0.0)
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         """A closed mesh within a tolerance (the model's units), as measured; None where a surface is not as wished."""
