@@ -218,8 +218,7 @@ class SampledConstraints:
             return Inequalities.none(self.basis.size)
         # Members with alpha = 0 have any margin for the price of a scale, and where no others have, the solver fails
         # among huge multiples of them: f goes no deeper than so many radii of the region, where it mostly goes to one.
-        deepest = 10.0 * self.radius * to_float(self.placed.partition.frame.scale)
-        depth = -self.basis.values(0, np.zeros((1, 3)))
+        depth, deepest = -self.basis.values(0, np.zeros((1, 3))), 10.0 * self.radius * self.reach / self.local_reach
         return Inequalities(np.concatenate([depth, -depth]), np.array([margins.depth * self.reach, -deepest]))
 
 

@@ -37,7 +37,6 @@ SPREAD, ROOMY = 0.95, 0.8
 MANY = 5
 """So many contacts of order 2 without planes are served better by near walls: they get these first, the usual last."""
 
-
 ROUNDED = 32
 """Parts of the smallest radius to which a centre is rounded: an axis may miss it, and short numbers keep the algebra
 short."""
