@@ -20,8 +20,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.inputs import check_order
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
 from pas.algebra.rational import plain, rational, to_float
 from pas.errors import GeometryError, meant
 from pas.limits import checkpoint
@@ -33,7 +34,7 @@ from pas.solid.tree import Atom, combined, complement
 
 
 @dataclass(frozen=True, eq=False)
-class Seam:
+class FaceSeam:
     """The edges in which two faces of a solid meet, as its mesh shows them, with what a fillet needs of them.
 
     `points` (N, 3) are on both faces, with unit normals (2, N, 3) outwards.  `is_concave` says on which side the solid
@@ -47,7 +48,7 @@ class Seam:
     walls: tuple[Polynomial, ...]
 
     @classmethod
-    def of(cls, solid: Solid, names: tuple[str, str]) -> Seam:
+    def of(cls, solid: Solid, names: tuple[str, str]) -> FaceSeam:
         """The seam of two faces by their names; raises `GeometryError` where there is none to be filled."""
         faces = _polynomial(solid, names[0]), _polynomial(solid, names[1])
         mesh = solid.mesh()
@@ -96,29 +97,33 @@ class Seam:
 
 
 def filled(
-    solid: Solid, names: tuple[str, str], radius: fmpq, order: int, within: Sequence[Polynomial], face: str
+    solid: Solid, names: tuple[str, str], radius: fmpq, order: int, within: Sequence[PolynomialLike], face: str | None
 ) -> Solid:
     """The solid with its edge between two faces rounded, or of order 0 cut off flatly; see `Solid.fillet`.
 
     Raises `GeometryError` where a joint is not proved, with the largest radius of which they are.
     """
-    seam = Seam.of(solid, names)
-    made = _made(solid, seam, names, radius, order, within, face)
+    check_order(order)
+    walls = [Polynomial(wall) for wall in within]
+    seam, face = FaceSeam.of(solid, names), face or _free(solid, "fillet" if order else "chamfer")
+    made = _made(solid, seam, names, radius, order, walls, face)
     wrong = _unproved(made, face)
     if wrong is None:
         return made
-    largest = _largest(lambda r: _unproved(_made(solid, seam, names, r, order, within, face), face) is None, radius)
+    largest = _largest(lambda r: _unproved(_made(solid, seam, names, r, order, walls, face), face) is None, radius)
     raise GeometryError(
         f"a fillet of radius {plain(radius)} between {names[0]!r} and {names[1]!r} is not proved: {wrong}; "
         + ("no smaller one is either" if largest is None else f"one of radius {largest:.3g} is")
     )
 
 
-def largest(solid: Solid, names: tuple[str, str], order: int, within: Sequence[Polynomial]) -> float:
-    """The largest radius, to three hundredths of it, of a fillet whose joints are proved; see `Solid.largest_fillet`."""
-    seam, face = Seam.of(solid, names), "fillet"
+def largest(solid: Solid, names: tuple[str, str], order: int, within: Sequence[PolynomialLike]) -> float:
+    """The largest radius, nearly, of a fillet whose joints are proved; see `Solid.largest_fillet`."""
+    check_order(order)
+    walls = [Polynomial(wall) for wall in within]
+    seam, face = FaceSeam.of(solid, names), _free(solid, "fillet")
     size = short(float(np.ptp(solid.box, axis=0).max()))
-    found = _largest(lambda r: _unproved(_made(solid, seam, names, r, order, within, face), face) is None, size)
+    found = _largest(lambda r: _unproved(_made(solid, seam, names, r, order, walls, face), face) is None, size)
     if found is None:
         raise GeometryError(f"no fillet between {names[0]!r} and {names[1]!r} is proved, however small")
     return found
@@ -126,7 +131,7 @@ def largest(solid: Solid, names: tuple[str, str], order: int, within: Sequence[P
 
 def _made(
     solid: Solid,
-    seam: Seam,
+    seam: FaceSeam,
     names: tuple[str, str],
     radius: fmpq,
     order: int,
@@ -177,6 +182,15 @@ def _largest(holds: Callable[[fmpq], bool], above: fmpq) -> float | None:
     return to_float(low)
 
 
+def _free(solid: Solid, name: str) -> str:
+    """The name, or with the first number behind it with which the solid has no face."""
+    found, number = name, 1
+    while found in solid.faces:
+        number += 1
+        found = f"{name} {number}"
+    return found
+
+
 def _polynomial(solid: Solid, name: str) -> Polynomial:
     """The one polynomial, negative inside, of a face."""
     if name not in solid.faces:
@@ -190,7 +204,7 @@ def _polynomial(solid: Solid, name: str) -> Polynomial:
 
 
 def _between(mesh: Mesh, first: int, second: int) -> tuple[Integers, Integers]:
-    """The edges (E, 2) between two faces of a mesh by number, and the third corners (E,) of the triangles of the second."""
+    """The edges (E, 2) between two faces of a mesh, by number, and the third corners (E,) of the second's triangles."""
     corners = mesh.triangles[mesh.faces == first], mesh.triangles[mesh.faces == second]
     sides = [np.concatenate([np.roll(c, -i, axis=1) for i in range(3)]) for c in corners]
     n = len(mesh.points)
@@ -207,10 +221,11 @@ def _walls(solid: Solid, mesh: Mesh, edges: Integers, numbers: Sequence[int]) ->
         edge = edges[(edges == end).any(axis=1)][0]
         way = mesh.points[end] - mesh.points[edge[edge != end][0]]
         around = np.unique(mesh.faces[(mesh.triangles == end).any(axis=1)])
-        for number in around.tolist():
-            for wall in solid.polynomials.get(mesh.names[number], ()) if number not in numbers else ():
-                if wall.gradient(mesh.points[end]) @ way > 0:
-                    found[wall] = None
+        others = [mesh.names[number] for number in around.tolist() if number not in numbers]
+        names = [name for together in others for name in together.split(" + ")]
+        for wall in (wall for name in names for wall in solid.polynomials.get(name, ())):
+            if wall.gradient(mesh.points[end]) @ way > 0:
+                found[wall] = None
     return [*found]
 
 
