@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -26,6 +27,20 @@ from pas.solid.strips import Sections, SolidStrip
 
 EQUAL = 2.0**-40
 """Coefficients that are off by less, over the largest, are the same: heights of caps are rounded to doubles."""
+
+
+class SolidBoundary(Protocol):
+    """What bounds a solid, of which it gives a mesh without a lattice."""
+
+    @property
+    def size(self) -> float | None:
+        """The longest side of a box around it, as a coarse mesh shows it."""
+
+    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
+        """A closed mesh within a tolerance (the model's units), as measured; None where there is none."""
+
+    def moved(self, map_: Affine) -> SolidBoundary:
+        """Its image."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,8 +171,10 @@ class LinkedBodies:
             made.add(strip.name, triangles, end.normals(corners) * (1 if side == 0 else -1))
 
 
-def united(one: SheetBody | LinkedBodies, other: SheetBody | LinkedBodies) -> LinkedBodies | None:
+def united(one: SolidBoundary, other: SolidBoundary) -> LinkedBodies | None:
     """Both together; None where they are not found to be apart but for links."""
+    if not isinstance(one, SheetBody | LinkedBodies) or not isinstance(other, SheetBody | LinkedBodies):
+        return None
     these, those = ((b if isinstance(b, LinkedBodies) else LinkedBodies((LinkedPart(b),))) for b in (one, other))
     first, links = len(these.parts), list(these.links)
     links += [replace(k, part=k.part + first, other=k.other + first) for k in those.links]

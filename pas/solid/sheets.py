@@ -215,10 +215,7 @@ class SheetBody:
 
     def moved(self, map_: Affine) -> SheetBody:
         """Its image."""
-        if self.place is None:
-            return replace(self, place=map_)
-        a, b, c = zip(*(map_.direction(column) for column in zip(*self.place.matrix, strict=True)), strict=True)
-        return replace(self, place=Affine((a, b, c), map_.exact(self.place.shift)))
+        return replace(self, place=map_ if self.place is None else map_.after(self.place))
 
     @cached_property
     def coarse(self) -> Mesh | None:

@@ -33,9 +33,9 @@ from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
 from pas.solid.joints import Joint, prove, refuse_unknown, verdict_list
-from pas.solid.linked import LinkedBodies, united
+from pas.solid.linked import SolidBoundary, united
 from pas.solid.measures import curved_measures
-from pas.solid.sheets import SheetBody, face_mesh, merged
+from pas.solid.sheets import face_mesh, merged
 from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, image, mapped
 from pas.verdicts import Findings, Verdict
@@ -54,7 +54,7 @@ class Solid(AffineShape["Solid"], Shape):
     tree: Tree
     joints: tuple[Joint, ...] = ()
     special_points: tuple[tuple[float, float, float], ...] = ()
-    sheets: SheetBody | LinkedBodies | None = None
+    sheets: SolidBoundary | None = None
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False, init=False)
     kind = "solid"
 
