@@ -34,6 +34,8 @@ NUMBER = re.compile(
 R = TypeVar("R")
 Vector = tuple[fmpq, fmpq, fmpq]
 
+UNITS: tuple[Vector, ...] = tuple((fmpq(i == 0), fmpq(i == 1), fmpq(i == 2)) for i in range(3))
+
 Exact: TypeAlias = int | float | str | Fraction | fmpq | SupportsFloat
 """What is taken for an exact number, as the head of this module says."""
 
@@ -90,6 +92,14 @@ def amount(value: Any, name: str) -> fmpq:
         raise ValueError(f"{name} must not be negative, not {short(plain(number))}")
     if to_float(number) == math.inf:
         raise ValueError(f"{name} must be below {sys.float_info.max:.2g}, not {shown(value)}")
+    return number
+
+
+def positive(value: Any, name: str) -> fmpq:
+    """The number that `value` stands for, which is positive; raises as `rational` does."""
+    number = rational(value, name)
+    if number <= 0:
+        raise ValueError(f"{name} must be positive, not {short(plain(number))}")
     return number
 
 
@@ -181,6 +191,13 @@ def cross(left: Sequence[R], right: Sequence[R]) -> tuple[R, R, R]:
     return b * f - c * e, c * d - a * f, a * e - b * d
 
 
+def two_across(normal: Vector) -> tuple[Vector, Vector]:
+    """Two vectors across a vector and across one another, right-handed with it, of any lengths."""
+    least = min(range(3), key=lambda i: abs(normal[i]))
+    first = cross(normal, UNITS[least])
+    return first, cross(normal, first)
+
+
 def determinant(a: Sequence[R], b: Sequence[R], c: Sequence[R]) -> R:
     """The determinant of three vectors: positive where they go round counterclockwise, seen from their tips."""
     return dot(a, cross(b, c))
@@ -189,6 +206,11 @@ def determinant(a: Sequence[R], b: Sequence[R], c: Sequence[R]) -> R:
 def plain(value: fmpq) -> str:
     """The number as a user would write it: '3', '-1/3'."""
     return str(value)
+
+
+def listed(values: Vector) -> str:
+    """Three exact numbers as a sentence has them."""
+    return ", ".join(map(plain, values))
 
 
 def texts(point: Vector) -> list[str]:
