@@ -103,6 +103,17 @@ def positive(value: Any, name: str) -> fmpq:
     return number
 
 
+def near(value: float) -> fmpq:
+    """A rational number with at most nine digits below, which is off by less than a double of that size can say."""
+    return rational(Fraction(value).limit_denominator(10**9))
+
+
+def square_root(value: fmpq) -> fmpq:
+    """The root of a number that is not negative: exact where it is rational, else a number near it."""
+    p, q = math.isqrt(int(value.p)), math.isqrt(int(value.q))
+    return fmpq(p, q) if p * p == value.p and q * q == value.q else near(math.sqrt(to_float(value)))
+
+
 def read_number(text: str) -> fmpq:
     """The number that a text such as "1/3" or "1.5e-3" stands for.
 
