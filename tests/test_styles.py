@@ -85,6 +85,7 @@ def test_what_has_no_curvature_says_so_before_it_is_meshed(kind, options, tmp_pa
 
 
 @pytest.mark.parametrize("kind", list(KINDS))
+@pytest.mark.sampled(3)
 def test_every_kind_is_painted_in_every_style_or_says_why_not(kind):
     scenes = {}
     for name, coloring in STYLES.items():
