@@ -228,6 +228,7 @@ def test_an_order_too_high(of_order, tmp_path):
 
 
 @pytest.mark.parametrize(("place", "radius"), [((0, "-1/4", 0), "1/50"), (("-3/4", "-3/4", "-3/4"), "1/20")])
+@pytest.mark.sampled(2)
 def test_a_second_sheet(good, place, radius, tmp_path):
     bubble = ball(map(Fraction, place), radius)
     bad = changed(good, lambda _, p: p * bubble)
