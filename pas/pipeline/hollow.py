@@ -21,6 +21,7 @@ from typing import Generic, TypeAlias, Unpack
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.inputs import shown_point
 from pas.algebra.rational import Exact, exact, plain, rational
 from pas.certify.nesting import nesting
 from pas.certify.thickness import thicker_than
@@ -63,8 +64,7 @@ class Wall:
     within: float
 
     def __str__(self) -> str:
-        at = "({:.4g}, {:.4g}, {:.4g})".format(*self.point)
-        return f"{self.distance:.4g} at {at} (measured, within {2 * self.within:.2g})"
+        return f"{self.distance:.4g} at {shown_point(self.point)} (measured, within {2 * self.within:.2g})"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

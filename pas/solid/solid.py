@@ -33,9 +33,9 @@ from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
 from pas.solid.joints import Joint, prove, refuse_unknown, verdict_list
-from pas.solid.linked import LinkedBodies, united
+from pas.solid.linked import SolidBoundary, united
 from pas.solid.measures import curved_measures
-from pas.solid.sheets import SheetBody, face_mesh, merged
+from pas.solid.sheets import face_mesh, merged
 from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, image, mapped
 from pas.verdicts import Findings, Verdict
@@ -54,7 +54,7 @@ class Solid(AffineShape["Solid"], Shape):
     tree: Tree
     joints: tuple[Joint, ...] = ()
     special_points: tuple[tuple[float, float, float], ...] = ()
-    sheets: SheetBody | LinkedBodies | None = None
+    sheets: SolidBoundary | None = None
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False, init=False)
     kind = "solid"
 
@@ -184,10 +184,17 @@ class Solid(AffineShape["Solid"], Shape):
         return bounding_box(self.tree)
 
     @cached_property
+    def _around(self) -> Floats:
+        """Two corners (2, 3) of a box in which it is meshed and measured: where sheets bound it that of a coarse mesh,
+        as the one that is proved takes long."""
+        known = None if self.sheets is None else self.sheets.box
+        return self.box if known is None else known
+
+    @cached_property
     def field(self) -> SolidField:
         """The solid as the mesher and evaluation want it."""
         curves = list(dict.fromkeys(j.along for j in self.joints))
-        return SolidField(self.tree, self.box, curves, np.array(self.special_points).reshape(-1, 3))
+        return SolidField(self.tree, self._around, curves, np.array(self.special_points).reshape(-1, 3))
 
     def contains(self, points: ArrayLike) -> np.ndarray:
         """Whether points (..., 3) are inside, shape (...).
@@ -259,12 +266,15 @@ class Solid(AffineShape["Solid"], Shape):
     def _tolerance(self, tolerance: float | None) -> float:
         if tolerance is not None:
             check_tolerance(tolerance)  # before the box, which takes a while
-        size = float(np.ptp(self.box, axis=0).max())
+        size = float(np.ptp(self._around, axis=0).max())
         return RELATIVE_TOLERANCE * size if tolerance is None else check_tolerance(tolerance, size)
 
     @limited("measuring a solid", "a coarser tolerance")
     def volume(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> float:
-        """The volume, with an error of second order in the tolerance of its mesh, of order 3/2 on cones."""
+        """The volume, with an error of second order in the tolerance of its mesh, of order 3/2 on cones.
+
+        Where `sheets` bound the solid it is that of their mesh, whose distance from them is measured.
+        """
         return self._measures(tolerance)[0]
 
     @limited("measuring a solid", "a coarser tolerance")
@@ -275,10 +285,18 @@ class Solid(AffineShape["Solid"], Shape):
     def _measures(self, tolerance: float | None) -> tuple[float, float]:
         key = ("measures", self._tolerance(tolerance))
         if key not in self._cache:
-            volume, area = curved_measures(self.face_mesh(tolerance), self.field)
-            scale = self.field.scale
-            self._cache[key] = volume * scale**3, area * scale**2
+            found = self._sheet_mesh(tolerance, Quality.BALANCED)
+            field = self.field if found is None else self._faces_alone
+            made = self.face_mesh(tolerance) if found is None else face_mesh(found, field, key[1], Quality.BALANCED)
+            volume, area = curved_measures(made, field)
+            self._cache[key] = volume * field.scale**3, area * field.scale**2
         return self._cache[key]
+
+    @property
+    def _faces_alone(self) -> SolidField:
+        """The functions of all faces, and where faces are joined: all that is asked about what a mesh shows."""
+        tree = combined(True, *(atom for atom in atoms(self.tree) if atom.face))
+        return SolidField(tree, self._around, list(dict.fromkeys(j.along for j in self.joints)), np.empty((0, 3)))
 
     @property
     def description(self) -> str:
