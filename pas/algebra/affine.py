@@ -39,6 +39,16 @@ def height(point: Sequence[fmpq], direction: Sequence[fmpq]) -> fmpq_mpoly:
     return sum((d * a for d, a in zip(away(point), direction, strict=True)), GENERATORS[0] * 0)
 
 
+def quadratic_form(polynomial: Polynomial) -> fmpq_mat:
+    """The symmetric matrix (4, 4), in x, y, z and 1, of a polynomial of degree 2 at most."""
+    rows = [[fmpq(0)] * 4 for _ in range(4)]
+    for exponents, value in polynomial.raw.to_dict().items():
+        i, j = [axis for axis, e in enumerate((*exponents, 2 - sum(exponents))) for _ in range(e)]
+        rows[i][j] += value / 2
+        rows[j][i] += value / 2
+    return fmpq_mat(rows)
+
+
 @dataclass(frozen=True)
 class Affine:
     """The map `x -> matrix x + shift`, exact; rows of the matrix as tuples."""
