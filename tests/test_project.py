@@ -225,7 +225,7 @@ def test_contents_that_make_no_sense(saved):
     saved.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(pas.ProjectFileError, match="not a text file"):
         pas.load(saved)
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(FileNotFoundError, match="give the path of a project file"):
         pas.load(saved.parent / "none.pas.json")
 
 

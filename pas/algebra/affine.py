@@ -240,12 +240,14 @@ class AffineShape(ABC, Generic[M]):
         """The shape moved by three numbers (the model's units), given in one sequence or one by one."""
         return self._moved(translation((offset, *others) if others else offset))  # type: ignore[arg-type]
 
-    def rotate(self, axis: VectorLike, degrees: Exact, center: VectorLike = (0, 0, 0)) -> M:
+    def rotate(self, axis: VectorLike, degrees: Exact | None = None, center: VectorLike = (0, 0, 0)) -> M:
         """The shape turned about an axis through `center`, counterclockwise seen from the axis' tip.
 
         Exact rotations by rational matrices; the angle is `degrees` up to rounding, and exact for
-        multiples of 90 about an axis of rational length.
+        multiples of 90 about an axis of rational length.  Raises `TypeError` where one of the two is missing.
         """
+        if degrees is None:
+            raise TypeError(f"rotate takes an axis and degrees, as in shape.rotate((0, 0, 1), 90), not {axis!r} alone")
         return self._moved(rotation(axis, degrees, center))
 
     def scale(self, factor: Exact | VectorLike, *others: Any, center: VectorLike = (0, 0, 0)) -> M:
