@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Unpack
+from typing import Any, NoReturn, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -67,6 +67,12 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     def __sub__(self, other: Solid) -> Solid:
         return self._with(other, union=False, less=True)
+
+    def __invert__(self) -> NoReturn:
+        """Raises `TypeError`: what is outside a solid is unbounded, and no solid."""
+        raise TypeError(
+            "~ of a solid is unbounded, and no solid; take it from a larger one, as in pas.solid.box(...) - a"
+        )
 
     def _with(self, other: Solid, union: bool, less: bool = False) -> Solid:
         if not isinstance(other, Solid):
