@@ -30,6 +30,7 @@ from pas.mesh.quality import Quality
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape, refuse_mixed
 from pas.solid.bounds import bounding_box
+from pas.solid.edge_verbs import WithEdges
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
 from pas.solid.joints import Joint, prove, refuse_unknown, verdict_list
@@ -42,7 +43,7 @@ from pas.verdicts import Findings, Verdict
 
 
 @dataclass(frozen=True, eq=False)
-class Solid(AffineShape["Solid"], Shape):
+class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     """A closed set of points with named faces; made by the functions of `pas.solid`.
 
     `a | b`, `a & b` and `a - b` are union, intersection and difference.  Nothing changes a solid: all
