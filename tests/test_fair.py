@@ -158,6 +158,7 @@ SLOW = {"unequal GC^3": (UNEQUAL, 3), "equal GC^3": (EQUAL, 3)}
 
 
 @pytest.mark.parametrize("name", [*CASES, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)])
+@pytest.mark.sampled(2)
 def test_corners_and_elbows_are_fair_and_proved(name):
     blend = fair(*(CASES | SLOW)[name])
     assert blend.certificate.proved and blend.standing == "proved"

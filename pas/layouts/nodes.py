@@ -17,12 +17,12 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.inputs import short, shown_point
-from pas.algebra.lengths import unit
-from pas.algebra.rational import Vector, cross, dot, minus, plain, to_float, to_floats
+from pas.algebra.lengths import angle_between, unit
+from pas.algebra.rational import Vector, cross, dot, listed, minus, to_float, to_floats
 from pas.contacts.contact import Contact
 from pas.contacts.rims import Rim, outlook
 from pas.errors import GeometryError
-from pas.layouts.discs import Disc, angle_between, power_of_two, rim_of, rounded
+from pas.layouts.discs import Disc, power_of_two, rim_of, rounded
 from pas.layouts.kinds import NEAR_WALLS, LayoutTrial, Maker, trials
 from pas.layouts.planes import have_room
 from pas.layouts.region import region
@@ -173,7 +173,7 @@ def check_outlook(number: int, contact: Contact, rim: Rim, center: Vector) -> No
         )
     cosine, where = outlook(contact.surface, rim, center)
     if cosine <= 0:
-        words, place = ", ".join(map(plain, center)), shown_point(where)
+        words, place = listed(center), shown_point(where)
         raise GeometryError(
             f"contact {number}: seen from the centre of the node, ({words}), its surface turns its back at {place}, so "
             "no blend around that centre is met once by each ray; move its clip, or give the centre by a pas.Layout"
