@@ -167,6 +167,8 @@ SAMPLES = {
     "solid.Assembly": lambda: solid.assembly({f"part number {i}": ball() for i in range(50)}),
     "solid.Joint": lambda: solid.Joint("a", "b", (LONG, "x"), 1),
     "solid.Part": lambda: solid.assembly(ball=ball())["ball"],
+    "solid.Profile": lambda: solid.rounded_rectangle(LONGEST, 3, 1) - solid.circle((2, 2), "1/2"),
+    "solid.Sketch": lambda: solid.sketch().line_to(1, 0).arc_to(2, 1).line_to(2, 3),
     "solid.Solid": lambda: solid.union([solid.ball((i, 0, 0), 1, f"ball {i}") for i in range(50)]),
     "solid.SolidMesh": lambda: ball().mesh(0.1),
 }

@@ -31,6 +31,9 @@ class Sketch:
         """The point where the next edge begins."""
         return self.edges[-1].end if self.edges else self.start
 
+    def __repr__(self) -> str:
+        return f"<Sketch of {self.count} edges from {at(self.start)} to {at(self.end)}>"
+
     def line_to(self, x: Exact, y: Exact, face: str | None = None) -> Sketch:
         """A straight edge to a point."""
         end = self._target(x, y)
