@@ -41,8 +41,8 @@ from pas.solid.tree import Atom, combined, complement
 class FaceSeam:
     """The edges in which two faces of a solid meet, as its mesh shows them, with what a fillet needs of them.
 
-    `points` (N, 3) are on both faces, evenly along the edges.  `sign` is 1 where a fillet is added, -1 where it takes away.  `walls` are the polynomials,
-    negative inside, of the faces in which the seam ends, where it leaves the solid.
+    `points` (N, 3) are on both faces, evenly along the edges.  `sign` is 1 where a fillet is added, -1 where it takes
+    away.  `walls` are the polynomials, negative inside, of the faces in which the seam ends, where it leaves the solid.
     """
 
     faces: tuple[Polynomial, Polynomial]
