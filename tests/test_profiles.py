@@ -221,6 +221,12 @@ REFUSED = {
         lambda: solid.sketch().arc_to(0, 4, radius=2).line_to(0, 2).arc_to(0, 0, radius=1, clockwise=True).close(),
         "crosses or touches itself near (0.0",
     ),
+    "cusp from both sides": (
+        lambda: (
+            solid.sketch().arc_to(2, 2, radius=2).line_to(-3, 2).line_to(-3, -2).line_to(2, -2).arc_to(0, 0, radius=2)
+        ).close(),
+        "turns back on itself at (0, 0)",
+    ),
     "turning back": (lambda: solid.polygon([(0, 0), (2, 0), (1, 0), (1, 1)]), "turns back on itself at (2, 0)"),
     "in line": (lambda: solid.polygon([(0, 0), (1, 0), (2, 0)]), "nothing inside"),
     "two corners": (lambda: solid.polygon([(0, 0), (1, 0)]), "at least three corners, not 2"),
