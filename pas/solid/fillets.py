@@ -207,13 +207,13 @@ class Filling:
         """The largest radius found below one, to a thirtieth, of a fillet that there is; None where there is none."""
         share = fmpq(47, 100)  # at halves of the solid's size fillets may just touch its other faces, which takes long
         low, high, attempts = above * share, above, 10
-        while not isinstance(self.made(low), Solid):
+        while isinstance(self.made(low), str):
             low, high, attempts = low * share, low, attempts - 1
             if not attempts:
                 return None
         while high - low > low / 30:
             middle = short(to_float(low + (high - low) * share))
-            low, high = (middle, high) if isinstance(self.made(middle), Solid) else (low, middle)
+            low, high = (low, middle) if isinstance(self.made(middle), str) else (middle, high)
         return to_float(low)
 
 
@@ -226,7 +226,7 @@ def filled(
     """
     filling = Filling.of(solid, names, order, within, face)
     made = filling.made(radius)
-    if isinstance(made, Solid):
+    if not isinstance(made, str):
         return made
     largest = filling.largest(radius)
     raise GeometryError(
@@ -254,7 +254,7 @@ def _along(edges: Floats) -> tuple[Floats, float]:
 
 
 def _numbers(points: Floats, *numbers: int) -> Integers:
-    """The same functions, by number, for each point."""
+    """Functions by number, (N, m), which are those of each of N points."""
     return np.tile(np.array(numbers, dtype=np.intp), (len(points), 1))
 
 
