@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from collections import Counter
@@ -47,12 +48,16 @@ print(hashlib.sha256(mesh.points.tobytes() + mesh.triangles.tobytes()).hexdigest
 
 
 def test_meshes_in_boxes_are_the_same_bits_on_every_machine():
-    found = set()
+    found = []
     for machine in ("Haswell", "SkylakeX", "Zen"):
         environment = {**os.environ, "OPENBLAS_CORETYPE": machine}
-        done = subprocess.run([sys.executable, "-c", BITS], env=environment, capture_output=True, text=True, check=True)
-        found.add(done.stdout)
-    assert len(found) == 1
+        done = subprocess.run(
+            [sys.executable, "-c", BITS], env=environment, capture_output=True, text=True, check=False
+        )
+        if done.returncode != -signal.SIGILL:  # this processor cannot run some kernels
+            assert done.returncode == 0, done.stderr[-2000:]
+            found.append(done.stdout)
+    assert len(found) > 1 and len({*found}) == 1
 
 
 @pytest.mark.parametrize("number", [3, 40])

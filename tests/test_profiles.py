@@ -6,10 +6,13 @@ import string
 
 import numpy as np
 import pytest
+from flint import fmpq
 from matplotlib.path import Path
 
 from pas import solid
+from pas.algebra.rational import square_root
 from pas.errors import GeometryError
+from pas.mesh.quality import Quality
 
 RNG = np.random.default_rng
 
@@ -112,6 +115,7 @@ REVOLVED = {
 }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("degrees", [360, 90, 250])
 @pytest.mark.parametrize("name", REVOLVED)
 def test_revolved(name, degrees):
@@ -143,6 +147,13 @@ def test_tapered_sides_lean_and_stay_smooth():
     assert mesh.is_closed and len(shape.verdicts) == 8 and all(verdict.proved for verdict in shape.verdicts)
     areas = np.linalg.norm(np.cross(plane[:, 1] - plane[:, 0], plane[:, 2] - plane[:, 0]), axis=1) / 2
     assert areas.sum() == pytest.approx(top, rel=1e-4)
+    assert shape.sheets.mesh(1e-2, Quality.BALANCED) is not None
+    points = RNG(3).uniform((0, 0, 0), (40, 30, 5), (4000, 3))
+    lean = points[:, 2] * np.tan(np.radians(2))
+    off = np.abs(points[:, :2] - (20, 15)) - (15, 10)  # from the rectangle of the corners' centres
+    side = np.linalg.norm(np.maximum(off, 0), axis=1) + np.minimum(off.max(axis=1), 0) - 5
+    hole = 3 - np.linalg.norm(points[:, :2] - (10, 10), axis=1)
+    assert (shape.contains(points) == (np.maximum(side, hole) + lean <= 0)).all()
     wider = solid.polygon(L_SHAPE).extrude(1, taper=-10).mesh()
     assert wider.bounding_box[1, 0] == pytest.approx(4 + np.tan(np.radians(10)))
 
@@ -206,6 +217,16 @@ REFUSED = {
         lambda: solid.sketch((0, 0)).line_to(2, 0).arc_to(1, 1, radius=1, clockwise=True).close(),
         "turns back on itself at (2, 0)",
     ),
+    "cusp of arcs": (
+        lambda: solid.sketch().arc_to(0, 4, radius=2).line_to(0, 2).arc_to(0, 0, radius=1, clockwise=True).close(),
+        "crosses or touches itself near (0.0",
+    ),
+    "cusp from both sides": (
+        lambda: (
+            solid.sketch().arc_to(2, 2, radius=2).line_to(-3, 2).line_to(-3, -2).line_to(2, -2).arc_to(0, 0, radius=2)
+        ).close(),
+        "turns back on itself at (0, 0)",
+    ),
     "turning back": (lambda: solid.polygon([(0, 0), (2, 0), (1, 0), (1, 1)]), "turns back on itself at (2, 0)"),
     "in line": (lambda: solid.polygon([(0, 0), (1, 0), (2, 0)]), "nothing inside"),
     "two corners": (lambda: solid.polygon([(0, 0), (1, 0)]), "at least three corners, not 2"),
@@ -248,6 +269,29 @@ def test_fonts_and_types_that_are_none():
         solid.text("a", 1, font="none.ttf")
     with pytest.raises(TypeError, match="take two profiles"):
         _ = solid.circle((0, 0), 1) | solid.ball((0, 0, 0), 1)
+
+
+@pytest.mark.parametrize("offset", [10**3, 10**6])
+def test_far_from_the_origin(offset):
+    profile = solid.rounded_rectangle(4, 3, "1/2") - solid.circle((1, 1), "1/4")
+    shape = profile.translate(offset, -offset).extrude(1)
+    mesh = shape.sheets.mesh(1e-2, Quality.BALANCED)
+    assert mesh is not None and mesh.is_closed
+    assert mesh.translate(-offset, offset, 0).volume == pytest.approx(12 - (4 - np.pi) / 4 - np.pi / 16, rel=1e-2)
+
+
+def test_roots_are_near_at_any_size():
+    for value in (fmpq(2), fmpq(2, 10**40), fmpq(10**41), fmpq(3, 7)):
+        root = square_root(value)
+        assert 0 <= 1 - root * root / value < fmpq(1, 2**58)
+    assert square_root(fmpq(9, 4)) == fmpq(3, 2)
+
+
+def test_what_dips_below_the_axis_is_refused():
+    dip = solid.sketch(("1/10", 0)).line_to(2, 0).line_to(2, 2).line_to("1/10", 2)
+    assert dip.arc_to("1/10", 0, through=("1/1000", 1)).close().revolve().mesh(1e-2).is_closed
+    with pytest.raises(GeometryError, match="passes the axis"):
+        dip.arc_to("1/10", 0, through=("-1/1000000", 1)).close().revolve()
 
 
 def test_volume_and_area_of_what_is_swept():

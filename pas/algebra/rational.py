@@ -104,14 +104,18 @@ def positive(value: Any, name: str) -> fmpq:
 
 
 def near(value: float) -> fmpq:
-    """A rational number with at most nine digits below, which is off by less than a double of that size can say."""
+    """A rational number with at most nine digits below, which is off by less than 10^-18."""
     return rational(Fraction(value).limit_denominator(10**9))
 
 
 def square_root(value: fmpq) -> fmpq:
-    """The root of a number that is not negative: exact where it is rational, else a number near it."""
+    """The root of a number that is not negative: exact where it is rational, else off by less than 2^-60 of it."""
     p, q = math.isqrt(int(value.p)), math.isqrt(int(value.q))
-    return fmpq(p, q) if p * p == value.p and q * q == value.q else near(math.sqrt(to_float(value)))
+    if p * p == value.p and q * q == value.q:
+        return fmpq(p, q)
+    product = int(value.p) * int(value.q)  # of which the root, over q, is that of p / q
+    shift = max(0, 62 - product.bit_length() // 2)
+    return fmpq(math.isqrt(product << 2 * shift), int(value.q) << shift)
 
 
 def read_number(text: str) -> fmpq:

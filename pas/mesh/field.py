@@ -28,6 +28,13 @@ class Field(Protocol):
         """The user's coordinates of points (..., 3)."""
 
 
+class HasJets(Protocol):
+    """Functions by label, negative inside."""
+
+    def jets(self, points: Floats, labels: int | Integers) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3) of one label's function, or of each point's own (N,)."""
+
+
 class RimCurve(Protocol):
     """A curve on which a surface ends, in a wall of the region; or, where it is `fixed`, a point of such curves."""
 

@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.inputs import shown_point
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import exact, plain, rational, to_float, to_floats
@@ -97,6 +98,15 @@ class PlaneEdge:
         found = np.asarray(total / sum(basis))
         found[0], found[-1] = a, b
         return found
+
+    def passes_axis(self, halvings: int = 12) -> bool:
+        """Whether x is negative somewhere on it; of an arc that comes within 4^-12 of its length of that it may be
+        said, too."""
+        if min(self.start[0], self.end[0]) < 0:
+            return True
+        if self.control is None or self.control[0] >= 0:
+            return False
+        return halvings == 0 or any(half.passes_axis(halvings - 1) for half in self.halves)
 
     def pieces(self, tolerance: float) -> int:
         """How many chords between `points` come within a tolerance of it."""
@@ -194,10 +204,6 @@ def arc(start: Point, end: Point, center: Point, left: bool, name: str) -> list[
     tangent = center[1] - start[1], start[0] - center[0]
     middle = beyond(curve, start, simplest((exact(to_middle[0]), exact(to_middle[1])), tangent))
     return [*arc(start, middle, center, left, name), *arc(middle, end, center, left, name)]
-
-
-Complaint = Callable[[PlaneEdge, PlaneEdge], Exception]
-"""What is wrong with two edges that meet."""
 
 
 @dataclass(frozen=True)
@@ -335,8 +341,7 @@ def near(one: PlaneEdge, other: PlaneEdge) -> str:
     points = one.points(64), other.points(64)
     gaps = np.linalg.norm(points[0][:, None] - points[1][None], axis=2)
     i, j = np.unravel_index(gaps.argmin(), gaps.shape)
-    x, y = (points[0][i] + points[1][j]) / 2
-    return f"({x:.4g}, {y:.4g})"
+    return shown_point((points[0][i] + points[1][j]) / 2)
 
 
 def at(point: Point) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -122,9 +123,7 @@ class Prism(SweptBody):
         if found is None:
             return None
         polygons, counts, triangles = found
-        tops = [
-            self._top(loop, *some) for loop, some in zip(self.loops, zip(polygons, counts, strict=True), strict=True)
-        ]
+        tops = [self._top(*some) for some in zip(self.loops, polygons, counts, strict=True)]
         levels = (np.concatenate(polygons), 0.0), (np.concatenate(tops), self.height)
         made = Faces([np.pad(p, ((0, 0), (0, 1)), constant_values=z) for p, z in levels], 0.0)
         n, first = len(levels[0][0]), 0
@@ -132,9 +131,7 @@ class Prism(SweptBody):
             borders = np.cumsum([0, *count])
             for edge, (a, b) in zip(loop.edges, pairwise(borders.tolist()), strict=True):
                 below, above = (first + np.arange(a, b + 1) % len(points) + up for up in (0, n))
-                side = self.lean.surface(edge)
-                jets = lambda points, side=side: (side(points), side.gradient(points))  # noqa: E731
-                put_side(made, edge.name, [*np.stack([above, below], axis=1)], jets)
+                put_side(made, edge.name, [*np.stack([above, below], axis=1)], partial(_jets, self.lean.surface(edge)))
             first += len(points)
         put_flat(made, "bottom", triangles[:, ::-1], np.array([0.0, 0.0, -1.0]))
         top = flat(tops) if self.lean.slope else triangles
@@ -185,6 +182,10 @@ class Prism(SweptBody):
     @property
     def _signs(self) -> list[int]:
         return [1 if loop.is_counterclockwise else -1 for loop in self.loops]
+
+
+def _jets(surface: Polynomial, points: Floats) -> tuple[Floats, Floats]:
+    return surface(points), surface.gradient(points)
 
 
 def _square(edge: PlaneEdge) -> fmpq:

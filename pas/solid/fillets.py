@@ -8,25 +8,29 @@ which has contact of order k with the faces f = 0 and g = 0 along g = b and f = 
 1989).  The heights are those at which a rolling ball touches the other face, in the mean along the edge; mu = 2 + 2 c
 with the mean cosine c between normals, which makes the fillet of two planes a circular cylinder.
 
-Guaranteed: the joints, which are proved before a fillet is given.  Not guaranteed: that the fillet of curved faces is
-near a rolling ball's, which is no algebraic surface of such a degree.
+Guaranteed: the joints, which are proved before a fillet is given.  Looked at on its mesh: that it ends nowhere but at
+the solid's own faces.  Not guaranteed: that the
+fillet of curved faces is near a rolling ball's, which is no algebraic surface of such a degree.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.inputs import check_order
+from pas.algebra.inputs import check_order, shown_point
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
 from pas.algebra.rational import plain, rational, to_float
-from pas.errors import GeometryError, meant
+from pas.errors import GeometryError, MeshError, meant
 from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
+from pas.mesh.projection import distances, newton
 from pas.mesh.rows import Integers
 from pas.solid.joints import Joint
 from pas.solid.solid import Solid
@@ -37,14 +41,13 @@ from pas.solid.tree import Atom, combined, complement
 class FaceSeam:
     """The edges in which two faces of a solid meet, as its mesh shows them, with what a fillet needs of them.
 
-    `points` (N, 3) are on both faces, with unit normals (2, N, 3) outwards.  `is_concave` says on which side the solid
-    is.  `walls` are the polynomials, negative inside, of the faces in which the seam ends, where it leaves the solid.
+    `points` (N, 3) are on both faces, evenly along the edges.  `sign` is 1 where a fillet is added, -1 where it takes
+    away.  `walls` are the polynomials, negative inside, of the faces in which the seam ends, where it leaves the solid.
     """
 
     faces: tuple[Polynomial, Polynomial]
     points: Floats
-    normals: Floats
-    is_concave: bool
+    sign: int
     walls: tuple[Polynomial, ...]
 
     @classmethod
@@ -56,44 +59,162 @@ class FaceSeam:
         edges, across = _between(mesh, *numbers)
         if not len(edges):
             raise GeometryError(f"the faces {names[0]!r} and {names[1]!r} of the solid do not meet in an edge")
-        points = mesh.points[np.unique(edges)]
-        gradients = np.stack([face.gradient(points) for face in faces])
-        normals = gradients / np.linalg.norm(gradients, axis=2, keepdims=True)
-        cosines = (normals[0] * normals[1]).sum(axis=1)
+        points, reach = _along(mesh.points[edges])
+        points = newton(points, Levels(faces), _numbers(points, 0, 1), np.full(len(points), reach))
+        above = faces[0](mesh.points[across]) > 0
+        found = cls(faces, points, 1 if above.all() else -1, tuple(_walls(solid, mesh, edges, numbers)))
         flat = 1e-2  # sine of an angle between faces below which they are taken for tangent
-        if (1 - cosines**2).min() < flat**2:
-            x, y, z = points[int(np.argmax(cosines**2))]
+        worst = int(np.argmax(found.cosines**2))
+        if 1 - found.cosines[worst] ** 2 < flat**2:
             raise GeometryError(
-                f"the faces {names[0]!r} and {names[1]!r} touch, or nearly so, near ({x:.4g}, {y:.4g}, {z:.4g}): "
+                f"the faces {names[0]!r} and {names[1]!r} touch, or nearly so, near {shown_point(points[worst])}: "
                 f"a fillet is for faces that meet with an angle"
             )
-        above = faces[0](mesh.points[across]) > 0
         if above.any() != above.all():
             raise GeometryError(
                 f"the faces {names[0]!r} and {names[1]!r} meet in edges that go out and such that go in; "
                 f"give the fillet of each its own solid, before they are united"
             )
-        return cls(faces, points, normals, bool(above.all()), tuple(_walls(solid, mesh, edges, numbers)))
+        return found
+
+    @cached_property
+    def normals(self) -> Floats:
+        """The unit normals (2, N, 3) of both faces outwards at the points."""
+        return np.stack([unit(face.gradient(self.points)) for face in self.faces])
+
+    @cached_property
+    def cosines(self) -> Floats:
+        """Those (N,) of the angles between the normals."""
+        return np.asarray((self.normals[0] * self.normals[1]).sum(axis=1))
 
     def heights(self, radius: float) -> tuple[fmpq, fmpq]:
         """How high over each face, by its polynomial, a ball of a radius touches the other, in the mean."""
-        sign = 1 if self.is_concave else -1
-        reach = radius * (1 - (self.normals[0] * self.normals[1]).sum(axis=1))[:, None]
+        reach = self.sign * radius * (1 - self.cosines)[:, None]
         a, b = (
-            short(sign * float(face(self.points + sign * reach * normal).mean()))
+            short(self.sign * float(face(self.points + reach * normal).mean()))
             for face, normal in zip(self.faces, self.normals, strict=True)
         )
         return a, b
 
-    def box(self, radius: float) -> list[Polynomial]:
-        """Polynomials that are positive in a box which holds a fillet of a radius."""
-        cosines = (self.normals[0] * self.normals[1]).sum(axis=1)
-        margin = radius * (1 + 2 * float(np.sqrt((1 - cosines) / (1 + cosines)).max()))
-        low, high = self.points.min(axis=0) - margin, self.points.max(axis=0) + margin
+    def runs_out(self, radius: float) -> float:
+        """How far beyond the ends of an edge a fillet may take away, until it leaves the solid there."""
+        return 2 * radius * (1 + float(np.sqrt((1 - self.cosines) / (1 + self.cosines)).max()))
+
+    def ends(self, heights: tuple[fmpq, fmpq], radius: float) -> Floats | None:
+        """Points (2 N, 3) of the curves on the faces in which a fillet ends; None where a face does not go that far."""
+        one, other = self.faces
+        levels = Levels((one, other, one - heights[0] * self.sign, other - heights[1] * self.sign))
+        tangents = radius * np.sqrt((1 - self.cosines) / (1 + self.cosines))[:, None]
         found = []
-        for axis, g in enumerate(GENERATORS):
-            found += [Polynomial.from_raw(g - short(low[axis])), Polynomial.from_raw(short(high[axis]) - g)]
-        return found
+        for mine, its in ((0, 1), (1, 0)):
+            way = self.sign * unit(self.normals[its] - self.cosines[:, None] * self.normals[mine])
+            reach = np.full(len(way), radius)
+            numbers = _numbers(way, mine, 2 + its)
+            moved = newton(self.points + tangents * way, levels, numbers, reach)
+            off = [distances(levels, moved, column).max() for column in numbers.T]
+            if max(off) > 1e-6 * radius:  # beyond what rounding leaves
+                return None
+            found.append(moved)
+        return np.concatenate(found)
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """Polynomials by number, whose common zeros are looked for."""
+
+    functions: tuple[Polynomial, ...]
+
+    def jets(self, points: Floats, labels: int | Integers) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3) of the polynomial that has the number, one for all of them."""
+        function = self.functions[int(np.ravel(labels)[0])]
+        return np.concatenate([function(points)[:, None], function.gradient(points)], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Filling:
+    """What is asked: a solid, two of its faces with their seam, the order, where, and the name of the new face."""
+
+    solid: Solid
+    names: tuple[str, str]
+    seam: FaceSeam
+    order: int
+    within: tuple[Polynomial, ...]
+    face: str
+
+    @classmethod
+    def of(
+        cls,
+        solid: Solid,
+        names: tuple[str, str],
+        order: int,
+        within: Sequence[PolynomialLike],
+        face: str | None = None,
+    ) -> Filling:
+        """That of arguments of `Solid.fillet`, which are checked."""
+        check_order(order)
+        walls = tuple(Polynomial.named(wall, f"within[{i}]", constant=False) for i, wall in enumerate(within))
+        title = face or _free(solid, "fillet" if order else "chamfer")
+        return cls(solid, names, FaceSeam.of(solid, names), order, walls, title)
+
+    def made(self, radius: fmpq) -> Solid | str:
+        """The solid with a fillet of a radius, or why there is none."""
+        checkpoint("proving a fillet")
+        sign, (f, g), size = self.seam.sign, self.seam.faces, to_float(radius)
+        a, b = self.seam.heights(size)
+        ends = self.seam.ends((a, b), size) if a > 0 and b > 0 else None
+        if ends is None:
+            return "one of the faces does not go on so far from the edge"
+        s, t = f * (sign / a), g * (sign / b)
+        h = 1 - s - t
+        bulge = short(2 + 2 * float(self.seam.cosines.mean()))
+        surface = s * t * bulge - h ** (self.order + 1) if self.order else -h
+        walls = [s, t, *([h] if self.order else []), *self.within]
+        walls += _box(np.concatenate([self.seam.points, ends]), size if sign > 0 else self.seam.runs_out(size))
+        walls += [-wall for wall in self.seam.walls] if sign > 0 else []
+        piece = combined(False, Atom(surface, self.face), *(Atom(-wall, "") for wall in walls))
+        whole = self.solid.tree
+        tree = combined(True, whole, piece) if sign > 0 else combined(False, whole, complement(piece))
+        claims = (
+            Joint(self.face, self.names[0], (f, g - b * sign), self.order),
+            Joint(self.face, self.names[1], (g, f - a * sign), self.order),
+        )
+        made = replace(self.solid, tree=tree, joints=claims, sheets=None)
+        wrong = next((f"{v.claim}: {v.reason}" for v in made.verdicts if not v.proved), None)
+        made = replace(made, joints=(*self.solid.joints, *claims))
+        return wrong or self._strays(made) or made
+
+    def _strays(self, made: Solid) -> str | None:
+        """What is wrong where surfaces meet away from the edge, too, as the mesh shows; None where all is well.
+
+        Pieces of a fillet there end in walls of its box, or beside a face that the solid has not got there: so they are
+        flat in one, and touch the other without any thickness, which no mesh has.
+        """
+        try:
+            mesh = made.mesh()
+        except MeshError as error:
+            return f"it has no mesh: {error}"
+        known = {*made.faces}
+        for face, name in enumerate(mesh.names):
+            if not known.issuperset(name.split(" + ")):
+                place = mesh.points[mesh.triangles[mesh.faces == face][0, 0]]
+                return (
+                    f"it would end in a wall near {shown_point(place)}: give as `within` polynomials that are positive "
+                    f"where it is wanted"
+                )
+        return None
+
+    def largest(self, above: fmpq) -> float | None:
+        """The largest radius found below one, to a thirtieth, of a fillet that there is; None where there is none."""
+        share = fmpq(47, 100)  # at halves of the solid's size fillets may just touch its other faces, which takes long
+        low, high, attempts = above * share, above, 10
+        while isinstance(self.made(low), str):
+            low, high, attempts = low * share, low, attempts - 1
+            if not attempts:
+                return None
+        while high - low > low / 30:
+            middle = short(to_float(low + (high - low) * share))
+            low, high = (low, middle) if isinstance(self.made(middle), str) else (middle, high)
+        return to_float(low)
 
 
 def filled(
@@ -101,85 +222,54 @@ def filled(
 ) -> Solid:
     """The solid with its edge between two faces rounded, or of order 0 cut off flatly; see `Solid.fillet`.
 
-    Raises `GeometryError` where a joint is not proved, with the largest radius of which they are.
+    Raises `GeometryError` where there is no such fillet, with the largest radius found of one that there is.
     """
-    check_order(order)
-    walls = [Polynomial(wall) for wall in within]
-    seam, face = FaceSeam.of(solid, names), face or _free(solid, "fillet" if order else "chamfer")
-    made = _made(solid, seam, names, radius, order, walls, face)
-    wrong = _unproved(made, face)
-    if wrong is None:
+    filling = Filling.of(solid, names, order, within, face)
+    made = filling.made(radius)
+    if not isinstance(made, str):
         return made
-    largest = _largest(lambda r: _unproved(_made(solid, seam, names, r, order, walls, face), face) is None, radius)
+    largest = filling.largest(radius)
     raise GeometryError(
-        f"a fillet of radius {plain(radius)} between {names[0]!r} and {names[1]!r} is not proved: {wrong}; "
-        + ("no smaller one is either" if largest is None else f"one of radius {largest:.3g} is")
+        f"a {'fillet' if order else 'chamfer'} of radius {plain(radius)} between {names[0]!r} and {names[1]!r} is not "
+        f"proved: {made}; " + ("no smaller one is either" if largest is None else f"one of radius {largest:.3g} is")
     )
 
 
 def largest(solid: Solid, names: tuple[str, str], order: int, within: Sequence[PolynomialLike]) -> float:
-    """The largest radius, nearly, of a fillet whose joints are proved; see `Solid.largest_fillet`."""
-    check_order(order)
-    walls = [Polynomial(wall) for wall in within]
-    seam, face = FaceSeam.of(solid, names), _free(solid, "fillet")
-    size = short(float(np.ptp(solid.box, axis=0).max()))
-    found = _largest(lambda r: _unproved(_made(solid, seam, names, r, order, walls, face), face) is None, size)
+    """The largest radius, nearly, of a fillet that is proved; see `Solid.largest_fillet`."""
+    found = Filling.of(solid, names, order, within).largest(short(float(np.ptp(solid.box, axis=0).max())))
     if found is None:
         raise GeometryError(f"no fillet between {names[0]!r} and {names[1]!r} is proved, however small")
     return found
 
 
-def _made(
-    solid: Solid,
-    seam: FaceSeam,
-    names: tuple[str, str],
-    radius: fmpq,
-    order: int,
-    within: Sequence[Polynomial],
-    face: str,
-) -> Solid:
-    sign = 1 if seam.is_concave else -1
-    (a, b), (f, g) = seam.heights(to_float(radius)), seam.faces
-    if a <= 0 or b <= 0:
-        return solid
-    s, t = f * (sign / a), g * (sign / b)
-    h = 1 - s - t
-    cosine = float((seam.normals[0] * seam.normals[1]).sum(axis=1).mean())
-    surface = s * t * short(2 + 2 * cosine) - h ** (order + 1) if order else -h
-    walls = [s, t] + ([h] if order else []) + [*within, *seam.box(to_float(radius))]
-    walls += [-wall for wall in seam.walls] if seam.is_concave else []
-    piece = combined(False, Atom(surface, face), *(Atom(-wall, "") for wall in walls))
-    tree = combined(True, solid.tree, piece) if seam.is_concave else combined(False, solid.tree, complement(piece))
-    claims: tuple[Joint, ...] = ()
-    if order:
-        claims = Joint(face, names[0], (f, g - b * sign), order), Joint(face, names[1], (g, f - a * sign), order)
-    return replace(solid, tree=tree, joints=(*solid.joints, *claims), sheets=None)
+def _along(edges: Floats) -> tuple[Floats, float]:
+    """Points (N, 3) along edges (E, 2, 3), at their ends and between, and how far these are apart at most."""
+    lengths = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1)
+    parts = np.ceil(lengths / (lengths.sum() / 64)).astype(np.intp)
+    rows = np.repeat(np.arange(len(edges)), parts)
+    shares = (np.arange(len(rows)) - np.repeat(np.cumsum(parts) - parts, parts) + 0.5) / parts[rows]
+    middles = edges[rows, 0] + shares[:, None] * (edges[rows, 1] - edges[rows, 0])
+    return np.concatenate([middles, np.unique(edges.reshape(-1, 3), axis=0)]), float((lengths / parts).max())
 
 
-def _unproved(made: Solid, face: str) -> str | None:
-    """Why a joint of a face is not proved; None where all are."""
-    checkpoint("proving a fillet")
-    if face not in made.faces:
-        return "the face next to it is curved the other way there"
-    mine = [replace(made, joints=(joint,)) for joint in made.joints if joint.first == face]
-    wrong = next((verdict for one in mine for verdict in one.verdicts if not verdict.proved), None)
-    return None if wrong is None else f"{wrong.claim}: {wrong.reason}"
+def _numbers(points: Floats, *numbers: int) -> Integers:
+    """Functions by number, (N, m), which are those of each of N points."""
+    return np.tile(np.array(numbers, dtype=np.intp), (len(points), 1))
 
 
-def _largest(holds: Callable[[fmpq], bool], above: fmpq) -> float | None:
-    """The largest radius below one of which a condition holds, to a thirtieth; None where none is found."""
-    low, high = above / 2, above
-    halvings = 10
-    for _ in range(halvings):
-        if holds(low):
-            break
-        low, high = low / 2, low
-    else:
-        return None
-    while high - low > low / 30:
-        middle = short(to_float(low + high) / 2)
-        low, high = (middle, high) if holds(middle) else (low, middle)
-    return to_float(low)
+def _box(points: Floats, room: float) -> list[Polynomial]:
+    """Polynomials that are positive in a box around points (N, 3) with room to spare."""
+    step = fmpq(2) ** int(np.floor(np.log2(room / 8)))
+    found = []
+    for g, values in zip(GENERATORS, points.T, strict=True):
+        low, high = (int(np.floor(end / float(step))) for end in (values.min() - room, values.max() + room))
+        # Planes at thirds of short numbers are not where the faces of solids mostly are.
+        found += [
+            Polynomial.from_raw(g - (low + fmpq(1, 3)) * step),
+            Polynomial.from_raw((high + fmpq(2, 3)) * step - g),
+        ]
+    return found
 
 
 def _free(solid: Solid, name: str) -> str:

@@ -39,7 +39,7 @@ def revolved(profile: PlaneSet, degrees: fmpq) -> Solid:
         raise ValueError(f"degrees must be above 0 and at most 360, not {plain(degrees)}")
     for loop in profile.all_loops:
         for edge in loop.edges:
-            if min(p[0] for p in edge.hull) < 0 and edge.points(64)[:, 0].min() < 0:
+            if edge.passes_axis():
                 raise GeometryError(
                     f"the profile passes the axis: its edge {edge.name!r} from {at(edge.start)} to {at(edge.end)} has "
                     f"points with negative x, which is the distance from the axis"

@@ -94,11 +94,12 @@ def flat(polygons: Sequence[Floats]) -> Integers | None:
     from manifold3d import triangulate
 
     points = np.concatenate(polygons)
-    made = np.asarray(triangulate([np.asarray(p, dtype=np.float64) for p in polygons], 0.0), dtype=np.intp)
-    corners = points[made]
-    areas = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    inside = sum(float(cross(p, np.roll(p, -1, axis=0)).sum()) for p in polygons)
     size = float(np.ptp(points, axis=0).max())
+    moved = [np.asarray(p - points.min(axis=0), dtype=np.float64) for p in polygons]
+    made = np.asarray(triangulate(moved, 0.0), dtype=np.intp)
+    corners = np.concatenate(moved)[made]
+    areas = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inside = sum(float(cross(p, np.roll(p, -1, axis=0)).sum()) for p in moved)
     whole = abs(areas.sum() - inside) <= 1e-12 * size * size
     return made if whole and areas.min(initial=1.0) >= -1e-14 * size * size else None
 
