@@ -267,6 +267,8 @@ def test_fonts_and_types_that_are_none():
         solid.text("a", 1, font="DejaVu Sanz")
     with pytest.raises(FileNotFoundError, match=r"no font file none\.ttf"):
         solid.text("a", 1, font="none.ttf")
+    with pytest.raises(AttributeError, match="no 'write'; it is flat: extrude or revolve it first"):
+        solid.circle((0, 0), 1).write("disc.stl")
     with pytest.raises(TypeError, match="take two profiles"):
         _ = solid.circle((0, 0), 1) | solid.ball((0, 0, 0), 1)
 

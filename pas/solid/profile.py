@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NoReturn
 
 import numpy as np
 from flint import fmpq
@@ -57,6 +58,11 @@ class Profile:
                 f"|, & and - take two profiles, not a profile and {shown(other)}; extrude the profile first"
             )
         return Profile(None, (self, replace(other, outside=not other.outside) if less else other), union)
+
+    def __getattr__(self, name: str) -> NoReturn:
+        """Raises `AttributeError`, which says of what solids have that a profile is flat."""
+        flat = "; it is flat: extrude or revolve it first" if hasattr(Solid, name) else ""
+        raise AttributeError(f"a profile has no {name!r}{flat}", name=name, obj=self)
 
     def translate(self, x: Exact, y: Exact) -> Profile:
         """The profile moved by two numbers (the model's units)."""
