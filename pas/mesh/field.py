@@ -206,6 +206,13 @@ class ShellWall:
     inner: Integers
 
 
+class Jets(Protocol):
+    """Functions, each known by a number."""
+
+    def jets(self, points: Floats, label: int | Integers) -> Floats:
+        """Values and gradients (N, 4) of one function, or of each point's own (N,), at points (N, 3)."""
+
+
 class FaceField(Field, Protocol):
     """A set in space whose boundary consists of faces, each on the zero set of a function.
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, extent_of
+from pas.mesh.field import FaceField, Jets, extent_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import Floats, Integers, cross, dots, norms
 from pas.mesh.shading import unit_rows, uprightness_at
@@ -92,7 +92,7 @@ def onto_faces(points: Floats, labels: Integers, field: FaceField, reach: Floats
     return points
 
 
-def newton(points: Floats, field: FaceField, functions: Integers, reach: Floats, steps: int = NEWTON_STEPS) -> Floats:
+def newton(points: Floats, field: Jets, functions: Integers, reach: Floats, steps: int = NEWTON_STEPS) -> Floats:
     """Points (N, 3) moved to the common zeros of each one's own functions (N, m), given as labels.
 
     None moves further than `reach` (N,) a step.
@@ -110,7 +110,7 @@ def newton(points: Floats, field: FaceField, functions: Integers, reach: Floats,
     return points
 
 
-def least_norm(field: FaceField, functions: Integers | Sequence[int], points: Floats) -> Floats:
+def least_norm(field: Jets, functions: Integers | Sequence[int], points: Floats) -> Floats:
     """The shortest steps (N, 3), to first order, from the common zeros of functions to points.
 
     Functions are given as labels, (m,) for all points or (N, m).
