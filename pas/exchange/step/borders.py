@@ -58,7 +58,9 @@ class Functions:
 
     def jets(self, points: Floats, label: int | Integers) -> Floats:
         """Values and gradients (N, 4) at points (N, 3) of one function, or of each point's own (N,)."""
-        labels = np.broadcast_to(np.asarray(label, dtype=np.intp), len(points))
+        labels = np.asarray(label, dtype=np.intp)
+        if labels.ndim == 0 or (labels == labels[:1]).all():
+            return self._jets[int(labels.ravel()[0])](points)
         result = np.empty((len(points), 4))
         for number in np.unique(labels):
             rows = labels == number
@@ -67,6 +69,8 @@ class Functions:
 
     def placed(self, points: Floats, numbers: tuple[int, ...]) -> Floats:
         """Points (N, 3) moved onto the common zeros of functions."""
+        if not len(points):
+            return points
         each = np.tile(np.array(numbers, dtype=np.intp), (len(points), 1))
         return newton(points, self, each, np.full(len(points), REACH))
 
@@ -75,8 +79,8 @@ class Functions:
 class Border:
     """The border of the chart on its left and the one on its right, along a `chain` of vertices.
 
-    `functions` are those that are zero on it, by number; `smooth` says that both charts are meant to go on in each
-    other there, `order` how many derivatives of them.
+    `functions` are those that are zero on it, by number; `order` says with what smoothness GC^k the charts are meant to
+    go on in each other, 0 where they are not.
     """
 
     left: int
@@ -158,7 +162,7 @@ class Borders:
         order = self.orders(*labels)
         if {p // 2 for p in placing} != {label // 2 for label in labels}:
             numbers = [self.functions.number(p, lambda x, p=p: self.atlas.field.jets(x, p)) for p in placing]
-            return Border(left, right, chain, tuple(numbers), order)
+            return Border(left, right, chain, tuple(numbers), max(order, 1))
         if sheets[0].polynomial is not None and sheets[1].polynomial is not None:
             points = self.atlas.points[list(chain)]
             planes = reducible_planes(sheets[0].polynomial, sheets[1].polynomial)
@@ -207,8 +211,6 @@ class Borders:
     def curve(self, border: Border, tolerance: float) -> Curve:
         """The curve of a border, splines within a tolerance, in local coordinates."""
         points = np.array([self.points.get(v, self.atlas.points[v]) for v in border.chain])
-        inner = self.functions.placed(points[1:-1], border.functions)
-        points = np.concatenate([points[:1], inner, points[-1:]])
         return curve_through(points, lambda x: self.functions.placed(x, border.functions), tolerance)
 
     def loops(self, chart: int) -> list[list[tuple[Border, bool]]]:

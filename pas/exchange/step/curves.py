@@ -65,7 +65,7 @@ def curve_through(points: Floats, placed: Callable[[Floats], Floats], tolerance:
 
     Splines are within `tolerance`, or have MOST_POINTS.
     """
-    dense = resampled(resampled(points, max(33, len(points)), placed), max(33, len(points)), placed)
+    dense = resampled(points, max(33, len(points)), placed)
     found = _line(dense) or _conic(dense)
     if found is not None:
         return found

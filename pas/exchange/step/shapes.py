@@ -40,6 +40,7 @@ class ShapeMaker:
         self._builder = BRep_Builder()
         self.surfaces = {chart: surface_of(found) for chart, found in parameters.items()}
         self.gap = 0.0
+        self.natural = {chart: self._is_natural(chart) for chart in parameters}
         self._edges()
         self.faces = {chart: self._face(chart) for chart in parameters}
 
@@ -93,7 +94,7 @@ class ShapeMaker:
 
         builder, face, surface = self._builder, TopoDS_Face(), self.surfaces[chart]
         builder.MakeFace(face, surface, LEAST)
-        natural = self._is_natural(chart)
+        natural = self.natural[chart]
         for loop in self.borders.loops(chart):
             wire = TopoDS_Wire()
             builder.MakeWire(wire)
