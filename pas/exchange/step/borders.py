@@ -14,65 +14,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.errors import GeometryError
-from pas.exchange.step.carriers import reducible_planes
-from pas.exchange.step.charts import Atlas, Integers, Plane, Sheet
+from pas.exchange.step.charts import NEAR, Atlas
+from pas.exchange.step.functions import Integers
 from pas.exchange.step.curves import Curve, curve_through
-from pas.mesh.field import place_of
-from pas.mesh.projection import newton
-
-REACH = 0.05
-"""How far a step may move a point of a mesh, in local coordinates, when it is put on its curve."""
-
-NEAR = 1e-6
-"""Distance, in local coordinates, within which all points of a border are on the plane that it was cut by."""
-
 
 STEP = 1e-5
 """Of the differences that give second derivatives, in local coordinates."""
-
-
-class Functions:
-    """Functions by number, in a solid's local coordinates, as `pas.mesh.projection` wants them."""
-
-    def __init__(self) -> None:
-        self._jets: list[Callable[[Floats], Floats]] = []
-        self._numbers: dict[object, int] = {}
-
-    def number(self, key: object, jets: Callable[[Floats], Floats]) -> int:
-        """That of a function, by a key."""
-        if key not in self._numbers:
-            self._numbers[key] = len(self._jets)
-            self._jets.append(jets)
-        return self._numbers[key]
-
-    def plane(self, plane: Plane) -> int:
-        """That of a plane."""
-        normal, height = plane
-
-        def jets(points: Floats) -> Floats:
-            values = points @ normal - height
-            return np.concatenate([values[:, None], np.broadcast_to(normal, points.shape)], axis=1)
-
-        return self.number((*normal.tolist(), height), jets)
-
-    def jets(self, points: Floats, label: int | Integers) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3) of one function, or of each point's own (N,)."""
-        labels = np.asarray(label, dtype=np.intp)
-        if labels.ndim == 0 or (labels == labels[:1]).all():
-            return self._jets[int(labels.ravel()[0])](points)
-        result = np.empty((len(points), 4))
-        for number in np.unique(labels):
-            rows = labels == number
-            result[rows] = self._jets[int(number)](points[rows])
-        return result
-
-    def placed(self, points: Floats, numbers: tuple[int, ...]) -> Floats:
-        """Points (N, 3) moved onto the common zeros of functions."""
-        if not len(points):
-            return points
-        each = np.tile(np.array(numbers, dtype=np.intp), (len(points), 1))
-        return newton(points, self, each, np.full(len(points), REACH))
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +43,6 @@ class Borders:
 
     atlas: Atlas
     orders: Callable[[int, int], int]
-    functions: Functions = field(default_factory=Functions)
     points: dict[int, Floats] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -147,33 +93,9 @@ class Borders:
         return found
 
     def _border(self, left: int, right: int, chain: tuple[int, ...]) -> Border:
-        sheets = self.atlas.sheets[left], self.atlas.sheets[right]
-        labels = sheets[0].label, sheets[1].label
-        if labels[0] == labels[1]:
-            points = self.atlas.points[list(chain)]
-            planes = self.atlas.planes[labels[0]]
-            off = [float(np.abs(points @ n - d).max()) for n, d in planes]
-            if not off or min(off) > NEAR:
-                place = place_of(self.atlas.field, points[len(points) // 2])
-                raise GeometryError(f"the face {self.atlas.field.face(labels[0])!r} meets itself near {place}")
-            plane = self.functions.plane(planes[int(np.argmin(off))])
-            return Border(left, right, chain, (self._sheet(sheets[0]), plane), 9)
-        placing = self.atlas.field.functions(tuple(sorted(labels)))
-        order = self.orders(*labels)
-        if {p // 2 for p in placing} != {label // 2 for label in labels}:
-            numbers = [self.functions.number(p, lambda x, p=p: self.atlas.field.jets(x, p)) for p in placing]
-            return Border(left, right, chain, tuple(numbers), max(order, 1))
-        if sheets[0].polynomial is not None and sheets[1].polynomial is not None:
-            points = self.atlas.points[list(chain)]
-            planes = reducible_planes(sheets[0].polynomial, sheets[1].polynomial)
-            off = [float(np.abs(points @ n - d).max()) for n, d in planes]
-            if off:
-                plane = self.functions.plane(planes[int(np.argmin(off))])
-                return Border(left, right, chain, (self._sheet(sheets[0]), plane), order)
-        return Border(left, right, chain, (self._sheet(sheets[0]), self._sheet(sheets[1])), order)
-
-    def _sheet(self, sheet: Sheet) -> int:
-        return self.functions.number(sheet, sheet.jets)
+        functions, order = self.atlas.meeting(left, right, self.atlas.points[list(chain)])
+        labels = self.atlas.sheets[left].label, self.atlas.sheets[right].label
+        return Border(left, right, chain, functions, max(order, self.orders(*labels)))
 
     def _place_corners(self) -> None:
         through: dict[int, dict[int, None]] = defaultdict(dict)
@@ -186,7 +108,7 @@ class Borders:
             start = self.atlas.points[vertex]
             if len(numbers) == 2 and vertex in self.corners:
                 start = self._touching(start, tuple(numbers))
-            self.points[vertex] = self.functions.placed(start[None], tuple(numbers))[0]
+            self.points[vertex] = self.atlas.functions.placed(start[None], tuple(numbers))[0]
 
     def _touching(self, point: Floats, numbers: tuple[int, ...]) -> Floats:
         """Where two surfaces touch and their curves cross: both are zero, and their gradients parallel."""
@@ -194,11 +116,11 @@ class Borders:
         for _ in range(8):
             units, rows, values, bends = [], list[Floats](), list[float](), []
             for number in numbers:
-                jets = self.functions.jets(point[None], number)[0]
+                jets = self.atlas.functions.jets(point[None], number)[0]
                 size = float(np.linalg.norm(jets[1:]))
                 units.append(jets[1:] / size)
                 values.append(jets[0] / size)
-                slopes = self.functions.jets(point + around, number)[:, 1:]
+                slopes = self.atlas.functions.jets(point + around, number)[:, 1:]
                 bends.append((slopes[:3] - slopes[3:]) / (2 * STEP * size))
             rows = [*units, *(np.cross(units[0], bends[1]) - np.cross(units[1], bends[0])).T]
             values += np.cross(*units).tolist()
@@ -211,7 +133,7 @@ class Borders:
     def curve(self, border: Border, tolerance: float) -> Curve:
         """The curve of a border, splines within a tolerance, in local coordinates."""
         points = np.array([self.points.get(v, self.atlas.points[v]) for v in border.chain])
-        return curve_through(points, lambda x: self.functions.placed(x, border.functions), tolerance)
+        return curve_through(points, lambda x: self.atlas.functions.placed(x, border.functions), tolerance)
 
     def loops(self, chart: int) -> list[list[tuple[Border, bool]]]:
         """The borders around a chart, loop by loop, the chart on their left; each with whether it runs forward."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,19 +16,22 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
-from pas.exchange.step.carriers import Carrier, carrier_of
+from pas.errors import GeometryError
+from pas.exchange.step.carriers import Carrier, carrier_of, reducible_planes
+from pas.exchange.step.functions import Functions, Integers, Plane
+from pas.mesh.field import place_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.topology import connected, twins_of
 from pas.solid.field import SolidField
 from pas.solid.functions import Pieces
 
-Integers = NDArray[np.intp]
 Bools = NDArray[np.bool_]
-Plane = tuple[Floats, float]
-"""The points with n.x = d, as (n, d) with |n| = 1."""
 
 ON_PLANE = 1e-9
 """Heights over a plane, in a solid's local coordinates, below which points are on it."""
+
+NEAR = 1e-6
+"""Distance, in local coordinates, within which all points of a border are on the plane that it was cut by."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,19 +62,22 @@ class Atlas:
     def __init__(self, mesh: Labelled, field: SolidField) -> None:
         self.field = field
         self.points, self.triangles = np.array(mesh.points), np.array(mesh.triangles)
-        self.sheets: dict[int, Sheet] = {}
+        self.functions = Functions()
+        self._between: dict[frozenset[int], list[Plane]] = {}
         self.planes: dict[int, list[Plane]] = {int(label): [] for label in np.unique(mesh.labels)}
         self.chart = np.array(mesh.labels, dtype=np.intp)  # until there are charts, their labels
+        self.sheets = {label: self._sheet(label) for label in self.planes}
         pieces = {label: self._pieces(label) for label in self.planes}
         for label, function in pieces.items():
             for wall in [] if function is None else _walls(function, field):
                 self._cut(np.flatnonzero(self.chart == label), wall)
                 self.planes[label].append(wall)
+        sheets, self.sheets = self.sheets, {}
         labels, self.chart = self.chart, np.full(len(self.triangles), -1, dtype=np.intp)
         for label, function in pieces.items():
             rows = np.flatnonzero(labels == label)
             if function is None:
-                self._add(rows, self._sheet(label))
+                self._add(rows, sheets[label])
                 continue
             partition, middles = function.partition, self.points[self.triangles[rows]].mean(axis=1)
             local = partition.frame.local_points(field.world(middles))
@@ -110,9 +117,10 @@ class Atlas:
 
     def cut(self, chart: int, plane: Plane) -> list[int]:
         """A chart divided by a plane, into the charts that are returned."""
-        sheet = self.sheets.pop(chart)
+        sheet = self.sheets[chart]
         self._cut(self.rows(chart), plane)
         self.planes[sheet.label].append(plane)
+        del self.sheets[chart]
         rows = self.rows(chart)
         above = self._heights(plane)[self.triangles[rows]].sum(axis=1) > 0
         return [*self._add(rows[above], sheet), *self._add(rows[~above], sheet)]
@@ -131,7 +139,8 @@ class Atlas:
             return
         low, high = wanted // size, wanted % size
         share = heights[low] / (heights[low] - heights[high])
-        self.points = np.concatenate([self.points, self.points[low] + share[:, None] * (self.points[high] - self.points[low])])
+        added = self.points[low] + share[:, None] * (self.points[high] - self.points[low])
+        self.points = np.concatenate([self.points, self._placed(added, wanted, keys, plane)])
         place = np.searchsorted(wanted, keys).clip(max=len(wanted) - 1)
         crossed = wanted[place] == keys
         middle, number = size + place, crossed.sum(axis=1)
@@ -150,6 +159,70 @@ class Atlas:
         self.triangles, self.chart = np.concatenate(made), self.chart[np.concatenate(source)]
 
 
+    def _placed(self, added: Floats, wanted: Integers, keys: Integers, plane: Plane) -> Floats:
+        """New points (K, 3) on edges of some keys moved onto the charts beside these, and the plane by which they are."""
+        order = np.argsort(keys.ravel(), kind="stable")
+        first = np.searchsorted(keys.ravel()[order], wanted)
+        pairs = np.sort(self.chart[order[np.stack([first, first + 1], axis=1)] // 3], axis=1)
+        result, number = added.copy(), self.functions.plane(plane)
+        for pair in np.unique(pairs, axis=0):
+            rows = np.flatnonzero((pairs == pair).all(axis=1))
+            left, right = pair.tolist()
+            if left != right:
+                for row in rows.tolist():  # of several cuts each point may be on another
+                    functions = (*self.meeting(left, right, added[[row]])[0], number)
+                    result[[row]] = self.functions.placed(added[[row]], functions)
+                continue
+            sheet, ends = self.sheets[left], np.stack([wanted // len(self.points), wanted % len(self.points)])[:, rows]
+            on = np.zeros(len(rows), dtype=np.intp)  # an edge that is on an earlier plane stays there
+            for place, (normal, height) in enumerate(self.planes[sheet.label], start=1):
+                on[(np.abs(self.points[ends] @ normal - height) < ON_PLANE).all(axis=0)] = place
+            for place in np.unique(on).tolist():
+                earlier = [self.functions.plane(p) for p in self.planes[sheet.label][place - 1 : place] if place]
+                some = rows[on == place]
+                result[some] = self.functions.placed(added[some], (self._number(sheet), *earlier, number))
+        return result
+
+    def meeting(self, left: int, right: int, points: Floats) -> tuple[tuple[int, ...], int]:
+        """The functions whose common zeros are where two charts meet near points (N, 3), and the order GC^k of contact.
+
+        That is 9 where one face was cut, and 0 where nothing says that the faces touch.
+        """
+        sheets = self.sheets[left], self.sheets[right]
+        labels = sheets[0].label, sheets[1].label
+        if labels[0] == labels[1]:
+            planes = self.planes[labels[0]]
+            off = [float(np.abs(points @ n - d).max()) for n, d in planes]
+            if not off or min(off) > NEAR:
+                place = place_of(self.field, points[len(points) // 2])
+                raise GeometryError(f"the face {self.field.face(labels[0])!r} meets itself near {place}")
+            return (self._number(sheets[0]), self.functions.plane(planes[int(np.argmin(off))])), 9
+        placing = self.field.functions(tuple(sorted(labels)))
+        if {p // 2 for p in placing} != {label // 2 for label in labels}:
+            return tuple(self.functions.number(p, partial(_jets, self.field, p)) for p in placing), 1
+        planes = self._planes_between(*sheets)
+        off = [float(np.abs(points @ n - d).max()) for n, d in planes]
+        if off:
+            return (self._number(sheets[0]), self.functions.plane(planes[int(np.argmin(off))])), 0
+        return (self._number(sheets[0]), self._number(sheets[1])), 0
+
+    def _planes_between(self, one: Sheet, other: Sheet) -> list[Plane]:
+        """The planes that hold all common points of two quadrics, where there are such."""
+        if one.polynomial is None or other.polynomial is None:
+            return []
+        key = frozenset((one.label, other.label))
+        if key not in self._between:
+            self._between[key] = reducible_planes(one.polynomial, other.polynomial)
+        return self._between[key]
+
+    def _number(self, sheet: Sheet) -> int:
+        return self.functions.number(sheet, sheet.jets)
+
+
+def _jets(field: SolidField, label: int, points: Floats) -> Floats:
+    return field.jets(points, label)
+
+
 def _walls(function: Pieces, field: SolidField) -> list[Plane]:
     """The planes between pieces, in a solid's local coordinates, each once."""
     found: dict[tuple[float, ...], Plane] = {}
@@ -158,8 +231,8 @@ def _walls(function: Pieces, field: SolidField) -> list[Plane]:
         size = float(np.linalg.norm(row[1:]))
         normal, height = row[1:] / size, -row[0] / size
         plane = normal, float(height - normal @ field.world(np.zeros(3))) / field.scale
-        normal = normal * (1 if normal[np.abs(normal).argmax()] > 0 else -1)
-        found.setdefault(tuple(np.round([*normal, abs(plane[1])], 9).tolist()), plane)
+        signed = np.array([*normal, plane[1]]) * (1 if normal[np.argmax(np.round(np.abs(normal), 6))] > 0 else -1)
+        found.setdefault(tuple((np.round(signed, 9) + 0.0).tolist()), plane)
     return list(found.values())
 
 

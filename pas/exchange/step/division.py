@@ -7,7 +7,8 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
-from pas.exchange.step.charts import Atlas, Integers, Plane, Sheet
+from pas.exchange.step.charts import Atlas, Sheet
+from pas.exchange.step.functions import Integers, Plane
 from pas.exchange.step.graphs import Graph, fitted
 from pas.exchange.step.parameters import CarrierParameters, carrier_parameters
 from pas.exchange.step.quadrics import QuadricPatch, quadric_patch

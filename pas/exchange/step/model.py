@@ -31,6 +31,9 @@ COARSER = 10
 over the usual one here."""
 
 
+CURVES = 1e-8
+"""Distance of splines from the curves in which faces meet, in local coordinates."""
+
 SAME = 1e-6
 """Share of a solid's volume by which that with joined faces may differ, twice what quadrature allows itself."""
 
@@ -100,7 +103,7 @@ def step_part(
     local = within / field.scale
     parameters = divide(atlas, local / 4, within / size / 4)
     borders = Borders(atlas, lambda one, other: _order(solid, one, other))
-    curves = [borders.curve(border, local / 1000) for border in borders.borders]
+    curves = [borders.curve(border, CURVES) for border in borders.borders]
     maker = ShapeMaker(borders, parameters, curves)
     smooth = smoothness(maker)
     solids = [_joined(made, name) for made in maker.solids()]

@@ -12,7 +12,8 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.exchange.step.carriers import Carrier, CarrierKind
-from pas.exchange.step.charts import ON_PLANE, Plane
+from pas.exchange.step.charts import ON_PLANE
+from pas.exchange.step.functions import Plane
 
 TURN = 2 * np.pi
 
