@@ -18,26 +18,31 @@ from pas.algebra.monomials import Floats
 MARGIN = 0.02
 """By how much of its sides a patch is larger than its chart."""
 
-_BERNSTEIN = np.array([[1.0, 0.0, 0.0], [-0.5, 2.0, -0.5], [0.0, 0.0, 1.0]])
-"""Bernstein coefficients of a parabola from its values at 0, 1/2 and 1."""
+LEAST_WEIGHT = 1e-3
+"""The smallest weight of a patch, over the largest."""
+
+SPANS = (1, 2, 4, 8)
+"""Spans a side that are tried until all weights are positive, as CAD programs want them."""
+
+_FROM_VALUES = np.array([[0.0, 1.0, 0.0], [-0.5, 0.0, 0.5], [0.5, -1.0, 0.5]])
+"""Coefficients of a parabola, constant first, from its values at -1, 0 and 1."""
 
 
 @dataclass(frozen=True, eq=False)
 class QuadricPatch:
     """A rational patch on a quadric seen from `eye` (3,), with `frame` (3, 3): the rows first, second and axis.
 
-    `low` and `high` (2,) are the ends of the parameters; `poles` (3, 3, 3) and `weights` (3, 3) those of the patch.
+    `knots` are those of the two directions; `poles` (m, m, 3) and `weights` (m, m) those of the patch.
     """
 
     eye: Floats
     frame: Floats
-    low: Floats
-    high: Floats
+    knots: tuple[Floats, Floats]
     poles: Floats
     weights: Floats
 
     def uv(self, points: Floats) -> Floats:
-        """The parameters (N, 2) of points (N, 3), from `low` to `high`."""
+        """The parameters (N, 2) of points (N, 3)."""
         seen = (points - self.eye) @ self.frame.T
         return np.asarray(seen[:, :2] / seen[:, 2:])
 
@@ -77,13 +82,20 @@ def quadric_patch(matrix: Floats, points: Floats, middle: Floats, normal: Floats
     uv = seen[:, :2] / seen[:, 2:]
     room = MARGIN * float(np.ptp(uv, axis=0).max())
     low, high = uv.min(axis=0) - room, uv.max(axis=0) + room
-    grid = np.stack(np.meshgrid(*np.linspace(low, high, 3).T, indexing="ij"), axis=-1)
+    middle, half = (low + high) / 2, (high - low) / 2
+    grid = np.stack(np.meshgrid(*(m + h * np.array([-1, 0, 1]) for m, h in zip(middle, half, strict=True)), indexing="ij"), -1)
     ways = grid @ frame[:2] + axis
     bends = np.einsum("ijx,xy,ijy->ij", ways, form, ways)
     across = ways @ (form @ eye + slope)
     both = np.concatenate([bends[..., None] * eye - 2 * across[..., None] * ways, bends[..., None]], axis=2)
-    control = np.einsum("ik,jl,klx->ijx", _BERNSTEIN, _BERNSTEIN, both) * np.sign(bends[1, 1])
-    weights = control[..., 3]
-    if weights.min() <= 0.02 * weights.max():
-        return None
-    return QuadricPatch(eye, frame, low, high, control[..., :3] / weights[..., None], weights / weights.max())
+    coefficients = np.einsum("ik,jl,klx->ijx", _FROM_VALUES, _FROM_VALUES, both) * np.sign(bends[1, 1])
+    for spans in SPANS:
+        knots = np.concatenate([[-1.0, -1.0], np.linspace(-1, 1, spans + 1), [1.0, 1.0]])
+        a, b = knots[1:-2], knots[2:-1]
+        blossoms = np.stack([np.ones_like(a), (a + b) / 2, a * b], axis=1)  # of 1, u and u^2
+        control = np.einsum("mi,nj,ijx->mnx", blossoms, blossoms, coefficients)
+        weights = control[..., 3]
+        if weights.min() > LEAST_WEIGHT * weights.max():
+            both_knots = (middle[0] + half[0] * knots, middle[1] + half[1] * knots)
+            return QuadricPatch(eye, frame, both_knots, control[..., :3] / weights[..., None], weights / weights.max())
+    return None

@@ -26,8 +26,9 @@ from pas.mesh.topology import connected
 LEAST = 1e-7
 """Open Cascade's smallest tolerance."""
 
-ALONG = 25
-"""Points along an edge at which it is compared with its faces."""
+ALONG, SAFE = 33, 2.0
+"""Points along an edge at which it is compared with its faces, and what its tolerance is over the largest distance there:
+between the points it is a little larger, and Open Cascade looks at others."""
 
 
 class ShapeMaker:
@@ -63,7 +64,7 @@ class ShapeMaker:
                     continue
                 flat = flat_curve(found, curve)
                 pcurves.append((chart, flat))
-                tolerance = max(tolerance, 1.1 * self._gap(chart, flat, curve))
+                tolerance = max(tolerance, SAFE * self._gap(chart, flat, curve))
             self.gap = max(self.gap, tolerance)
             builder.MakeEdge(edge, curve_of(curve), tolerance)
             for chart, flat in pcurves:
@@ -239,13 +240,12 @@ def surface_of(found: Parameters) -> Any:
         poles = Array2_gp_Pnt(1, grid.shape[0], 1, grid.shape[1])
         for i, j in np.ndindex(grid.shape[:2]):
             poles.SetValue(i + 1, j + 1, point_of(grid[i, j]))
+        (u, many), (v, times) = (knots_of(k) for k in found.knots)
         if isinstance(found, Graph):
-            (u, many), (v, times) = (knots_of(k) for k in found.knots)
             return Geom_BSplineSurface(poles, u, v, many, times, GRAPH_DEGREE, GRAPH_DEGREE)
-        weights = Array2_double(1, 3, 1, 3)
-        for i, j in np.ndindex(3, 3):
+        weights = Array2_double(1, grid.shape[0], 1, grid.shape[1])
+        for i, j in np.ndindex(grid.shape[:2]):
             weights.SetValue(i + 1, j + 1, float(found.weights[i, j]))
-        (u, many), (v, times) = (knots_of(np.repeat([a, b], 3)) for a, b in zip(found.low, found.high, strict=True))
         return Geom_BSplineSurface(poles, weights, u, v, many, times, 2, 2)
     carrier = found.carrier
     place = carrier.place
