@@ -62,7 +62,7 @@ class Borders:
             if left < right:
                 after[a].append((b, left, right))
                 after[b].append((a, left, right))
-        special = self._special(np.array(sorted(after), dtype=np.intp))
+        special = self._special(np.array(sorted(after), dtype=np.intp)) | self._kinks()
         self.corners = {
             v for v, found in after.items() if len(found) != 2 or found[0][1:] != found[1][1:] or v in special
         }
@@ -90,6 +90,18 @@ class Borders:
             for vertex in vertices[off < NEAR].tolist():
                 found.add(vertex)
                 self.points[vertex] = point
+        return found
+
+    def _kinks(self) -> set[int]:
+        """The vertices in which curves cross that two quadrics share, in planes: borders turn there."""
+        pairs: dict[tuple[int, int], set[int]] = defaultdict(set)
+        for edge, charts in self.sides.items():
+            pairs[charts] |= set(edge)
+        found = set()
+        for (left, right), vertices in pairs.items():
+            planes = self.atlas.planes_between(left, right)
+            for vertex in vertices if len(planes) > 1 else ():
+                found |= {vertex} if sum(abs(self.atlas.points[vertex] @ n - d) < NEAR for n, d in planes) > 1 else set()
         return found
 
     def _border(self, left: int, right: int, chain: tuple[int, ...]) -> Border:

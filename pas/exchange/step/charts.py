@@ -200,15 +200,16 @@ class Atlas:
         placing = self.field.functions(tuple(sorted(labels)))
         if {p // 2 for p in placing} != {label // 2 for label in labels}:
             return tuple(self.functions.number(p, partial(_jets, self.field, p)) for p in placing), 1
-        planes = self._planes_between(*sheets)
+        planes = self.planes_between(left, right)
         off = [float(np.abs(points @ n - d).max()) for n, d in planes]
         if off:
             return (self._number(sheets[0]), self.functions.plane(planes[int(np.argmin(off))])), 0
         return (self._number(sheets[0]), self._number(sheets[1])), 0
 
-    def _planes_between(self, one: Sheet, other: Sheet) -> list[Plane]:
-        """The planes that hold all common points of two quadrics, where there are such."""
-        if one.polynomial is None or other.polynomial is None:
+    def planes_between(self, left: int, right: int) -> list[Plane]:
+        """The planes that hold all common points of two charts' quadrics, where there are such."""
+        one, other = self.sheets[left], self.sheets[right]
+        if one.label == other.label or one.polynomial is None or other.polynomial is None:
             return []
         key = frozenset((one.label, other.label))
         if key not in self._between:
