@@ -16,6 +16,7 @@ from pas.exchange.rational import ball_patches, cone_patches, cylinder_patches, 
 from pas.exchange.step.carriers import CarrierKind, carrier_of, reducible_planes
 from pas.exchange.step.checks import adaptive_volume, explored, is_valid
 from pas.exchange.step.curves import CurveKind, curve_through
+from pas.exchange.step.documents import write_parts
 from pas.exchange.step.model import step_part
 from pas.exchange.write import write_step
 from pas.parametric.patches import RationalPatch
@@ -260,6 +261,12 @@ def plate():
     return whole
 
 
+def two_pegs():
+    """Two cylinders apart from one another."""
+    peg = solid.cylinder((100, 0, 0), (100, 0, 2), "1/2")
+    return peg | peg.translate((5, 0, 0))
+
+
 def tee(radius="3/5"):
     """Two cylinders that meet at a right angle."""
     return solid.cylinder((-2, 0, 0), (2, 0, 0), 1, face="main") | solid.cylinder(
@@ -274,14 +281,17 @@ BODIES = {
     "cone": (lambda: solid.cone((0, 0, 0), (0, 0, 2), 1), 2 * np.pi / 3, None),
     "frustum": (lambda: solid.cone((0, 0, 0), (0, 0, 2), 2, 1), 14 * np.pi / 3, {"Plane": 2, "ConicalSurface": 1}),
     "ball": (lambda: solid.ball((1, 2, 3), "1/2"), np.pi / 6, None),
-    "ball far away": (lambda: solid.ball((1000, 0, 0), "1/2"), np.pi / 6, None),
     "torus": (lambda: solid.torus((0, 0, 0), (1, 2, 2), 1, "1/3"), 2 * np.pi**2 / 9, None),
     "plate": (plate, 14 - 3 * np.pi / 4, {"Plane": 6, "CylindricalSurface": 3}),
     "hollow ball": (lambda: solid.ball((0, 0, 0), 2) - solid.ball((0, 0, 0), 1), 28 / 3 * np.pi, None),
-    "two balls": (lambda: solid.ball((0, 0, 0), 1) | solid.ball((4, 0, 0), 1), 8 / 3 * np.pi, None),
+    "two pegs": (lambda: two_pegs(), np.pi, {"Plane": 4, "CylindricalSurface": 2}),
     "equal cylinders": (lambda: tee(1), None, {"Plane": 3, "CylindricalSurface": 2}),
     "ellipsoid": (lambda: solid.patch("egg", ELLIPSOID), 8 * np.pi, {"BSplineSurface": 2}),
-    "cut ellipsoid": (lambda: solid.patch("egg", ELLIPSOID).cap("z", "flat"), 4 * np.pi, {"BSplineSurface": 1, "Plane": 1}),
+    "cut ellipsoid": (
+        lambda: solid.patch("egg", ELLIPSOID).cap("z", "flat"),
+        4 * np.pi,
+        {"BSplineSurface": 1, "Plane": 1},
+    ),
 }
 
 
@@ -289,9 +299,6 @@ def read_solids(path):
     """The solids of a file, and how many faces there are on surfaces of each kind."""
     from OCP.BRep import BRep_Tool
     from OCP.TopoDS import TopoDS
-
-    shape, _, _ = None, None, None
-    from OCP.STEPControl import STEPControl_Reader
 
     with module._quiet():
         reader = STEPControl_Reader()
@@ -308,7 +315,7 @@ def test_solids_with_exact_faces_come_back(tmp_path, name):
     make, volume, kinds = BODIES[name]
     body = make()
     solids, found = read_solids(body.write(tmp_path / "a.step"))
-    assert all(map(is_valid, solids)) and len(solids) == (2 if name == "two balls" else 1)
+    assert all(map(is_valid, solids)) and len(solids) == (2 if name == "two pegs" else 1)
     assert sum(map(adaptive_volume, solids)) == pytest.approx(volume or body.volume(1e-4), rel=1e-6)
     assert kinds is None or found == kinds
     assert [p.name for p in tmp_path.iterdir()] == ["a.step"]
@@ -327,12 +334,12 @@ def test_parts_have_their_names_colours_and_places(tmp_path):
 
 def test_a_blend_is_as_smooth_in_its_file_as_it_is(tmp_path):
     body = pas.blend([pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((-1, 0, 0), "1/4", 1)], order=1).solid()
-    part = step_part(body, "elbow", tolerance=1e-3)
+    part = step_part(body, "elbow", tolerance=2e-3)
     report = part.report
-    assert report.angle < 5e-4 and report.distance < 1e-3 and report.exact >= 4 < report.faces
-    solids, _ = read_solids(body.write(tmp_path / "a.step", tolerance=1e-3))
-    assert len(solids) == 1 and is_valid(solids[0])
-    assert adaptive_volume(solids[0]) == pytest.approx(body.volume(1e-3), rel=1e-4)
+    assert report.angle < 1e-3 and report.distance < 2e-3 and report.exact == 4 < report.faces
+    with module._quiet():
+        (report,) = write_parts([part], tmp_path / "a.step", "elbow", "MM")
+    assert abs(report.volume_difference) < 1e-4 * report.volume and report.gap < 2e-3
     assert "smooth joints within" in str(report)
 
 
@@ -353,7 +360,9 @@ def test_nodes_are_as_smooth_in_their_files_as_they_are(tmp_path, name):
 
 def test_a_file_that_would_not_be_the_solid_is_not_written(tmp_path, monkeypatch):
     monkeypatch.setattr("pas.exchange.step.documents.adaptive_volume", lambda shape: 2 * adaptive_volume(shape))
-    with pytest.raises(pas.GeometryError, match=r"no STEP file was written, because the volume of 'a' would be 12 in the"):
+    with pytest.raises(
+        pas.GeometryError, match=r"no STEP file was written, because the volume of 'a' would be 12 in the"
+    ):
         solid.box((0, 0, 0), (3, 2, 1)).write(tmp_path / "a.step")
     assert not list(tmp_path.iterdir())
 
@@ -407,7 +416,9 @@ def exact(curve):
     """Points moved to the nearest ones of a curve, by Newton's method."""
 
     def placed(points):
-        t = np.linspace(0, 3, 301)[np.linalg.norm(points[:, None] - curve(np.linspace(0, 3, 301)), axis=2).argmin(axis=1)]
+        t = np.linspace(0, 3, 301)[
+            np.linalg.norm(points[:, None] - curve(np.linspace(0, 3, 301)), axis=2).argmin(axis=1)
+        ]
         for _ in range(8):
             ahead, back = curve(t + 1e-4), curve(t - 1e-4)
             way, off = (ahead - back) / 2e-4, points - curve(t)

@@ -15,8 +15,8 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.exchange.step.charts import NEAR, Atlas
-from pas.exchange.step.functions import Integers
 from pas.exchange.step.curves import Curve, curve_through
+from pas.exchange.step.functions import Integers
 
 STEP = 1e-5
 """Of the differences that give second derivatives, in local coordinates."""
@@ -101,7 +101,9 @@ class Borders:
         for (left, right), vertices in pairs.items():
             planes = self.atlas.planes_between(left, right)
             for vertex in vertices if len(planes) > 1 else ():
-                found |= {vertex} if sum(abs(self.atlas.points[vertex] @ n - d) < NEAR for n, d in planes) > 1 else set()
+                found |= (
+                    {vertex} if sum(abs(self.atlas.points[vertex] @ n - d) < NEAR for n, d in planes) > 1 else set()
+                )
         return found
 
     def _border(self, left: int, right: int, chain: tuple[int, ...]) -> Border:

@@ -158,7 +158,6 @@ class Atlas:
             source += [one, one, two, two, two]
         self.triangles, self.chart = np.concatenate(made), self.chart[np.concatenate(source)]
 
-
     def _placed(self, added: Floats, wanted: Integers, keys: Integers, plane: Plane) -> Floats:
         """New points (K, 3) on edges of some keys moved onto the charts beside these, and the plane by which they are."""
         order = np.argsort(keys.ravel(), kind="stable")

@@ -150,6 +150,7 @@ def _conic(points: Floats) -> Curve | None:
     if turn[-1] < turn[0]:
         second = -second
         turn = angles(second)
+    turn = turn + 2 * np.pi * np.ceil(-turn[0] / (2 * np.pi) - EXACT)  # readers begin with positive angles
     whole = np.linalg.norm(points[-1] - points[0]) < EXACT * size
     start = float(turn[0])
     end = start + 2 * np.pi if whole else float(turn[-1])

@@ -39,7 +39,8 @@ def divide(atlas: Atlas, tolerance: float, angle: float) -> dict[int, Parameters
         chart = waiting.pop()
         sheet, rows = atlas.sheets[chart], atlas.rows(chart)
         if sheet.carrier is not None:
-            made = carrier_parameters(sheet.carrier, atlas.points[np.unique(atlas.triangles[rows])], _corners(atlas, rows))
+            filled = np.einsum("sk,tkx->tsx", _CORNERS, atlas.points[atlas.triangles[rows]]).reshape(-1, 3)
+            made = carrier_parameters(sheet.carrier, filled, _corners(atlas, rows))
         else:
             made = _graph(sheet, atlas.points[atlas.triangles[rows]], tolerance, angle)
         if not isinstance(made, tuple):
@@ -128,7 +129,9 @@ def _dividing(middles: Floats, corners: Floats, normals: Floats) -> Plane:
             height = float(np.quantile(middles @ way, share) + 0.0013 * np.std(middles @ way))
             over = corners @ way - height
             crossed = (over.min(axis=1) < 0) & (over.max(axis=1) > 0)
-            sine = np.sqrt(np.maximum(1 - (normals[crossed] @ way) ** 2, 0)).min(initial=1.0) * (1 if number == 0 else 0.8)
+            sine = np.sqrt(np.maximum(1 - (normals[crossed] @ way) ** 2, 0)).min(initial=1.0) * (
+                1 if number == 0 else 0.8
+            )
             if crossed.any() and (best is None or sine > best[0] + 0.05):
                 best = float(sine), (way, height)
         if best is not None and best[0] > 0.5:

@@ -44,8 +44,8 @@ def set_names(name: str, unit: str) -> None:
 
 def print_model(model: Any, path: Path) -> None:
     """A model as text, in which doubles come back as they were; raises `GeometryError` where that fails."""
-    from OCP.STEPEdit import STEPEdit
     from OCP.StepData import StepData_StepWriter
+    from OCP.STEPEdit import STEPEdit
 
     text, buffer = StepData_StepWriter(model), BytesIO()
     # its own twelve digits would round; its suppression of zeros stays off

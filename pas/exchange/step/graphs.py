@@ -71,7 +71,10 @@ def fitted(sheet: Sheet, points: Floats, frame: Floats, tolerance: float, angle:
     before = np.inf
     for size in SIZES:
         checkpoint()
-        knots = [np.r_[[a] * DEGREE, np.linspace(a, b, size - DEGREE + 1), [b] * DEGREE] for a, b in zip(low, high, strict=True)]
+        knots = [
+            np.r_[[a] * DEGREE, np.linspace(a, b, size - DEGREE + 1), [b] * DEGREE]
+            for a, b in zip(low, high, strict=True)
+        ]
         step = float((high - low).max()) / (size - DEGREE)
         share = (np.arange(3 * (size - DEGREE)) + 0.5) / (3 * (size - DEGREE))
         places = [a + share * (b - a) for a, b in zip(low, high, strict=True)]

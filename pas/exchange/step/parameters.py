@@ -87,8 +87,8 @@ def carrier_parameters(carrier: Carrier, points: Floats, corners: Floats) -> Car
 
 def _on_sphere(carrier: Carrier, moved: Floats) -> CarrierParameters | Plane:
     """Parameters with poles that a chart is away from, or a plane through the centre."""
-    number = np.arange(200) + 0.5
-    z, turn = 1 - number / 200, np.pi * (1 + 5**0.5) * number  # half of a Fibonacci lattice
+    number = np.arange(60) + 0.5
+    z, turn = 1 - number / 60, np.pi * (1 + 5**0.5) * number  # half of a Fibonacci lattice
     directions = np.stack([np.sqrt(1 - z * z) * np.cos(turn), np.sqrt(1 - z * z) * np.sin(turn), z], axis=1)
     units = moved / np.linalg.norm(moved, axis=1, keepdims=True)
     cosines = np.abs(units @ directions.T)
@@ -132,4 +132,3 @@ def _free(angles: Floats, period: float = TURN) -> tuple[float, float]:
 def _away(angles: Floats, period: float) -> float:
     """An angle that is far from given ones (N,), up to a period."""
     return _free(angles, period)[1]
-

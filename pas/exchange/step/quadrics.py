@@ -83,7 +83,9 @@ def quadric_patch(matrix: Floats, points: Floats, middle: Floats, normal: Floats
     room = MARGIN * float(np.ptp(uv, axis=0).max())
     low, high = uv.min(axis=0) - room, uv.max(axis=0) + room
     middle, half = (low + high) / 2, (high - low) / 2
-    grid = np.stack(np.meshgrid(*(m + h * np.array([-1, 0, 1]) for m, h in zip(middle, half, strict=True)), indexing="ij"), -1)
+    grid = np.stack(
+        np.meshgrid(*(m + h * np.array([-1, 0, 1]) for m, h in zip(middle, half, strict=True)), indexing="ij"), -1
+    )
     ways = grid @ frame[:2] + axis
     bends = np.einsum("ijx,xy,ijy->ij", ways, form, ways)
     across = ways @ (form @ eye + slope)

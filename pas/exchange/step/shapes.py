@@ -70,7 +70,9 @@ class ShapeMaker:
             for chart, flat in pcurves:
                 builder.UpdateEdge(edge, flat_spline(flat), self.surfaces[chart], here, tolerance)
             ends = border.chain[0], border.chain[-1]
-            for end, way in zip(ends, (TopAbs_Orientation.TopAbs_FORWARD, TopAbs_Orientation.TopAbs_REVERSED), strict=True):
+            for end, way in zip(
+                ends, (TopAbs_Orientation.TopAbs_FORWARD, TopAbs_Orientation.TopAbs_REVERSED), strict=True
+            ):
                 if end not in self.vertices:
                     self.vertices[end] = TopoDS_Vertex()
                     builder.MakeVertex(self.vertices[end], point_of(self.borders.points[end]), LEAST)
