@@ -13,11 +13,10 @@ import pas
 from pas import solid
 from pas.exchange.formats import step as module
 from pas.exchange.rational import ball_patches, cone_patches, cylinder_patches, torus_patches
+from pas.exchange.step.borders import CurveKind, curve_through
 from pas.exchange.step.carriers import CarrierKind, carrier_of, reducible_planes
-from pas.exchange.step.checks import adaptive_volume, explored, is_valid
-from pas.exchange.step.curves import CurveKind, curve_through
 from pas.exchange.step.documents import write_parts
-from pas.exchange.step.model import step_part
+from pas.exchange.step.model import adaptive_volume, explored, is_valid, step_part
 from pas.exchange.write import write_step
 from pas.parametric.patches import RationalPatch
 
@@ -298,6 +297,7 @@ BODIES = {
 def read_solids(path):
     """The solids of a file, and how many faces there are on surfaces of each kind."""
     from OCP.BRep import BRep_Tool
+    from OCP.STEPControl import STEPControl_Reader
     from OCP.TopoDS import TopoDS
 
     with module._quiet():
@@ -360,9 +360,7 @@ def test_nodes_are_as_smooth_in_their_files_as_they_are(tmp_path, name):
 
 def test_a_file_that_would_not_be_the_solid_is_not_written(tmp_path, monkeypatch):
     monkeypatch.setattr("pas.exchange.step.documents.adaptive_volume", lambda shape: 2 * adaptive_volume(shape))
-    with pytest.raises(
-        pas.GeometryError, match=r"no STEP file was written, because the volume of 'a' would be 12 in the"
-    ):
+    with pytest.raises(pas.GeometryError, match="no STEP file was written, because the volume of 'a' would be 12"):
         solid.box((0, 0, 0), (3, 2, 1)).write(tmp_path / "a.step")
     assert not list(tmp_path.iterdir())
 

@@ -67,10 +67,10 @@ def write(
     """Write a shape, a mesh, an assembly or a list of such for other programs; returns the path.
 
     The suffix says how (see `pas.exchange.formats.FORMATS`): triangles are those of the shape's `mesh(tolerance)`, a
-    parametric surface's over `domain`; .step has the faces of solids, exact where they are planes, quadrics or
-    tori and else splines within `tolerance` (by default a tenth of that of meshes), and the exact patches of surfaces and
-    blends that have them, joined where they are within the distance `sew` (the model's units, as of `tolerance`); .vtu the cells of a piecewise
-    surface, .vtu and .msh the tetrahedra of a volume mesh, or such as fill a solid.
+    parametric surface's over `domain`; .step has the faces of solids, exact where they are planes, quadrics or tori
+    and else splines within `tolerance` (by default a tenth of that of meshes), and the exact patches of surfaces and
+    blends that have them, joined where they are within the distance `sew` (the model's units, as of `tolerance`);
+    .vtu the cells of a piecewise surface, .vtu and .msh the tetrahedra of a volume mesh, or such as fill a solid.
     `unit`, that of the model, is micrometer, millimeter, centimeter, meter, inch, foot, or um, mm, cm, m, in, ft: files
     tell it, the numbers of .stl files become millimeters, those of .glb files meters.
     Files of .stl, .obj and .3mf are taken for closed bodies: surfaces with edges are written there if `open` says so.

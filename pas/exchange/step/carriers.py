@@ -72,7 +72,7 @@ def _quadric(matrix: fmpq_mat) -> Carrier | None:
     double, single, axis = found
     if double == 0:
         return None
-    if double == single or single == 0:
+    if single in (double, 0):
         if single == 0 and (axis.transpose() * slope)[0, 0] != 0:
             return None
         center = slope * (-1 / double)

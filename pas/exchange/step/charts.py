@@ -18,12 +18,63 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.exchange.step.carriers import Carrier, carrier_of, reducible_planes
-from pas.exchange.step.functions import Functions, Integers, Plane
 from pas.mesh.field import place_of
 from pas.mesh.labelled import Labelled
+from pas.mesh.projection import newton
 from pas.mesh.topology import connected, twins_of
 from pas.solid.field import SolidField
 from pas.solid.functions import Pieces
+
+Integers = NDArray[np.intp]
+Plane = tuple[Floats, float]
+"""The points with n.x = d, as (n, d) with |n| = 1."""
+
+REACH = 0.05
+"""How far a step may move a point of a mesh, in local coordinates, when it is put on its curve."""
+
+
+class Functions:
+    """Functions by number, in a solid's local coordinates, as `pas.mesh.projection` wants them."""
+
+    def __init__(self) -> None:
+        self._jets: list[Callable[[Floats], Floats]] = []
+        self._numbers: dict[object, int] = {}
+
+    def number(self, key: object, jets: Callable[[Floats], Floats]) -> int:
+        """That of a function, by a key."""
+        if key not in self._numbers:
+            self._numbers[key] = len(self._jets)
+            self._jets.append(jets)
+        return self._numbers[key]
+
+    def plane(self, plane: Plane) -> int:
+        """That of a plane."""
+        normal, height = plane
+
+        def jets(points: Floats) -> Floats:
+            values = points @ normal - height
+            return np.concatenate([values[:, None], np.broadcast_to(normal, points.shape)], axis=1)
+
+        return self.number((*normal.tolist(), height), jets)
+
+    def jets(self, points: Floats, label: int | Integers) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3) of one function, or of each point's own (N,)."""
+        labels = np.asarray(label, dtype=np.intp)
+        if labels.ndim == 0 or (labels == labels[:1]).all():
+            return self._jets[int(labels.ravel()[0])](points)
+        result = np.empty((len(points), 4))
+        for number in np.unique(labels):
+            rows = labels == number
+            result[rows] = self._jets[int(number)](points[rows])
+        return result
+
+    def placed(self, points: Floats, numbers: tuple[int, ...]) -> Floats:
+        """Points (N, 3) moved onto the common zeros of functions."""
+        if not len(points):
+            return points
+        each = np.tile(np.array(numbers, dtype=np.intp), (len(points), 1))
+        return newton(points, self, each, np.full(len(points), REACH))
+
 
 Bools = NDArray[np.bool_]
 
@@ -38,8 +89,8 @@ NEAR = 1e-6
 class Sheet:
     """A smooth function, positive outside, on whose zeros charts are, in a solid's local coordinates.
 
-    `jets` gives values and gradients (N, 4) at points (N, 3); `label` is the mesh's; `polynomial`, in these coordinates,
-    is its function where that is one, and `carrier` its surface where that is one that CAD programs have.
+    `jets` gives values and gradients (N, 4) at points (N, 3); `label` is the mesh's; `polynomial`, in these
+    coordinates, is its function where that is one, and `carrier` its surface where that is one that CAD programs have.
     """
 
     jets: Callable[[Floats], Floats]
@@ -159,7 +210,7 @@ class Atlas:
         self.triangles, self.chart = np.concatenate(made), self.chart[np.concatenate(source)]
 
     def _placed(self, added: Floats, wanted: Integers, keys: Integers, plane: Plane) -> Floats:
-        """New points (K, 3) on edges of some keys moved onto the charts beside these, and the plane by which they are."""
+        """New points (K, 3) on edges of some keys moved onto the charts beside these, and onto a plane."""
         order = np.argsort(keys.ravel(), kind="stable")
         first = np.searchsorted(keys.ravel()[order], wanted)
         pairs = np.sort(self.chart[order[np.stack([first, first + 1], axis=1)] // 3], axis=1)

@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from pas.errors import GeometryError
-from pas.exchange.step.checks import adaptive_volume, explored, is_valid, largest_tolerance
-from pas.exchange.step.model import StepPart, StepReport
+from pas.exchange.step.model import StepPart, StepReport, adaptive_volume, explored, is_valid, largest_tolerance
 
 
 def write_parts(parts: Sequence[StepPart], path: Path, name: str, unit: str) -> tuple[StepReport, ...]:
@@ -57,7 +56,7 @@ def print_model(model: Any, path: Path) -> None:
 
 
 def _document(parts: Sequence[StepPart], name: str, unit: str) -> Any:
-    """Open Cascade's document with a product for each part, and one of which they are components where they are several."""
+    """Open Cascade's document with a product for each part, and one that has several as components."""
     from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
     from OCP.TCollection import TCollection_ExtendedString
     from OCP.TDataStd import TDataStd_Name

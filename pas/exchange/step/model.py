@@ -14,17 +14,109 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.inputs import check_tolerance
+from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
 from pas.exchange.step.borders import Borders
 from pas.exchange.step.charts import Atlas
-from pas.exchange.step.checks import adaptive_volume, explored, is_valid
-from pas.exchange.step.division import divide
-from pas.exchange.step.graphs import Graph
+from pas.exchange.step.division import Graph, divide
 from pas.exchange.step.shapes import ShapeMaker
-from pas.exchange.step.smoothness import smoothness
 from pas.settings import RELATIVE_TOLERANCE
 from pas.solid.measures import curved_measures
 from pas.solid.solid import Solid
+
+QUADRATURE = 5e-7
+"""Relative error that quadrature of volumes aims at: without adapting it is off by 13 % on some valid solids."""
+
+
+def explored(shape: Any, kind: str) -> list[Any]:
+    """The SOLID, SHELL, FACE or EDGE shapes within one, each once for each place in which it is."""
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopExp import TopExp_Explorer
+
+    explorer, found = TopExp_Explorer(shape, getattr(TopAbs_ShapeEnum, f"TopAbs_{kind}")), []
+    while explorer.More():
+        found.append(explorer.Current())
+        explorer.Next()
+    return found
+
+
+def is_valid(shape: Any) -> bool:
+    """Whether all of a shape's geometry and topology is consistent, and its shells are closed."""
+    from OCP.BRep import BRep_Tool
+    from OCP.BRepCheck import BRepCheck_Analyzer
+
+    return bool(BRepCheck_Analyzer(shape).IsValid()) and all(map(BRep_Tool.IsClosed_s, explored(shape, "SHELL")))
+
+
+def adaptive_volume(shape: Any) -> float:
+    """The volume of the solids in a shape, negative where they are inside out."""
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+
+    found = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, found, QUADRATURE, False, False)
+    return float(found.Mass())
+
+
+def largest_tolerance(shape: Any) -> float:
+    """The largest distance within which vertices and edges of a shape are taken to be on what they belong to."""
+    from OCP.ShapeAnalysis import ShapeAnalysis_ShapeTolerance
+
+    return float(ShapeAnalysis_ShapeTolerance().Tolerance(shape, 1))
+
+
+ACROSS = 17
+"""Points along a border at which it is looked at."""
+
+
+@dataclass(frozen=True)
+class Smoothness:
+    """The largest angle between normals, in radians, and the largest jump of curvature over the largest curvature."""
+
+    angle: float
+    curvature_jump: float
+
+
+def smoothness(maker: ShapeMaker) -> Smoothness:
+    """Across the borders at which charts are claimed to go on in each other: GC^1 for angles, GC^2 for curvatures."""
+    angle = jump = 0.0
+    largest = 0.0
+    for border, curve in zip(maker.borders.borders, maker.curves, strict=True):
+        if border.order < 1:
+            continue
+        places = curve.parameters(ACROSS + 2)[1:-1]
+        step = (curve.end - curve.start) * 1e-4
+        along = curve(places + step) - curve(places - step)
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        (one, k), (other, m) = (_across(maker, chart, curve(places), along) for chart in (border.left, border.right))
+        sines = np.linalg.norm(np.cross(one, other), axis=1)
+        angle = max(angle, float(np.arctan2(sines, (one * other).sum(axis=1)).max()))
+        largest = max(largest, float(np.abs([k, m]).max()))
+        if border.order > 1:
+            jump = max(jump, float(np.abs(k - m).max()))
+    return Smoothness(angle, jump / largest if largest else 0.0)
+
+
+def _across(maker: ShapeMaker, chart: int, points: Floats, along: Floats) -> tuple[Floats, Floats]:
+    """Outward normals (N, 3) and curvatures (N,) of a chart's surface, across directions (N, 3) along a border."""
+    from OCP.gp import gp_Pnt, gp_Vec
+
+    point, vectors = gp_Pnt(), [gp_Vec() for _ in range(5)]
+    found = np.empty((len(points), 5, 3))
+    for row, uv in enumerate(maker.parameters[chart].uv(points).tolist()):
+        maker.surfaces[chart].D2(*uv, point, *vectors)
+        found[row] = [(v.X(), v.Y(), v.Z()) for v in vectors]
+    u, v, uu, vv, uv_ = found.transpose(1, 0, 2)
+    normals = np.cross(u, v) * (1.0 if maker.natural[chart] else -1.0)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    across = np.cross(normals, along)
+    first = np.stack([[(u * u).sum(1), (u * v).sum(1)], [(u * v).sum(1), (v * v).sum(1)]]).transpose(2, 0, 1)
+    second = np.stack(
+        [[(uu * normals).sum(1), (uv_ * normals).sum(1)], [(uv_ * normals).sum(1), (vv * normals).sum(1)]]
+    ).transpose(2, 0, 1)
+    parts = np.linalg.solve(first, np.stack([(across * u).sum(1), (across * v).sum(1)], axis=1)[..., None])
+    return normals, (parts.transpose(0, 2, 1) @ second @ parts)[:, 0, 0]
+
 
 COARSER = 10
 """The tolerance of the mesh that says which faces meet where, over that of the faces; also of meshes' usual tolerance
@@ -61,9 +153,9 @@ class StepReport:
 
     def __str__(self) -> str:
         return (
-            f"{self.name}: {self.faces} faces, {self.exact} of them exact, the others within {self.distance:.1e} of the "
-            f"solid; edges within {self.gap:.1e} of their faces; volume {self.volume:.7g}, {self.volume_difference:+.1e} "
-            f"from the mesh's; smooth joints within {self.angle:.1e} rad, curvature within {self.curvature_jump:.1e} "
+            f"{self.name}: {self.faces} faces, {self.exact} of them exact, the others within {self.distance:.1e} of "
+            f"the solid; edges within {self.gap:.1e} of their faces; volume {self.volume:.7g}, "
+            f"{self.volume_difference:+.1e} from the mesh's; smooth joints within {self.angle:.1e} rad, curvature within {self.curvature_jump:.1e} "
             "of the largest"
         )
 

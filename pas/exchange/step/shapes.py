@@ -13,22 +13,19 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from pas.algebra.monomials import Floats
-from pas.exchange.step.borders import Border, Borders
+from pas.exchange.step.borders import DEGREE, Border, Borders, Curve, CurveKind
 from pas.exchange.step.carriers import CarrierKind
-from pas.exchange.step.curves import DEGREE, Curve, CurveKind
-from pas.exchange.step.division import Parameters
-from pas.exchange.step.graphs import DEGREE as GRAPH_DEGREE
-from pas.exchange.step.graphs import Graph
-from pas.exchange.step.parameters import CarrierParameters
-from pas.exchange.step.quadrics import QuadricPatch
+from pas.exchange.step.division import DEGREE as GRAPH_DEGREE
+from pas.exchange.step.division import Graph, Parameters
+from pas.exchange.step.parameters import CarrierParameters, QuadricPatch
 from pas.mesh.topology import connected
 
 LEAST = 1e-7
 """Open Cascade's smallest tolerance."""
 
 ALONG, SAFE = 33, 2.0
-"""Points along an edge at which it is compared with its faces, and what its tolerance is over the largest distance there:
-between the points it is a little larger, and Open Cascade looks at others."""
+"""Points along an edge at which it is compared with its faces, and its tolerance over the largest distance there, which
+is a little larger between the points: Open Cascade looks at others."""
 
 
 class ShapeMaker:
@@ -188,7 +185,7 @@ class ShapeMaker:
 
 
 def _winding(corners: Floats, point: Floats) -> float:
-    """How often a closed mesh of triangles with corners (T, 3, 3) goes around a point (van Oosterom and Strackee 1983)."""
+    """How often a closed mesh with corners (T, 3, 3) goes around a point (van Oosterom and Strackee 1983)."""
     a, b, c = (corners - point).transpose(1, 0, 2)
     la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
     over = np.einsum("ti,ti->t", a, np.cross(b, c))
