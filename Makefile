@@ -38,7 +38,8 @@ opengl:
 	fi
 
 # The studio's tests need a browser; root installs it, others may have one, and the tests say so where there is none.
-browser:
+# After OpenGL, as the system installs one thing at a time.
+browser: opengl
 	@command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null || \
 	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
 		echo "installing a browser for the tests of the studio (chromium)"; \

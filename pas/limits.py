@@ -22,7 +22,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import wraps
 from numbers import Real
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypedDict, TypeVar
 
 from pas.errors import LimitError
 from pas.threads import one_thread
@@ -38,6 +38,20 @@ FIRST_REPORT, REPORT_EVERY = 1.0, 0.5
 
 LIMITED = "Gives up after `seconds` and reports to `progress`, as inside `pas.limit(seconds, progress)`."
 """Added to the docstrings of limited functions."""
+
+
+class WorkLimits(TypedDict, total=False):
+    """The two keywords of limited functions: seconds after which they give up, and who is told how far they are."""
+
+    seconds: float | None
+    progress: Report | None
+
+
+KEYWORDS = [
+    inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind.__forward_arg__)
+    for name, kind in WorkLimits.__annotations__.items()
+]
+"""These two, as they are seen in the signatures of limited functions."""
 
 
 @dataclass
@@ -86,21 +100,29 @@ def limited(work: str, advice: str) -> Callable[[Callable[P, R]], Callable[P, R]
     """A decorator: what the function does is limited by its own arguments `seconds` and `progress`.
 
     `work` says what it does ("meshing a solid"), `advice` what makes it faster ("a coarser tolerance"); both are
-    for the sentence of a `LimitError`.  The function must have the two keywords and need not look at them.
+    for the sentence of a `LimitError`.  The function takes `**limits: Unpack[WorkLimits]`, which are its two keywords
+    for whoever calls it or asks for its signature, or has these by name; it need not look at them.
     """
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
-        found = {p.name for p in inspect.signature(function).parameters.values() if p.kind is p.KEYWORD_ONLY}
-        if not {"seconds", "progress"} <= found:
+        own = inspect.signature(function)
+        shown = [p for p in own.parameters.values() if p.annotation != "Unpack[WorkLimits]"]
+        if len(shown) < len(own.parameters):
+            shown += KEYWORDS
+        if not {p.name for p in KEYWORDS} <= {p.name for p in shown if p.kind is p.KEYWORD_ONLY}:
             raise TypeError(f"{function.__qualname__} must take the keywords seconds and progress to be limited")
+        names = None if any(p.kind is p.VAR_KEYWORD for p in shown) else {p.name for p in shown}
 
         @wraps(function)
         def run(*args: P.args, **kwargs: P.kwargs) -> R:
+            for name in () if names is None else kwargs.keys() - names:
+                raise TypeError(f"{function.__qualname__}() got an unexpected keyword argument {name!r}")
             seconds, progress = kwargs.get("seconds"), kwargs.get("progress")
             with one_thread(), _limit(seconds, progress, work, advice):  # type: ignore[arg-type]
                 checkpoint()
                 return function(*args, **kwargs)
 
+        run.__signature__ = own.replace(parameters=shown)  # type: ignore[attr-defined]
         run.__doc__ = f"{inspect.getdoc(function)}\n\n{LIMITED}"
         return run
 

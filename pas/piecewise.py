@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Unpack
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from pas.certify.mesh_proofs import MeshCertificate, certify_mesh
 from pas.certify.proofs import certify
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError, MeshError
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh, SmoothMesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
@@ -85,7 +86,7 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
         return FramedSurface(self)
 
     @limited("bounding curvature", "a larger bound")
-    def curvature_below(self, bound: Exact, *, seconds: float | None = None, progress: Report | None = None) -> Verdict:
+    def curvature_below(self, bound: Exact, **limits: Unpack[WorkLimits]) -> Verdict:
         """The verdict on `sqrt(k1^2 + k2^2) < bound` all over the surface in its region: proved, refuted or undecided.
 
         k1 and k2 are the principal curvatures, `bound` is in 1 / unit of length.  About a second for surfaces up to
@@ -101,7 +102,7 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
         return curvature_below(self, number)
 
     @limited("measuring how fair a surface is", "")
-    def fairness(self, *, seconds: float | None = None, progress: Report | None = None) -> Fairness:
+    def fairness(self, **limits: Unpack[WorkLimits]) -> Fairness:
         """How fair the surface is: curvature beside that of its neighbours, bulges, inflections; see `pas.Fairness`.
 
         Measured on some thousand rays from the centre.  Raises `GeometryError` for a surface without a region, a
@@ -119,7 +120,7 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
         return "certificate" in vars(self)
 
     @limited("proving a surface", "")
-    def certify(self, *, seconds: float | None = None, progress: Report | None = None) -> Certificate:
+    def certify(self, **limits: Unpack[WorkLimits]) -> Certificate:
         """Prove the contacts, the smoothness, the single sheet and the enclosure."""
         return certify(self)
 
@@ -135,8 +136,7 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
         *,
         max_triangles: int | None = None,
         quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        **limits: Unpack[WorkLimits],
     ) -> SurfaceMesh:
         """Triangles within `tolerance` (the model's units) of the surface, as measured, at most `max_triangles`.
 
@@ -167,9 +167,7 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
         return certify_mesh(self.framed, points, triangles, lambda: self.certificate)
 
     @limited("meshing a surface", "a coarser tolerance")
-    def triangulate(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
-    ) -> SurfaceMesh:
+    def triangulate(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> SurfaceMesh:
         """What `mesh` was called when it made something else."""
         return self.mesh(tolerance)
 

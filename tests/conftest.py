@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 from collections import Counter
@@ -48,6 +49,18 @@ AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 EQUAL = ("1/3", "1/3", "1/3")
 UNEQUAL = ("1/3", "1/4", "2/5")
 ELBOW = ("1/3", "1/3")
+
+
+@cache
+def parsed(path: Path) -> ast.Module:
+    """The syntax tree of a source file, made once for all tests."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+@cache
+def nodes(path: Path) -> tuple[ast.AST, ...]:
+    """All nodes of that tree."""
+    return tuple(ast.walk(parsed(path)))
 
 
 def pipes(radii: tuple[Any, ...] = UNEQUAL, clips: tuple[Any, ...] = (1, 1, 1)) -> list[pas.Pipe]:

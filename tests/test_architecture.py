@@ -7,13 +7,12 @@ import inspect
 import runpy
 import subprocess
 import sys
-from functools import cache
 from importlib import import_module
 from pathlib import Path
 
 import networkx
 import pytest
-from conftest import ROOT
+from conftest import ROOT, nodes, parsed
 
 import pas
 from pas.shape import KINDS
@@ -33,11 +32,6 @@ MODULES = sorted(
 )
 
 
-@cache
-def parsed(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
-
-
 def room(path: Path) -> str:
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
@@ -45,7 +39,7 @@ def room(path: Path) -> str:
 def imported(path: Path) -> set[str]:
     """Rooms of `pas` that a module imports, lazily or not."""
     names = set()
-    for node in ast.walk(parsed(path)):
+    for node in nodes(path):
         if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "pas":
             names.add(node.module.split(".")[1] if "." in node.module else "")
         if isinstance(node, ast.Import):
@@ -68,7 +62,7 @@ def test_modules_are_documented_and_short():
     wrong = []
     for path in MODULES:
         text, tree = path.read_text(encoding="utf-8"), parsed(path)
-        called = {n.func.id for n in ast.walk(tree) if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)}
+        called = {n.func.id for n in nodes(path) if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)}
         wrong += [f"{path} has no docstring"] * (not ast.get_docstring(tree))
         wrong += [f"{path} has more than 350 lines"] * (len(text.splitlines()) > 350)
         wrong += [f"{path} prints"] * ("print" in called and room(path) != "cli")
@@ -107,7 +101,7 @@ BY_CLASS = {
 def classes_asked_for(path: Path) -> set[str]:
     """The names of classes in isinstance, issubclass, match cases, and in dispatch by a function's annotations."""
     found: set[str] = set()
-    for node in ast.walk(parsed(path)):
+    for node in nodes(path):
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("isinstance", "issubclass"):
             found |= {n.id for n in ast.walk(node.args[1]) if isinstance(n, ast.Name)}
         elif isinstance(node, ast.MatchClass):
@@ -133,13 +127,11 @@ def imported_when_run(path: Path) -> set[str]:
     """The modules of `pas` that a module imports, when it is imported or later, but not for types."""
     modules = {module_name(p) for p in MODULES}
     found = set()
-    waiting: list[ast.AST] = [parsed(path)]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
-            waiting += node.orelse
+    checks = [n for n in parsed(path).body if isinstance(n, ast.If) and "TYPE_CHECKING" in ast.unparse(n.test)]
+    typed = {node for check in checks for part in check.body for node in ast.walk(part)}
+    for node in nodes(path):
+        if node in typed:
             continue
-        waiting += ast.iter_child_nodes(node)
         if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "pas":
             names = {f"{node.module}.{alias.name}" for alias in node.names}
             found |= {name if name in modules else str(node.module) for name in names}

@@ -76,7 +76,8 @@ def test_open_ends_are_placed_with_room(table, order):
     assert placed.contacts[0].surface == item.clipped(1).contact.surface
 
 
-@pytest.mark.parametrize("slope", ["-1/8", "-1/2"])
+@pytest.mark.parametrize("slope", ["-1/2", "-1/8"])
+@pytest.mark.sampled(2)
 def test_cones_that_narrow_end_before_their_tips(slope):
     blend = pas.blend([pas.Cone((1, 0, 0), 1, "auto", slope), pas.Pipe((0, 1, 0), 1, "auto")], 1)
     assert blend.certificate.proved and not blend.fairness.beyond(blend.limits)
@@ -184,6 +185,7 @@ CROWDED = {
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "five")) for n in CROWDED])
+@pytest.mark.sampled(3)
 def test_the_least_clips_that_are_said_to_leave_room_do(name):
     items, partition = CROWDED[name]
     with pytest.raises(pas.GeometryError, match='clip="auto" finds such') as failure:

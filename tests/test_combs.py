@@ -229,6 +229,7 @@ def test_the_envelope_comes_down_where_the_sign_changes():
 @pytest.mark.parametrize(
     "options", [{}, {"style": "min"}, {"style": "zebra"}, {"cut": True}, {"four_views": True}], ids=str
 )
+@pytest.mark.sampled(3)
 def test_combs_are_seen_in_every_picture(tmp_path, options):
     from PIL import Image
 

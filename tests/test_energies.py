@@ -53,6 +53,7 @@ def test_every_registered_energy_is_tested_here():
 
 
 @pytest.mark.parametrize("energy", ALL, ids=WORDS)
+@pytest.mark.sampled(2)
 def test_the_exact_form_is_the_one_that_is_made_small(space, energy):
     """Two ways, moments or Gram matrices and Gauss rules, and a frame far from the origin."""
     spaces = [space] if "Box" in repr(energy) else [space, pas.solutions(FAR, 1, 4)]
@@ -65,6 +66,7 @@ def test_the_exact_form_is_the_one_that_is_made_small(space, energy):
 
 
 @pytest.mark.parametrize("energy", ALL, ids=WORDS)
+@pytest.mark.sampled(3)
 def test_nothing_chosen_by_another_energy_has_less(space, energy):
     options = {"prove": False, "guard": False}
     best = space.fit(energy=energy, **options)
@@ -82,6 +84,7 @@ def test_nothing_chosen_by_another_energy_has_less(space, energy):
 
 
 @pytest.mark.parametrize("energy", [*ALL, SAMPLES["curvature-variation"][1], pas.CurvatureVariation() + ALL[0] / 7])
+@pytest.mark.sampled(3)
 def test_files_and_toml(space, energy, tmp_path):
     blend = space.fit(energy=energy, prove=False, guard=energy.on_surface)
     again = pas.load(blend.save(tmp_path / "a.pas.json"))

@@ -342,6 +342,7 @@ def test_all_crossings_of_a_surface_of_many_sheets_are_found(number):
 
 @pytest.mark.parametrize("degree", [1, 6, 14, 15, 16, 22, HIGHEST, HIGHEST + 1])
 @pytest.mark.parametrize("bounded", [False, True])
+@pytest.mark.sampled(3)
 def test_rays_of_high_degree_and_in_all_of_space(degree, bounded):
     """Products of planes, whose crossings are known; doubles decide them, but for those above the highest degree."""
     if bounded and degree > 16:

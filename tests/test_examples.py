@@ -45,6 +45,9 @@ SHARED = {
 }
 """Problem files whose corners other tests solve, too: radii and order."""
 
+QUICK = ("elbow_gc1", "equal_gc1", "published_a", "published_b", "published_c", "published_proved", "three_pipes")
+"""Published ones, and of the others one of each kind."""
+
 
 @cache
 def solved(path):
@@ -62,7 +65,9 @@ def test_every_problem_file_has_a_figure_here():
     assert sorted(ENERGIES) == sorted(p.stem for p in CORNERS.glob("*.toml"))
 
 
-@pytest.mark.parametrize("name", sorted(ENERGIES))
+@pytest.mark.parametrize(
+    "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in sorted(ENERGIES)]
+)
 def test_corner(name):
     blend = solved(CORNERS / f"{name}.toml")
     degree, dimension, energy = ENERGIES[name]

@@ -1,12 +1,16 @@
 """Branches on straight runs: feet, the choice between a foot and a node, and headers of several feet."""
 
+from dataclasses import replace
 from fractions import Fraction
 from math import cos, radians, sin
 
 import numpy as np
 import pytest
+from test_sheet_bodies import is_sound
 
 import pas
+from pas.mesh.quality import Quality
+from pas.solid.runs import RunSide
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 RUN = pas.Pipe(X, 1, "auto")
@@ -134,9 +138,8 @@ def test_a_header_is_one_solid_with_proved_joints(feet):
     header = pas.header(RUN, feet, (-3, 7), 1)
     assert header.proved and len(header.verdicts) == 2 * len(feet)
     assert header.faces[:6] == ("run", "run start", "run end", "foot 1", "branch 1", "branch 1 end")
-    mesh = header.mesh(5e-2)
-    assert mesh.is_closed and mesh.euler_characteristic == 2
-    assert set(header.faces) == set(mesh.names)
+    mesh = is_sound(header.mesh(5e-2), header, 5e-2, 2)
+    assert {*header.faces} == {*mesh.names}
     one = pas.header(RUN, feet[1:2], (-3, 7), 1)
     beyond, single = (solid.volume(5e-2) - 10 * np.pi for solid in (header, one))
     assert beyond == pytest.approx(3 * single, rel=0.05)
@@ -146,7 +149,8 @@ def test_a_header_is_one_solid_with_proved_joints(feet):
 def test_a_foot_takes_the_place_of_the_run_where_it_dips_below_it(axis, radius):
     """A thick one lies a little inside the cylinder near the ends of its opening: there is no edge there."""
     header = pas.header(RUN, [pas.foot(RUN, pas.Pipe(axis, radius, "auto"))], (-5, 5), 1)
-    assert header.proved and header.mesh(5e-2).euler_characteristic == 2
+    mesh = header.sheets.mesh(1e-2, Quality.BALANCED)
+    assert header.proved and is_sound(mesh, header, 1e-2, 2).volume > 10 * np.pi
 
 
 def test_the_branches_of_a_header_may_end_at_their_clips(feet):
@@ -161,7 +165,48 @@ def test_a_hollow_header_has_a_bore_through_run_and_branches(feet):
     inside = [(0, 0, 0), (-1.9, 0, 0.8), (0, 0, 2.5), (0, 0.3, 2.5)]
     assert not header.contains(inside).any()
     assert header.contains([(-1.9, 0, 0.95), (1.9, 0.95, 0), (0, 0.45, 2.5)]).all()
-    assert "inside of foot 1" in header.faces
+    mesh = is_sound(header.mesh(4e-3), header, 4e-3, -2)
+    assert {*header.faces} - {*mesh.names} == {f"inside of {end} end" for end in ("branch 1", "run")} | {
+        "inside of run start"
+    }
+    row = header | header.translate((4, 0, 0))
+    assert [(link.number, link.other_number) for link in row.sheets.links] == [(1, 0)]
+    assert is_sound(row.mesh(1e-2), row, 1e-2, -4).volume == pytest.approx(2 * mesh.volume, rel=1e-2)
+
+
+def test_feet_of_a_header_are_apart(feet):
+    """A plane is between two of them along the run, across it, and not between one and itself."""
+    for two, apart in ((feet[:2], True), (feet[::2], True), (feet[:1] * 2, False)):
+        sides = [pas.header(RUN, [foot], (-3, 7), 1).sheets.sides[0] for foot in two]
+        both = RunSide("run", sides[0].ends, sum((s.feet for s in sides), ()), sum((s.openings for s in sides), ()))
+        assert both.apart == apart
+
+
+@pytest.mark.slow
+def test_the_lattice_says_the_same_of_a_hollow_header(feet):
+    header = pas.header(RUN, [feet[0].hollow("1/8")], (-2, 2), "1/2")
+    lattice = replace(header, sheets=None)
+    assert header.volume(5e-2) == pytest.approx(lattice.volume(5e-2), rel=1e-3)
+    assert header.area(5e-2) == pytest.approx(lattice.area(5e-2), rel=1e-3)
+
+
+@pytest.mark.slow
+def test_a_hollow_header_of_three_feet_is_bounded_by_sheets(feet):
+    header = pas.header(RUN, [foot.hollow("1/8") for foot in feet], (-3, 7), 1)
+    assert header.sheets is not None
+    for tolerance in (5e-2, 1e-2, 1e-3):
+        mesh = is_sound(header.mesh(tolerance), header, tolerance, 2 * (2 - 5))
+    assert header.volume(1e-2) == pytest.approx(mesh.volume, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_branches_that_meet_have_no_sheets():
+    """They lean towards one another, and cross where they are long enough: no plane is between the feet then."""
+    branches = [pas.Pipe((sign, 0, 4), "1/4", "auto", (-2 * sign, 0, 0)) for sign in (1, -1)]
+    feet = [pas.foot(RUN, branch) for branch in branches]
+    short, long = (pas.header(RUN, feet, (-4, 4), length) for length in (1, 6))
+    assert is_sound(short.sheets.mesh(5e-2, Quality.BALANCED), short, 5e-2, 2) is not None
+    assert long.sheets.mesh(5e-2, Quality.BALANCED) is None
 
 
 @pytest.mark.parametrize(

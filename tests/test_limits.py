@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
 from functools import cache
+from typing import Unpack
 
 import pytest
 from conftest import ROOT
@@ -11,7 +13,7 @@ from conftest import ROOT
 import pas
 from pas import solid
 from pas.cli import main
-from pas.limits import checkpoint, limit, note
+from pas.limits import WorkLimits, checkpoint, limit, limited, note
 
 
 class Clock:
@@ -192,3 +194,16 @@ def test_a_command_that_draws_gives_up_before_any_file_is_in_its_place(command, 
         assert files == (0 if "pas: gave up after" in said else 3)
         late |= {said.partition(" s while ")[2].partition(";")[0]} if not files else set()
     assert "drawing (rendering a picture)" in late
+
+
+def test_limited_functions_show_their_two_keywords_and_take_no_others():
+    @limited("counting", "less")
+    def count(number: int, **limits: Unpack[WorkLimits]) -> int:
+        return number
+
+    assert str(inspect.signature(count)).startswith("(number: 'int', *, seconds: 'float | None' = None, progress:")
+    assert count(3, seconds=60, progress=print) == 3
+    with pytest.raises(TypeError, match=r"count\(\) got an unexpected keyword argument 'second'"):
+        count(3, second=60)
+    with pytest.raises(TypeError, match="must take the keywords seconds and progress to be limited"):
+        limited("counting", "less")(lambda number: number)

@@ -70,6 +70,17 @@ def test_faces_of_one_name_are_measured_on_their_own_surfaces():
     assert np.median(whole.mesh(5e-2, quality="angles").smallest_angles) > 30
 
 
+def test_measures_go_by_the_mesh_of_the_sheets(monkeypatch):
+    """The box of the inequalities, and where these hold, take much longer."""
+    single = made().volume(2e-2), made().area(2e-2)
+    disc = np.pi  # of the ends that are left away where two go on in one another
+    monkeypatch.setattr("pas.solid.solid.bounding_box", None)
+    whole = row(3)
+    assert whole.volume(2e-2) == pytest.approx(3 * single[0], rel=1e-4)
+    assert whole.area(2e-2) == pytest.approx(3 * single[1] - 4 * disc, rel=1e-3)
+    assert np.ptp(whole.bounding_box, axis=0)[0] == pytest.approx(18)
+
+
 @pytest.mark.slow
 def test_the_lattice_says_the_same_of_two():
     whole = row(2)

@@ -22,6 +22,7 @@ def test_notebooks_are_stored_without_outputs(path):
             assert cell.execution_count is None
 
 
+@pytest.mark.slow
 def test_the_first_blend(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(ROOT), prepend=":")
     notebook = nbformat.read(ROOT / "examples/notebooks/first_blend.ipynb", as_version=4)

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from conftest import AXES, ROOT, pipes
+from conftest import AXES, ROOT, parsed, pipes
 
 import pas
 from pas import solid
@@ -45,10 +45,12 @@ def indented(text: str) -> Iterator[str]:
 def blocks() -> Iterator[tuple[str, str]]:
     """Each indented block of each docstring, with its module."""
     for module, path in MODULES.items():
-        for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
-                for block in indented(ast.get_docstring(node) or ""):
-                    yield module, block
+        waiting: list[ast.Module | ast.ClassDef | ast.FunctionDef] = [parsed(path)]
+        while waiting:
+            node = waiting.pop()
+            waiting += [inner for inner in node.body[::-1] if isinstance(inner, ast.ClassDef | ast.FunctionDef)]
+            for block in indented(ast.get_docstring(node) or ""):
+                yield module, block
 
 
 def is_program(block: str) -> bool:
@@ -73,8 +75,12 @@ PIPES = "".join(f'[[pipes]]\naxis = {list(axis)}\nradius = "1/3"\nclip = 1\n' fo
 IMAGINED = {"pas.registry", "pas.bernstein.search"}
 """Modules whose program is about things that are not there."""
 
-PROGRAMS = [(m, b) for m, b in blocks() if is_program(b) and m not in IMAGINED]
-PROBLEMS = [(m, b) for m, b in blocks() if is_toml(b) and not is_program(b)]
+LONG = {"pas.pipeline.blend", "pas.pipeline.header", "pas.render.animate"}
+"""Modules whose program takes long; the README has the same blend, node and header, and other tests animate."""
+
+BLOCKS = list(blocks())
+PROGRAMS = [(m, b) for m, b in BLOCKS if is_program(b) and m not in IMAGINED]
+PROBLEMS = [(m, b) for m, b in BLOCKS if is_toml(b) and not is_program(b)]
 
 
 def test_there_are_snippets():
@@ -82,7 +88,10 @@ def test_there_are_snippets():
     assert "pas.exchange.problem" in {m for m, _ in PROBLEMS}
 
 
-@pytest.mark.parametrize(("module", "block"), PROGRAMS, ids=[m for m, _ in PROGRAMS])
+@pytest.mark.parametrize(
+    ("module", "block"),
+    [pytest.param(m, b, id=m, marks=[pytest.mark.slow] * (m in LONG)) for m, b in PROGRAMS],
+)
 def test_programs_of_docstrings_run(module, block, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # where files that they write go
     if "register" in block:  # for all that comes after, so in a process of its own

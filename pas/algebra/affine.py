@@ -73,6 +73,11 @@ class Affine:
         x, y, z = (dot(row, vector) for row in self.matrix)
         return x, y, z
 
+    def after(self, first: Affine) -> Affine:
+        """The map that does `first`, then this one."""
+        a, b, c = zip(*(self.direction(column) for column in zip(*first.matrix, strict=True)), strict=True)
+        return Affine((a, b, c), self.exact(first.shift))
+
     def points(self, points: Floats) -> Floats:
         """Images of points (..., 3)."""
         return points @ self.floats[0].T + self.floats[1]

@@ -18,7 +18,7 @@ from flint import fmpq
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, cross, dot
+from pas.algebra.rational import cross, dot
 from pas.algebra.roots import RealRoot
 from pas.algebra.zeros import (
     Quotient,
@@ -199,16 +199,11 @@ def has_real_curve(surface: Polynomial, clip: Polynomial) -> bool | None:
         return None
     for viewpoint in VIEWPOINTS:
         # every singular point counts as critical, whatever the viewpoint
-        critical = dot(normal, _offsets(viewpoint))
+        critical = dot(normal, [Polynomial.from_raw(g - o) for g, o in zip(GENERATORS, viewpoint, strict=True)])
         number = count_real_points(Ideal(surface, clip, critical))
         if number is not None:
             return number > singular
     return None
-
-
-def _offsets(point: Vector) -> VectorField:
-    x, y, z = (Polynomial.from_raw(g - o) for g, o in zip(GENERATORS, point, strict=True))
-    return x, y, z
 
 
 def _top(polynomial: Polynomial) -> Polynomial:

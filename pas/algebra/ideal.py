@@ -59,7 +59,7 @@ class Ideal:
 
     def contains(self, polynomial: PolynomialLike) -> bool:
         """Whether a polynomial is a member."""
-        return self.normal_form(polynomial).is_zero
+        return self.form.contains(Polynomial(polynomial).raw)
 
     __contains__ = contains
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import comb
 from numbers import Integral
 from typing import TYPE_CHECKING, Any
@@ -80,6 +80,11 @@ def shown(value: Any) -> str:
     except (ValueError, RecursionError):  # Python writes out no integer of more than 4300 digits
         text = f"a very long {type(value).__name__}"
     return short(text)
+
+
+def shown_point(point: Iterable[Any], digits: int = 4) -> str:
+    """A point of a sentence: its coordinates in brackets, to so many digits."""
+    return "(" + ", ".join(f"{float(c):.{digits}g}" for c in point) + ")"
 
 
 def short(text: str) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cached_property
-from typing import Any
+from typing import Any, Unpack
 
 from flint import fmpq, fmpz_mpoly, fmpz_mpoly_vec
 
@@ -18,7 +18,7 @@ from pas.algebra.inputs import natural
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
-from pas.limits import Report, checkpoint, limited
+from pas.limits import WorkLimits, checkpoint, limited
 
 Syzygy = tuple[Polynomial, ...]
 
@@ -27,9 +27,7 @@ Syzygy = tuple[Polynomial, ...]
 def syzygies(
     polynomials: Sequence[PolynomialLike | Sequence[PolynomialLike]],
     degree: int | None = None,
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> tuple[Syzygy, ...]:
     """All relations `a_1 v_1 + .. + a_m v_m = 0` with polynomial coefficients.
 
@@ -205,7 +203,10 @@ def _vectors(items: Sequence[Any], name: str) -> list[Vector]:
         raise TypeError(
             f"{name} must be all polynomials or all tuples; number {tuples.index(not tuples[0]) + 1} differs"
         )
-    vectors = [tuple(_entry(p, f"{name}[{i}]") for p in (row if tuples[i] else (row,))) for i, row in enumerate(rows)]
+    vectors = [
+        tuple(Polynomial.named(p, f"{name}[{i}]").raw for p in (row if tuples[i] else (row,)))
+        for i, row in enumerate(rows)
+    ]
     for i, vector in enumerate(vectors):
         if not vector or len(vector) != len(vectors[0]):
             wanted = len(vectors[0]) or "at least 1"
@@ -213,10 +214,3 @@ def _vectors(items: Sequence[Any], name: str) -> list[Vector]:
                 f"{name}[{i}] must be a tuple of {wanted} polynomials like the first, not of {len(vector)}"
             )
     return vectors
-
-
-def _entry(expression: Any, name: str) -> Any:
-    try:
-        return Polynomial(expression).raw
-    except (ValueError, TypeError) as error:
-        raise type(error)(f"{name}: {error}") from None

@@ -82,6 +82,20 @@ class NormalForm:
         """The normal form of one polynomial (by flint's division, not by `images`)."""
         return divmod_all(polynomial, self.basis)
 
+    def contains(self, polynomial: fmpq_mpoly) -> bool:
+        """Whether the normal form of one polynomial is 0: no more is divided than that takes."""
+        rest, heads = polynomial, [next(iter(divisor.terms())) for divisor in self.basis]
+        while not rest.is_zero():
+            lead, coefficient = next(iter(rest.terms()))
+            for divisor, (head, factor) in zip(self.basis, heads, strict=True):
+                a, b, c = lead[0] - head[0], lead[1] - head[1], lead[2] - head[2]
+                if a >= 0 and b >= 0 and c >= 0:
+                    rest -= divisor * rest.context().from_dict({(a, b, c): coefficient / factor})
+                    break
+            else:
+                return False
+        return True
+
     def _rule(self, e: Exponents) -> tuple[Exponents, tuple[tuple[Exponents, fmpq], ...]] | None:
         for rule in self._rules:
             lead = rule[0]

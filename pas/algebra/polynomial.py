@@ -63,6 +63,17 @@ class Polynomial:
         return result
 
     @classmethod
+    def named(cls, expression: PolynomialLike, name: str, constant: bool = True) -> Polynomial:
+        """The polynomial of an argument, which errors name; raises `ValueError` for a constant if none is wanted."""
+        try:
+            result = cls(expression)
+        except (ValueError, TypeError) as error:
+            raise type(error)(f"{name}: {error}") from None
+        if result.degree < 1 and not constant:
+            raise ValueError(f"{name} must be a polynomial that is not constant, not {result}")
+        return result
+
+    @classmethod
     def from_row(cls, row: Iterable[fmpq], degree: int) -> Polynomial:
         """The polynomial with given coefficients, in the order of `monomials.exponents(degree)`."""
         terms = {e: c for e, c in zip(exponents(degree), row, strict=True) if c != 0}

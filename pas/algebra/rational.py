@@ -93,6 +93,14 @@ def amount(value: Any, name: str) -> fmpq:
     return number
 
 
+def positive(value: Any, name: str) -> fmpq:
+    """The number that `value` stands for, above 0; raises as `rational` does, and `ValueError` for others."""
+    number = rational(value, name)
+    if number <= 0:
+        raise ValueError(f"{name} must be positive, not {plain(number)}")
+    return number
+
+
 def read_number(text: str) -> fmpq:
     """The number that a text such as "1/3" or "1.5e-3" stands for.
 
@@ -120,6 +128,17 @@ def exact(value: float) -> fmpq:
     if not math.isfinite(value):
         raise ValueError(f"a number worked out is not finite: {value}")
     return fmpq(*float(value).as_integer_ratio())
+
+
+def near(value: float) -> fmpq:
+    """A rational number with at most nine digits below, which is off by less than a double of that size can say."""
+    return rational(Fraction(value).limit_denominator(10**9))
+
+
+def square_root(value: fmpq) -> fmpq:
+    """The root of a number that is not negative: exact where it is rational, else a number near it."""
+    p, q = math.isqrt(int(value.p)), math.isqrt(int(value.q))
+    return fmpq(p, q) if p * p == value.p and q * q == value.q else near(math.sqrt(to_float(value)))
 
 
 def exact_vector(values: Sequence[float]) -> Vector:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, Unpack
 
 from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx
 
@@ -38,7 +38,7 @@ from pas.algebra.parametric import (
 from pas.algebra.polynomial import VARIABLES, primitive
 from pas.algebra.rational import Exact, Symbolic, rational
 from pas.errors import GeometryError
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 
 if TYPE_CHECKING:
     import sympy
@@ -131,9 +131,7 @@ def existence(
     order: int,
     degree: int,
     parameters: SymbolLike | Sequence[SymbolLike],
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> Existence:
     """The conditions under which a polynomial of degree <= `degree` meets all contacts with GC^`order`.
 

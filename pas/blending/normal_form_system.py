@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Unpack
 
 from flint import fmpq, fmpq_mpoly
 
@@ -29,7 +30,7 @@ from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
 from pas.contacts.contact import Contact, ContactLike, as_contact
-from pas.limits import Report, checkpoint, limited
+from pas.limits import WorkLimits, checkpoint, limited
 
 Form = Mapping[int, fmpq]
 """A linear form in the coefficients of g: {position in `exponents(degree)`: number}."""
@@ -90,12 +91,7 @@ class NormalFormSystem:
 
 @limited("solving for all surfaces", "a lower degree")
 def normal_form_system(
-    contacts: Sequence[ContactLike],
-    order: int,
-    degree: int,
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    contacts: Sequence[ContactLike], order: int, degree: int, **limits: Unpack[WorkLimits]
 ) -> NormalFormSystem:
     """The linear system of the normal form conditions of G^`order` on one g of degree <= `degree`.
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pas.algebra.brief import brief
+from pas.algebra.inputs import shown_point
 from pas.algebra.monomials import Floats
 from pas.bernstein.signs import SignResult
 from pas.surface.function import PiecewisePolynomial
@@ -43,9 +44,7 @@ class Certificate(Verdicts):
         width = max(len(verdict.claim) for verdict in self.verdicts)
         lines = []
         for verdict in self.verdicts:
-            at = ""
-            if verdict.witness is not None:
-                at = " at ({:.5g}, {:.5g}, {:.5g})".format(*verdict.witness)
+            at = "" if verdict.witness is None else f" at {shown_point(verdict.witness, 5)}"
             lines.append(f"{verdict.claim:<{width}}  {verdict.status.value:<9} {verdict.reason}{at}")
         return "\n".join(lines)
 
@@ -103,8 +102,8 @@ class Proposition:
             return None
         if signs.witness is not None:
             return self.refuted(reason, signs.witness, signs.examined)
-        x, y, z = self.surface.partition.frame.place(signs.undecided[0])
-        place = f"{len(signs.undecided)} simplices undecided, one around ({x:.4g}, {y:.4g}, {z:.4g})"
+        around = shown_point(self.surface.partition.frame.place(signs.undecided[0]))
+        place = f"{len(signs.undecided)} simplices undecided, one around {around}"
         said = f"open whether {reason}: {place}"
         return Verdict(Status.UNDECIDED, self.words, said, measure=signs.examined)
 

@@ -22,6 +22,7 @@ A unit at the points of the curve changes no ideal there, so with these `<f, h^(
 
 from __future__ import annotations
 
+from pas.algebra.inputs import shown_point
 from pas.bernstein.signs import SignResult, alike, positive_on
 from pas.certify.certificate import Proposition
 from pas.certify.free_curves import free_verdict, transversality
@@ -157,5 +158,4 @@ def check_join(number: int, join: Join) -> None:
 
 
 def _place(result: SignResult) -> str:
-    point = result.undecided[0] if result.witness is None else result.witness
-    return "({:.6g}, {:.6g}, {:.6g})".format(*point)
+    return shown_point(result.undecided[0] if result.witness is None else result.witness, 6)

@@ -29,6 +29,7 @@ import numpy as np
 from flint import fmpq, fmpq_mpoly
 from numpy.typing import NDArray
 
+from pas.algebra.inputs import shown_point
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.rational import Vector, plain, to_float
 from pas.bernstein.forms import corner_points, nearby_forms
@@ -158,8 +159,8 @@ def thicker_than(inner: PiecewisePolynomial, outer: PiecewisePolynomial, bound: 
         )
     if result.status is Status.REFUTED:
         return claim.refuted("the two surfaces are nearer to one another somewhere", witness[0], result.examined)
-    x, y, z = outer.partition.frame.place(result.open.corners.mean(axis=1)[0])
-    return claim.undecided(f"{len(result.open)} tetrahedra undecided, one around ({x:.4g}, {y:.4g}, {z:.4g})")
+    place = shown_point(outer.partition.frame.place(result.open.corners.mean(axis=1)[0]))
+    return claim.undecided(f"{len(result.open)} tetrahedra undecided, one around {place}")
 
 
 def _tetrahedra(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple[Simplices, int]:

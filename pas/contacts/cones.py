@@ -111,10 +111,7 @@ class Opening(Movable):
     point: Vector = (fmpq(0), fmpq(0), fmpq(0))
 
     def __init__(self, surface: PolynomialLike, axis: VectorLike, slope: Exact, point: VectorLike = (0, 0, 0)) -> None:
-        try:
-            polynomial = Polynomial(surface)
-        except (ValueError, TypeError) as error:
-            raise type(error)(f"surface: {error}") from None
+        polynomial = Polynomial.named(surface, "surface")
         object.__setattr__(self, "surface", polynomial)
         object.__setattr__(self, "axis", vector(axis, "axis"))
         object.__setattr__(self, "slope", rational(slope, "slope"))

@@ -90,8 +90,8 @@ class Contact(Movable):
     __repr__ = brief
 
     def __init__(self, surface: PolynomialLike, clip: PolynomialLike, near: VectorLike | None = None) -> None:
-        object.__setattr__(self, "surface", _equation(surface, "surface"))
-        object.__setattr__(self, "clip", _equation(clip, "clip"))
+        object.__setattr__(self, "surface", Polynomial.named(surface, "the surface of a contact", constant=False))
+        object.__setattr__(self, "clip", Polynomial.named(clip, "the clip of a contact", constant=False))
         object.__setattr__(self, "near", None if near is None else vector(near, "near"))
         common = self.surface.raw.gcd(self.clip.raw)
         if not common.is_constant():
@@ -173,13 +173,3 @@ def contact_ideal(contact: ContactLike, order: int) -> Ideal:
     """
     k, checked = check_order(order), as_contact(contact)
     return Ideal(checked.surface, checked.clip ** (k + 1))
-
-
-def _equation(expression: PolynomialLike, name: str) -> Polynomial:
-    try:
-        polynomial = Polynomial(expression)
-    except (ValueError, TypeError) as error:
-        raise type(error)(f"{name}: {error}") from None
-    if polynomial.degree < 1:
-        raise ValueError(f"the {name} of a contact must be a polynomial that is not constant, not {polynomial}")
-    return polynomial

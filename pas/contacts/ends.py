@@ -49,7 +49,8 @@ class ContactEnd:
         if center is None:
             return cls(triple(place), triple(normal), rim.radii)
         away = place - to_floats(vector(center, "center"))
-        return cls(triple(place), triple(normal if away @ normal >= 0 else -normal), rim.radii, float(_size(away)))
+        outward = normal if away @ normal >= 0 else -normal
+        return cls(triple(place), triple(outward), rim.radii, float(np.linalg.norm(away)))
 
     @property
     def radius(self) -> float | None:
@@ -84,10 +85,6 @@ def unusual(ends: Sequence[ContactEnd]) -> list[str]:
 def _round(radii: tuple[float, float]) -> float | None:
     least, largest = radii
     return largest if largest - least <= ROUND * largest else None
-
-
-def _size(vector: Floats) -> float:
-    return float(np.linalg.norm(vector))
 
 
 def triple(vector: Floats) -> Triple:

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pas.algebra.brief import brief
+from pas.algebra.inputs import shown_point
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
@@ -129,8 +130,7 @@ def follow(curve: Polynomial, normal: Floats, start: Floats, strips: Sequence[St
             step /= 2
             shortest_step = 1e-9  # over the extent: below it the curve has a singular point there
             if step < shortest_step * extent:
-                place = ", ".join(f"{c:.6g}" for c in at)
-                raise GeometryError(f"the contact's curve has a singular point at ({place})")
+                raise GeometryError(f"the contact's curve has a singular point at {shown_point(at, 6)}")
             continue
         if len(points) > 2 and 0 < (start - at) @ way <= moved and np.linalg.norm(start - at) <= 1.5 * moved:
             return np.array(points), True

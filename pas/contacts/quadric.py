@@ -94,10 +94,7 @@ class QuadricContact(Movable):
 
 def _polynomial(quadric: Any) -> Polynomial:
     if isinstance(quadric, str) or not hasattr(quadric, "__len__") or hasattr(quadric, "keys"):
-        try:
-            return Polynomial(quadric)
-        except (ValueError, TypeError) as error:
-            raise type(error)(f"quadric: {error}") from None
+        return Polynomial.named(quadric, "quadric")
     if len(quadric) != 4 or any(not hasattr(row, "__len__") or len(row) != 4 for row in quadric):
         raise ValueError(
             f"quadric must be a polynomial or a symmetric matrix of 4 rows of 4 numbers, not {shown(quadric)}"

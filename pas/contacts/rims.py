@@ -22,7 +22,7 @@ from flint import fmpq
 from pas.algebra.affine import height
 from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal
-from pas.algebra.inputs import short
+from pas.algebra.inputs import short, shown_point
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, VectorLike, binary_exponent, cross, dot, exact, to_float, to_floats, vector
@@ -195,7 +195,7 @@ def _chosen(found: list[Rim], near: VectorLike | None, words: str) -> Rim:
         target = np.array(to_floats(vector(near, "near")))
         return min(found, key=lambda rim: float(np.linalg.norm(rim.points() - target, axis=1).min()))
     if len(found) > 1:
-        places = ", ".join("({:.4g}, {:.4g}, {:.4g})".format(*to_floats(rim.center)) for rim in found)
+        places = ", ".join(shown_point(rim.center) for rim in found)
         raise GeometryError(f"{words} in {len(found)} closed curves, around {places}; say near which point yours is")
     return found[0]
 
@@ -305,6 +305,4 @@ def _check_regular(restricted: Polynomial, chart: PlaneChart, rim: Rim, words: s
         spacing = float(np.linalg.norm(np.diff(points, axis=0), axis=1).max()) if spacing is None else spacing
         place = _place(zero, chart)
         if np.linalg.norm(points - place, axis=1).min() <= spacing:
-            raise GeometryError(
-                f"{words} in a curve with a singular point at " + "({:.6g}, {:.6g}, {:.6g})".format(*place)
-            )
+            raise GeometryError(f"{words} in a curve with a singular point at {shown_point(place, 6)}")

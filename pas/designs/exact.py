@@ -29,13 +29,6 @@ def number(value: Any, name: str) -> Fraction:
     return to_fraction(rational(value, name))
 
 
-def _polynomial(value: Any, name: str) -> Polynomial:
-    try:
-        return Polynomial(value)
-    except (TypeError, ValueError) as error:
-        raise type(error)(f"{name}: {error}") from None
-
-
 def _each(value: Any, name: str, what: str, read: Callable[[Any, str], Any]) -> tuple[Any, ...]:
     """What is read of each entry of a sequence; raises `TypeError` for what is none."""
     if isinstance(value, str) or not isinstance(value, Sequence):
@@ -56,7 +49,7 @@ def _points(value: Any, name: str) -> Points:
 
 
 def _polynomials(value: Any, name: str) -> tuple[Polynomial, ...]:
-    return _each(value, name, "a sequence of polynomials", _polynomial)
+    return _each(value, name, "a sequence of polynomials", Polynomial.named)
 
 
 def points(*rows: Sequence[Exact]) -> Points:
@@ -66,7 +59,7 @@ def points(*rows: Sequence[Exact]) -> Points:
 
 READERS: dict[str, Callable[[Any, str], Any]] = {
     "Fraction": number,
-    "Polynomial": _polynomial,
+    "Polynomial": Polynomial.named,
     "tuple[Polynomial, ...]": _polynomials,
     "Point": _point,
     "Points": _points,

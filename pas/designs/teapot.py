@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, is_dataclass, replace
-from typing import Protocol, TypeVar, cast, runtime_checkable
+from typing import Protocol, TypeVar, Unpack, cast, runtime_checkable
 
 from pas.algebra.inputs import shown
 from pas.algebra.polynomial import Polynomial
@@ -14,7 +14,7 @@ from pas.designs.exact import number
 from pas.designs.handle import Handle, PaperHandle
 from pas.designs.lid import Lid
 from pas.designs.spout import PaperSpout, Spout, SpoutShape
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.settings import MeshSettings
@@ -61,12 +61,7 @@ class Teapot(Shape):
 
     @limited("meshing a teapot", "a coarser tolerance")
     def mesh(
-        self,
-        tolerance: float | None = None,
-        *,
-        quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> Mesh:
         """The mesh of the closed solid; see `Solid.mesh`."""
         return self.solid.mesh(tolerance, quality=quality)
@@ -104,8 +99,7 @@ def teapot(
     lid_height: Exact | None = None,
     spout_tilt: Exact | None = None,
     handle_size: Exact | None = None,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> Teapot:
     """A teapot of a style, "paper" or "better", about 5 units long, of which each part can be given another design.
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from pas.exchange.formats import Content, Request
 from pas.exchange.parts import Piece, counted_on, face_names, parts_of
 from pas.exchange.tetwild import require_library, tetrahedralize
 from pas.exchange.write import write
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.topology import is_closed_manifold
@@ -132,8 +132,7 @@ def volume_mesh(
     tolerance: float | None = None,
     volume_tolerance: float = VOLUME_TOLERANCE,
     settings: VolumeSettings | None = None,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> VolumeMesh:
     """Fill a solid, a closed mesh or each part of an assembly with tetrahedra (fTetWild: Hu et al. 2020).
 

@@ -27,13 +27,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias, Unpack
 
 from pas.algebra.inputs import check_flag
 from pas.exchange.files import replacing, target
 from pas.exchange.formats import FORMATS, Request, suffixes_of
 from pas.exchange.parts import require_closed
-from pas.limits import Report, checkpoint, limited
+from pas.limits import WorkLimits, checkpoint, limited
 from pas.parametric.domain import DomainLike
 from pas.settings import MeshSettings
 from pas.shape import Shape
@@ -61,8 +61,7 @@ def write(
     unit: str | None = None,
     sew: float | None = None,
     open: bool = False,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> Path:
     """Write a shape, a mesh, an assembly or a list of such for other programs; returns the path.
 
@@ -115,8 +114,7 @@ def write_mesh(
     *,
     tolerance: float | None = None,
     domain: DomainLike = None,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> Path:
     """`write` for triangles of surfaces and meshes, with edges or none, within `tolerance` (the model's units)."""
     check_open(path)
@@ -130,8 +128,7 @@ def write_solid(
     *,
     tolerance: float | None = None,
     unit: str | None = None,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> Path:
     """`write` for triangles of solids, assemblies and their meshes, within `tolerance` (the model's units).
 
@@ -150,8 +147,7 @@ def write_step(
     domain: DomainLike = None,
     sew: float | None = None,
     unit: str | None = None,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> Path:
     """`write` for solids, assemblies, patches, exact surfaces and exact blends as a STEP file; returns the path.
 

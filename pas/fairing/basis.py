@@ -48,7 +48,7 @@ class BasisChange:
     @cached_property
     def matrix(self) -> fmpq_mat:
         """The change of basis as a matrix of rationals."""
-        return fmpq_mat(self.numerators) * _power(-self.shift)
+        return fmpq_mat(self.numerators) * fmpq(2) ** -self.shift
 
 
 @dataclass(frozen=True)
@@ -289,8 +289,3 @@ def _whole(matrix: Floats, order: NDArray[np.intp]) -> tuple[fmpz_mat, int]:
     entries = [int(value) for value in np.rint(np.ldexp(placed, shift)).ravel().tolist()]
     rows, columns = placed.shape
     return fmpz_mat(rows, columns, entries), shift
-
-
-def _power(exponent: int) -> fmpq:
-    """A power of two."""
-    return fmpq(2**exponent) if exponent >= 0 else fmpq(1, 2**-exponent)

@@ -43,7 +43,7 @@ from collections.abc import Iterator
 from itertools import combinations, count, product
 from math import prod
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Unpack
 
 from flint import fmpq, fmpq_mat, fmpq_mpoly
 
@@ -52,7 +52,7 @@ from pas.errors import ProjectFileError
 from pas.exchange.container import read, understood
 from pas.independent.reading import Face, Surface
 from pas.independent.signs import ONE, PROVED, REFUTED, RING, UNDECIDED, ZERO, Point, Query, on_simplex, positive
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 
 SIDE_BUDGET = 100_000
 """Coefficients for questions on the way: the sign of a factor, a place where a contact is missed."""
@@ -82,9 +82,7 @@ class Finding(NamedTuple):
 
 
 @limited("proving by the independent checker", "")
-def check_independently(
-    path: str | Path, *, edited: bool = False, seconds: float | None = None, progress: Report | None = None
-) -> list[Finding]:
+def check_independently(path: str | Path, *, edited: bool = False, **limits: Unpack[WorkLimits]) -> list[Finding]:
     """Prove again what the project file of a blend claims.
 
     Raises `ProjectFileError` for a file that is none, was changed (unless `edited`), or holds no blend.

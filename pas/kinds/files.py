@@ -7,14 +7,14 @@ they are proved anew, in this process, when they are first asked for.  Files of 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Unpack, cast
 
 from pas._version import __version__
 from pas.algebra.inputs import shown
 from pas.errors import ProjectFileError
 from pas.exchange.container import check_name, read, understood, write
 from pas.exchange.schema import TEXT, Table
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 from pas.shape import KINDS, Shape, kind_of
 from pas.solid.assembly import Assembly
 from pas.solid.solid import Solid
@@ -28,14 +28,7 @@ PARAMETRIC = ("parametric surface", "parametric blend", "generatrix blend", "sph
 
 
 @limited("writing a project file", "")
-def save(
-    shape: Shape,
-    path: str | Path,
-    certificate: Verdicts | None = None,
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
-) -> Path:
+def save(shape: Shape, path: str | Path, certificate: Verdicts | None = None, **limits: Unpack[WorkLimits]) -> Path:
     """Write any shape as a project file (`.pas.json`), exactly; returns the path.
 
     `pas.load` reads it.  A blend is proved first where that has not been done; of others the `certificate`, where
@@ -51,13 +44,7 @@ def save(
 
 
 @limited("reading a project file", "")
-def load(
-    path: str | Path,
-    *,
-    edited: bool = False,
-    seconds: float | None = None,
-    progress: Report | None = None,
-) -> Shape:
+def load(path: str | Path, *, edited: bool = False, **limits: Unpack[WorkLimits]) -> Shape:
     """Read a project file back: a shape of whatever kind it holds, exactly as it was written.
 
     No verdict of a file is believed: all are proved, in this process, when they are first asked for.  A
@@ -84,7 +71,7 @@ def _made(content: dict[str, Any], name: str) -> Shape:
 
 
 @limited("writing a project file", "")
-def save_solid(shape: Shape, path: str | Path, *, seconds: float | None = None, progress: Report | None = None) -> Path:
+def save_solid(shape: Shape, path: str | Path, **limits: Unpack[WorkLimits]) -> Path:
     """`pas.save` for a solid or an assembly; raises `TypeError` for another shape."""
     check_name(path)
     _require(shape, SOLIDS, "shape must be a Solid or an Assembly")
@@ -92,9 +79,7 @@ def save_solid(shape: Shape, path: str | Path, *, seconds: float | None = None, 
 
 
 @limited("reading a project file", "")
-def load_solid(
-    path: str | Path, *, edited: bool = False, seconds: float | None = None, progress: Report | None = None
-) -> Solid | Assembly:
+def load_solid(path: str | Path, *, edited: bool = False, **limits: Unpack[WorkLimits]) -> Solid | Assembly:
     """`pas.load` of a solid or an assembly; raises `ProjectFileError` for a file of another kind."""
     found = load(path, edited=edited)
     if kind_of(found).name not in SOLIDS:
@@ -104,12 +89,7 @@ def load_solid(
 
 @limited("writing a project file", "")
 def save_parametric(
-    thing: Shape,
-    path: str | Path,
-    certificate: Verdicts | None = None,
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    thing: Shape, path: str | Path, certificate: Verdicts | None = None, **limits: Unpack[WorkLimits]
 ) -> Path:
     """`pas.save` for a parametric surface or blend, or a blend by a generatrix; raises `TypeError` for others."""
     check_name(path)

@@ -16,7 +16,7 @@ from typing import TypeVar
 import numpy as np
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.inputs import short
+from pas.algebra.inputs import short, shown_point
 from pas.algebra.lengths import unit
 from pas.algebra.rational import Vector, cross, dot, minus, plain, to_float, to_floats
 from pas.contacts.contact import Contact
@@ -173,7 +173,7 @@ def check_outlook(number: int, contact: Contact, rim: Rim, center: Vector) -> No
         )
     cosine, where = outlook(contact.surface, rim, center)
     if cosine <= 0:
-        words, place = ", ".join(map(plain, center)), "({:.4g}, {:.4g}, {:.4g})".format(*where)
+        words, place = ", ".join(map(plain, center)), shown_point(where)
         raise GeometryError(
             f"contact {number}: seen from the centre of the node, ({words}), its surface turns its back at {place}, so "
             "no blend around that centre is met once by each ray; move its clip, or give the centre by a pas.Layout"

@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.inputs import shown_point
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import Floats, Integers
 
@@ -297,4 +298,4 @@ def extent_of(field: FaceField) -> float:
 def place_of(field: FaceField, point: Floats) -> str:
     """A point as the user reads it, without the digits of zeros."""
     least = VISIBLE * float(np.abs(field.world(field.box)).max())
-    return "(" + ", ".join(f"{x if abs(x) > least else 0.0:.4g}" for x in field.world(point)) + ")"
+    return shown_point(x if abs(x) > least else 0.0 for x in field.world(point))

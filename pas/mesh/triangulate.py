@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pas.algebra.inputs import shown_point
 from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
@@ -127,8 +128,7 @@ def _grazed(field: CellField, error: ArithmeticError) -> str:
 
 def _place(field: CellField, point: Floats) -> str:
     """A point as the user reads it, without the digits of zeros."""
-    x, y, z = (0.0 if abs(v) < VISIBLE * field.scale else v for v in field.world(point).tolist())
-    return f"({x:.4g}, {y:.4g}, {z:.4g})"
+    return shown_point(0.0 if abs(v) < VISIBLE * field.scale else v for v in field.world(point))
 
 
 def _finest(cells: Subdivision) -> bool:

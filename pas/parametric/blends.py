@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Unpack
 
 from pas.algebra.brief import brief
 from pas.algebra.callables import ComponentLike, Values, component
@@ -29,7 +29,7 @@ from pas.algebra.jets import power
 from pas.algebra.rational import Exact, plain, to_float
 from pas.algebra.rational_function import ONE, RationalFunction, total
 from pas.errors import GeometryError, NoSolutionError
-from pas.limits import Report, checkpoint, limited
+from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.parametric.data import AXES, BlendingData
@@ -169,12 +169,7 @@ class ParametricBlend(Shape):
 
     @limited("proving a blend", "less effort or a smaller domain")
     def prove(
-        self,
-        domain: DomainLike = None,
-        effort: int = 20_000,
-        *,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        self, domain: DomainLike = None, effort: int = 20_000, **limits: Unpack[WorkLimits]
     ) -> ParametricCertificate:
         """Verdicts on the contact with each surface, and on regularity over `domain` (by default the blend's own).
 
@@ -196,8 +191,7 @@ class ParametricBlend(Shape):
         domain: DomainLike = None,
         *,
         quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        **limits: Unpack[WorkLimits],
     ) -> Mesh:
         """The blend's surface as a triangle mesh; see `ParametricSurface.mesh`."""
         return self.surface.mesh(tolerance, domain, quality=quality)
@@ -208,9 +202,7 @@ class ParametricBlend(Shape):
 
 
 @limited("finding a parametric blend", "a lower order")
-def hermite_blend(
-    data: BlendingData, order: int, *, seconds: float | None = None, progress: Report | None = None
-) -> ParametricBlend:
+def hermite_blend(data: BlendingData, order: int, **limits: Unpack[WorkLimits]) -> ParametricBlend:
     """The Hermite blend: polynomial in h of degree at most n(k+1) - 1 (Perez-Diaz and Sendra 2003, algorithm 1).
 
     Polynomial altogether iff polynomial blends exist.  Surfaces that are not exact give a blend that can
@@ -233,9 +225,7 @@ def weighted_blend(
     balance: Exact | Sequence[Exact] = "1/2",
     normalized: bool = False,
     exponent: int | None = None,
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> ParametricBlend:
     """The blend sum f_i P_i; `balance`, `normalized` and `exponent` are those of `Weights`.
 

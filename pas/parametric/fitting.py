@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import comb, factorial
-from typing import Protocol
+from typing import Protocol, Unpack
 
 import numpy as np
 from flint import fmpq
@@ -23,7 +23,7 @@ from pas.algebra.rational import exact, to_float
 from pas.bernstein.boxes import product
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.errors import GeometryError
-from pas.limits import Report, checkpoint, limited
+from pas.limits import WorkLimits, checkpoint, limited
 from pas.parametric.domain import DomainLike
 from pas.parametric.maps import ParametricMap
 from pas.parametric.nets import Framed, Nets, exact_net, exact_rectangle
@@ -72,9 +72,7 @@ def fit_patch(
     surface: ParametricSurface | HasSurface,
     tolerance: float | None = None,
     domain: DomainLike = None,
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> FittedPatch:
     """A bicubic B-spline nowhere further than `tolerance` (the model's units) from the surface.
 

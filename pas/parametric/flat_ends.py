@@ -10,6 +10,7 @@ from itertools import product
 
 import numpy as np
 
+from pas.algebra.inputs import shown_point
 from pas.algebra.monomials import Floats
 from pas.certify.graph_proofs import crossed
 from pas.errors import GeometryError
@@ -80,8 +81,8 @@ def closed(surface: ParametricMap, mesh: Mesh) -> tuple[tuple[FlatEdge, ...], fl
     open_ = around[~used[around].all(axis=1)]
     if len(open_):
         raise GeometryError(
-            f"the surface bounds no body: it has an edge near {_place(mesh.points[open_[0, 0]])} that is no closed "
-            "curve at one end of its domain, and only such are closed by flat faces"
+            f"the surface bounds no body: it has an edge near {shown_point(mesh.points[open_[0, 0]])} that is no "
+            "closed curve at one end of its domain, and only such are closed by flat faces"
         )
     points = np.concatenate([mesh.points, *(edge.middle[None] for edge in edges)])
     triangles = np.concatenate([mesh.triangles, *fans])
@@ -132,8 +133,8 @@ def _check_below(edge: FlatEdge, mesh: Mesh, fan: Integers, size: float) -> None
     if heights.max(initial=0.0) > FLAT * size:
         place = mesh.points[beside[int(heights.argmax()), 0]]
         raise GeometryError(
-            f"the surface bounds no body: near {_place(place)} it goes on beyond the plane in which it ends, where no "
-            "flat face closes it"
+            f"the surface bounds no body: near {shown_point(place)} it goes on beyond the plane in which it ends, "
+            "where no flat face closes it"
         )
 
 
@@ -153,10 +154,6 @@ def _check_simple(points: Floats, triangles: Integers, mesh: Mesh, side: float, 
         wrong = rows[known & (found != times)]
         if len(wrong):
             raise GeometryError(
-                f"the surface bounds no body: near {_place(mesh.points[wrong[0]])} it passes through itself, or is "
-                f"thinner than {2 * step:.3g}"
+                f"the surface bounds no body: near {shown_point(mesh.points[wrong[0]])} it passes through itself, or "
+                f"is thinner than {2 * step:.3g}"
             )
-
-
-def _place(point: Floats) -> str:
-    return "({:.4g}, {:.4g}, {:.4g})".format(*point.tolist())

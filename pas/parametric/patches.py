@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from flint import fmpq
@@ -30,7 +30,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import plain, rational, to_float, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE, PARAMETERS, RationalFunction
 from pas.errors import GeometryError
-from pas.limits import Report, checkpoint, limited
+from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.parametric.domain import DomainLike
@@ -96,8 +96,7 @@ class RationalPatch(Shape):
         domain: DomainLike = None,
         *,
         quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        **limits: Unpack[WorkLimits],
     ) -> Mesh:
         """The patch's mesh, over a part of its domain, too; see `ParametricSurface.mesh`."""
         return self.surface().mesh(tolerance, domain, quality=quality)
@@ -213,11 +212,7 @@ def bezier_patch(surface: ParametricSurface, domain: DomainLike = None) -> Ratio
 
 @limited("splitting a surface into patches", "a smaller domain")
 def bezier_patches(
-    surface: ParametricSurface,
-    domain: DomainLike = None,
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    surface: ParametricSurface, domain: DomainLike = None, **limits: Unpack[WorkLimits]
 ) -> tuple[RationalPatch, ...]:
     """Exact rational Bezier patches of positive weights that cover a rectangle; one where that is possible.
 

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Unpack
 
 import numpy as np
 from flint import arb, ctx, fmpq_mpoly
@@ -27,7 +28,7 @@ from pas.algebra.lengths import lengths, scaled
 from pas.algebra.rational import plain, to_float
 from pas.algebra.rational_function import ONE, PARAMETERS, RationalFunction
 from pas.algebra.roots import exact, real_roots
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 from pas.parametric.common_zeros import UNIT_SQUARE, ZeroSearch, charts_of, without_common_zero
 from pas.parametric.maps import ParametricMap
 from pas.parametric.series import in_one
@@ -38,9 +39,7 @@ LARGEST = 600
 
 
 @limited("proving that a surface is regular", "less effort or a smaller domain")
-def regularity(
-    surface: ParametricMap, effort: int = 20_000, *, seconds: float | None = None, progress: Report | None = None
-) -> Verdict:
+def regularity(surface: ParametricMap, effort: int = 20_000, **limits: Unpack[WorkLimits]) -> Verdict:
     """Whether an exact surface is regular and free of poles on its whole domain.
 
     `effort` bounds the rectangles examined; the verdict's `measure` counts them.

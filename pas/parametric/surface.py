@@ -21,6 +21,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import pairwise
+from typing import Unpack
 
 import numpy as np
 from flint import fmpq
@@ -32,7 +33,7 @@ from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.errors import GeometryError, MeshError
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
@@ -81,8 +82,7 @@ class ParametricSurface(ParametricMap, AffineShape["ParametricSurface"], Shape):
         domain: DomainLike = None,
         *,
         quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        **limits: Unpack[WorkLimits],
     ) -> Mesh:
         """A triangle mesh, with normals, nowhere further than `tolerance` from the surface.
 
@@ -115,7 +115,7 @@ class ParametricSurface(ParametricMap, AffineShape["ParametricSurface"], Shape):
         return self.moved(map_.matrix, map_.shift)
 
     @limited("making a solid of a surface", "a smaller domain")
-    def solid(self, face: str = "surface", *, seconds: float | None = None, progress: Report | None = None) -> Solid:
+    def solid(self, face: str = "surface", **limits: Unpack[WorkLimits]) -> Solid:
         """The body that the surface bounds, as a `pas.solid.Solid` with a face of that name.
 
         The surface is closed, as a ball's or a ring's are, or has ends in planes, as a vase or a tube has, which are

@@ -15,7 +15,7 @@ from flint import fmpq
 from pas.algebra.affine import Frame, height
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, dot, exact, minus, to_float, to_floats
+from pas.algebra.rational import Vector, dot, exact, exact_vector, minus, to_float, to_floats
 from pas.algebra.scaling import scaled
 from pas.contacts.cones import FARTHEST, first_met
 from pas.contacts.contact import Contact
@@ -183,7 +183,7 @@ class AroundOpening:
         low = to_float(self._back(reach) / self.scale) / length
         across = BEYOND * to_float(self.wide(works)) * self.join.nappe[1:]
         square = [self.join.nappe[0] + i * across[0] + j * across[1] for i, j in ((-1, -1), (-1, 1), (1, 1), (1, -1))]
-        floor, roof = ([_exact(share * corner) for corner in square] for share in (WITHIN * low, high))
+        floor, roof = ([exact_vector((share * corner).tolist()) for corner in square] for share in (WITHIN * low, high))
         cone = self.edge(works).raw.compose(*(c + self.scale * g for c, g in zip(self.center, GENERATORS, strict=True)))
         ceiling = self.at(exact(WITHIN * high * length) * self.scale)
         places = [[moved(self.center, (self.scale, corner)) for corner in quad] for quad in (floor, roof)]
@@ -227,8 +227,3 @@ class AroundOpening:
     def wide(self, reach: fmpq) -> fmpq:
         """How wide the edge at a distance is over the opening."""
         return 1 + reach / self.radius
-
-
-def _exact(point: Floats) -> Vector:
-    x, y, z = (exact(float(c)) for c in point)
-    return x, y, z

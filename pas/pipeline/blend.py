@@ -14,7 +14,7 @@ from pas.contacts.contact import ContactLike
 from pas.contacts.endless import AUTO, Pipe
 from pas.fairing.wishes import Options, Wishes, as_wishes
 from pas.layouts.clips import with_clips
-from pas.limits import Report, checkpoint, limited
+from pas.limits import Report, WorkLimits, checkpoint, limited
 from pas.pipeline.chosen import OnStage, Stages
 from pas.pipeline.result import Blend, SolutionSpace
 from pas.pipeline.search import find
@@ -154,8 +154,7 @@ def solutions(
     method: str = "linear",
     regular: bool = False,
     highest_degree: int = HIGHEST_DEGREE,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> SolutionSpace:
     """All surfaces that meet the contacts with GC^`order`, exact.
 

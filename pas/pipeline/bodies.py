@@ -15,7 +15,7 @@ from flint import fmpq
 
 from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, exact, rational, to_float, to_floats
+from pas.algebra.rational import Exact, Vector, exact, rational, to_float, to_floats
 from pas.algebra.scaling import Scaled, scaled
 from pas.contacts.contact import Contact
 from pas.contacts.ends import ContactEnd, triple
@@ -64,7 +64,7 @@ def body(
     solids, ends, chains = [inner], [], []
     given = zip(titles, surface.contacts, surface.joins, reaches, strict=True)
     for number, (name, contact, join, reach) in enumerate(given):
-        end = contact.clip if join.opening else _plane(surface, number)
+        end = contact.clip if join.opening else clip_plane(surface, number)
         ends.append(end)
         if join.opening:
             opening, works = AroundOpening.of(surface, number), NOTHING
@@ -77,7 +77,7 @@ def body(
                 solids.append(opening.ended(plate, reach, works) if around == "edged" else plate)
             chains.append(opening.chain(name, reach, works) if around == "edged" else None)
             continue
-        chains.append(_chain(surface, number, name, end, reach))
+        chains.append(chain_beyond(surface, number, name, end, reach))
         if reach + beyond > 0:
             cap = _cap(end, reach + beyond)
             apart = separators(surface, number, name, reach, beyond)
@@ -93,23 +93,29 @@ def body(
     return replace(solid, sheets=sheets)
 
 
-def _chain(surface: PiecewiseSurface, number: int, name: str, plane: Polynomial, length: fmpq) -> Chain | None:
+def chain_beyond(surface: PiecewiseSurface, number: int, name: str, plane: Polynomial, length: fmpq) -> Chain | None:
     """What goes on from a contact by a length beyond a plane, up to a flat end; None where that is none of `strips`."""
-    contact, center = surface.contacts[number], surface.partition.center
-    cap = _cap(plane, length)
+    center = surface.partition.center
+    return chain_between(surface.contacts[number], plane, _cap(plane, length), (name, f"{name} end"), center)
+
+
+def chain_between(
+    contact: Contact, plane: Polynomial, cap: Polynomial, names: tuple[str, str], center: Vector | None = None
+) -> Chain | None:
+    """What goes on from a contact between parallel planes, with the names of its face and its end; see `Sections`."""
     slope = scaled(plane).gradient(np.zeros(3))
     axis, strips = slope / np.linalg.norm(slope), tuple[SolidStrip, ...]()
-    if length > 0:
+    if cap != plane:
         rows = Sections.of(contact.surface, plane, cap, center)
         if rows is None:
             return None
-        strips = (SolidStrip(name, contact.scaled.surface, rows),)
+        strips = (SolidStrip(names[0], contact.scaled.surface, rows),)
     try:
         curve = Contact(contact.surface, plane, contact.near).rim.points()
     except GeometryError:  # no curve that is known to be closed
         return None
     begin, end = (End(scaled(side), axis) for side in (plane, cap))
-    return Chain(contact.scaled, begin, curve, strips, end, f"{name} end")
+    return Chain(contact.scaled, begin, curve, strips, end, names[1])
 
 
 def hollow_body(
@@ -147,9 +153,12 @@ def _wall_sheets(
     pairs: list[tuple[Chain | None, Chain | None]] = []
     for number, (name, reach) in enumerate(zip(titles, reaches, strict=True)):
         if not outer.joins[number].opening:
-            plane = _plane(outer, number)
+            plane = clip_plane(outer, number)
             pairs.append(
-                (_chain(outer, number, name, plane, reach), _chain(inner, number, f"{INSIDE} {name}", plane, reach))
+                (
+                    chain_beyond(outer, number, name, plane, reach),
+                    chain_beyond(inner, number, f"{INSIDE} {name}", plane, reach),
+                )
             )
             continue
         around, within = (AroundOpening.of(surface, number) for surface in (outer, inner))
@@ -185,7 +194,7 @@ def _end(surface: PiecewiseSurface, number: int, reach: fmpq) -> ContactEnd:
         if reach == 0:
             return here
         there = [exact(c + to_float(reach) * d) for c, d in zip(here.center, here.direction, strict=True)]
-        cap = _cap(_plane(surface, number), reach)
+        cap = _cap(clip_plane(surface, number), reach)
         return ContactEnd.of(Contact(contact.surface, cap, (there[0], there[1], there[2])), center)
     except GeometryError as error:
         raise GeometryError(f"contact {number + 1}, {to_float(reach):.4g} beyond its clip: {error}") from None
@@ -214,7 +223,7 @@ INSIDE = "inside of"
 """How faces of a cavity are named after those of the outside, as a shell's are."""
 
 
-def _plane(surface: PiecewiseSurface, number: int) -> Polynomial:
+def clip_plane(surface: PiecewiseSurface, number: int) -> Polynomial:
     """The plane of the region's side in which a neighbour begins, positive on the neighbour's side."""
     join, clip = surface.joins[number], surface.contacts[number].clip
     if len(join.planes) == 1 and join.confined:

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache, cached_property, partial
-from typing import Self, TypeVar
+from typing import Self, TypeVar, Unpack
 
 from flint import fmpq, fmpq_mat
 
@@ -26,7 +26,7 @@ from pas.fairing.basis import BasisChange
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.solver import FitSolver, FittedMember
 from pas.fairing.wishes import Wishes
-from pas.limits import Report, checkpoint, limited, note, stage_line
+from pas.limits import WorkLimits, checkpoint, limited, note, stage_line
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.piecewise import PiecewiseSurface
@@ -209,8 +209,7 @@ class ChosenBlend(Shape):
         *,
         max_triangles: int | None = None,
         quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        **limits: Unpack[WorkLimits],
     ) -> Mesh:
         """The surface's mesh; see `PiecewiseSurface.mesh`."""
         return self.surface.mesh(tolerance, max_triangles=max_triangles, quality=quality)

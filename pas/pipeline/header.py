@@ -3,13 +3,17 @@
 Within the cone of its opening each foot takes the place of the run's own cylinder, which it touches all around, and
 below which it may dip; these contacts and those with the branches are joints of the solid.  That openings are apart is
 told by points along them.
+
+It is meshed at once, from the meshes of the feet (see `pas.solid.runs`), where the walls of hollow ones are proved and
+their branches do not meet beyond the openings; else from a lattice.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
+from typing import Unpack
 
 import numpy as np
 from flint import fmpq
@@ -18,20 +22,22 @@ from pas.algebra.affine import height
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, dot, plain, rational, to_float, to_floats
+from pas.algebra.rational import Exact, dot, exact, plain, rational, to_float, to_floats
 from pas.algebra.scaling import scaled
 from pas.contacts.contact import Contact
 from pas.contacts.endless import Pipe
 from pas.contacts.joins import Join
 from pas.errors import GeometryError
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.around_opening import AroundOpening
-from pas.pipeline.bodies import FURTHER, INSIDE, body, length_of
+from pas.pipeline.bodies import FURTHER, INSIDE, body, chain_between, chain_beyond, clip_plane, length_of
 from pas.pipeline.hollow import HollowBlend
 from pas.pipeline.neighbours import NOTHING
 from pas.pipeline.result import Blend
 from pas.solid.assembly import union
+from pas.solid.runs import RunSide
+from pas.solid.sheets import SheetBody, Side
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, combined
 
@@ -72,6 +78,15 @@ class OpenedRun:
         back = AroundOpening.of(self.surface, self.place).back(reach)
         return Solid(combined(False, Atom(self.contact.clip, ""), Atom(back, "")))
 
+    def side(self, name: str, branch: str, reach: fmpq) -> Side | None:
+        """What bounds the foot: its surface up to the opening, and its branch; None where that is none of `strips`."""
+        other = 1 - self.place
+        plane, opening = clip_plane(self.surface, other), AroundOpening.of(self.surface, self.place)
+        chains = [chain_beyond(self.surface, other, branch, plane, reach)]
+        chains.insert(self.place, opening.walled(name, NOTHING, self.contact.clip))
+        known = tuple(chain for chain in chains if chain is not None and chain.sound)
+        return Side(self.surface, name, known) if len(known) == 2 else None
+
     def holds(self, points: Floats) -> bool:
         """Whether any of the points (N, 3) is in the cone, on the opening's side of its apex."""
         local = self.surface.partition.frame.local_points(points)
@@ -84,9 +99,7 @@ def header(
     feet: Sequence[Blend | HollowBlend[Blend]],
     ends: tuple[Exact, Exact],
     length: Exact | None = None,
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> Solid:
     """The solid of a straight run and feet on it: all full, or all hollow, which makes a bore.
 
@@ -113,57 +126,107 @@ def header(
         raise ValueError(f"ends must be a smaller and a larger number, not {shown(ends)}")
     outer, *inner = zip(*(foot.sides for foot in feet), strict=True)
     lengths = [length_of(length, foot) for foot in outer]
-    full = _united(run.clipped(1).contact.surface, outer, run, (low, high), lengths)
+    full = HeaderSide.of(run.clipped(1).contact.surface, outer, run, (low, high), lengths)
     if not inner:
-        return full
+        return replace(full.solid, sheets=_body(full.sheet))
     bore = inner[0][0]
     inside = next(c.surface for c, join in zip(bore.contacts, bore.joins, strict=True) if join.opening)
-    further = (high - low) / FURTHER
-    return full - _united(inside, inner[0], run, (low - further, high + further), lengths, f"{INSIDE} ")
+    cavity = HeaderSide.of(inside, inner[0], run, (low, high), lengths, f"{INSIDE} ")
+    proved = all(foot.certificate.proved for foot in feet)
+    return replace(full.solid - cavity.solid, sheets=_body(full.sheet, cavity.sheet) if proved else None)
 
 
-def _united(
-    surface: Polynomial,
-    feet: Sequence[PiecewiseSurface],
-    run: Pipe,
-    ends: tuple[fmpq, fmpq],
-    lengths: Sequence[fmpq],
-    inside: str = "",
-) -> Solid:
-    """The run inside a surface with feet on it; of a bore, whose names begin with `inside`, a little longer."""
-    openings = [OpenedRun.of(foot, surface, number) for number, foot in enumerate(feet, start=1)]
-    _check_apart(openings, run, ends)
-    along = height(run.point, run.axis) * (1 / dot(run.axis, run.axis))
-    start, end = (Polynomial.from_raw(plane) for plane in (ends[0] - along, along - ends[1]))
-    tube = patch(f"{inside}run", surface).cap(start, f"{inside}run start").cap(end, f"{inside}run end")
-    solids = []
-    for number, (opened, reach) in enumerate(zip(openings, lengths, strict=True), start=1):
-        names = [f"{inside}branch {number}"] * 2
-        names[opened.place] = f"{inside}run"
-        tube -= opened.room(reach)
-        beyond = opened.surface.partition.frame.scale / FURTHER if inside else NOTHING
-        solids.append(body(opened.surface, reach, names, f"{inside}foot {number}", around="run", beyond=beyond))
-    whole = union([tube, *solids])
-    for number, opened in enumerate(openings, start=1):
-        contact = opened.contact
-        along_curve = contact.surface, contact.clip
-        whole = whole.joined(f"{inside}foot {number}", f"{inside}run", along_curve, opened.surface.order)
-    return whole
+def _body(*sides: RunSide | None) -> SheetBody | None:
+    """What bounds a header of one side, or of two of which the second is inside the first."""
+    known = [side for side in sides if side is not None]
+    pairs = zip(known[0].chains, known[1].chains, strict=True) if len(known) == 2 else ()
+    return SheetBody(tuple(known)) if len(known) == len(sides) and all(a.holds(b) for a, b in pairs) else None
 
 
-def _check_apart(openings: Sequence[OpenedRun], run: Pipe, ends: tuple[fmpq, fmpq]) -> None:
-    """That no opening reaches beyond an end of the run or into another one."""
-    axis, point = np.array(to_floats(run.axis)), np.array(to_floats(run.point))
-    for number, opened in enumerate(openings, start=1):
-        places = (opened.points - point) @ axis / (axis @ axis)
-        if not to_float(ends[0]) < places.min() <= places.max() < to_float(ends[1]):
-            raise GeometryError(
-                f"the opening of foot {number} goes from {places.min():.4g} to {places.max():.4g} along the run, which "
-                f"ends at {plain(ends[0])} and {plain(ends[1])}"
-            )
-    for (i, a), (j, b) in combinations(enumerate(openings, start=1), 2):
-        if a.holds(b.points) or b.holds(a.points):
-            raise GeometryError(
-                f"the openings of feet {i} and {j} meet; move the branches apart along the run or around it, or give "
-                "them less slope or radius, or join them by pas.node"
-            )
+@dataclass(frozen=True, eq=False)
+class HeaderSide:
+    """The run inside a `surface` with feet on it between two `ends`: a full header, or a bore, whose faces have names
+    that begin with `inside`."""
+
+    surface: Polynomial
+    openings: Sequence[OpenedRun]
+    run: Pipe
+    ends: tuple[fmpq, fmpq]
+    lengths: Sequence[fmpq]
+    inside: str
+
+    @classmethod
+    def of(
+        cls,
+        surface: Polynomial,
+        feet: Sequence[PiecewiseSurface],
+        run: Pipe,
+        ends: tuple[fmpq, fmpq],
+        lengths: Sequence[fmpq],
+        inside: str = "",
+    ) -> HeaderSide:
+        """That of feet; raises `GeometryError` where an opening reaches beyond an end of the run or into another."""
+        openings = [OpenedRun.of(foot, surface, number) for number, foot in enumerate(feet, start=1)]
+        found = cls(surface, openings, run, ends, lengths, inside)
+        for number, (low, high) in enumerate(found._extents, start=1):
+            if not to_float(ends[0]) < low <= high < to_float(ends[1]):
+                raise GeometryError(
+                    f"the opening of foot {number} goes from {low:.4g} to {high:.4g} along the run, which ends at "
+                    f"{plain(ends[0])} and {plain(ends[1])}"
+                )
+        for (i, a), (j, b) in combinations(enumerate(openings, start=1), 2):
+            if a.holds(b.points) or b.holds(a.points):
+                raise GeometryError(
+                    f"the openings of feet {i} and {j} meet; move the branches apart along the run or around it, or "
+                    "give them less slope or radius, or join them by pas.node"
+                )
+        return found
+
+    @property
+    def _extents(self) -> list[tuple[float, float]]:
+        """Where each opening begins and ends along the run."""
+        axis, point = np.array(to_floats(self.run.axis)), np.array(to_floats(self.run.point))
+        places = [(opened.points - point) @ axis / (axis @ axis) for opened in self.openings]
+        return [(float(some.min()), float(some.max())) for some in places]
+
+    def _planes(self, low: fmpq, high: fmpq) -> tuple[Polynomial, Polynomial]:
+        """Those across the run at two places, positive beyond them."""
+        along = height(self.run.point, self.run.axis) * (1 / dot(self.run.axis, self.run.axis))
+        return Polynomial.from_raw(low - along), Polynomial.from_raw(along - high)
+
+    @property
+    def solid(self) -> Solid:
+        """All of it; a bore goes on a little beyond the ends."""
+        name, further = f"{self.inside}run", (self.ends[1] - self.ends[0]) / FURTHER if self.inside else NOTHING
+        start, end = self._planes(self.ends[0] - further, self.ends[1] + further)
+        tube = patch(name, self.surface).cap(start, f"{name} start").cap(end, f"{name} end")
+        solids = []
+        for number, (opened, reach) in enumerate(zip(self.openings, self.lengths, strict=True), start=1):
+            names = [f"{self.inside}branch {number}"] * 2
+            names[opened.place] = name
+            tube -= opened.room(reach)
+            beyond = opened.surface.partition.frame.scale / FURTHER if self.inside else NOTHING
+            face = f"{self.inside}foot {number}"
+            solids.append(body(opened.surface, reach, names, face, around="run", beyond=beyond))
+        whole = union([tube, *solids])
+        for number, opened in enumerate(self.openings, start=1):
+            along = opened.contact.surface, opened.contact.clip
+            whole = whole.joined(f"{self.inside}foot {number}", name, along, opened.surface.order)
+        return whole
+
+    @property
+    def sheet(self) -> RunSide | None:
+        """What bounds it up to the ends, where that is known; its strips begin half way between these and the feet."""
+        lows, highs = zip(*self._extents, strict=True)
+        begins = (self.ends[0] + exact(min(lows))) / 2, (self.ends[1] + exact(max(highs))) / 2
+        tubes = [
+            chain_between(Contact(self.surface, plane), plane, cap, (f"{self.inside}run", f"{self.inside}run {end}"))
+            for plane, cap, end in zip(self._planes(*begins), self._planes(*self.ends), ("start", "end"), strict=True)
+        ]
+        given = enumerate(zip(self.openings, self.lengths, strict=True), start=1)
+        feet = [o.side(f"{self.inside}foot {k}", f"{self.inside}branch {k}", reach) for k, (o, reach) in given]
+        start, end = tubes
+        known = tuple(foot for foot in feet if foot is not None)
+        if start is None or end is None or len(known) < len(feet):
+            return None
+        return RunSide(f"{self.inside}run", (start, end), known, tuple(opened.place for opened in self.openings))

@@ -16,11 +16,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
-from typing import Generic, TypeAlias
+from typing import Generic, TypeAlias, Unpack
 
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.inputs import shown_point
 from pas.algebra.rational import Exact, exact, plain, rational
 from pas.certify.nesting import nesting
 from pas.certify.thickness import thicker_than
@@ -28,7 +29,7 @@ from pas.contacts.contact import Contact, ContactLike, as_contact
 from pas.contacts.ends import ContactEnd
 from pas.contacts.parallels import inner_contact
 from pas.errors import GeometryError, InfeasibleError, NoSolutionError, NotProvedError
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, least_distance, wall_mesh
 from pas.piecewise import PiecewiseSurface
@@ -63,8 +64,7 @@ class Wall:
     within: float
 
     def __str__(self) -> str:
-        at = "({:.4g}, {:.4g}, {:.4g})".format(*self.point)
-        return f"{self.distance:.4g} at {at} (measured, within {2 * self.within:.2g})"
+        return f"{self.distance:.4g} at {shown_point(self.point)} (measured, within {2 * self.within:.2g})"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -106,7 +106,7 @@ class HollowBlend(Shape, Generic[B]):
         return Wall(distance, (x, y, z), max(mesh.deviation or 0.0 for mesh in meshes))
 
     @limited("bounding the thickness of a wall", "a smaller bound")
-    def thicker_than(self, bound: Exact, *, seconds: float | None = None, progress: Report | None = None) -> Verdict:
+    def thicker_than(self, bound: Exact, **limits: Unpack[WorkLimits]) -> Verdict:
         """The verdict on all points of the inner surface being farther than `bound` from the outer one: proved, refuted
         at a point where it is nearer, or undecided.
 
@@ -140,12 +140,7 @@ class HollowBlend(Shape, Generic[B]):
 
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(
-        self,
-        tolerance: float | None = None,
-        *,
-        quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> WallMesh:
         """The closed mesh of the wall up to its ends: both surfaces within `tolerance`, and rings in the clips.
 

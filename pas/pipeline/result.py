@@ -23,7 +23,7 @@ from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.refit import refitted
 from pas.fairing.wishes import Options, Sliders, Wishes, as_wishes, check_point_options
-from pas.limits import Report, limited
+from pas.limits import Report, WorkLimits, limited
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import Length, body, contact_ends
 from pas.pipeline.chosen import ChosenBlend, OnStage, Stages, choose
@@ -121,8 +121,7 @@ class Blend(ChosenBlend):
         *,
         inner: Sequence[ContactLike] | None = None,
         prove: bool = True,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        **limits: Unpack[WorkLimits],
     ) -> HollowBlend[Blend]:
         """This blend with a cavity: with an inner blend that is proved inside it.
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.render.picture import draw
 from pas.render.scene import BLEND_COLOR, Layer, Scene
@@ -33,8 +33,7 @@ def draw_parts(
     tolerance: float | None = None,
     size: tuple[int, int] = (1200, 900),
     meshes: Mapping[str, Mesh] | None = None,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> Path:
     """`pas.draw` with a look; `meshes`, by part, spare meshing again."""
     styled = look in (PartLook.PLAIN, PartLook.ZEBRA)  # the others are options of their own

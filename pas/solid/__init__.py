@@ -10,7 +10,10 @@ part.mesh(1e-3)
 from pas.mesh.mesh import Mesh
 from pas.solid.assembly import Assembly, Part, assembly, intersection, union
 from pas.solid.joints import Joint
+from pas.solid.lettering import text
 from pas.solid.primitives import ball, box, cone, cylinder, half_space, implicit, torus
+from pas.solid.profile import Profile
+from pas.solid.sketch import Sketch, circle, polygon, rectangle, regular_polygon, rounded_rectangle, sketch
 from pas.solid.solid import Solid, patch
 from pas.solid.tube import tube
 
@@ -21,17 +24,26 @@ __all__ = [
     "Assembly",
     "Joint",
     "Part",
+    "Profile",
+    "Sketch",
     "Solid",
     "SolidMesh",
     "assembly",
     "ball",
     "box",
+    "circle",
     "cone",
     "cylinder",
     "half_space",
     "implicit",
     "intersection",
     "patch",
+    "polygon",
+    "rectangle",
+    "regular_polygon",
+    "rounded_rectangle",
+    "sketch",
+    "text",
     "torus",
     "tube",
     "union",

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from types import MappingProxyType
-from typing import Any, Never, TypeAlias
+from typing import Any, Never, TypeAlias, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +16,7 @@ from pas.algebra.affine import Affine, AffineShape
 from pas.algebra.brief import brief, listed
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.settings import MeshSettings
@@ -53,12 +53,7 @@ class Part(AffineShape["Part"], Shape):
 
     @limited("meshing a part", "a coarser tolerance")
     def mesh(
-        self,
-        tolerance: float | None = None,
-        *,
-        quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> Mesh:
         """The part's mesh; see `Solid.mesh`."""
         if isinstance(self.shape, Solid):
@@ -98,12 +93,7 @@ class Assembly(AffineShape["Assembly"], Shape):
 
     @limited("meshing an assembly", "a coarser tolerance")
     def mesh(
-        self,
-        tolerance: float | None = None,
-        *,
-        quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> Mesh:
         """All parts as one mesh, whose faces are named "part: face"; each part as `Part.mesh` gives it."""
         return Mesh.together(self.meshes(tolerance, quality=quality))
@@ -114,12 +104,7 @@ class Assembly(AffineShape["Assembly"], Shape):
 
     @limited("meshing an assembly", "a coarser tolerance")
     def meshes(
-        self,
-        tolerance: float | None = None,
-        *,
-        quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> dict[str, Mesh]:
         """The mesh of each part."""
         return {name: part.mesh(tolerance, quality=quality) for name, part in self.parts.items()}

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -21,14 +22,25 @@ from pas.algebra.polynomial import Polynomial
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, ring
-from pas.solid.sheets import Faces, Loops, SheetBody
+from pas.solid.sheets import ROOM, Faces, Loops, SheetBody, roomy
 from pas.solid.strips import Sections, SolidStrip
 
 EQUAL = 2.0**-40
 """Coefficients that are off by less, over the largest, are the same: heights of caps are rounded to doubles."""
 
-ROOM = 2.0
-"""Over the distances of two such meshes from their bodies, how far these must be apart."""
+
+class SolidBoundary(Protocol):
+    """What bounds a solid, of which it gives a mesh without a lattice."""
+
+    @property
+    def size(self) -> float | None:
+        """The longest side of a box around it, as a coarse mesh shows it."""
+
+    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
+        """A closed mesh within a tolerance (the model's units), as measured; None where there is none."""
+
+    def moved(self, map_: Affine) -> SolidBoundary:
+        """Its image."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,8 +121,18 @@ class LinkedBodies:
     @property
     def size(self) -> float:
         """The longest side of a box around all of them, as coarse meshes show it."""
+        return float(np.ptp(self._box, axis=0).max())
+
+    @property
+    def box(self) -> Floats:
+        """Two corners (2, 3) of a box that holds all of them, as coarse meshes show with room around them."""
+        known = [part.body.coarse.deviation or 0.0 for part in self.parts if part.body.coarse]
+        return roomy(self._box, max(known))
+
+    @cached_property
+    def _box(self) -> Floats:
         boxes = np.array([part.box for part in self.parts])
-        return float((boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)).max())
+        return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
     def moved(self, map_: Affine) -> LinkedBodies:
         """Its image."""
@@ -149,8 +171,10 @@ class LinkedBodies:
             made.add(strip.name, triangles, end.normals(corners) * (1 if side == 0 else -1))
 
 
-def united(one: SheetBody | LinkedBodies, other: SheetBody | LinkedBodies) -> LinkedBodies | None:
+def united(one: SolidBoundary, other: SolidBoundary) -> LinkedBodies | None:
     """Both together; None where they are not found to be apart but for links."""
+    if not isinstance(one, SheetBody | LinkedBodies) or not isinstance(other, SheetBody | LinkedBodies):
+        return None
     these, those = ((b if isinstance(b, LinkedBodies) else LinkedBodies((LinkedPart(b),))) for b in (one, other))
     first, links = len(these.parts), list(these.links)
     links += [replace(k, part=k.part + first, other=k.other + first) for k in those.links]

@@ -5,10 +5,10 @@ Points are three exact numbers, lengths are exact numbers, both in the model's u
 
 from __future__ import annotations
 
-from flint import fmpq, fmpq_mpoly
+from flint import fmpq_mpoly
 
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, to_float, vector
+from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, positive, rational, to_float, vector
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, combined
 
@@ -56,7 +56,7 @@ def ball(center: VectorLike, radius: Exact, face: str = "ball") -> Solid:
 
     Raises `ValueError` for a radius that is not positive.
     """
-    r = _positive(radius, "radius")
+    r = positive(radius, "radius")
     w = _from(vector(center, "center"))
     return patch(face, Polynomial.from_raw(_square(w) - r * r))
 
@@ -101,7 +101,7 @@ def torus(center: VectorLike, axis: VectorLike, major: Exact, minor: Exact, face
 
     Raises `ValueError` unless 0 < minor < major, and for a zero axis.
     """
-    big, small = _positive(major, "major"), _positive(minor, "minor")
+    big, small = positive(major, "major"), positive(minor, "minor")
     if small >= big:
         raise ValueError(f"minor must be smaller than major, not {plain(small)} >= {plain(big)}")
     a = vector(axis, "axis")
@@ -113,13 +113,6 @@ def torus(center: VectorLike, axis: VectorLike, major: Exact, minor: Exact, face
     total = _square(w)
     flat = total - along * along * (1 / square)
     return patch(face, Polynomial.from_raw((total + big * big - small * small) ** 2 - 4 * big * big * flat))
-
-
-def _positive(value: Exact, name: str) -> fmpq:
-    number = rational(value, name)
-    if number <= 0:
-        raise ValueError(f"{name} must be positive, not {plain(number)}")
-    return number
 
 
 def _from(point: Vector) -> list[fmpq_mpoly]:

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 import numpy as np
 
@@ -34,11 +34,26 @@ from pas.solid.strips import Chain, SolidStrip, off_strip, rows_within
 COARSE = 2.0**-6
 """Tolerance of meshes that show where a body is, over the size of it."""
 
+ROOM = 2.0
+"""Over the distances of two such meshes from their bodies, how far these must be apart."""
+
 Loops = dict[tuple[int, int], Integers]
 """Vertices of the loop in which chain `c` of side `s` ends, in order, by `(s, c)`."""
 
 Loose: TypeAlias = tuple[Mesh, list[Integers]]
 """A mesh, and loops of its vertices that have it to their left."""
+
+
+class Bounding(Protocol):
+    """One side of a body, with what goes on from it at its ends."""
+
+    @property
+    def chains(self) -> tuple[Chain, ...]:
+        """What goes on."""
+
+    def mesh(self, tolerance: float, quality: Quality, without: Collection[int] = ()) -> Loose | None:
+        """Its mesh with those of chains but for some, whose numbers are given, and the loops in which these end; None
+        where there is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,6 +158,11 @@ class Faces:
         return Mesh(self.points, triangles, faces, names, normals, deviation=self.deviation)
 
 
+def roomy(box: Floats, deviation: float) -> Floats:
+    """The box (2, 3) around what a mesh in another one is so far from at most."""
+    return box + ROOM * deviation * np.array([[-1.0], [1.0]])
+
+
 def merged(mesh: Mesh, order: Sequence[str]) -> Mesh:
     """A mesh with faces of one name made one, in an order."""
     names = sorted({*mesh.names}, key=order.index)
@@ -159,7 +179,7 @@ def _quads(begin: Integers, end: Integers) -> list[tuple[Integers, Integers, Int
 class SheetBody:
     """What bounds a blend's solid: one side, or an outer and an inner one; `place` is how it was moved."""
 
-    sides: tuple[Side, ...]
+    sides: tuple[Bounding, ...]
     place: Affine | None = None
 
     @classmethod
@@ -195,10 +215,7 @@ class SheetBody:
 
     def moved(self, map_: Affine) -> SheetBody:
         """Its image."""
-        if self.place is None:
-            return replace(self, place=map_)
-        a, b, c = zip(*(map_.direction(column) for column in zip(*self.place.matrix, strict=True)), strict=True)
-        return replace(self, place=Affine((a, b, c), map_.exact(self.place.shift)))
+        return replace(self, place=map_ if self.place is None else map_.after(self.place))
 
     @cached_property
     def coarse(self) -> Mesh | None:
@@ -215,6 +232,11 @@ class SheetBody:
     def size(self) -> float | None:
         """The longest side of a box around it, as the coarse mesh shows it."""
         return None if self.coarse is None else float(np.ptp(self.coarse.points, axis=0).max())
+
+    @property
+    def box(self) -> Floats | None:
+        """Two corners (2, 3) of a box that holds it, as the coarse mesh shows with room around it."""
+        return None if self.coarse is None else roomy(self.coarse.box, self.coarse.deviation or 0.0)
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         """A closed mesh within a tolerance (the model's units), as measured; None where a surface is not as wished."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,7 +23,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, rational, to_float
 from pas.errors import GeometryError
-from pas.limits import Report, limited
+from pas.limits import WorkLimits, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
@@ -33,9 +33,9 @@ from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
 from pas.solid.joints import Joint, prove, refuse_unknown, verdict_list
-from pas.solid.linked import LinkedBodies, united
+from pas.solid.linked import SolidBoundary, united
 from pas.solid.measures import curved_measures
-from pas.solid.sheets import SheetBody, face_mesh, merged
+from pas.solid.sheets import face_mesh, merged
 from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, image, mapped
 from pas.verdicts import Findings, Verdict
@@ -54,7 +54,7 @@ class Solid(AffineShape["Solid"], Shape):
     tree: Tree
     joints: tuple[Joint, ...] = ()
     special_points: tuple[tuple[float, float, float], ...] = ()
-    sheets: SheetBody | LinkedBodies | None = None
+    sheets: SolidBoundary | None = None
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False, init=False)
     kind = "solid"
 
@@ -93,7 +93,7 @@ class Solid(AffineShape["Solid"], Shape):
 
         Where the solid already ends on that surface, its end gets the name.
         """
-        polynomial = _inequality(plane, "plane")
+        polynomial = Polynomial.named(plane, "plane", constant=False)
 
         def rename(atom: Atom) -> Atom:
             known, is_wall = atom.function, not atom.face
@@ -107,13 +107,7 @@ class Solid(AffineShape["Solid"], Shape):
 
     @limited("hollowing out a solid", "a coarser tolerance")
     def shell(
-        self,
-        thickness: Exact,
-        open: Sequence[str] = (),
-        tolerance: float | None = None,
-        *,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        self, thickness: Exact, open: Sequence[str] = (), tolerance: float | None = None, **limits: Unpack[WorkLimits]
     ) -> Solid:
         """The solid hollowed out: its points up to `thickness` from its faces, but for the `open` ones.
 
@@ -190,10 +184,17 @@ class Solid(AffineShape["Solid"], Shape):
         return bounding_box(self.tree)
 
     @cached_property
+    def _around(self) -> Floats:
+        """Two corners (2, 3) of a box in which it is meshed and measured: where sheets bound it that of a coarse mesh,
+        as the one that is proved takes long."""
+        known = None if self.sheets is None else self.sheets.box
+        return self.box if known is None else known
+
+    @cached_property
     def field(self) -> SolidField:
         """The solid as the mesher and evaluation want it."""
         curves = list(dict.fromkeys(j.along for j in self.joints))
-        return SolidField(self.tree, self.box, curves, np.array(self.special_points).reshape(-1, 3))
+        return SolidField(self.tree, self._around, curves, np.array(self.special_points).reshape(-1, 3))
 
     def contains(self, points: ArrayLike) -> np.ndarray:
         """Whether points (..., 3) are inside, shape (...).
@@ -221,12 +222,7 @@ class Solid(AffineShape["Solid"], Shape):
 
     @limited("meshing a solid", "a coarser tolerance")
     def mesh(
-        self,
-        tolerance: float | None = None,
-        *,
-        quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> Mesh:
         """A closed triangle mesh within `tolerance` (the model's units) of the boundary.
 
@@ -250,12 +246,7 @@ class Solid(AffineShape["Solid"], Shape):
 
     @limited("meshing a solid", "a coarser tolerance")
     def face_mesh(
-        self,
-        tolerance: float | None = None,
-        *,
-        quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> FaceMesh:
         """The mesh as the mesher makes it: labelled, in the local coordinates of `field`."""
         quality = Quality.of(quality)
@@ -275,30 +266,37 @@ class Solid(AffineShape["Solid"], Shape):
     def _tolerance(self, tolerance: float | None) -> float:
         if tolerance is not None:
             check_tolerance(tolerance)  # before the box, which takes a while
-        size = float(np.ptp(self.box, axis=0).max())
+        size = float(np.ptp(self._around, axis=0).max())
         return RELATIVE_TOLERANCE * size if tolerance is None else check_tolerance(tolerance, size)
 
     @limited("measuring a solid", "a coarser tolerance")
-    def volume(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
-    ) -> float:
-        """The volume, with an error of second order in the tolerance of its mesh, of order 3/2 on cones."""
+    def volume(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> float:
+        """The volume, with an error of second order in the tolerance of its mesh, of order 3/2 on cones.
+
+        Where `sheets` bound the solid it is that of their mesh, whose distance from them is measured.
+        """
         return self._measures(tolerance)[0]
 
     @limited("measuring a solid", "a coarser tolerance")
-    def area(
-        self, tolerance: float | None = None, *, seconds: float | None = None, progress: Report | None = None
-    ) -> float:
+    def area(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> float:
         """The area of the boundary, with an error of the same order as that of the volume."""
         return self._measures(tolerance)[1]
 
     def _measures(self, tolerance: float | None) -> tuple[float, float]:
         key = ("measures", self._tolerance(tolerance))
         if key not in self._cache:
-            volume, area = curved_measures(self.face_mesh(tolerance), self.field)
-            scale = self.field.scale
-            self._cache[key] = volume * scale**3, area * scale**2
+            found = self._sheet_mesh(tolerance, Quality.BALANCED)
+            field = self.field if found is None else self._faces_alone
+            made = self.face_mesh(tolerance) if found is None else face_mesh(found, field, key[1], Quality.BALANCED)
+            volume, area = curved_measures(made, field)
+            self._cache[key] = volume * field.scale**3, area * field.scale**2
         return self._cache[key]
+
+    @property
+    def _faces_alone(self) -> SolidField:
+        """The functions of all faces, and where faces are joined: all that is asked about what a mesh shows."""
+        tree = combined(True, *(atom for atom in atoms(self.tree) if atom.face))
+        return SolidField(tree, self._around, list(dict.fromkeys(j.along for j in self.joints)), np.empty((0, 3)))
 
     @property
     def description(self) -> str:
@@ -323,15 +321,5 @@ def patch(name: str, polynomial: PolynomialLike, *region: PolynomialLike) -> Sol
     The face `polynomial = 0` gets the name; the region's walls have none and are meant to be shared
     with other patches (what is left open ends flat).  Raises `ValueError` for a constant.
     """
-    walls = [Atom(-_inequality(r, f"region[{i}]"), "") for i, r in enumerate(region)]
-    return Solid(combined(False, Atom(_inequality(polynomial, "polynomial"), name), *walls))
-
-
-def _inequality(expression: PolynomialLike, name: str) -> Polynomial:
-    try:
-        polynomial = Polynomial(expression)
-    except (ValueError, TypeError) as error:
-        raise type(error)(f"{name}: {error}") from None
-    if polynomial.degree < 1:
-        raise ValueError(f"{name} must be a polynomial that is not constant, not {polynomial}")
-    return polynomial
+    walls = [Atom(-Polynomial.named(r, f"region[{i}]", constant=False), "") for i, r in enumerate(region)]
+    return Solid(combined(False, Atom(Polynomial.named(polynomial, "polynomial", constant=False), name), *walls))

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from pas.algebra.inputs import shown_point
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
@@ -125,14 +126,11 @@ class Fairness:
         """The measures in words, each with its name."""
         low, high = self.gradients
         return [
-            ("sharpness", f"{self.sharpness:.3f} of the sharpest neighbour, at {_shown(self.sharpest)}"),
+            ("sharpness", f"{self.sharpness:.3f} of the sharpest neighbour, at {shown_point(self.sharpest)}"),
             ("hollowness", self._hollow),
             ("bulge", f"{self.bulge:.3f} of the largest radius beyond the hull of the contacts"),
             ("wrong sign", f"{self.wrong_sign:.3f} over the largest radius; sections turn {self._turns}"),
-            (
-                "waist",
-                f"{self.waist:.3f} of the radius of the run, at {_shown(self.waisted)}" if self.waist else "no run",
-            ),
+            ("waist", self._waist),
             ("variation", f"{self.variation:.4g}, bending {self.bending:.4g}, area {self.area:.4g}"),
             ("|grad f|", f"{low:.2f} to {high:.2f} of its median"),
             ("measured", f"at {self.points} points"),
@@ -146,14 +144,14 @@ class Fairness:
     def _hollow(self) -> str:
         if not self.arc:
             return "none: no arc fits between two neighbours"
-        return f"{self.hollowness:.3f} of the largest arc that fits, at {_shown(self.hollowest)}"
+        return f"{self.hollowness:.3f} of the largest arc that fits, at {shown_point(self.hollowest)}"
+
+    @property
+    def _waist(self) -> str:
+        return f"{self.waist:.3f} of the radius of the run, at {shown_point(self.waisted)}" if self.waist else "no run"
 
     def __str__(self) -> str:
         return "\n".join(f"{name:<13} {value}" for name, value in self.lines())
-
-
-def _shown(place: Place) -> str:
-    return "({:.4g}, {:.4g}, {:.4g})".format(*place)
 
 
 def fairness(surface: PiecewisePolynomial, rays: int = RAYS) -> Fairness:

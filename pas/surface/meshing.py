@@ -6,6 +6,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from pas.algebra.inputs import shown_point
 from pas.errors import GeometryError, MeshError
 from pas.mesh.graph import require_once, rim_numbers, star
 from pas.mesh.mesh import Mesh
@@ -119,8 +120,7 @@ def _sharpest(surface: PiecewisePolynomial) -> str:
         return ""
     if not fair.sharpness > sharp:
         return ""
-    x, y, z = (f"{v:.4g}" for v in fair.sharpest)
     return (
-        f"; near ({x}, {y}, {z}) it is {fair.sharpness:.3g} times as sharp as its neighbours, and clips that are "
-        'farther out, as clip="auto" finds them, leave more room'
+        f"; near {shown_point(fair.sharpest)} it is {fair.sharpness:.3g} times as sharp as its neighbours, and clips "
+        'that are farther out, as clip="auto" finds them, leave more room'
     )

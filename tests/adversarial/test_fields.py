@@ -117,12 +117,19 @@ def leaves(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
         yield path
 
 
+MANY, EVERY = 30, 3
+"""Of more fields than that, one in so many is changed where few are asked for."""
+
+
 def chosen(content: Any, few: bool) -> list[tuple[Any, ...]]:
     """Of fields that differ in their places in lists alone, the first one, or also the last."""
     by_pattern: dict[str, list[tuple[Any, ...]]] = {}
     for path in leaves(content):
         by_pattern.setdefault(pattern(path), []).append(path)
-    return [path for same in by_pattern.values() for path in dict.fromkeys(same[:1] if few else (same[0], same[-1]))]
+    if few:
+        first = [same[0] for same in by_pattern.values()]
+        return first[:: EVERY if len(first) > MANY else 1]
+    return [path for same in by_pattern.values() for path in dict.fromkeys((same[0], same[-1]))]
 
 
 def pattern(path: tuple[Any, ...]) -> str:

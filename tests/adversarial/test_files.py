@@ -37,7 +37,7 @@ WAIT = 1200.0
 LONGEST_SENTENCE = 800
 """Characters of a message; those of our own sentences stay below 400, of which a part is quoted from the file."""
 
-FEW, MANY, CHUNKS = 400, 10_000, 4
+FEW, MANY, CHUNKS = 160, 10_000, 4
 
 BLENDS = ("corner.pas.json", "elbow.pas.json")
 """Files that both checkers take."""

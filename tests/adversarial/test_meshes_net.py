@@ -78,8 +78,8 @@ def test_no_tampered_mesh_is_certified(name):
 
 
 HOLLOW = {
-    "hollow node": lambda: pas.node([(X, 1), ((-1, 2, 0), 1), ((0, -1, 3), "3/4")], 1).hollow("1/8"),
     "hollow foot": lambda: pas.blend([pas.Plate(Z, 2), pas.Pipe(Z, 1, 2)], 1).hollow("1/8"),
+    "hollow node": lambda: pas.node([(X, 1), ((-1, 2, 0), 1), ((0, -1, 3), "3/4")], 1).hollow("1/8"),
 }
 
 

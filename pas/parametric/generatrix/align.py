@@ -17,11 +17,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import exponent, lengths, unit
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
 from pas.parametric.generatrix.boundary import Boundary
-from pas.parametric.generatrix.quadric import text
 
 SAMPLES = 240
 """Points of each curve that are compared."""
@@ -84,7 +84,7 @@ def require_apart(first: Boundary, second: Boundary) -> None:
     found = least_squares(gap, [s[i], s[int(partner[i])]], xtol=1e-15, ftol=1e-15, gtol=1e-15)
     size = math.ldexp(float(np.ptp(both, axis=0).max()), -power)
     if np.linalg.norm(found.fun) <= 1e-6 * size:
-        where = text(first(found.x[:1])[0])
+        where = shown_point(first(found.x[:1])[0], 6)
         raise GeometryError(f"{first.name} and {second.name} touch at {where}; move them apart")
 
 

@@ -6,14 +6,14 @@ What is proved and what only measured of it is said by its `certificate`.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from pas.algebra.inputs import shown
 from pas.algebra.polynomial import PolynomialLike
 from pas.errors import GeometryError, NotProvedError
-from pas.limits import Report, checkpoint, limited
+from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.parametric.generatrix.align import Alignment, aligned, alignment, require_apart, sides
@@ -58,8 +58,7 @@ class GeneratrixBlend(GeneratrixForm, Shape):
         *,
         size: tuple[int, int] | None = None,
         quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        **limits: Unpack[WorkLimits],
     ) -> Mesh:
         """Triangles within `tolerance` (the model's units) of the blend, or on a grid of `size` points in s and t.
 
@@ -103,12 +102,7 @@ class GeneratrixBlend(GeneratrixForm, Shape):
 
     @limited("looking for the largest safe length", "a smaller size")
     def largest_safe(
-        self,
-        number: int | None = None,
-        size: tuple[int, int] = (96, 24),
-        *,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        self, number: int | None = None, size: tuple[int, int] = (96, 24), **limits: Unpack[WorkLimits]
     ) -> float:
         """The largest constant l1 (`number` 0), l2 (1) or both (None) up to which the blend is sound.
 
@@ -154,9 +148,7 @@ def generatrix_blend(
     shape: GeneratrixShape | None = None,
     align: bool = True,
     unit: bool = True,
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> GeneratrixBlend:
     """The blend from one boundary to another.
 
@@ -246,9 +238,7 @@ def blend_quadrics(
     plane2: PolynomialLike,
     shape: GeneratrixShape | None = None,
     sides: tuple[int | None, int | None] = (None, None),
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> GeneratrixBlend:
     """The blend of two quadrics in any position, each ending at a plane that cuts it in an ellipse.
 

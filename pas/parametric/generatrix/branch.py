@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
-from pas.algebra.inputs import shown
+from pas.algebra.inputs import shown, shown_point
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
@@ -26,7 +26,7 @@ from pas.algebra.rational import Exact
 from pas.errors import GeometryError
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.paths import on_unit_interval
-from pas.parametric.generatrix.quadric import Quadric, Rulings, text, to_array
+from pas.parametric.generatrix.quadric import Quadric, Rulings, to_array
 from pas.parametric.generatrix.sections import Conic, ConicKind
 
 
@@ -62,7 +62,7 @@ class QuadricPair:
     @property
     def seen(self) -> str:
         """A word on the coordinates of `local`, for messages."""
-        return f"seen from {text(self.offset)}, " if self.offset.any() else ""
+        return f"seen from {shown_point(self.offset, 6)}, " if self.offset.any() else ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq_mat
 
+from pas.algebra.inputs import shown_point
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import PolynomialLike
 from pas.algebra.rational import Vector, to_float
@@ -31,7 +32,6 @@ from pas.parametric.generatrix.quadric import (
     members,
     planes_of,
     rulings,
-    text,
 )
 from pas.parametric.generatrix.sections import ConicKind, conic_section
 
@@ -79,7 +79,7 @@ def _plane_branches(pair: QuadricPair, member: Member) -> list[QuadricBranch]:
             continue
         size = max(np.abs(conic.first).max(), np.abs(conic.second).max())
         if conic.kind is ConicKind.ELLIPSE and size < 1e-7 * (1 + np.abs(conic.origin).max()):
-            reasons.append(f"one of their planes meets them in one point, {text(conic.origin)}")
+            reasons.append(f"one of their planes meets them in one point, {shown_point(conic.origin, 6)}")
             continue
         signs = (1, -1) if conic.kind is ConicKind.HYPERBOLA else (1,)
         poles = () if conic.kind is ConicKind.ELLIPSE else (0.0, 1.0)
@@ -104,7 +104,7 @@ def _require_uncut(branch: QuadricBranch, planes: list[Floats]) -> None:
         if heights.min() < 0 < heights.max() or abs(heights[near]) <= 1e-7 * size[near]:
             raise GeometryError(
                 f"the two plane curves in which {branch.pair.text} meet cross or touch each other near "
-                f"{text(points[near] + branch.pair.offset)}; "
+                f"{shown_point(points[near] + branch.pair.offset, 6)}; "
                 "take plane_section for one of them, or move a quadric"
             )
 
@@ -171,7 +171,7 @@ def _zeros(lines: Rulings, coefficients: Any, pair: QuadricPair) -> list[float]:
     for knot, height in zip(knots, heights, strict=True):
         point = lines.points(np.array([knot]), np.array([0.0]))[0]
         if abs(height) <= least and abs(point[3]) >= FAR**0.5:  # not at infinity
-            where = text(point[:3] / point[3] + pair.offset)
+            where = shown_point(point[:3] / point[3] + pair.offset, 6)
             crossing = value(knot + 1e-3) > 0
             how = "their curves cross or have a straight line in common" if crossing else "they touch"
             raise GeometryError(f"{pair.text}: at {where} {how}; move one of them")

@@ -23,7 +23,6 @@ from enum import Enum
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
@@ -170,11 +169,6 @@ def read_plane(plane: PolynomialLike, name: str = "the plane") -> tuple[Vector, 
 def to_array(matrix: fmpq_mat) -> Floats:
     """The entries rounded to doubles."""
     return np.array([[to_float(c) for c in row] for row in matrix.tolist()])
-
-
-def text(point: Any) -> str:
-    """A point for a message."""
-    return "(" + ", ".join(f"{float(x) if not isinstance(x, fmpq) else to_float(x):.6g}" for x in point) + ")"
 
 
 def plane_text(normal: Vector, offset: fmpq) -> str:

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.inputs import short, shown
+from pas.algebra.inputs import short, shown, shown_point
 from pas.algebra.lengths import exponent
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import PolynomialLike
@@ -26,7 +26,7 @@ from pas.algebra.rational import Exact, Vector, cross, dot, exact, to_float, to_
 from pas.errors import GeometryError
 from pas.parametric.generatrix.boundary import Boundary, ContactBounds
 from pas.parametric.generatrix.paths import on_unit_interval
-from pas.parametric.generatrix.quadric import Quadric, plane_text, read_plane, text, to_array
+from pas.parametric.generatrix.quadric import Quadric, plane_text, read_plane, to_array
 
 
 class ConicKind(Enum):
@@ -215,7 +215,7 @@ def _refuse_degenerate(quadric: Quadric, plane: _Plane, form: fmpq_mat, small: f
     if rank == 3:
         raise GeometryError(f"{where} do not meet: the section is empty (complex); move the plane")
     if small != 0:
-        place = text(plane.place(*_center(form, small)))
+        place = shown_point(plane.place(*_center(form, small)), 6)
         what = "one point" if small > 0 else "two straight lines that cross"
         remedy = "it touches there" if quadric.kind.value != "elliptic cone" else "it passes through the apex"
         raise GeometryError(f"{where} meet in {what} at {place}; {remedy}: move the plane")

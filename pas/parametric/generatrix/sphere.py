@@ -12,24 +12,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import combinations
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from pas.algebra.brief import brief
-from pas.algebra.inputs import check_tolerance, short, shown
+from pas.algebra.inputs import check_tolerance, short, shown, shown_point
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, VectorLike, plain, rational, to_float, to_floats, vector
 from pas.errors import GeometryError, MeshError
-from pas.limits import Report, checkpoint, limited
+from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
 from pas.parametric.generatrix.blend import GeneratrixBlend, generatrix_blend, refuse_both
 from pas.parametric.generatrix.boundary import Boundary
-from pas.parametric.generatrix.quadric import text
 from pas.parametric.generatrix.sections import plane_section
 from pas.parametric.generatrix.shape import GeneratrixShape
 from pas.shape import Shape
@@ -70,8 +69,7 @@ class SphereBlend(Shape):
         *,
         size: tuple[int, int] | None = None,
         quality: Quality | str = Quality.BALANCED,
-        seconds: float | None = None,
-        progress: Report | None = None,
+        **limits: Unpack[WorkLimits],
     ) -> Mesh:
         """Triangles of all blends and of the sphere between the circles, all welded, within `tolerance` as measured.
 
@@ -132,7 +130,8 @@ class SphereBlend(Shape):
         return replace(mesh, faces=owner, names=(*(f"blend {i + 1}" for i in range(len(tubes))), SPHERE))
 
     def __str__(self) -> str:
-        return f"{len(self.blends)} blends through a sphere of radius {self.radius:.6g} about {text(self.center)}"
+        about = shown_point(self.center, 6)
+        return f"{len(self.blends)} blends through a sphere of radius {self.radius:.6g} about {about}"
 
     def require(self) -> SphereBlend:
         """The blend itself; raises `NotProvedError` where a claim of a certificate is refuted or measured to fail."""
@@ -209,9 +208,7 @@ def blend_through_sphere(
     radius: Exact,
     angles: Sequence[float] | None = None,
     shape: GeneratrixShape | None = None,
-    *,
-    seconds: float | None = None,
-    progress: Report | None = None,
+    **limits: Unpack[WorkLimits],
 ) -> SphereBlend:
     """Blend n >= 2 surfaces, each from its closed boundary to a circle on the sphere in the middle.
 
@@ -256,14 +253,14 @@ def _seen(boundary: Any, number: int, center: Floats, radius: float) -> tuple[Fl
     points = boundary(np.linspace(0, 1, 256, endpoint=False))
     away = np.linalg.norm(points - center, axis=1)
     if away.min() <= radius:
-        where = text(points[int(away.argmin())])
+        where = shown_point(points[int(away.argmin())], 6)
         raise GeometryError(
             f"boundaries[{number}] ({boundary.name}) reaches into the sphere at {where}; make it smaller"
         )
     way = points.mean(axis=0) - center
     if np.linalg.norm(way) <= 1e-9 * away.max():
         raise GeometryError(
-            f"boundaries[{number}] ({boundary.name}) goes round the centre {text(center)}; move the sphere"
+            f"boundaries[{number}] ({boundary.name}) goes round the centre {shown_point(center, 6)}; move the sphere"
         )
     direction = unit(way)
     along = (points - center) @ direction

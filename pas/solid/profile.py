@@ -1,0 +1,198 @@
+"""Plane profiles as values, from which solids are extruded and revolved.
+
+    plate = solid.rounded_rectangle(40, 30, 5) - solid.circle((10, 10), 3)
+    plate.extrude(5)
+
+A profile is a set of points of the plane, in x and y, between loops of straight edges and arcs of conics, all exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from flint import fmpq
+from numpy.typing import ArrayLike
+
+from pas.algebra.affine import Affine, reflection, rotation, scaling, translation
+from pas.algebra.inputs import points_of, shown
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import Exact, rational
+from pas.errors import GeometryError
+from pas.solid.edges import Loop, PlaneEdge, Point, apart
+from pas.solid.extrusion import extruded
+from pas.solid.formulas import Lift, formula, values
+from pas.solid.revolution import revolved
+from pas.solid.solid import Solid
+from pas.solid.tree import Tree, combined, complement
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """A set of points of the plane; made by the functions of `pas.solid`.
+
+    It is inside a `loop`, or it is made of `parts`: their union, or their intersection; `outside` says that it is the
+    complement of that.  `a | b`, `a & b` and `a - b` are union, intersection and difference.
+    """
+
+    loop: Loop | None = None
+    parts: tuple[Profile, ...] = ()
+    union: bool = False
+    outside: bool = False
+
+    def __or__(self, other: Profile) -> Profile:
+        return self._with(other, union=True)
+
+    def __and__(self, other: Profile) -> Profile:
+        return self._with(other, union=False)
+
+    def __sub__(self, other: Profile) -> Profile:
+        return self._with(other, union=False, less=True)
+
+    def _with(self, other: Profile, union: bool, less: bool = False) -> Profile:
+        if not isinstance(other, Profile):
+            raise TypeError(
+                f"|, & and - take two profiles, not a profile and {shown(other)}; extrude the profile first"
+            )
+        return Profile(None, (self, replace(other, outside=not other.outside) if less else other), union)
+
+    def translate(self, x: Exact, y: Exact) -> Profile:
+        """The profile moved by two numbers (the model's units)."""
+        return self._moved(translation((x, y, 0)))
+
+    def rotate(self, degrees: Exact, center: Sequence[Exact] = (0, 0)) -> Profile:
+        """The profile turned counterclockwise about a point of the plane; see `Solid.rotate` for the angle."""
+        return self._moved(rotation((0, 0, 1), degrees, (*plane_point(center, "center"), 0)))
+
+    def scale(self, factor: Exact, center: Sequence[Exact] = (0, 0)) -> Profile:
+        """The profile scaled by a positive number, with `center` kept in place."""
+        return self._moved(scaling(factor, (*plane_point(center, "center"), 0)))
+
+    def mirror(self, normal: Sequence[Exact], center: Sequence[Exact] = (0, 0)) -> Profile:
+        """The profile reflected in the line through `center` with a normal."""
+        n = plane_point(normal, "normal")
+        return self._moved(reflection((*n, 0), (*plane_point(center, "center"), 0)))
+
+    def _moved(self, map_: Affine) -> Profile:
+        flips = map_.matrix[0][0] * map_.matrix[1][1] < map_.matrix[0][1] * map_.matrix[1][0]
+        loop = self.loop and moved_loop(self.loop, map_, flips)
+        return replace(self, loop=loop, parts=tuple(part._moved(map_) for part in self.parts))
+
+    def extrude(self, height: Exact, taper: Exact = 0) -> Solid:
+        """The solid between z = 0 and z = height (the model's units) over the profile.
+
+        Its faces are named as the edges, "bottom" and "top".  With a `taper` in degrees, below 90 and not 0, its sides
+        lean inwards, or outwards where that is negative; then arcs must be of circles and go on in their neighbours'
+        direction.  Raises `ValueError` for a height that is not positive, `GeometryError` where a tapered solid has no
+        top of the profile's form.
+        """
+        return extruded(self, rational(height, "height"), rational(taper, "taper"))
+
+    def revolve(self, degrees: Exact = 360) -> Solid:
+        """The solid that the profile sweeps out as it turns about its y axis, which becomes the z axis in space.
+
+        The profile's x is the distance from the axis and must not be negative.  Where it turns by less than 360
+        degrees, counterclockwise from the half plane y = 0, the flat ends are called "start" and "end".  Raises
+        `GeometryError` where the profile passes the axis.
+        """
+        return revolved(self, rational(degrees, "degrees"))
+
+    def tree(self, lift: Lift) -> Tree:
+        """The set in space with its loops lifted there."""
+        return self._tree(lift, False)
+
+    def _tree(self, lift: Lift, outside: bool) -> Tree:
+        out = self.outside != outside
+        if self.loop is not None:
+            found = lift(self.loop, out)
+            return complement(found) if out else found
+        return combined(self.union != out, *(part._tree(lift, out) for part in self.parts))
+
+    @property
+    def all_loops(self) -> Iterator[Loop]:
+        """The loops of which it is made, from left to right."""
+        if self.loop is not None:
+            yield self.loop
+        for part in self.parts:
+            yield from part.all_loops
+
+    @cached_property
+    def boundary(self) -> tuple[Loop, ...] | None:
+        """The loops around it, with what is inside to their left; None where those of parts cross or touch."""
+        try:
+            return tuple(self._boundary(False))
+        except GeometryError:
+            return None
+
+    def _boundary(self, outside: bool) -> list[Loop]:
+        out = self.outside != outside
+        if self.loop is not None:
+            return [self.loop.reversed if out else self.loop]
+        union = self.union != out
+        loops = [part._boundary(out) for part in self.parts]
+        apart([edge for some in loops for loop in some for edge in loop.separated], _crossing)
+        return [
+            loop
+            for part, some in zip(self.parts, loops, strict=True)
+            for loop in some
+            if all(other.holds(loop.edges[0].start) != (out != union) for other in self.parts if other is not part)
+        ]
+
+    def holds(self, point: Point) -> bool:
+        """Whether an exact point is inside or on the boundary."""
+        return bool(values(self._formula, lambda polynomial: polynomial.raw(*point, 0)))
+
+    @cached_property
+    def _formula(self) -> Tree:
+        return self._tree(lambda loop, _: formula(loop), False)
+
+    def contains(self, points: ArrayLike) -> np.ndarray:
+        """Whether points (..., 2) are inside, shape (...)."""
+        flat = np.asarray(points, dtype=float)
+        space = points_of(np.concatenate([flat, np.zeros((*flat.shape[:-1], 1))], axis=-1))
+        return np.asarray(values(self._formula, lambda polynomial: polynomial(space)))
+
+    def polygons(self, tolerance: float) -> list[Floats]:
+        """Points (N, 2) of each loop of its boundary, whose chords are within a tolerance (the model's units) of it.
+
+        Counterclockwise around what is inside.  Raises `GeometryError` where loops of parts cross.
+        """
+        if self.boundary is None:
+            raise GeometryError("the loops of the profile's parts cross or touch: they have no common polygon")
+        return [loop.polygon(tolerance / loop.size)[0] for loop in self.boundary]
+
+    def __repr__(self) -> str:
+        edges = sum(len(loop.edges) for loop in self.all_loops)
+        return f"<Profile of {edges} edges in {len([*self.all_loops])} loops>"
+
+
+def _crossing(one: PlaneEdge, other: PlaneEdge) -> GeometryError:
+    return GeometryError(f"edges {one.name!r} and {other.name!r} of two loops meet")
+
+
+def plane_point(value: Sequence[Exact], name: str) -> Point:
+    """Two exact numbers; raises `TypeError` or `ValueError` for anything else, which is called `name`."""
+    if isinstance(value, str) or not hasattr(value, "__len__"):
+        raise TypeError(f"{name} must be two numbers, not {shown(value)}")
+    if len(value) != 2:
+        raise ValueError(f"{name} must be two numbers, not {len(value)}: {shown(value)}")
+    return rational(value[0], f"{name}[0]"), rational(value[1], f"{name}[1]")
+
+
+def moved_loop(loop: Loop, map_: Affine, flips: bool) -> Loop:
+    """The image of a loop under a map of the plane, which `flips` it where it turns the orientation round."""
+
+    def moved(point: Point) -> Point:
+        x, y, _ = map_.exact((*point, fmpq(0)))
+        return x, y
+
+    def image(edge: PlaneEdge) -> PlaneEdge:
+        start, end = moved(edge.start), moved(edge.end)
+        if edge.control is None:
+            return PlaneEdge.straight(start, end, edge.name)
+        return PlaneEdge(start, end, moved(edge.control), map_.polynomial(edge.curve), edge.name)
+
+    edges = tuple(image(edge) for edge in loop.edges)
+    return replace(loop, edges=tuple(edge.reversed for edge in edges[::-1]) if flips else edges)

@@ -1,0 +1,127 @@
+"""One side of a header: a run's cylinder with feet on it, made of the feet's meshes and of what is between them.
+
+The cylinder goes from one end's strip to the other's, and around the curves in which the meshes of the feet end on it:
+its triangles have no other vertices than those of these curves and of two circles (see `pas.mesh.sweep`).
+
+Each foot with its branch is within the cone of its opening, and the run is outside of all of these.  So two feet could
+meet each other alone; that a plane is between them is looked at on coarse meshes, as of linked bodies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.mesh.quality import Quality
+from pas.mesh.rows import Integers
+from pas.mesh.sweep import between_loops
+from pas.mesh.walls import End
+from pas.solid.sheets import COARSE, ROOM, Faces, Loose, Side, merged
+from pas.solid.strips import Chain
+
+
+@dataclass(frozen=True, eq=False)
+class RunSide:
+    """A run between two `ends` with `feet`, of which chain number `openings[k]` is where foot k rises out of the run.
+
+    The ends are chains as well: each has a strip of the run, from the circle on at which what is between the feet ends.
+    """
+
+    name: str
+    ends: tuple[Chain, Chain]
+    feet: tuple[Side, ...]
+    openings: tuple[int, ...]
+
+    @cached_property
+    def chains(self) -> tuple[Chain, ...]:
+        """Those of both ends and of the branches."""
+        branches = (f.chains[1 - opening] for f, opening in zip(self.feet, self.openings, strict=True))
+        return (*self.ends, *branches)
+
+    @cached_property
+    def _chart(self) -> tuple[Floats, Floats, float]:
+        """The middle (3,) of the lower circle, two unit vectors across the run and one along it (3, 3), the radius."""
+        middle = self.ends[0].curve.mean(axis=0)
+        along, across = self.ends[1].end.axis, self.ends[0].curve[0] - middle
+        radius = float(np.linalg.norm(across))
+        across /= radius
+        return middle, np.stack([across, np.cross(along, across), along]), radius
+
+    def _circle(self, chain: Chain, tolerance: float) -> Floats:
+        """Points (N, 3) of the circle in which a chain begins, with chords within a tolerance of it: to first order, as
+        all else is measured, these are off by R (1 - c^2)/(2 c) with the cosine c of half of their angle."""
+        _, axes, radius = self._chart
+        share = tolerance / radius
+        number = max(8, int(np.ceil(np.pi / np.arccos(np.sqrt(1 + share * share) - share))))
+        angles = 2 * np.pi * np.arange(number) / number
+        way = np.cos(angles)[:, None] * axes[0] + np.sin(angles)[:, None] * axes[1]
+        return np.asarray(chain.curve.mean(axis=0) + radius * way)
+
+    @cached_property
+    def apart(self) -> bool:
+        """Whether planes are between any two feet, as coarse meshes show."""
+        size = max(float(np.ptp(chain.curve, axis=0).max()) for chain in self.chains)
+        meshes = [side.mesh(COARSE * size, Quality.BALANCED) for side in self.feet]
+        known = [mesh for mesh, _ in (m for m in meshes if m is not None)]
+        if len(known) != len(meshes):
+            return False
+        return all(
+            _between(a.points, b.points) > ROOM * ((a.deviation or 0.0) + (b.deviation or 0.0))
+            for a, b in combinations(known, 2)
+        )
+
+    def mesh(self, tolerance: float, quality: Quality, without: Collection[int] = ()) -> Loose | None:
+        """Its mesh with those of chains but for some, whose numbers are given, and the loops in which these end.
+
+        None where a foot has none, or where it is not seen that feet are apart.
+        """
+        made, holes, loops = Faces([], 0.0), list[Integers](), list[Integers]()
+        within = tolerance * (1 - 2.0**-10)  # the line that sweeps leans, by which triangles are wider than a step
+        for number, (foot, opening) in enumerate(zip(self.feet, self.openings, strict=True)):
+            found = foot.mesh(within, quality, (1 - opening,) if number + 2 in without else ())
+            if found is None or not self.apart:
+                return None
+            first = made.put(found[0])
+            holes.append(found[1][opening][::-1] + first)
+            loops.append(found[1][1 - opening] + first)
+        circles = [made.added(self._circle(chain, within)) for chain in self.ends]
+        loops = [circles[0], circles[1][::-1], *loops]
+        if not self._cover(made, (loops[0], loops[1]), holes):
+            return None
+        for number, chain in enumerate(self.ends):
+            for strip in chain.strips if number not in without else ():
+                if not made.goes_on(strip, loops, number, tolerance):
+                    return None
+        whole = made.mesh
+        return merged(whole, whole.names), loops  # the strips are of the same face
+
+    def _cover(self, made: Faces, circles: tuple[Integers, Integers], holes: list[Integers]) -> bool:
+        """Whether the cylinder between loops is added."""
+        middle, axes, radius = self._chart
+        points = made.points
+        x, y, heights = axes @ (points - middle).T / radius
+        triangles = between_loops(np.stack([np.arctan2(y, x), heights], axis=1), circles, holes)
+        if triangles is None:
+            return False
+        corners, surface = points[triangles], End(self.ends[0].contact.surface, np.zeros(3))
+        made.deviation = max(made.deviation, surface.off((corners + np.roll(corners, 1, axis=1)) / 2))
+        made.add(self.name, triangles, surface.normals(corners))
+        return True
+
+
+def _between(one: Floats, other: Floats) -> float:
+    """The distance of the farthest parallel planes between points (N, 3) and (M, 3), negative where there are none.
+
+    By a linear programme, so it is the farthest of those whose normal is measured by its largest coordinate.
+    """
+    from scipy.optimize import linprog
+
+    sides = np.concatenate([np.insert(one, 3, -1, axis=1), -np.insert(other, 3, -1, axis=1)])
+    above = np.insert(sides, 4, 1, axis=1)  # normal, offset, and by how much points are on their sides
+    found = linprog([0, 0, 0, 0, -1], above, np.zeros(len(above)), bounds=[*[(-1, 1)] * 3, (None, None), (None, None)])
+    return float(2 * found.x[4] / np.linalg.norm(found.x[:3])) if found.status == 0 and found.x[4] > 0 else -1.0

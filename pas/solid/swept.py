@@ -1,0 +1,120 @@
+"""Meshes of solids that are extruded or revolved from profiles, made of the profile's polygon without a lattice."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import TypeVar
+
+import numpy as np
+
+from pas.algebra.affine import Affine
+from pas.algebra.monomials import Floats
+from pas.mesh.mesh import Mesh
+from pas.mesh.quality import Quality
+from pas.mesh.rows import Integers
+from pas.solid.edges import Loop
+from pas.solid.sheets import COARSE, Faces
+
+Jets = Callable[[Floats], tuple[Floats, Floats]]
+"""From points (..., 3) to the values (...) and gradients (..., 3) of a function whose zero set a face is on."""
+
+B = TypeVar("B", bound="SweptBody")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SweptBody(ABC):
+    """What bounds such a solid; `place` is how it was moved."""
+
+    loops: tuple[Loop, ...]
+    place: Affine | None = field(default=None)
+
+    def moved(self: B, map_: Affine) -> B:
+        """Its image."""
+        return replace(self, place=map_ if self.place is None else map_.after(self.place))
+
+    @property
+    def size(self) -> float | None:
+        """The longest side of a box around it, as a coarse mesh shows it."""
+        made = self.swept(COARSE * self._profile_size)
+        if made is None:
+            return None
+        points = made.points if self.place is None else self.place.points(made.points)
+        return float(np.ptp(points, axis=0).max())
+
+    @property
+    def _profile_size(self) -> float:
+        return max(loop.size for loop in self.loops)
+
+    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
+        """A closed mesh within a tolerance (the model's units), as measured; None where rounding spoils it."""
+        stretch = 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
+        faces = self.swept(tolerance / stretch)
+        if faces is None or faces.deviation * stretch > tolerance:
+            return None
+        return faces.mesh if self.place is None else faces.mesh._moved(self.place)
+
+    @abstractmethod
+    def swept(self, tolerance: float) -> Faces | None:
+        """Its faces before it was moved, within a tolerance; None where polygons cross."""
+
+    def polygons(self, tolerance: float) -> tuple[list[Floats], list[list[int]], Integers] | None:
+        """Points (N, 2) of each loop, how many are of each edge, and triangles (T, 3) of all points inside.
+
+        Chords are as short as the tolerance needs, and so that they do not cross; None where they do to rounding.
+        """
+        finest = 2.0**-40  # over the profile's size: where chords cross even then, so do edges, to rounding
+        while tolerance > finest * self._profile_size:
+            found = [loop.polygon(tolerance / loop.size) for loop in self.loops]
+            triangles = flat([points for points, _ in found])
+            if triangles is not None:
+                return [points for points, _ in found], [counts for _, counts in found], triangles
+            tolerance /= 4
+        return None
+
+
+def flat(polygons: Sequence[Floats]) -> Integers | None:
+    """Triangles (T, 3) between the points of polygons (N, 2), which are numbered in order.
+
+    The polygons have what is inside to their left.  None where they cross.
+    """
+    from manifold3d import triangulate
+
+    points = np.concatenate(polygons)
+    made = np.asarray(triangulate([np.asarray(p, dtype=np.float64) for p in polygons], 0.0), dtype=np.intp)
+    corners = points[made]
+    areas = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inside = sum(float(cross(p, np.roll(p, -1, axis=0)).sum()) for p in polygons)
+    size = float(np.ptp(points, axis=0).max())
+    whole = abs(areas.sum() - inside) <= 1e-12 * size * size
+    return made if whole and areas.min(initial=1.0) >= -1e-14 * size * size else None
+
+
+def cross(u: Floats, v: Floats) -> Floats:
+    """The determinants (N,) of vectors (N, 2)."""
+    return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+
+
+def put_side(made: Faces, name: str, rows: Sequence[Integers], jets: Jets) -> None:
+    """The face of an edge between rows of vertices (N,): seen from outside, each is to the left of the one before it.
+
+    A row may be one vertex, repeated.  `jets` are those of the surface, of either sign.
+    """
+    quads = [(a[:-1], a[1:], b[1:], b[:-1]) for a, b in pairwise(rows)]
+    triangles = np.concatenate([np.stack(t, axis=1) for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+    distinct = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+    triangles = triangles[distinct]
+    corners = made.points[triangles]
+    _, slopes = jets(corners)
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    slopes *= np.sign((slopes * across[:, None, :]).sum(axis=-1, keepdims=True))
+    made.add(name, triangles, slopes / np.linalg.norm(slopes, axis=-1, keepdims=True))
+    values, slopes = jets((corners + np.roll(corners, 1, axis=1)) / 2)
+    made.deviation = max(made.deviation, float((np.abs(values) / np.linalg.norm(slopes, axis=-1)).max()))
+
+
+def put_flat(made: Faces, name: str, triangles: Integers, normal: Floats) -> None:
+    """A flat face of vertices (T, 3) with a unit normal (3,)."""
+    made.add(name, triangles, np.broadcast_to(normal, (len(triangles), 3, 3)))
