@@ -155,8 +155,8 @@ class StepReport:
         return (
             f"{self.name}: {self.faces} faces, {self.exact} of them exact, the others within {self.distance:.1e} of "
             f"the solid; edges within {self.gap:.1e} of their faces; volume {self.volume:.7g}, "
-            f"{self.volume_difference:+.1e} from the mesh's; smooth joints within {self.angle:.1e} rad, curvature within {self.curvature_jump:.1e} "
-            "of the largest"
+            f"{self.volume_difference:+.1e} from the mesh's; smooth joints within {self.angle:.1e} "
+            f"rad, curvature within {self.curvature_jump:.1e} of the largest"
         )
 
 
