@@ -35,7 +35,7 @@ def write_faces(content: Sequence[RationalPatch] | Sequence[ExactPart], path: Pa
             parts = [step_part(part.solid, part.name, part.color, request.mesh.tolerance) for part in solids]
             write_parts(parts, path, request.name, UNITS[request.told_unit].step)
             return
-        patches = [item for item in content if isinstance(item, RationalPatch)]
+        patches = [item for item in content if not isinstance(item, ExactPart)]
         faces = [_face(item, number) for number, item in enumerate(patches)]
         whole = _compound(faces) if request.sew is None else _sewn(faces, request.sew)
         _export(whole, path, request.name, UNITS[request.told_unit].step)

@@ -173,7 +173,7 @@ STEP = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class Border:
+class ChartBorder:
     """The border of the chart on its left and the one on its right, along a `chain` of vertices.
 
     `functions` are those that are zero on it, by number; `order` says with what smoothness GC^k the charts are meant to
@@ -256,10 +256,10 @@ class Borders:
                 )
         return found
 
-    def _border(self, left: int, right: int, chain: tuple[int, ...]) -> Border:
+    def _border(self, left: int, right: int, chain: tuple[int, ...]) -> ChartBorder:
         functions, order = self.atlas.meeting(left, right, self.atlas.points[list(chain)])
         labels = self.atlas.sheets[left].label, self.atlas.sheets[right].label
-        return Border(left, right, chain, functions, max(order, self.orders(*labels)))
+        return ChartBorder(left, right, chain, functions, max(order, self.orders(*labels)))
 
     def _place_corners(self) -> None:
         through: dict[int, dict[int, None]] = defaultdict(dict)
@@ -294,14 +294,14 @@ class Borders:
                 break
         return np.asarray(point)
 
-    def curve(self, border: Border, tolerance: float) -> Curve:
+    def curve(self, border: ChartBorder, tolerance: float) -> Curve:
         """The curve of a border, splines within a tolerance, in local coordinates."""
         points = np.array([self.points.get(v, self.atlas.points[v]) for v in border.chain])
         return curve_through(points, lambda x: self.atlas.functions.placed(x, border.functions), tolerance)
 
-    def loops(self, chart: int) -> list[list[tuple[Border, bool]]]:
+    def loops(self, chart: int) -> list[list[tuple[ChartBorder, bool]]]:
         """The borders around a chart, loop by loop, the chart on their left; each with whether it runs forward."""
-        first: dict[tuple[int, int], tuple[Border, bool]] = {}
+        first: dict[tuple[int, int], tuple[ChartBorder, bool]] = {}
         for border in self.borders:
             if border.left == chart:
                 first[border.chain[0], border.chain[1]] = border, True

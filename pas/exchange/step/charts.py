@@ -33,8 +33,8 @@ REACH = 0.05
 """How far a step may move a point of a mesh, in local coordinates, when it is put on its curve."""
 
 
-class Functions:
-    """Functions by number, in a solid's local coordinates, as `pas.mesh.projection` wants them."""
+class CommonZeros:
+    """CommonZeros by number, in a solid's local coordinates, as `pas.mesh.projection` wants them."""
 
     def __init__(self) -> None:
         self._jets: list[Callable[[Floats], Floats]] = []
@@ -113,7 +113,7 @@ class Atlas:
     def __init__(self, mesh: Labelled, field: SolidField) -> None:
         self.field = field
         self.points, self.triangles = np.array(mesh.points), np.array(mesh.triangles)
-        self.functions = Functions()
+        self.functions = CommonZeros()
         self._between: dict[frozenset[int], list[Plane]] = {}
         self.planes: dict[int, list[Plane]] = {int(label): [] for label in np.unique(mesh.labels)}
         self.chart = np.array(mesh.labels, dtype=np.intp)  # until there are charts, their labels

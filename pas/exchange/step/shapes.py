@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from pas.algebra.monomials import Floats
-from pas.exchange.step.borders import DEGREE, Border, Borders, Curve, CurveKind
+from pas.exchange.step.borders import DEGREE, Borders, ChartBorder, Curve, CurveKind
 from pas.exchange.step.carriers import CarrierKind
 from pas.exchange.step.division import DEGREE as GRAPH_DEGREE
 from pas.exchange.step.division import Graph, Parameters
@@ -124,7 +124,7 @@ class ShapeMaker:
         outwards = atlas.sheets[chart].normals(middle[None])[0]
         return bool(np.array([normal.X(), normal.Y(), normal.Z()]) @ outwards > 0)
 
-    def _apex(self, chart: int, one: tuple[Border, bool], other: tuple[Border, bool]) -> Any:
+    def _apex(self, chart: int, one: tuple[ChartBorder, bool], other: tuple[ChartBorder, bool]) -> Any:
         """The edge without length at a cone's apex, between two others that meet there; None elsewhere."""
         from OCP.TopAbs import TopAbs_Orientation
         from OCP.TopLoc import TopLoc_Location
