@@ -12,7 +12,7 @@ import numpy as np
 from pas.algebra.inputs import check_limit, check_surface_degree, check_tolerance
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, VectorLike, plain, rational, to_fraction
+from pas.algebra.rational import Exact, VectorLike, positive, to_fraction
 from pas.certify.certificate import Certificate
 from pas.certify.curvature import curvature_below
 from pas.certify.local_mesh import FramedSurface
@@ -94,9 +94,7 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
 
         Raises `ValueError` for a bound that is not positive, `GeometryError` for a surface without a region.
         """
-        number = rational(bound, "bound")
-        if number <= 0:
-            raise ValueError(f"bound must be positive, not {plain(number)}")
+        number = positive(bound, "bound")
         if not self.partition.cells:
             raise GeometryError("the curvature is bounded in a region, and the surface has none")
         return curvature_below(self, number)

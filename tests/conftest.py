@@ -85,6 +85,26 @@ def fair(radii: tuple[str, ...], order: int) -> pas.Blend:
     return pas.blend(corner(radii), order)
 
 
+X, Z = (1, 0, 0), (0, 0, 1)
+BENT = [
+    pas.Torus(Z, (2, 0, 0), "1/2", (-2, 2, 0)),
+    pas.Cone((1, -1, 0), "1/2", 2, slope="1/8"),
+    pas.Cone((-1, -1, 0), "1/2", 2, slope="-1/8"),
+]
+SOLVED = {
+    "bent": lambda: pas.blend(BENT, 1),
+    "hollow_foot": lambda: pas.blend([pas.Plate(Z, 2), pas.Pipe(Z, 1, 2)], 1).hollow("1/8"),
+    "thick_elbow": lambda: pas.node([(X, 1), ((0, 1, 0), 1)], 1).hollow("3/8"),
+}
+"""Blends of which tests want what comes after the solving: they are read from `tests/data/solved`, where
+`SOLVED[name]().save(path)` has put them; what is proved of them is proved anew."""
+
+
+def read(name: str) -> Any:
+    """One of these, from its file."""
+    return pas.load(DATA / "solved" / f"{name}.pas.json")
+
+
 @pytest.fixture(scope="session")
 def facts() -> dict[str, Any]:
     """The verified numbers of the published corner."""

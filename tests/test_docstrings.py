@@ -71,8 +71,8 @@ def called(function: Callable) -> Iterator[Callable]:
 def test_there_are_functions():
     assert len(FUNCTIONS) > 60
     assert raises(FUNCTIONS["pas.plane"])
-    assert not raises(FUNCTIONS["pas.ellipsoid"])
-    assert any(raises(g) for g in called(FUNCTIONS["pas.ellipsoid"]))
+    assert not raises(FUNCTIONS["solid.ball"])
+    assert any(raises(g) for g in called(FUNCTIONS["solid.ball"]))
 
 
 def errors_are_named(name: str, function: Callable, text: str) -> Iterator[str]:

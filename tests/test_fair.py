@@ -15,6 +15,7 @@ import pytest
 from conftest import AXES, ELBOW, EQUAL, ROOT, UNEQUAL, fair, pipes
 
 import pas
+from pas.fairing.constraints import Margins
 from pas.fairing.excess import CurvatureExcess, _hull
 from pas.fairing.fit_settings import SETTINGS
 from pas.fairing.objective import SurfaceObjective
@@ -157,6 +158,7 @@ SLOW = {"unequal GC^3": (UNEQUAL, 3), "equal GC^3": (EQUAL, 3)}
 
 
 @pytest.mark.parametrize("name", [*CASES, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)])
+@pytest.mark.sampled(2)
 def test_corners_and_elbows_are_fair_and_proved(name):
     blend = fair(*(CASES | SLOW)[name])
     assert blend.certificate.proved and blend.standing == "proved"
@@ -250,6 +252,13 @@ def test_where_the_end_is_hopeless_other_margins_are_tried(space, stiff, least, 
     usual = FitSolver(space.prepared, pas.Wishes(energy=pas.ThinPlate()))
     some = usual.rounded(usual.started(SampledConditions(space.prepared, subdivisions=16)), 1.0)
     assert Ends(space.prepared, usual.wishes, replace(SETTINGS, stiff=stiff)).fitted().share == taken
+
+
+def test_members_that_are_clean_by_their_size_alone_are_none(space):
+    """All else that is asked to begin with is asked of multiples just as well."""
+    rows = space.prepared.guard.initial(Margins())
+    member = FitSolver(space.prepared, pas.Wishes(energy=pas.ThinPlate())).programme.optimum(rows)
+    assert not len(rows.missed(member, 0.999)) and len(rows.missed(1000 * member, 1.0)) == 1
 
 
 def test_a_member_that_is_not_proved_is_not_taken(space):

@@ -112,7 +112,7 @@ def test_what_is_no_foot_is_refused(branch, error, words):
         ([*HALVES, (Z, 1)], 1, "node: a foot needs a run of two pipes"),
     ],
 )
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 def test_a_junction_is_the_better_one_and_says_which(items, order, reason):
     found = pas.junction(items, order)
     assert found.certificate.proved

@@ -66,6 +66,7 @@ def test_edges_are_rounded_by_cutters_with_flush_ends(axes, tolerance):
 
 
 @pytest.mark.parametrize("tolerance", [0.02, 0.05, 0.2])
+@pytest.mark.sampled(3)
 def test_brackets_with_ribs_are_meshed_with_each_tolerance(tolerance):
     thickness, rib = Fraction(1, 10), Fraction(1, 5)
     shape = bracket(thickness, rib=rib)

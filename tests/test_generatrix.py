@@ -296,6 +296,7 @@ FITS = {  # boundaries, whether reversed, partner of the point of the first curv
 
 @pytest.mark.parametrize("name", FITS)
 @pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.sampled(3)
 def test_closed_curves_are_turned_to_fit(name, backwards, shift=0.37):
     """However the second curve is given, the same blend results, regular and without crossings."""
     first, second, _ = FITS[name]
@@ -309,6 +310,7 @@ def test_closed_curves_are_turned_to_fit(name, backwards, shift=0.37):
 
 
 @pytest.mark.parametrize("name", ["elbow", "bend", "coaxial"])
+@pytest.mark.sampled(3)
 def test_opposed_curves_are_reported(name):
     first, second, _ = FITS[name]
     right = generatrix_blend(first, second)

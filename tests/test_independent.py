@@ -174,6 +174,7 @@ TINY = Fraction(1, 10**40)
 
 
 @pytest.mark.parametrize("term", ["1", "x*y*z", "y^2"])
+@pytest.mark.sampled(2)
 def test_a_coefficient_off_by_little(of_order, term, tmp_path):
     bad = changed(of_order, lambda i, p: p + pas.Polynomial(term) * TINY if i == 0 else p)
     first, second = both(bad, tmp_path)
@@ -184,6 +185,7 @@ def test_a_coefficient_off_by_little(of_order, term, tmp_path):
 
 
 @pytest.mark.parametrize("contact", [1, 2, 3])
+@pytest.mark.sampled(2)
 def test_a_contact_alone_is_broken(of_order, contact, tmp_path):
     cell, k = 2 * contact - 2, of_order.order
     planes = [f.plane for f in of_order.partition.interior_faces if cell in (f.first, f.second)]
@@ -193,6 +195,7 @@ def test_a_contact_alone_is_broken(of_order, contact, tmp_path):
 
 
 @pytest.mark.parametrize("face", range(6))
+@pytest.mark.sampled(3)
 def test_a_face_alone_is_broken(of_order, face, tmp_path):
     """Both sides of one plane through the axis get a multiple of it that the contacts do not feel."""
     k = of_order.order
@@ -225,6 +228,7 @@ def test_an_order_too_high(of_order, tmp_path):
 
 
 @pytest.mark.parametrize(("place", "radius"), [((0, "-1/4", 0), "1/50"), (("-3/4", "-3/4", "-3/4"), "1/20")])
+@pytest.mark.sampled(2)
 def test_a_second_sheet(good, place, radius, tmp_path):
     bubble = ball(map(Fraction, place), radius)
     bad = changed(good, lambda _, p: p * bubble)
@@ -258,6 +262,7 @@ def ball(center, radius) -> pas.Polynomial:
 
 
 @pytest.mark.parametrize("number", range(12))
+@pytest.mark.sampled(3)
 def test_each_outer_face_bitten_alone(good, number, tmp_path):
     """A hole in one wall or clip face is found on it."""
     face = good.partition.outer_faces[number]
@@ -271,6 +276,7 @@ def test_each_outer_face_bitten_alone(good, number, tmp_path):
 
 
 @pytest.mark.parametrize("number", range(6))
+@pytest.mark.sampled(2)
 def test_a_bubble_in_each_cell(good, number, tmp_path):
     cell = good.partition.cells[number]
     bubble = ball(middle(good.partition.corners(cell)), "1/20")

@@ -161,6 +161,7 @@ def test_the_certificate_speaks_the_one_protocol(name):
 
 
 @every_kind
+@pytest.mark.sampled(3)
 def test_it_meshes_draws_and_writes(name, tmp_path):
     shape, tolerance = sample(name), TOLERANCE
     mesh = shape.mesh(tolerance)
@@ -178,6 +179,7 @@ def test_it_meshes_draws_and_writes(name, tmp_path):
 
 
 @every_kind
+@pytest.mark.sampled(3)
 def test_it_has_the_box_of_its_mesh(name):
     shape = sample(name)
     points = shape.mesh().points
@@ -194,6 +196,7 @@ def test_it_prints_shortly(name):
 
 
 @every_kind
+@pytest.mark.sampled(3)
 def test_notebooks_show_a_table_and_a_picture(name, monkeypatch):
     shape = sample(name)
     html = shape._repr_html_()

@@ -25,6 +25,7 @@ def distance(surface: pas.PiecewiseSurface, points: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("radii", "order"), CASES)
+@pytest.mark.sampled(3)
 def test_mesh_of_a_blend(radii, order):
     surface = solved(radii, order).surface
     mesh = surface.mesh(2e-3)
@@ -166,6 +167,7 @@ def test_a_long_thin_arm_beside_the_centre(degree):
         ),
     ],
 )
+@pytest.mark.slow
 def test_arms_that_pass_the_centre_by(order, given):
     """First triangles across such an arm were split to points on its other side, and folded."""
     mesh = pas.blend([pas.Pipe(a, r, clip=c, point=p) for a, r, c, p in given], order).mesh(2e-2)

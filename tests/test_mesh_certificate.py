@@ -51,6 +51,7 @@ def topology(certificate):
         ("z*(x^2 + y^2 + z^2 - 9/4) + 1/10", 2, None, 2),
     ],
 )
+@pytest.mark.sampled(2)
 def test_meshes_in_boxes_are_proved(text, size, euler, components):
     mesh = boxed(text, size, 2e-3 * size)
     certificate = mesh.certificate
@@ -189,6 +190,7 @@ def test_a_coarse_mesh_that_passes_by_a_place_of_rest_is_not_refuted():
         ("(x + y/3)^2*(x^2 + y^2 + z^2 - 1/2)", None),
     ],
 )
+@pytest.mark.sampled(2)
 def test_what_is_singular_or_unseen_is_named_or_right(text, place):
     try:
         mesh = boxed(text)
@@ -240,7 +242,7 @@ def judge(seed):
 
 
 def test_generated_cases_are_right_or_undecided():
-    assert sum(judge(seed) for seed in range(50)) >= 20
+    assert sum(judge(seed) for seed in range(20)) >= 8
 
 
 @pytest.mark.slow

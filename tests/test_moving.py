@@ -1,5 +1,7 @@
 """Moving meshes and assemblies as solids are moved, and what is said where operations are asked for that are none."""
 
+import operator
+
 import numpy as np
 import pytest
 
@@ -142,3 +144,14 @@ def test_files_that_are_no_projects_are_not_called_truncated(tmp_path):
 def test_what_is_no_operation_is_said_in_a_sentence(call, error, words):
     with pytest.raises(error, match=words):
         call()
+
+
+def test_what_moves_or_turns_nothing_is_said_in_a_sentence():
+    ball = pas.solid.ball((0, 0, 0), 1)
+    for shape in (ball, ball.mesh(0.5)):
+        with pytest.raises(
+            TypeError, match=r"takes an axis and degrees, as in shape.rotate\(\(0, 0, 1\), 90\), not 90"
+        ):
+            shape.rotate(90)
+    with pytest.raises(TypeError, match=r"~ of a solid is unbounded, .* as in pas.solid.box\(...\) - a"):
+        operator.invert(ball)

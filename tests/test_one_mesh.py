@@ -46,6 +46,7 @@ SHAPES = {
 
 
 @pytest.mark.parametrize("kind", SHAPES)
+@pytest.mark.sampled(3)
 def test_the_same_verb_gives_the_same_type(kind):
     shape = SHAPES[kind]()
     coarse, fine = shape.mesh(0.05), shape.mesh(tolerance=0.01)
@@ -191,6 +192,7 @@ TRADED = {
 
 
 @pytest.mark.parametrize("name", TRADED)
+@pytest.mark.sampled(2)
 def test_surfaces_have_meshes_with_good_angles_or_few_triangles(name):
     shape, tolerance = TRADED[name](), 3e-3
     angles, usual, count = (shape.mesh(tolerance, quality=q) for q in ("angles", "balanced", "count"))

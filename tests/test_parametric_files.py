@@ -71,6 +71,7 @@ BLENDS = {
 
 
 @pytest.mark.parametrize("name", BLENDS)
+@pytest.mark.sampled(2)
 def test_blends_come_back(tmp_path, name):
     blend = BLENDS[name]
     certificate = blend.prove(((0, 1), (0, 1))) if name == "hermite" else None
@@ -130,6 +131,7 @@ def test_damaged_files_are_refused(tmp_path, change):
 
 
 @pytest.mark.parametrize("suffix", ["stl", "obj", "ply", "vtp", "glb"])
+@pytest.mark.sampled(3)
 def test_meshes_are_written(tmp_path, suffix):
     import pyvista
     import trimesh

@@ -53,7 +53,7 @@ def test_the_cone_through_the_edge_has_the_same_solutions(order, degree, dimensi
 
 
 @pytest.mark.parametrize("name", CASES)
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 def test_proved(blends, name, tmp_path):
     blend = blends[name]
     assert blend.certificate.proved and not blend.fairness.beyond(blend.limits)

@@ -248,3 +248,11 @@ def test_fonts_and_types_that_are_none():
         solid.text("a", 1, font="none.ttf")
     with pytest.raises(TypeError, match="take two profiles"):
         _ = solid.circle((0, 0), 1) | solid.ball((0, 0, 0), 1)
+
+
+def test_volume_and_area_of_what_is_swept():
+    """They are measured on its mesh, in a box that this shows."""
+    shape = solid.rounded_rectangle(4, 3, "1/2").extrude(2).rotate((1, 1, 0), 30).scale(2)
+    assert shape.volume() == pytest.approx(16 * (12 - (4 - np.pi) / 4), rel=1e-4)
+    assert shape.area() == pytest.approx(4 * (2 * (12 - (4 - np.pi) / 4) + 2 * (10 + np.pi)), rel=1e-4)
+    assert solid.circle((3, 0), 1).revolve().volume() == pytest.approx(6 * np.pi**2, rel=1e-3)

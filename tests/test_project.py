@@ -6,7 +6,7 @@ import json
 from dataclasses import replace
 
 import pytest
-from conftest import EQUAL, UNEQUAL, solved
+from conftest import DATA, EQUAL, SOLVED, UNEQUAL, read, solved
 
 import pas
 from pas import cli
@@ -225,7 +225,7 @@ def test_contents_that_make_no_sense(saved):
     saved.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(pas.ProjectFileError, match="not a text file"):
         pas.load(saved)
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(FileNotFoundError, match="give the path of a project file"):
         pas.load(saved.parent / "none.pas.json")
 
 
@@ -318,3 +318,16 @@ def test_wishes_of_a_file_hold_of_its_surface(tmp_path):
     handle = [[[0, [4, 0, 0, 0]], "77"]]
     with pytest.raises(pas.ProjectFileError, match=r"the constraint handle 0, .* is not met"):
         pas.load(told(path, "problem", "constraints", "handles", value=handle))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SOLVED)
+def test_solved_blends_that_tests_read_are_what_is_solved_today(name):
+    kept, made = read(name), SOLVED[name]()
+    assert {name} <= {path.name.split(".")[0] for path in (DATA / "solved").iterdir()} == set(SOLVED)
+    assert [(v.claim, v.status) for v in kept.certificate.verdicts] == [
+        (v.claim, v.status) for v in made.certificate.verdicts
+    ]
+    for side in ("outer", "inner") if isinstance(kept, pas.HollowBlend) else ("",):
+        one, other = (getattr(blend, side).surface if side else blend.surface for blend in (kept, made))
+        assert (one.degree, one.contacts) == (other.degree, other.contacts)

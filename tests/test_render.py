@@ -21,6 +21,7 @@ def pixels(path):
 
 
 @pytest.mark.parametrize("style", list(pas.Style))
+@pytest.mark.sampled(3)
 def test_pictures_show_something(tmp_path, style):
     path = pas.draw(solved(EQUAL, 1).surface, tmp_path / "a.png", style=style, size=(400, 300))
     image = pixels(path)

@@ -22,6 +22,7 @@ CASES = [(radii, k, n, dimension) for radii, table in TABLE.items() for (k, n), 
 
 
 @pytest.mark.parametrize(("radii", "order", "degree", "dimension"), CASES)
+@pytest.mark.sampled(3)
 def test_dimensions_of_the_unit_corner(radii, order, degree, dimension):
     space = pas.solutions(pipes(radii), order, degree)
     assert space.dimension == dimension

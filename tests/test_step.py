@@ -181,6 +181,7 @@ def measures(shape):
 
 
 @pytest.mark.parametrize("name", CASES)
+@pytest.mark.sampled(2)
 def test_patches_come_back_exactly(ocp, tmp_path, name):
     patches = CASES[name][0]
     _, faces, valid = read_back(write_step(patches, tmp_path / "a.step"))

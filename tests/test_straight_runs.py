@@ -91,6 +91,7 @@ def test_a_thinner_tube_is_hidden_in_the_run_that_it_crosses():
     assert blend.surface.degree == 4 and not blend.fairness.beyond(blend.limits)
 
 
+@pytest.mark.slow
 def test_the_search_goes_on_to_the_degree_that_keeps_a_run_straight():
     """A T that leans: at degree 5 the space is stiff, at degree 6 the waist is 0.039."""
     items = [(X, 1), (BACK, 1), (("0.564", "-0.802", "-0.196"), "4/5")]
@@ -143,7 +144,7 @@ JUNCTIONS = {
 
 @pytest.mark.parametrize("name", JUNCTIONS)
 @pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(4)
 def test_junctions_are_proved_and_straight(name, order):
     blend = pas.node(JUNCTIONS[name], order)
     assert blend.certificate.proved and not blend.fairness.beyond(blend.limits)

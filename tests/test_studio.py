@@ -169,6 +169,7 @@ def pulled_slider(document, more):
     return {**document, "sliders": {"points": {**document["sliders"]["points"], **more}}}
 
 
+@pytest.mark.slow
 def test_where_no_handle_is_to_be_had_is_said():
     made = StudioSession()
     with pytest.raises(InputError, match="only blends of a single cell with a box have handles"):
@@ -182,6 +183,7 @@ def test_where_no_handle_is_to_be_had_is_said():
         made.handle(document, [0, 1, 0])
 
 
+@pytest.mark.slow
 def test_coefficients_of_a_single_cell_are_set_and_copied(tmp_path, monkeypatch, capsys):
     made = StudioSession()
     first = made.solve(SINGLE)
@@ -463,7 +465,7 @@ LONG_TO_MESH = ("Helicoid to pipe", "Round an obstacle")
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[pytest.mark.slow] if name in LONG_TO_MESH else []) for name in GALLERY]
 )
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(5)
 def test_formats_that_are_offered_are_written_and_no_others(name):
     made = StudioSession()
     offered = made.solve(GALLERY[name]).head["formats"]

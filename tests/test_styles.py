@@ -59,6 +59,7 @@ def test_the_package_names_all_of_its_styles():
 
 
 @pytest.mark.parametrize("name", list(STYLES))
+@pytest.mark.sampled(3)
 def test_every_style_paints_every_layer(name):
     scene = scene_of(solved(EQUAL, 1), Picture(style=name, tolerance=0.05))
     paints, legend = STYLES[name].paint(scene)
@@ -73,6 +74,7 @@ def test_every_style_paints_every_layer(name):
 
 @pytest.mark.parametrize("kind", OTHERS)
 @pytest.mark.parametrize("options", [{"style": "gauss"}, {"combs": True}], ids=["colours", "combs"])
+@pytest.mark.sampled(3)
 def test_what_has_no_curvature_says_so_before_it_is_meshed(kind, options, tmp_path, monkeypatch):
     shape = sample(kind)
     monkeypatch.setattr(type(shape), "mesh", lambda *_, **__: pytest.fail("it was meshed"))
@@ -85,6 +87,7 @@ def test_what_has_no_curvature_says_so_before_it_is_meshed(kind, options, tmp_pa
 
 
 @pytest.mark.parametrize("kind", list(KINDS))
+@pytest.mark.sampled(3)
 def test_every_kind_is_painted_in_every_style_or_says_why_not(kind):
     scenes = {}
     for name, coloring in STYLES.items():
@@ -120,6 +123,7 @@ def test_curvatures_are_known_where_a_kind_says_so(kind, tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["generatrix blend", "sphere blend", "parametric surface", "rational patch"])
+@pytest.mark.sampled(2)
 def test_meshes_without_parameters_have_no_curvature(kind, tmp_path):
     """Those of other grids or of files: refused, and not given the curvatures of other points."""
     mesh = replace(sample(kind).mesh(0.02), parameters=None)

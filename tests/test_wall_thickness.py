@@ -8,6 +8,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
+from conftest import read
 from flint import fmpq
 
 import pas
@@ -160,7 +161,7 @@ def test_flat_surfaces():
 
 @cache
 def elbow():
-    return pas.node([((1, 0, 0), 1), ((0, 1, 0), 1)], 1).hollow("3/8")
+    return read("thick_elbow")
 
 
 def test_a_hollow_bend_is_thicker_than_four_fifths():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from conftest import read
 from flint import fmpq
 
 import pas
@@ -11,8 +12,6 @@ from pas.algebra.rational import to_floats
 from pas.contacts.joins import joins
 from pas.pipeline import neighbours
 from pas.pipeline.neighbours import Slab, is_left_once, kuhn, proved
-
-X, Z = (1, 0, 0), (0, 0, 1)
 
 
 def tapering():
@@ -26,12 +25,7 @@ def tapering():
 @pytest.fixture(scope="module")
 def bent():
     """A bent pipe, which is a torus, and two cones."""
-    contacts = [
-        pas.Torus(Z, (2, 0, 0), "1/2", (-2, 2, 0)),
-        pas.Cone((1, -1, 0), "1/2", 2, slope="1/8"),
-        pas.Cone((-1, -1, 0), "1/2", 2, slope="-1/8"),
-    ]
-    return pas.blend(contacts, 1)
+    return read("bent")
 
 
 @pytest.mark.parametrize("length", ["1/2", pytest.param(1, marks=pytest.mark.slow)])

@@ -39,6 +39,16 @@ def height(point: Sequence[fmpq], direction: Sequence[fmpq]) -> fmpq_mpoly:
     return sum((d * a for d, a in zip(away(point), direction, strict=True)), GENERATORS[0] * 0)
 
 
+def quadratic_form(polynomial: Polynomial) -> fmpq_mat:
+    """The symmetric matrix (4, 4), in x, y, z and 1, of a polynomial of degree 2 at most."""
+    rows = [[fmpq(0)] * 4 for _ in range(4)]
+    for exponents, value in polynomial.raw.to_dict().items():
+        i, j = [axis for axis, e in enumerate((*exponents, 2 - sum(exponents))) for _ in range(e)]
+        rows[i][j] += value / 2
+        rows[j][i] += value / 2
+    return fmpq_mat(rows)
+
+
 @dataclass(frozen=True)
 class Affine:
     """The map `x -> matrix x + shift`, exact; rows of the matrix as tuples."""
@@ -230,12 +240,14 @@ class AffineShape(ABC, Generic[M]):
         """The shape moved by three numbers (the model's units), given in one sequence or one by one."""
         return self._moved(translation((offset, *others) if others else offset))  # type: ignore[arg-type]
 
-    def rotate(self, axis: VectorLike, degrees: Exact, center: VectorLike = (0, 0, 0)) -> M:
+    def rotate(self, axis: VectorLike, degrees: Exact | None = None, center: VectorLike = (0, 0, 0)) -> M:
         """The shape turned about an axis through `center`, counterclockwise seen from the axis' tip.
 
         Exact rotations by rational matrices; the angle is `degrees` up to rounding, and exact for
-        multiples of 90 about an axis of rational length.
+        multiples of 90 about an axis of rational length.  Raises `TypeError` where one of the two is missing.
         """
+        if degrees is None:
+            raise TypeError(f"rotate takes an axis and degrees, as in shape.rotate((0, 0, 1), 90), not {axis!r} alone")
         return self._moved(rotation(axis, degrees, center))
 
     def scale(self, factor: Exact | VectorLike, *others: Any, center: VectorLike = (0, 0, 0)) -> M:

@@ -6,6 +6,8 @@ squaring, which rounds nothing, keeps them in (Higham 2002, section 27.8).
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -24,6 +26,11 @@ def unit(vectors: ArrayLike) -> Floats:
     small = scaled(vectors)
     with np.errstate(all="ignore"):
         return np.asarray(small / np.sqrt((small * small).sum(axis=-1, keepdims=True)))
+
+
+def angle_between(a: Floats, b: Floats) -> float:
+    """The angle (radians) between two vectors (3,)."""
+    return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
 
 
 def scaled(vectors: ArrayLike) -> Floats:

@@ -63,14 +63,15 @@ class Polynomial:
         return result
 
     @classmethod
-    def named(cls, expression: PolynomialLike, name: str, constant: bool = True) -> Polynomial:
-        """The polynomial of an argument, which errors name; raises `ValueError` for a constant if none is wanted."""
+    def named(cls, expression: PolynomialLike, name: str, constant: bool = True, of: str = "") -> Polynomial:
+        """The polynomial of an argument, which errors name; raises `ValueError` for a constant that is not wanted."""
         try:
             result = cls(expression)
         except (ValueError, TypeError) as error:
             raise type(error)(f"{name}: {error}") from None
         if result.degree < 1 and not constant:
-            raise ValueError(f"{name} must be a polynomial that is not constant, not {result}")
+            title = f"the {name} of {of}" if of else name
+            raise ValueError(f"{title} must be a polynomial that is not constant, not {result}")
         return result
 
     @classmethod

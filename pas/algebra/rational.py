@@ -34,6 +34,8 @@ NUMBER = re.compile(
 R = TypeVar("R")
 Vector = tuple[fmpq, fmpq, fmpq]
 
+UNITS: tuple[Vector, ...] = tuple((fmpq(i == 0), fmpq(i == 1), fmpq(i == 2)) for i in range(3))
+
 Exact: TypeAlias = int | float | str | Fraction | fmpq | SupportsFloat
 """What is taken for an exact number, as the head of this module says."""
 
@@ -94,11 +96,22 @@ def amount(value: Any, name: str) -> fmpq:
 
 
 def positive(value: Any, name: str) -> fmpq:
-    """The number that `value` stands for, above 0; raises as `rational` does, and `ValueError` for others."""
+    """The number that `value` stands for, which is positive; raises as `rational` does."""
     number = rational(value, name)
     if number <= 0:
-        raise ValueError(f"{name} must be positive, not {plain(number)}")
+        raise ValueError(f"{name} must be positive, not {short(plain(number))}")
     return number
+
+
+def near(value: float) -> fmpq:
+    """A rational number with at most nine digits below, which is off by less than a double of that size can say."""
+    return rational(Fraction(value).limit_denominator(10**9))
+
+
+def square_root(value: fmpq) -> fmpq:
+    """The root of a number that is not negative: exact where it is rational, else a number near it."""
+    p, q = math.isqrt(int(value.p)), math.isqrt(int(value.q))
+    return fmpq(p, q) if p * p == value.p and q * q == value.q else near(math.sqrt(to_float(value)))
 
 
 def read_number(text: str) -> fmpq:
@@ -128,17 +141,6 @@ def exact(value: float) -> fmpq:
     if not math.isfinite(value):
         raise ValueError(f"a number worked out is not finite: {value}")
     return fmpq(*float(value).as_integer_ratio())
-
-
-def near(value: float) -> fmpq:
-    """A rational number with at most nine digits below, which is off by less than a double of that size can say."""
-    return rational(Fraction(value).limit_denominator(10**9))
-
-
-def square_root(value: fmpq) -> fmpq:
-    """The root of a number that is not negative: exact where it is rational, else a number near it."""
-    p, q = math.isqrt(int(value.p)), math.isqrt(int(value.q))
-    return fmpq(p, q) if p * p == value.p and q * q == value.q else near(math.sqrt(to_float(value)))
 
 
 def exact_vector(values: Sequence[float]) -> Vector:
@@ -200,6 +202,13 @@ def cross(left: Sequence[R], right: Sequence[R]) -> tuple[R, R, R]:
     return b * f - c * e, c * d - a * f, a * e - b * d
 
 
+def two_across(normal: Vector) -> tuple[Vector, Vector]:
+    """Two vectors across a vector and across one another, right-handed with it, of any lengths."""
+    least = min(range(3), key=lambda i: abs(normal[i]))
+    first = cross(normal, UNITS[least])
+    return first, cross(normal, first)
+
+
 def determinant(a: Sequence[R], b: Sequence[R], c: Sequence[R]) -> R:
     """The determinant of three vectors: positive where they go round counterclockwise, seen from their tips."""
     return dot(a, cross(b, c))
@@ -208,6 +217,11 @@ def determinant(a: Sequence[R], b: Sequence[R], c: Sequence[R]) -> R:
 def plain(value: fmpq) -> str:
     """The number as a user would write it: '3', '-1/3'."""
     return str(value)
+
+
+def listed(values: Vector) -> str:
+    """Three exact numbers as a sentence has them."""
+    return ", ".join(map(plain, values))
 
 
 def texts(point: Vector) -> list[str]:

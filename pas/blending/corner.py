@@ -14,7 +14,7 @@ from math import sqrt
 
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.rational import Vector, cross, dot, plain, rational, to_float
+from pas.algebra.rational import Vector, cross, dot, listed, plain, rational, to_float
 from pas.contacts.contact import Contact
 from pas.contacts.endless import Circular
 from pas.contacts.joins import Join
@@ -52,7 +52,7 @@ def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Circular | None]
         if height == 0:
             raise GeometryError(
                 f"the clip plane of pipe {number} passes through the centre "
-                f"({_words(center)}); it must leave room for the blend"
+                f"({listed(center)}); it must leave room for the blend"
             )
         x, y, z = (-height / dot(normal, normal) * n for n in normal)
         legs.append((x, y, z))
@@ -154,7 +154,3 @@ def _distance(point: Vector, a: Vector, b: Vector) -> float:
     along = [q - p for p, q in zip(a, b, strict=True)]
     normal = cross(along, [q - p for p, q in zip(a, point, strict=True)])
     return sqrt(to_float(dot(normal, normal) / dot(along, along)))
-
-
-def _words(point: Vector) -> str:
-    return ", ".join(plain(c) for c in point)

@@ -19,6 +19,7 @@ from itertools import combinations
 
 import numpy as np
 
+from pas.algebra.lengths import angle_between
 from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
 from pas.certify.local_mesh import OFF, FramedMesh
@@ -98,7 +99,9 @@ def _parted(points: Floats, loops: Sequence[Integers], owner: Integers, rings: S
             inner, outer = (second, first) if a.opening else (first, second)
             apart = _inside(points[inner], points[outer])
         else:
-            apart = _spread(points[first], a) + _spread(points[second], b) + SEPARATE < _angle(a.middle, b.middle)
+            apart = _spread(points[first], a) + _spread(points[second], b) + SEPARATE < angle_between(
+                a.middle, b.middle
+            )
         if not apart:
             return "loops on two contacts' curves may cross, as seen from the centre"
     return ""
@@ -124,11 +127,7 @@ def _inside(inner: Floats, outer: Floats) -> bool:
 
 
 def _spread(loop: Floats, ring: BoundaryLoop) -> float:
-    return max(_angle(point, ring.middle) for point in loop)
-
-
-def _angle(a: Floats, b: Floats) -> float:
-    return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
+    return max(angle_between(point, ring.middle) for point in loop)
 
 
 def crossed(points: Floats, triangles: Integers, origin: Floats, ends: Floats) -> tuple[Integers, np.ndarray]:

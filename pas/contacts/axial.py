@@ -11,7 +11,7 @@ from flint import fmpq, fmpq_mpoly
 from pas.algebra.affine import away, height
 from pas.algebra.inputs import shown
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, to_float, vector
+from pas.algebra.rational import Exact, Vector, VectorLike, dot, listed, plain, rational, to_float, vector
 from pas.contacts.contact import Contact, Movable
 
 ZERO = GENERATORS[0] * 0
@@ -59,7 +59,8 @@ class Axial(Movable):
     @property
     def square(self) -> fmpq_mpoly:
         """The square of the distance from the point."""
-        return sum((d * d for d in away(self.point)), ZERO)
+        w = away(self.point)
+        return dot(w, w)
 
     def part(self, direction: Vector) -> fmpq_mpoly:
         """The coordinate along any vector, 0 at the point and 1 at the vector's tip."""
@@ -102,17 +103,6 @@ def perpendicular(values: Any, name: str, number: int, to: Vector | None = None)
 def longest(values: Sequence[Vector]) -> float:
     """The largest length."""
     return max(to_float(dot(v, v)) for v in values) ** 0.5
-
-
-def positive(value: fmpq, name: str) -> None:
-    """Raise `ValueError` for a number that is not positive."""
-    if value <= 0:
-        raise ValueError(f"{name} must be positive, not {plain(value)}")
-
-
-def listed(values: Vector) -> str:
-    """Three numbers as a sentence has them."""
-    return ", ".join(map(plain, values))
 
 
 def vectors(values: Sequence[Vector]) -> str:

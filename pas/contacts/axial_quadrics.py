@@ -14,8 +14,8 @@ from typing import ClassVar, Literal
 from flint import fmpq
 
 from pas.algebra.brief import brief
-from pas.algebra.rational import Exact, Vector, VectorLike, plain, to_float
-from pas.contacts.axial import Axial, listed, longest, perpendicular, positive, vectors
+from pas.algebra.rational import Exact, Vector, VectorLike, listed, plain, positive, to_float
+from pas.contacts.axial import Axial, longest, perpendicular, vectors
 from pas.contacts.contact import Contact
 from pas.contacts.endless import Endless
 

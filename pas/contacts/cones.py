@@ -19,8 +19,7 @@ from pas.algebra.brief import brief
 from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, to_float, vector
-from pas.contacts.axial import listed, positive
+from pas.algebra.rational import Exact, Vector, VectorLike, dot, listed, plain, positive, rational, to_float, vector
 from pas.contacts.contact import Contact, Movable
 from pas.errors import GeometryError
 

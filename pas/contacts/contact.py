@@ -90,8 +90,8 @@ class Contact(Movable):
     __repr__ = brief
 
     def __init__(self, surface: PolynomialLike, clip: PolynomialLike, near: VectorLike | None = None) -> None:
-        object.__setattr__(self, "surface", Polynomial.named(surface, "the surface of a contact", constant=False))
-        object.__setattr__(self, "clip", Polynomial.named(clip, "the clip of a contact", constant=False))
+        object.__setattr__(self, "surface", Polynomial.named(surface, "surface", constant=False, of="a contact"))
+        object.__setattr__(self, "clip", Polynomial.named(clip, "clip", constant=False, of="a contact"))
         object.__setattr__(self, "near", None if near is None else vector(near, "near"))
         common = self.surface.raw.gcd(self.clip.raw)
         if not common.is_constant():

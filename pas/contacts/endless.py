@@ -12,8 +12,8 @@ from typing import Any, ClassVar, Literal, Self
 from flint import fmpq
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, rational, to_float
-from pas.contacts.axial import Axial, listed, positive
+from pas.algebra.rational import Exact, Vector, VectorLike, dot, listed, plain, positive, rational, to_float
+from pas.contacts.axial import Axial
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
 

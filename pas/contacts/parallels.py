@@ -22,7 +22,7 @@ from flint import fmpq, fmpq_mat
 
 from pas.algebra.inputs import short
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, cross, dot, exact, plain, to_float, to_floats
+from pas.algebra.rational import UNITS, Vector, cross, dot, exact, listed, plain, to_float, to_floats, two_across
 from pas.algebra.scaling import Scaled
 from pas.contacts.cones import apex
 from pas.contacts.contact import CONTACTS, Contact
@@ -36,7 +36,6 @@ Axes = tuple[tuple[Vector, fmpq], ...]
 """Three vectors across one another, each with the eigenvalue of the quadratic form that belongs to it."""
 
 ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
-UNITS: tuple[Vector, ...] = tuple((fmpq(i == 0), fmpq(i == 1), fmpq(i == 2)) for i in range(3))
 
 
 def inner_contact(contact: Contact, thickness: fmpq, number: int = 1) -> Contact:
@@ -68,7 +67,7 @@ def _check_apex(contact: Contact, inner: Polynomial, thickness: fmpq, number: in
     point = apex(contact.clip)
     if point is not None and contact.surface.raw(*point) < 0 <= inner.raw(*point):
         raise GeometryError(
-            f"contact {number} opens along a cone from ({', '.join(map(plain, point))}), which is no more than the "
+            f"contact {number} opens along a cone from ({listed(point)}), which is no more than the "
             f"thickness, {plain(thickness)}, inside; make the wall thinner, or let the cone open from further inside"
         )
 
@@ -114,9 +113,7 @@ def principal_axes(matrix: fmpq_mat, hint: Vector | None = None) -> Axes | None:
         value = _eigenvalue(matrix, first)
         if value is None:
             continue
-        least = min(range(3), key=lambda i: abs(first[i]))
-        across = cross(first, UNITS[least])
-        for second in _turned(matrix, across, cross(first, across)):
+        for second in _turned(matrix, *two_across(first)):
             third = cross(first, second)
             values = [_eigenvalue(matrix, v) for v in (second, third)]
             if values[0] is not None and values[1] is not None:

@@ -11,8 +11,8 @@ from flint import fmpq
 
 from pas.algebra.brief import brief
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, Vector, VectorLike, dot, rational
-from pas.contacts.axial import Axial, listed, perpendicular, positive, vectors
+from pas.algebra.rational import Exact, Vector, VectorLike, dot, listed, positive, rational
+from pas.contacts.axial import Axial, perpendicular, vectors
 from pas.contacts.contact import Contact
 from pas.contacts.parallels import ORIGIN, root, slope_at
 

@@ -25,7 +25,17 @@ from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import short, shown_point
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, VectorLike, binary_exponent, cross, dot, exact, to_float, to_floats, vector
+from pas.algebra.rational import (
+    Vector,
+    VectorLike,
+    binary_exponent,
+    dot,
+    exact,
+    to_float,
+    to_floats,
+    two_across,
+    vector,
+)
 from pas.algebra.scaling import Scaled, scaled
 from pas.algebra.zeros import RealZero, real_zeros
 from pas.contacts.ovals import Strip, ovals
@@ -137,9 +147,8 @@ class PlaneChart:
         x, y, z = (slope.polynomials[0].diff(i).raw(0, 0, 0) for i in range(3))
         normal = (x, y, z)
         share = -plane.raw(0, 0, 0) / fmpq(2) ** slope.exponent / dot(normal, normal)
-        least = min(range(3), key=lambda i: abs(normal[i]))
-        first = cross(tuple(fmpq(i == least) for i in range(3)), normal)
-        return cls(normal, (share * x, share * y, share * z), first, cross(normal, first))
+        (a, b, c), (d, e, f) = two_across(normal)
+        return cls(normal, (share * x, share * y, share * z), (-a, -b, -c), (-d, -e, -f))
 
     def point(self, s: fmpq, t: fmpq) -> Vector:
         """The point with given coordinates."""

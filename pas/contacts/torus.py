@@ -12,8 +12,8 @@ from flint import fmpq
 from pas.algebra.affine import away, height
 from pas.algebra.brief import brief
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Exact, Vector, VectorLike, cross, dot, plain, vector
-from pas.contacts.axial import Axial, listed, positive
+from pas.algebra.rational import Exact, Vector, VectorLike, cross, dot, listed, plain, positive, vector
+from pas.contacts.axial import Axial
 from pas.contacts.contact import Contact
 from pas.contacts.parallels import principal_axes_of, shrunk
 from pas.errors import GeometryError
@@ -72,8 +72,8 @@ class Torus(Axial):
             return None
         terms = f.raw.to_dict()
         center = tuple(-terms.get(tuple(3 * (i == j) for j in range(3)), fmpq(0)) / (4 * lead) for i in range(3))
-        x, y, z = away(center)
-        square = x * x + y * y + z * z
+        w = away(center)
+        square = dot(w, w)
         rest = Polynomial.from_raw(f.raw / lead - square * square)
         if rest.degree != 2:
             return None
@@ -98,7 +98,7 @@ class Torus(Axial):
 
 def torus_polynomial(center: Sequence[fmpq], axis: Vector, major2: fmpq, minor2: fmpq) -> Polynomial:
     """`(|w|^2 + R^2 - r^2)^2 - 4 R^2 (|w|^2 - (w . a)^2 / |a|^2)`, w from the centre, by the squares of its radii."""
-    x, y, z = away(center)
-    square, along = x * x + y * y + z * z, height(center, axis)
+    w, along = away(center), height(center, axis)
+    square = dot(w, w)
     tube = square + (major2 - minor2)
     return Polynomial.from_raw(tube * tube - (square - along * along / dot(axis, axis)) * (4 * major2))

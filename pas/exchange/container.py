@@ -74,6 +74,8 @@ def read(path: str | Path, *, edited: bool = False) -> dict[str, Any]:
             f"{name}: {file.suffix} files are written and not read; what is read are project files (.pas.json), "
             "which shape.save writes"
         )
+    if not file.exists():
+        raise FileNotFoundError(f"No such file or directory: {file}; give the path of a project file (.pas.json)")
     text = read_text(file, MOST_BYTES, ProjectFileError)
     if file.suffix.lower() == ".toml":
         raise ProjectFileError(f"{name}: is a problem file; read it with pas.read_problem, and solve it")

@@ -44,13 +44,11 @@ Also those of every problem: see `pas.exchange.problem`.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from pas.algebra.inputs import check_order, shown
-from pas.algebra.rational import rational
 from pas.algebra.rational_function import PARAMETERS
 from pas.exchange.boundaries import KEYS, KINDS, SECTION, as_plain, boundary_from
 from pas.exchange.problem import COMMON, COMMON_TABLES, Problem, ProblemKind, common
@@ -142,7 +140,7 @@ def _names(given: Any) -> list[str]:
 
 
 def _surface(table: dict[str, Any], names: tuple[str, str]) -> ParametricSurface:
-    return ParametricSurface(table["x"], table["y"], table["z"], names, _intervals(table.get("domain")))
+    return ParametricSurface(table["x"], table["y"], table["z"], names, table.get("domain"))
 
 
 def _domain(
@@ -156,21 +154,10 @@ def _domain(
 
     def make(table: dict[str, Any]) -> ExactDomain:
         ends = [table.get(name, list(own)) for name, own in zip(names, blending.ends, strict=True)]
-        return blending.surfaces[0].with_domain(None).with_domain(_intervals(ends)).ends
+        return blending.surfaces[0].with_domain(None).with_domain(ends).ends
 
     reader.keys = {**reader.keys, "domain": dict.fromkeys(names, False)}
     return reader.made(make, given, "domain")
-
-
-def _intervals(domain: Any) -> Any:
-    """Intervals as they are written, with None for infinite ends."""
-    if not isinstance(domain, list):
-        return domain
-    return [[_end(end) for end in pair] if isinstance(pair, list) else pair for pair in domain]
-
-
-def _end(end: Any) -> Any:
-    return None if isinstance(end, float) and math.isinf(end) else rational(end, "an end of an interval")
 
 
 def _fits(data: dict[str, Any]) -> bool:

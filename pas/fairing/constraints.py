@@ -213,10 +213,13 @@ class SampledConstraints:
         return min(subdivisions, ceil(round(subdivisions * angle / wide_angle, 6)))
 
     def _depth(self, margins: Margins) -> Inequalities:
-        """The row at the centre, if there is one; all pieces have the same value there."""
+        """The rows at the centre, if there is one; all pieces have the same value there."""
         if self.placed.partition.center is None:
             return Inequalities.none(self.basis.size)
-        return Inequalities(-self.basis.values(0, np.zeros((1, 3))), np.array([margins.depth * self.reach]))
+        # Members with alpha = 0 have any margin for the price of a scale, and where no others have, the solver fails
+        # among huge multiples of them: f goes no deeper than so many radii of the region, where it mostly goes to one.
+        depth, deepest = -self.basis.values(0, np.zeros((1, 3))), 10.0 * self.radius * self.reach / self.local_reach
+        return Inequalities(np.concatenate([depth, -depth]), np.array([margins.depth * self.reach, -deepest]))
 
 
 @lru_cache(maxsize=64)

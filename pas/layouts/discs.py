@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, degrees, pi
+from math import degrees, pi
 
 import numpy as np
 from flint import fmpq
@@ -146,11 +146,6 @@ def across(direction: Floats) -> Floats:
     first = np.cross(direction, np.eye(3)[int(np.abs(direction).round(9).argmin())])
     first /= np.linalg.norm(first)
     return np.stack([first, np.cross(direction, first)])
-
-
-def angle_between(a: Floats, b: Floats) -> float:
-    """The angle (radians) between two unit vectors (3,)."""
-    return atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
 
 
 def turn(start: float, end: float) -> float:

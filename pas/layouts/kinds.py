@@ -44,13 +44,9 @@ class LayoutKind:
     trials: Mapping[int, tuple[LayoutTrial, ...]]
 
 
-_orbits = [partial(planes, orbit=orbit) for orbit in ORBITS]
-_two, _three = partial(fan, each=2), partial(fan, each=3)
+_two, _three, _orbits = partial(fan, each=2), partial(fan, each=3), [partial(planes, orbit=orbit) for orbit in ORBITS]
 _KINDS = (
-    LayoutKind(
-        "planes",
-        {1: tuple(map(LayoutTrial, _orbits)), 2: tuple(LayoutTrial(make, NEAR_WALLS) for make in _orbits)},
-    ),
+    LayoutKind("planes", dict.fromkeys((1, 2), tuple(map(LayoutTrial, _orbits)))),
     LayoutKind(
         "fan",
         {

@@ -17,13 +17,14 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.inputs import short, shown_point
-from pas.algebra.lengths import unit
-from pas.algebra.rational import Vector, cross, dot, minus, plain, to_float, to_floats
+from pas.algebra.lengths import angle_between, unit
+from pas.algebra.rational import Vector, cross, dot, listed, minus, to_float, to_floats
 from pas.contacts.contact import Contact
 from pas.contacts.rims import Rim, outlook
 from pas.errors import GeometryError
-from pas.layouts.discs import Disc, angle_between, power_of_two, rim_of, rounded
+from pas.layouts.discs import Disc, power_of_two, rim_of, rounded
 from pas.layouts.kinds import NEAR_WALLS, LayoutTrial, Maker, trials
+from pas.layouts.planes import have_room
 from pas.layouts.region import region
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
@@ -34,8 +35,7 @@ SPREAD, ROOMY = 0.95, 0.8
 """Share of the angle between two contacts that their curves may take up, and around the centre of a bend."""
 
 MANY = 5
-"""So many contacts of order 2 are served better by near walls: they get these first, and the usual ones last."""
-
+"""So many contacts of order 2 without planes are served better by near walls: they get these first, the usual last."""
 
 ROUNDED = 32
 """Parts of the smallest radius to which a centre is rounded: an axis may miss it, and short numbers keep the algebra
@@ -100,7 +100,7 @@ class ContactNode:
             yield region(wanted, self.discs)
             return
         todo = trials(order, wanted)
-        if order > 1 and len(self.discs) >= MANY:
+        if order > 1 and len(self.discs) >= MANY and not have_room(self.discs):
             todo = tuple(sorted(todo, key=lambda trial: trial.walls > NEAR_WALLS))  # stable
         failures: list[GeometryError] = []
         for trial in todo:
@@ -173,7 +173,7 @@ def check_outlook(number: int, contact: Contact, rim: Rim, center: Vector) -> No
         )
     cosine, where = outlook(contact.surface, rim, center)
     if cosine <= 0:
-        words, place = ", ".join(map(plain, center)), shown_point(where)
+        words, place = listed(center), shown_point(where)
         raise GeometryError(
             f"contact {number}: seen from the centre of the node, ({words}), its surface turns its back at {place}, so "
             "no blend around that centre is met once by each ray; move its clip, or give the centre by a pas.Layout"

@@ -11,13 +11,14 @@ from typing import Any, TypeAlias
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.lengths import angle_between
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, cross, to_floats
 from pas.contacts.contact import as_contact
 from pas.contacts.endless import Endless
 from pas.contacts.rims import Rim
 from pas.errors import GeometryError
-from pas.layouts.discs import Disc, angle_between, rim_of
+from pas.layouts.discs import Disc, rim_of
 from pas.layouts.nodes import center_of
 from pas.surface.fairness_limits import WEDGE
 

@@ -15,7 +15,7 @@ from collections.abc import Sequence, Sized
 from flint import fmpq
 
 from pas.algebra.inputs import short, shown
-from pas.algebra.rational import Exact, VectorLike, plain, rational, vector
+from pas.algebra.rational import Exact, VectorLike, plain, positive, rational, vector
 from pas.algebra.rational_function import FunctionLike
 from pas.parametric.domain import IntervalLike
 from pas.parametric.surface import ParametricSurface
@@ -178,11 +178,7 @@ def _circle(angle: bool, name: str = "t") -> tuple[str, str, tuple[float, float]
 
 
 def _positive(**sizes: Exact) -> tuple[fmpq, ...]:
-    exact = {name: rational(size, name) for name, size in sizes.items()}
-    for name, size in exact.items():
-        if size <= 0:
-            raise ValueError(f"{name} must be positive, not {short(plain(size))}")
-    return tuple(exact.values())
+    return tuple(positive(size, name) for name, size in sizes.items())
 
 
 def _triple(items: Sequence[FunctionLike], name: str) -> tuple[str, ...]:

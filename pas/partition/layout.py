@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import Vector, VectorLike, cross, determinant, plain, vector
+from pas.algebra.rational import Vector, VectorLike, cross, determinant, listed, plain, vector
 from pas.errors import GeometryError
 from pas.registry import Serialisable, loaded
 from pas.shape import Shape
@@ -178,7 +178,7 @@ class Layout(Shape, Serialisable):
         return f"<Layout {self.name!r}: {len(self.pieces)} pieces, {len(self.rays)} rays>"
 
     def __str__(self) -> str:
-        words = ", ".join(map(plain, self.center))
+        words = listed(self.center)
         return f"{self.name}: {len(self.pieces)} pieces between {len(self.rays)} rays from ({words})"
 
     @property

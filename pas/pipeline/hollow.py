@@ -22,7 +22,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import shown_point
-from pas.algebra.rational import Exact, exact, plain, rational
+from pas.algebra.rational import Exact, exact, plain, positive, rational
 from pas.certify.nesting import nesting
 from pas.certify.thickness import thicker_than
 from pas.contacts.contact import Contact, ContactLike, as_contact
@@ -114,10 +114,7 @@ class HollowBlend(Shape, Generic[B]):
         only can be proved.  Of a T a second for a bound of half the least distance, about three for nine tenths of it,
         and more for nearer ones.  Raises `ValueError` for a bound that is not positive.
         """
-        number = rational(bound, "bound")
-        if number <= 0:
-            raise ValueError(f"bound must be positive, not {plain(number)}")
-        return thicker_than(self.inner.surface, self.outer.surface, number)
+        return thicker_than(self.inner.surface, self.outer.surface, positive(bound, "bound"))
 
     def solid(self, length: Length = None, names: Sequence[str] | None = None) -> Solid:
         """The wall as a solid, open at its ends: see `Blend.solid` for the arguments.
@@ -259,9 +256,7 @@ def _inner_contacts(outer: ChosenBlend, size: fmpq | None, given: Sequence[Conta
     """The inner contacts: those given, or those a thickness inside."""
     contacts = outer.surface.contacts
     if given is None:
-        assert size is not None
-        if size <= 0:
-            raise ValueError(f"thickness must be positive, not {plain(size)}")
+        size = positive(size, "thickness")
         there = [_with_place(outer.surface, number) for number in range(len(contacts))]
         return [inner_contact(contact, size, number) for number, contact in enumerate(there, start=1)]
     found = [as_contact(item, f"inner[{i}]") for i, item in enumerate(given)]

@@ -36,7 +36,7 @@ from flint import fmpq, fmpq_mpoly, fmpq_poly
 from pas.algebra.affine import away, height
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, cross, dot, exact, minus, to_float, to_floats
+from pas.algebra.rational import Vector, cross, dot, exact, minus, to_float, to_floats, two_across
 from pas.bernstein.signs import alike
 from pas.certify.nesting import prove_inside
 from pas.errors import GeometryError
@@ -102,9 +102,7 @@ class Slab:
         square = dot(self.normal, self.normal)
         self.size = exact(float(np.sqrt(to_float(square))))  # of the normal, rounded as that of the cap is
         self.top = length * self.size / square * (1 + ROUNDED)
-        least = min(range(3), key=lambda i: abs(self.normal[i]))
-        first = cross(self.normal, _unit(least))
-        self.across = tuple(_shortened(v) for v in (first, cross(self.normal, first)))
+        self.across = tuple(map(_shortened, two_across(self.normal)))
         curve = join.curve()
         low, high = curve.min(axis=0), curve.max(axis=0)
         near: Vector = tuple(exact(float(c)) for c in (low + high) / 2)  # type: ignore[assignment]
@@ -238,11 +236,6 @@ def kuhn(quads: Sequence[Sequence[Vector]]) -> list[tuple[Vector, ...]]:
 def moved(point: Sequence[fmpq], *steps: tuple[fmpq | int, Sequence[fmpq]]) -> Vector:
     """A point and the sum of some vectors, each given with its factor."""
     x, y, z = (c + sum((s * v[i] for s, v in steps), fmpq(0)) for i, c in enumerate(point))
-    return x, y, z
-
-
-def _unit(axis: int) -> Vector:
-    x, y, z = (fmpq(int(i == axis)) for i in range(3))
     return x, y, z
 
 

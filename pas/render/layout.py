@@ -8,12 +8,12 @@ from typing import Unpack
 
 import numpy as np
 
-from pas.algebra.lengths import unit
+from pas.algebra.lengths import angle_between, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
 from pas.contacts.contact import ContactLike, as_contact
 from pas.exchange.picture_options import Picture, PictureOptions
-from pas.layouts.discs import Disc, angle_between, check_fits
+from pas.layouts.discs import Disc, check_fits
 from pas.layouts.nodes import ContactNode
 from pas.layouts.sphere import piece_mesh
 from pas.mesh.mesh import Mesh

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from itertools import combinations, permutations, product
+from itertools import combinations, permutations
 
 import numpy as np
-from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
+from pas.algebra.affine import quadratic_form
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
@@ -285,16 +285,7 @@ def _on_line(plane: Polynomial, across: Polynomial, box: Floats) -> tuple[Floats
 
 def _has_lines(function: Function) -> bool:
     """Whether a function is of degree 2 at most with a symmetric matrix, in x, y, z and 1, without determinant."""
-    return isinstance(function, Polynomial) and function.degree <= 2 and bool(quadric(function).det() == 0)
-
-
-def quadric(function: Polynomial) -> fmpq_mat:
-    """Twice the symmetric matrix (4, 4), in x, y, z and 1, of a polynomial of degree 2 at most."""
-    entries: dict[tuple[int, int], fmpq] = {}
-    for exponent, coefficient in function.raw.to_dict().items():
-        i, j = [*(axis for axis, power in enumerate(exponent) for _ in range(power)), 3, 3][:2]
-        entries[i, j] = entries[j, i] = coefficient * (2 if i == j else 1)
-    return fmpq_mat(4, 4, [entries.get((i, j), fmpq(0)) for i, j in product(range(4), repeat=2)])
+    return isinstance(function, Polynomial) and function.degree <= 2 and bool(quadratic_form(function).det() == 0)
 
 
 def _rise(gradients: Floats, changes: Floats) -> NDArray[np.bool_]:

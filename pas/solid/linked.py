@@ -36,6 +36,10 @@ class SolidBoundary(Protocol):
     def size(self) -> float | None:
         """The longest side of a box around it, as a coarse mesh shows it."""
 
+    @property
+    def box(self) -> Floats | None:
+        """Two corners (2, 3) of a box that holds it, as a coarse mesh shows with room around it."""
+
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         """A closed mesh within a tolerance (the model's units), as measured; None where there is none."""
 

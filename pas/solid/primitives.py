@@ -5,14 +5,12 @@ Points are three exact numbers, lengths are exact numbers, both in the model's u
 
 from __future__ import annotations
 
-from flint import fmpq_mpoly
-
+from pas.algebra.affine import away, height
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, Vector, VectorLike, dot, plain, positive, rational, to_float, vector
+from pas.algebra.rational import Exact, VectorLike, dot, minus, plain, positive, rational, to_float, vector
+from pas.contacts.torus import torus_polynomial
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, combined
-
-ZERO = GENERATORS[0] * 0
 
 
 def half_space(plane: PolynomialLike, face: str = "plane") -> Solid:
@@ -56,9 +54,8 @@ def ball(center: VectorLike, radius: Exact, face: str = "ball") -> Solid:
 
     Raises `ValueError` for a radius that is not positive.
     """
-    r = positive(radius, "radius")
-    w = _from(vector(center, "center"))
-    return patch(face, Polynomial.from_raw(_square(w) - r * r))
+    r, w = positive(radius, "radius"), away(vector(center, "center"))
+    return patch(face, Polynomial.from_raw(dot(w, w) - r * r))
 
 
 def cylinder(start: VectorLike, end: VectorLike, radius: Exact, face: str = "cylinder") -> Solid:
@@ -77,16 +74,15 @@ def cone(start: VectorLike, end: VectorLike, radius: Exact, end_radius: Exact = 
     Raises `ValueError` for a negative radius or two that are 0, and where both ends are the same point.
     """
     a, b = vector(start, "start"), vector(end, "end")
-    axis: Vector = (b[0] - a[0], b[1] - a[1], b[2] - a[2])
+    axis = minus(b, a)
     square = dot(axis, axis)
     if square == 0:
         raise ValueError("start and end must be different points")
     r0, r1 = rational(radius, "radius"), rational(end_radius, "end_radius")
     if r0 < 0 or r1 < 0 or r0 == r1 == 0:
         raise ValueError(f"radius must be positive and end_radius not negative, not {plain(r0)} and {plain(r1)}")
-    w = _from(a)
-    along = sum((x * c for x, c in zip(w, axis, strict=True)), ZERO) * (1 / square)
-    surface = _square(w) - along * along * square - (r0 + along * (r1 - r0)) ** 2
+    w, along = away(a), height(a, axis) * (1 / square)
+    surface = dot(w, w) - along * along * square - (r0 + along * (r1 - r0)) ** 2
     ends = ((-along, r0, f"{face} start"), (along - 1, r1, f"{face} end"))
     walls = [Atom(Polynomial.from_raw(plane), name if radius > 0 else "") for plane, radius, name in ends]
     apexes = [p for p, r in ((a, r0), (b, r1)) if r == 0]
@@ -105,19 +101,6 @@ def torus(center: VectorLike, axis: VectorLike, major: Exact, minor: Exact, face
     if small >= big:
         raise ValueError(f"minor must be smaller than major, not {plain(small)} >= {plain(big)}")
     a = vector(axis, "axis")
-    square = dot(a, a)
-    if square == 0:
+    if not any(a):
         raise ValueError("axis must not be the zero vector")
-    w = _from(vector(center, "center"))
-    along = sum((x * c for x, c in zip(w, a, strict=True)), ZERO)
-    total = _square(w)
-    flat = total - along * along * (1 / square)
-    return patch(face, Polynomial.from_raw((total + big * big - small * small) ** 2 - 4 * big * big * flat))
-
-
-def _from(point: Vector) -> list[fmpq_mpoly]:
-    return [g - p for g, p in zip(GENERATORS, point, strict=True)]
-
-
-def _square(w: list[fmpq_mpoly]) -> fmpq_mpoly:
-    return sum((x * x for x in w), ZERO)
+    return patch(face, torus_polynomial(vector(center, "center"), a, big * big, small * small))

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Unpack
+from typing import Any, NoReturn, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,6 +30,7 @@ from pas.mesh.quality import Quality
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape, refuse_mixed
 from pas.solid.bounds import bounding_box
+from pas.solid.edge_verbs import WithEdges
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
 from pas.solid.joints import Joint, prove, refuse_unknown, verdict_list
@@ -42,7 +43,7 @@ from pas.verdicts import Findings, Verdict
 
 
 @dataclass(frozen=True, eq=False)
-class Solid(AffineShape["Solid"], Shape):
+class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     """A closed set of points with named faces; made by the functions of `pas.solid`.
 
     `a | b`, `a & b` and `a - b` are union, intersection and difference.  Nothing changes a solid: all
@@ -66,6 +67,12 @@ class Solid(AffineShape["Solid"], Shape):
 
     def __sub__(self, other: Solid) -> Solid:
         return self._with(other, union=False, less=True)
+
+    def __invert__(self) -> NoReturn:
+        """Raises `TypeError`: what is outside a solid is unbounded, and no solid."""
+        raise TypeError(
+            "~ of a solid is unbounded, and no solid; take it from a larger one, as in pas.solid.box(...) - a"
+        )
 
     def _with(self, other: Solid, union: bool, less: bool = False) -> Solid:
         if not isinstance(other, Solid):

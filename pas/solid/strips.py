@@ -19,14 +19,13 @@ from typing import Protocol
 import numpy as np
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.affine import Frame
+from pas.algebra.affine import Frame, quadratic_form
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, dot, to_float, to_floats
 from pas.contacts.cones import first_met
 from pas.contacts.contact import Contact
 from pas.mesh.walls import End
-from pas.solid.field import quadric
 
 
 class Rows(Protocol):
@@ -58,7 +57,7 @@ class Sections:
         """
         if surface.degree != 2:
             return None
-        matrix, high = quadric(surface), (plane - cap).raw.leading_coefficient()
+        matrix, high = quadratic_form(surface), (plane - cap).raw.leading_coefficient()
         normal = [plane.diff(i).raw(0, 0, 0) for i in range(3)]
         system = fmpq_mat([[*(matrix[i, j] for j in range(3)), -normal[i]] for i in range(3)] + [[*normal, fmpq(0)]])
         along = dot(normal, tuple(dot(matrix.tolist()[i][:3], normal) for i in range(3)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import TypeVar
 
@@ -16,7 +17,7 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
 from pas.solid.edges import Loop
-from pas.solid.sheets import COARSE, Faces
+from pas.solid.sheets import COARSE, Faces, roomy
 
 Jets = Callable[[Floats], tuple[Floats, Floats]]
 """From points (..., 3) to the values (...) and gradients (..., 3) of a function whose zero set a face is on."""
@@ -35,14 +36,27 @@ class SweptBody(ABC):
         """Its image."""
         return replace(self, place=map_ if self.place is None else map_.after(self.place))
 
+    @cached_property
+    def coarse(self) -> Mesh | None:
+        """A coarse mesh of it, which shows where it is; None where rounding spoils it."""
+        return self._placed(self.swept(COARSE * self._profile_size))
+
     @property
     def size(self) -> float | None:
-        """The longest side of a box around it, as a coarse mesh shows it."""
-        made = self.swept(COARSE * self._profile_size)
-        if made is None:
-            return None
-        points = made.points if self.place is None else self.place.points(made.points)
-        return float(np.ptp(points, axis=0).max())
+        """The longest side of a box around it, as the coarse mesh shows it."""
+        return None if self.coarse is None else float(np.ptp(self.coarse.points, axis=0).max())
+
+    @property
+    def box(self) -> Floats | None:
+        """Two corners (2, 3) of a box that holds it, as the coarse mesh shows with room around it."""
+        return None if self.coarse is None else roomy(self.coarse.box, self._stretch * (self.coarse.deviation or 0.0))
+
+    @property
+    def _stretch(self) -> float:
+        return 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
+
+    def _placed(self, faces: Faces | None) -> Mesh | None:
+        return None if faces is None else faces.mesh if self.place is None else faces.mesh._moved(self.place)
 
     @property
     def _profile_size(self) -> float:
@@ -50,11 +64,8 @@ class SweptBody(ABC):
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         """A closed mesh within a tolerance (the model's units), as measured; None where rounding spoils it."""
-        stretch = 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
-        faces = self.swept(tolerance / stretch)
-        if faces is None or faces.deviation * stretch > tolerance:
-            return None
-        return faces.mesh if self.place is None else faces.mesh._moved(self.place)
+        faces = self.swept(tolerance / self._stretch)
+        return None if faces is None or faces.deviation * self._stretch > tolerance else self._placed(faces)
 
     @abstractmethod
     def swept(self, tolerance: float) -> Faces | None:

@@ -18,7 +18,7 @@ from pas.algebra.callables import component
 from pas.algebra.inputs import shown, whole
 from pas.algebra.jets import Jet, variables
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Exact, Symbolic, plain, rational, to_float
+from pas.algebra.rational import Exact, Symbolic, plain, positive, rational, to_float
 from pas.errors import GeometryError
 from pas.solid.functions import Distance
 from pas.solid.solid import Solid
@@ -94,8 +94,7 @@ class Tube(Distance):
 
     def __init__(self, curve: TubeCurve, radius: Any) -> None:
         self.curve, self.exact_radius = curve, _radius(radius)
-        if self.exact_radius <= 0:
-            raise ValueError(f"radius must be positive, not {plain(self.exact_radius)}")
+        positive(self.exact_radius, "radius")
         self.radius = to_float(self.exact_radius)
         self.parameters = curve.sampled(self.radius / 16)
         points, slopes, bends = curve.jets(self.parameters)

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 from adversarial.mesh_tamperings import TAMPERINGS, loops, octahedron, tampered, with_part
-from conftest import EQUAL, solved
+from conftest import EQUAL, read, solved
 
 import pas
 from pas.algebra.rational import to_floats
@@ -78,7 +78,7 @@ def test_no_tampered_mesh_is_certified(name):
 
 
 HOLLOW = {
-    "hollow foot": lambda: pas.blend([pas.Plate(Z, 2), pas.Pipe(Z, 1, 2)], 1).hollow("1/8"),
+    "hollow foot": lambda: read("hollow_foot"),
     "hollow node": lambda: pas.node([(X, 1), ((-1, 2, 0), 1), ((0, -1, 3), "3/4")], 1).hollow("1/8"),
 }
 

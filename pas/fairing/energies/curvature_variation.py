@@ -31,7 +31,6 @@ TIMES = np.sqrt([1.0, 3.0, 3.0, 1.0])
 TENSION = fmpq(23, 5)
 """Measured: thin pipes on long clips keep their arcs, and equal pipes bulge least."""
 
-
 STRAIGHT = fmpq(10000)
 """Measured: waists of T junctions fall from .19 to .01 of the radius at the same degrees; 1000 leaves .035."""
 

@@ -27,6 +27,7 @@ from itertools import pairwise
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
 
+from pas.algebra.affine import quadratic_form
 from pas.algebra.brief import brief
 from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
@@ -106,12 +107,7 @@ class Quadric:
     @cached_property
     def matrix(self) -> fmpq_mat:
         """The symmetric 4 x 4 matrix Q."""
-        rows = [[fmpq(0)] * 4 for _ in range(4)]
-        for exponents, value in self.polynomial.coefficients().items():
-            i, j = [axis for axis, e in enumerate((*exponents, 2 - sum(exponents))) for _ in range(e)]
-            rows[i][j] += rational(value) / 2
-            rows[j][i] += rational(value) / 2
-        return fmpq_mat(rows)
+        return quadratic_form(self.polynomial)
 
     @cached_property
     def kind(self) -> QuadricKind:

@@ -22,7 +22,7 @@ from pas.algebra.inputs import short, shown, shown_point
 from pas.algebra.lengths import exponent
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import PolynomialLike
-from pas.algebra.rational import Exact, Vector, cross, dot, exact, to_float, to_floats
+from pas.algebra.rational import Exact, Vector, dot, exact, to_float, to_floats, two_across
 from pas.errors import GeometryError
 from pas.parametric.generatrix.boundary import Boundary, ContactBounds
 from pas.parametric.generatrix.paths import on_unit_interval
@@ -78,9 +78,7 @@ class _Plane:
     def of(cls, normal: Vector, offset: fmpq) -> _Plane:
         square = dot(normal, normal)
         x, y, z = (offset / square * c for c in normal)
-        smallest = min(range(3), key=lambda i: abs(normal[i]))
-        first = cross(normal, [fmpq(int(i == smallest)) for i in range(3)])
-        return cls(normal, offset, (x, y, z), (first, cross(normal, first)))
+        return cls(normal, offset, (x, y, z), two_across(normal))
 
     def place(self, a: fmpq, b: fmpq) -> tuple[fmpq, ...]:
         u, v = self.basis

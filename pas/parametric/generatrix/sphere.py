@@ -17,11 +17,11 @@ from typing import Any, Unpack
 import numpy as np
 
 from pas.algebra.brief import brief
-from pas.algebra.inputs import check_tolerance, short, shown, shown_point
+from pas.algebra.inputs import check_tolerance, shown, shown_point
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, VectorLike, plain, rational, to_float, to_floats, vector
+from pas.algebra.rational import Exact, VectorLike, positive, rational, to_float, to_floats, vector
 from pas.errors import GeometryError, MeshError
 from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
@@ -223,8 +223,7 @@ def blend_through_sphere(
     items, middle, size = tuple(boundaries), vector(center, "center"), rational(radius, "radius")
     if len(items) < 2:
         raise ValueError(f"a blend through a sphere needs at least two boundaries, not {len(items)}")
-    if size <= 0:
-        raise ValueError(f"radius must be positive, not {short(plain(size))}")
+    positive(size, "radius")
     o, r = np.array(to_floats(middle)), to_float(size)
     directions, widths = zip(*(_seen(item, i, o, r) for i, item in enumerate(items)), strict=True)
     gaps = _gaps(np.array(directions))

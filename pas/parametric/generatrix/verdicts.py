@@ -32,6 +32,7 @@ from pas.algebra.rational import dot, rational
 from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.bernstein.subdivision import halves
+from pas.contacts.ends import triple
 from pas.mesh.rows import Integers
 from pas.parametric.common_zeros import avoids_origin
 from pas.parametric.generatrix.align import alignment
@@ -39,7 +40,7 @@ from pas.parametric.generatrix.crossings import crossings, double_point, is_inje
 from pas.parametric.generatrix.form import GeneratrixForm
 from pas.parametric.generatrix.paths import NAMES, exact_dot
 from pas.parametric.regularity import regularity
-from pas.verdicts import Point, Status, Verdict, Verdicts
+from pas.verdicts import Status, Verdict, Verdicts
 
 EFFORT = 4_000
 """Rectangles that proofs of exact blends may examine."""
@@ -127,7 +128,7 @@ def _measured_contact(blend: GeneratrixForm, number: int, claim: str) -> Verdict
     tilted = worst > 1e-3  # degrees
     if tilted or gaps.max() > 1e-6 * float(np.ptp(points, axis=0).max()):
         i = int(sines.argmax() if tilted else gaps.argmax())
-        return Verdict(Status.FAILS_MEASURED, claim, reason, _point(points[i]))
+        return Verdict(Status.FAILS_MEASURED, claim, reason, triple(points[i]))
     return Verdict(Status.HOLDS_MEASURED, claim, reason)
 
 
@@ -178,7 +179,7 @@ def regular_verdict(blend: GeneratrixForm) -> Verdict:
         place = s[zero[0]], zero[1]
         where = "s = {:.5g}, t = {:.5g}".format(*place)
         reason = f"the normal vanishes (to {halvings} halvings of t) near {where}; change l1, l2"
-        return Verdict(Status.FAILS_MEASURED, claim, reason, _point(blend.surface(place)))
+        return Verdict(Status.FAILS_MEASURED, claim, reason, triple(blend.surface(place)))
     sizes = np.linalg.norm(normals, axis=-1)
     angle, where_most = _largest_turn(normals, blend.closed)
     measured = (
@@ -188,7 +189,7 @@ def regular_verdict(blend: GeneratrixForm) -> Verdict:
     )
     if angle >= 90.0:
         reason = measured + ": the blend folds over; change l1, l2"
-        return Verdict(Status.FAILS_MEASURED, claim, reason, _point(points[where_most]))
+        return Verdict(Status.FAILS_MEASURED, claim, reason, triple(points[where_most]))
     return Verdict(Status.HOLDS_MEASURED, claim, measured)
 
 
@@ -267,15 +268,10 @@ def simple_verdict(blend: GeneratrixForm, size: tuple[int, int] = (160, 40)) -> 
     found = double_point(blend.surface, places, blend.closed)
     if found is None:
         reason = f"on {on} {len(pairs)} pairs of triangles cross, but no double point of the surface was found"
-        return Verdict(Status.FAILS_MEASURED, claim, reason, _point(where[0]), len(pairs))
+        return Verdict(Status.FAILS_MEASURED, claim, reason, triple(where[0]), len(pairs))
     (s, t), (u, v) = found[0]
     reason = (
         f"P({s:.5g}, {t:.5g}) = P({u:.5g}, {v:.5g}) to {found[2]:.1e}; {len(pairs)} pairs of triangles cross on "
         f"{on}; shorten l1, l2 (see largest_safe), or lead the blend round by a middle curve"
     )
-    return Verdict(Status.FAILS_MEASURED, claim, reason, _point(found[1]), len(pairs))
-
-
-def _point(point: Floats) -> Point:
-    x, y, z = map(float, point)
-    return x, y, z
+    return Verdict(Status.FAILS_MEASURED, claim, reason, triple(found[1]), len(pairs))

@@ -1,0 +1,116 @@
+"""Fillets and chamfers: proved joints, volumes beside the rolling ball's, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pas import solid
+from pas.errors import GeometryError
+
+
+def box() -> solid.Solid:
+    return solid.box((0, 0, 0), (3, 2, 1))
+
+
+def boss() -> solid.Solid:
+    plate = solid.box((-2, -2, -1), (2, 2, 0), face="plate")
+    return plate | solid.cylinder((0, 0, -1), (0, 0, 2), "3/4", face="boss")
+
+
+def tee() -> solid.Solid:
+    main = solid.cylinder((-2, 0, 0), (2, 0, 0), 1, face="main")
+    return main | solid.cylinder((0, 0, 0), (0, 0, "9/4"), "3/5", face="branch")
+
+
+def bracket() -> solid.Solid:
+    return solid.box((0, 0, 0), (4, 1, 2), face="a") | solid.box((0, 0, 0), (1, 3, 2), face="b")
+
+
+def plate() -> solid.Solid:
+    drilled = solid.box((-2, -2, -1), (2, 2, 0), face="plate")
+    return drilled - solid.cylinder((0, 0, -2), (0, 0, 1), 1, face="hole")
+
+
+def ball_on_a_plate() -> solid.Solid:
+    return solid.box((-2, -2, -1), (2, 2, 0), face="plate") | solid.ball((0, 0, "1/2"), 1, face="ball")
+
+
+CORNER = 1 - np.pi / 4  # of a square of side 1 that a circle of radius 1 does not cover
+CASES = {
+    "edge of a box": (box, ("box x+", "box y+"), "1/2", -CORNER / 4),
+    "bracket": (bracket, ("a y+", "b x+"), "1/2", 2 * CORNER / 4),
+    "boss": (boss, ("plate z+", "boss"), "1/2", None),
+    "branch": (tee, ("main", "branch"), "3/10", None),
+    "rim of a hole": (plate, ("plate z+", "hole"), "1/4", None),
+    "ball": (ball_on_a_plate, ("plate z+", "ball"), "1/4", None),
+    "profile": (lambda: solid.rounded_rectangle(4, 3, "1/2").extrude(1), ("top", "side 1"), "1/8", None),
+}
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("name", CASES)
+def test_fillets_are_proved_and_mesh(name, order):
+    make, faces, radius, added = CASES[name]
+    plain = make()
+    made = plain.fillet(*faces, radius, order)
+    mine = made.verdicts[-2:]
+    assert [v.proved for v in mine] == [True, True] and "fillet" in made.faces
+    mesh = made.mesh(5e-3)
+    assert mesh.is_closed
+    grown = mesh.volume - plain.mesh(5e-3).volume
+    assert (grown > 0) == (name in ("bracket", "boss", "branch", "ball"))
+    if order == 1 and added is not None:
+        assert made.volume(1e-3) - plain.volume(1e-3) == pytest.approx(added, rel=1e-3)
+
+
+def test_between_planes_it_is_a_circular_cylinder():
+    made = box().fillet("box x+", "box y+", "1/2")
+    (found,) = made.polynomials["fillet"]
+    expected = solid.cylinder(("5/2", "3/2", 0), ("5/2", "3/2", 1), "1/2").polynomials["cylinder"][0]
+    assert found.primitive() in (expected.primitive(), (-expected).primitive())
+
+
+def test_several_fillets_have_names_of_their_own():
+    made = box().fillet("box x+", "box y+", "1/4").fillet("box x-", "box y+", "1/4").fillet("box x+", "box z+", "1/8")
+    assert made.faces[-3:] == ("fillet", "fillet 2", "fillet 3") and made.proved
+    assert made.mesh().is_closed
+
+
+def test_chamfers_are_flat():
+    made = box().chamfer("box x+", "box z+", "1/4")
+    assert made.volume() == pytest.approx(6 - 2 / 32) and made.joints == ()
+    assert (bracket().chamfer("a y+", "b x+", "1/2").volume()) == pytest.approx(bracket().volume() + 1 / 4)
+
+
+def test_the_largest_is_found():
+    largest = boss().largest_fillet("plate z+", "boss")
+    assert 1.2 < largest <= 1.25  # beyond, the fillet passes the plate's sides
+    assert boss().fillet("plate z+", "boss", 0.99 * largest).proved
+    with pytest.raises(GeometryError, match=r"is missing.*; one of radius 1\.2"):
+        boss().fillet("plate z+", "boss", 2)
+
+
+REFUSED = {
+    "apart": (lambda: box().fillet("box x+", "box x-", 1), "'box x+' and 'box x-' of the solid do not meet in an edge"),
+    "no face": (lambda: box().fillet("box x+", "boxx y+", 1), "no face 'boxx y+'; is 'box y+' meant?"),
+    "large": (lambda: box().fillet("box x+", "box y+", 3), "radius 3 between 'box x+' and 'box y+' is not proved"),
+    "no radius": (lambda: box().fillet("box x+", "box y+", 0), "radius must be positive, not 0"),
+    "tangent": (
+        lambda: solid.rounded_rectangle(4, 3, "1/2").extrude(1).fillet("side 1", "side 2", "1/8"),
+        "'side 1' and 'side 2' touch, or nearly so, near (3.5, 0, ",
+    ),
+    "no polynomial": (
+        lambda: solid.tube(("t", "0", "0"), "1/2", interval=(0, 2)).fillet("tube", "tube start", "1/8"),
+        "is on no polynomial",
+    ),
+    "order": (lambda: box().fillet("box x+", "box y+", 1, -1), "order"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_refused(name):
+    make, sentence = REFUSED[name]
+    with pytest.raises((GeometryError, ValueError)) as caught:
+        make()
+    assert sentence in str(caught.value) and "\n" not in str(caught.value)
