@@ -24,8 +24,6 @@ DEGREE = 5
 EXACT = 1e-9
 """Distance of points from a line or conic, over their extent, up to which they are on it."""
 
-MOST_POINTS = 1025
-
 
 class CurveKind(Enum):
     """Kinds of curves."""
@@ -70,13 +68,14 @@ class Curve:
 def curve_through(points: Floats, placed: Callable[[Floats], Floats], tolerance: float) -> Curve:
     """The curve along points (N, 3) from the first to the last, which may be one; `placed` moves points onto it.
 
-    Splines are within `tolerance`, or have MOST_POINTS.
+    Splines are within `tolerance`, or have as many points as there may be.
     """
     dense = resampled(points, max(33, len(points)), placed)
     found = _line(dense) or _conic(dense)
     if found is not None:
         return found
     number = 9
+    most_points = 1025
     while True:
         checkpoint()
         knots = resampled(dense, 2 * number - 1, placed)
@@ -84,7 +83,7 @@ def curve_through(points: Floats, placed: Callable[[Floats], Floats], tolerance:
         spline = make_interp_spline(lengths[::2], knots[::2], k=DEGREE)
         between = spline(np.concatenate([lengths[1::2], (lengths[1:] + lengths[:-1])[[0, 1, -2, -1]] / 2]))
         error = float(np.linalg.norm(placed(between) - between, axis=1).max())
-        if error <= tolerance or number >= MOST_POINTS:
+        if error <= tolerance or number >= most_points:
             return Curve(CurveKind.SPLINE, 0.0, float(lengths[-1]), error, spline=spline)
         number, dense = 2 * number - 1, knots
 
@@ -166,10 +165,6 @@ def _conic(points: Floats) -> Curve | None:
         return None
     kind = CurveKind.CIRCLE if radius else CurveKind.ELLIPSE
     return Curve(kind, start, end, float(off), place, first, second)
-
-
-STEP = 1e-5
-"""Of the differences that give second derivatives, in local coordinates."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -276,7 +271,8 @@ class Borders:
 
     def _touching(self, point: Floats, numbers: tuple[int, ...]) -> Floats:
         """Where two surfaces touch and their curves cross: both are zero, and their gradients parallel."""
-        around = STEP * np.concatenate([np.eye(3), -np.eye(3)])
+        step = 1e-5  # of the differences that give second derivatives, in local coordinates
+        around = step * np.concatenate([np.eye(3), -np.eye(3)])
         for _ in range(8):
             units, rows, values, bends = [], list[Floats](), list[float](), []
             for number in numbers:
@@ -285,7 +281,7 @@ class Borders:
                 units.append(jets[1:] / size)
                 values.append(jets[0] / size)
                 slopes = self.atlas.functions.jets(point + around, number)[:, 1:]
-                bends.append((slopes[:3] - slopes[3:]) / (2 * STEP * size))
+                bends.append((slopes[:3] - slopes[3:]) / (2 * step * size))
             rows = [*units, *(np.cross(units[0], bends[1]) - np.cross(units[1], bends[0])).T]
             values += np.cross(*units).tolist()
             step = np.linalg.lstsq(np.array(rows), np.array(values), rcond=1e-6)[0]

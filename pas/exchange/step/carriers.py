@@ -17,12 +17,10 @@ from enum import Enum
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.affine import quadratic_form
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import to_float
-from pas.solid.field import quadric
-
-TORUS_DEGREE = 4
 
 
 class CarrierKind(Enum):
@@ -58,8 +56,9 @@ def carrier_of(polynomial: Polynomial) -> Carrier | None:
         size = float(np.linalg.norm(plane[1:]))
         return Carrier(CarrierKind.PLANE, -plane[0] / size**2 * plane[1:], plane[1:] / size)
     if polynomial.degree == 2:
-        return _quadric(quadric(polynomial))
-    return _torus(polynomial) if polynomial.degree == TORUS_DEGREE else None
+        return _quadric(quadratic_form(polynomial))
+    torus_degree = 4
+    return _torus(polynomial) if polynomial.degree == torus_degree else None
 
 
 def _quadric(matrix: fmpq_mat) -> Carrier | None:
@@ -95,7 +94,7 @@ def _torus(polynomial: Polynomial) -> Carrier | None:
     rest = Polynomial.from_raw(moved - sum(g**2 for g in GENERATORS) ** 2)
     if rest.degree != 2:
         return None
-    matrix = quadric(rest)  # with 4 (R^2 - r^2) I - 8 R^2 (I - a.a) and twice the constant (R^2 - r^2)^2
+    matrix = quadratic_form(rest)  # with 4 (R^2 - r^2) I - 8 R^2 (I - a.a) and twice the constant (R^2 - r^2)^2
     found = _of_revolution(fmpq_mat(3, 3, [matrix[i, j] for i in range(3) for j in range(3)]))
     if found is None or any(matrix[i, 3] != 0 for i in range(3)):
         return None
@@ -131,7 +130,7 @@ def reducible_planes(first: Polynomial, second: Polynomial) -> list[tuple[Floats
     """
     if first.degree != 2 or second.degree != 2:
         return []
-    one, two = quadric(first), quadric(second)
+    one, two = quadratic_form(first), quadratic_form(second)
     # the determinant of one - t two is of degree 4 in t; it has a double root where the rank is 2
     nodes = [fmpq(n) for n in range(-2, 3)]
     vandermonde = fmpq_mat(5, 5, [n**k for n in nodes for k in range(5)])

@@ -29,9 +29,6 @@ Integers = NDArray[np.intp]
 Plane = tuple[Floats, float]
 """The points with n.x = d, as (n, d) with |n| = 1."""
 
-REACH = 0.05
-"""How far a step may move a point of a mesh, in local coordinates, when it is put on its curve."""
-
 
 class CommonZeros:
     """CommonZeros by number, in a solid's local coordinates, as `pas.mesh.projection` wants them."""
@@ -73,7 +70,9 @@ class CommonZeros:
         if not len(points):
             return points
         each = np.tile(np.array(numbers, dtype=np.intp), (len(points), 1))
-        return newton(points, self, each, np.full(len(points), REACH))
+        # How far a step may move a point of a mesh, in local coordinates, when it is put on its curve.
+        reach = 0.05
+        return newton(points, self, each, np.full(len(points), reach))
 
 
 Bools = NDArray[np.bool_]

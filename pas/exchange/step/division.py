@@ -14,25 +14,15 @@ from scipy.interpolate import BSpline
 from scipy.linalg import solveh_banded
 from scipy.spatial import cKDTree
 
+from pas.algebra.affine import quadratic_form
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
+from pas.exchange.step.borders import DEGREE
 from pas.exchange.step.charts import Atlas, Bools, Integers, Plane, Sheet
 from pas.exchange.step.parameters import CarrierParameters, QuadricPatch, carrier_parameters, quadric_patch
 from pas.limits import checkpoint
 from pas.mesh.field import place_of
-from pas.solid.field import quadric
-
-DEGREE = 5
-
-SIZES = (9, 14, 21, 31)
-"""Coefficients a side that are tried; a chart that needs more is divided."""
-
-SLOPE = 0.15
-"""Cosine between a graph's plane and its surface below which the graph is too steep to be followed."""
-
-HELD = 1e-12
-"""What third differences of coefficients count, beside points: coefficients must be held by something."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +64,9 @@ def fitted(sheet: Sheet, points: Floats, frame: Floats, tolerance: float, angle:
     width = (high - low).max()
     low, high = low - 0.02 * width, high + 0.02 * width
     before = np.inf
-    for size in SIZES:
+    # Coefficients a side that are tried; a chart that needs more is divided.
+    sizes = (9, 14, 21, 31)
+    for size in sizes:
         checkpoint()
         knots = [
             np.r_[[a] * DEGREE, np.linspace(a, b, size - DEGREE + 1), [b] * DEGREE]
@@ -107,10 +99,12 @@ def _heights(sheet: Sheet, origin: Floats, frame: Floats, uv: Floats, start: Flo
     heights, base, normal = start.copy(), origin + uv @ frame[:2], frame[2]
     most = 0.1 * float(np.ptp(uv, axis=0).max(initial=0.0))
     rows, good = np.arange(len(uv)), np.zeros(len(uv), dtype=bool)
+    # Cosine between a graph's plane and its surface below which the graph is too steep to be followed.
+    least_slope = 0.15
     for _ in range(12):
         jets = sheet.jets(base[rows] + heights[rows, None] * normal)
         slope, size = jets[:, 1:] @ normal, np.linalg.norm(jets[:, 1:], axis=1)
-        steep = slope < SLOPE * size
+        steep = slope < least_slope * size
         step = np.where(steep, 0.0, jets[:, 0] / np.where(steep, 1.0, slope))
         heights[rows] -= np.clip(step, -most, most)
         done = ~steep & (np.abs(step) < 1e-13)
@@ -143,7 +137,8 @@ def _least_squares(knots: list[Floats], places: list[Floats], heights: Floats, w
         for j, other in enumerate(pairs[1]):
             bands[:, :, i, j] = half @ other
     third = np.diff(np.eye(size), 3, axis=0)
-    smooth, most = third.T @ third, float(weights.max()) * 9
+    # Coefficients must be held by something beside points: third differences of them count a little.
+    smooth, held = third.T @ third, 1e-12 * float(weights.max()) * 9
     upper = np.zeros((size * (band - 1) + band, size * size))
     rows = np.arange(size * size)
     for i in range(2 * band - 1):
@@ -154,9 +149,9 @@ def _least_squares(knots: list[Floats], places: list[Floats], heights: Floats, w
                 continue
             values = bands[:, :, i, j].copy()
             if dj == 0:
-                values += HELD * most * _diagonal(smooth, di)[:, None]
+                values += held * _diagonal(smooth, di)[:, None]
             if di == 0:
-                values += HELD * most * _diagonal(smooth, dj)[None, :]
+                values += held * _diagonal(smooth, dj)[None, :]
             column = rows + shift
             inside = (np.arange(size)[None, :] + dj >= 0) & (np.arange(size)[None, :] + dj < size)
             inside = (inside & (np.arange(size)[:, None] + di < size)).ravel()
@@ -196,8 +191,6 @@ def _spline(knots: Floats, order: int) -> BSpline:
 
 Parameters = CarrierParameters | QuadricPatch | Graph
 
-MOST_CHARTS = 600
-"""A solid that needs more has a place at which nothing converges, such as a cusp."""
 
 STEEP = 0.55
 """Cosine between a chart's mean normal and the others' below which it is divided before a graph is looked for."""
@@ -215,6 +208,8 @@ def divide(atlas: Atlas, tolerance: float, angle: float) -> dict[int, Parameters
     found: dict[int, Parameters] = {}
     made: Parameters | Plane
     waiting = list(atlas.sheets)
+    # A solid that needs more has a place at which nothing converges, such as a cusp.
+    most_charts = 600
     while waiting:
         chart = waiting.pop()
         sheet, rows = atlas.sheets[chart], atlas.rows(chart)
@@ -226,7 +221,7 @@ def divide(atlas: Atlas, tolerance: float, angle: float) -> dict[int, Parameters
         if not isinstance(made, tuple):
             found[chart] = made
             continue
-        if len(atlas.sheets) > MOST_CHARTS:
+        if len(atlas.sheets) > most_charts:
             middle = atlas.points[atlas.triangles[rows]].mean(axis=(0, 1))
             raise GeometryError(
                 f"no spline follows the face {atlas.field.face(sheet.label)!r} near {place_of(atlas.field, middle)}, "
@@ -272,7 +267,7 @@ def _on_quadric(sheet: Sheet, points: Floats, middle: Floats, normal: Floats) ->
     """The exact patch of a chart on a quadric, with its mean point and normal (3,); None where there is none."""
     if sheet.polynomial is None or sheet.polynomial.degree != 2:
         return None
-    exact = quadric(sheet.polynomial)
+    exact = quadratic_form(sheet.polynomial)
     matrix = np.array([[to_float(exact[i, j]) for j in range(4)] for i in range(4)])
     return quadric_patch(matrix, points, middle, normal / max(float(np.linalg.norm(normal)), 1e-300))
 

@@ -24,9 +24,6 @@ from pas.settings import RELATIVE_TOLERANCE
 from pas.solid.measures import curved_measures
 from pas.solid.solid import Solid
 
-QUADRATURE = 5e-7
-"""Relative error that quadrature of volumes aims at: without adapting it is off by 13 % on some valid solids."""
-
 
 def explored(shape: Any, kind: str) -> list[Any]:
     """The SOLID, SHELL, FACE or EDGE shapes within one, each once for each place in which it is."""
@@ -54,7 +51,9 @@ def adaptive_volume(shape: Any) -> float:
     from OCP.GProp import GProp_GProps
 
     found = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, found, QUADRATURE, False, False)
+    # Relative error that quadrature of volumes aims at: without adapting it is off by 13 % on some valid solids.
+    quadrature = 5e-7
+    BRepGProp.VolumeProperties_s(shape, found, quadrature, False, False)
     return float(found.Mass())
 
 
@@ -63,10 +62,6 @@ def largest_tolerance(shape: Any) -> float:
     from OCP.ShapeAnalysis import ShapeAnalysis_ShapeTolerance
 
     return float(ShapeAnalysis_ShapeTolerance().Tolerance(shape, 1))
-
-
-ACROSS = 17
-"""Points along a border at which it is looked at."""
 
 
 @dataclass(frozen=True)
@@ -81,10 +76,12 @@ def smoothness(maker: ShapeMaker) -> Smoothness:
     """Across the borders at which charts are claimed to go on in each other: GC^1 for angles, GC^2 for curvatures."""
     angle = jump = 0.0
     largest = 0.0
+    # Points along a border at which it is looked at.
+    across = 17
     for border, curve in zip(maker.borders.borders, maker.curves, strict=True):
         if border.order < 1:
             continue
-        places = curve.parameters(ACROSS + 2)[1:-1]
+        places = curve.parameters(across + 2)[1:-1]
         step = (curve.end - curve.start) * 1e-4
         along = curve(places + step) - curve(places - step)
         along /= np.linalg.norm(along, axis=1, keepdims=True)
@@ -121,13 +118,6 @@ def _across(maker: ShapeMaker, chart: int, points: Floats, along: Floats) -> tup
 COARSER = 10
 """The tolerance of the mesh that says which faces meet where, over that of the faces; also of meshes' usual tolerance
 over the usual one here."""
-
-
-CURVES = 1e-8
-"""Distance of splines from the curves in which faces meet, in local coordinates."""
-
-SAME = 1e-6
-"""Share of a solid's volume by which that with joined faces may differ, twice what quadrature allows itself."""
 
 
 @dataclass(frozen=True)
@@ -195,7 +185,9 @@ def step_part(
     local = within / field.scale
     parameters = divide(atlas, local / 4, within / size / 4)
     borders = Borders(atlas, lambda one, other: _order(solid, one, other))
-    curves = [borders.curve(border, CURVES) for border in borders.borders]
+    # Distance of splines from the curves in which faces meet, in local coordinates.
+    near = 1e-8
+    curves = [borders.curve(border, near) for border in borders.borders]
     maker = ShapeMaker(borders, parameters, curves)
     smooth = smoothness(maker)
     solids = [_joined(made, name) for made in maker.solids()]
@@ -246,7 +238,9 @@ def _joined(solid: Any, name: str) -> Any:
     if len(whole) != 1 or not is_valid(found):
         return solid
     before, after = adaptive_volume(solid), adaptive_volume(found)
-    return whole[0] if abs(after - before) < SAME * abs(before) else solid
+    # Share of a solid's volume by which that with joined faces may differ, twice what quadrature allows itself.
+    same = 1e-6
+    return whole[0] if abs(after - before) < same * abs(before) else solid
 
 
 def _in_world(solids: list[Any], scale: float, place: Any) -> Any:

@@ -6,6 +6,7 @@ all the way around is divided through the axis first, and the halves are joined 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +14,6 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.exchange.step.carriers import Carrier, CarrierKind
 from pas.exchange.step.charts import ON_PLANE, Plane
-
-TURN = 2 * np.pi
 
 GAP = 0.5
 """The angle, in radians, that a chart must leave free around an axis, so that they do not close; half of it is
@@ -43,7 +42,7 @@ class CarrierParameters:
         kind = self.carrier.kind
         if kind is CarrierKind.PLANE:
             return np.stack([x, y], axis=1)
-        angle, radius = np.arctan2(y, x) % TURN, np.hypot(x, y)
+        angle, radius = np.arctan2(y, x) % math.tau, np.hypot(x, y)
         if kind is CarrierKind.CYLINDER:
             return np.stack([angle, z], axis=1)
         if kind is CarrierKind.SPHERE:
@@ -51,7 +50,7 @@ class CarrierParameters:
         if kind is CarrierKind.CONE:
             slope = np.hypot(1.0, self.carrier.radius)
             return np.stack([angle, (z - self.height) * slope], axis=1)
-        around = (np.arctan2(z, radius - self.carrier.radius) - self.tube) % TURN + self.tube
+        around = (np.arctan2(z, radius - self.carrier.radius) - self.tube) % math.tau + self.tube
         return np.stack([angle, around], axis=1)
 
 
@@ -69,7 +68,7 @@ def carrier_parameters(carrier: Carrier, points: Floats, corners: Floats) -> Car
     free, start = _free(_angles(moved, axis, first))
     height = moved @ axis
     if free < GAP:
-        turn = _away(_angles(corners - carrier.place, axis, first), TURN / 2)
+        turn = _away(_angles(corners - carrier.place, axis, first), math.tau / 2)
         normal = np.cos(turn) * np.cross(axis, first) - np.sin(turn) * first
         return normal, float(normal @ carrier.place)
     begin = np.cos(start) * first + np.sin(start) * np.cross(axis, first)
@@ -118,7 +117,7 @@ def _angles(moved: Floats, axis: Floats, first: Floats) -> Floats:
     return np.arctan2(y, x)[np.hypot(x, y) > ON_PLANE]
 
 
-def _free(angles: Floats, period: float = TURN) -> tuple[float, float]:
+def _free(angles: Floats, period: float = math.tau) -> tuple[float, float]:
     """The largest angle that is free of given ones (N,), and its middle."""
     if not len(angles):
         return period, 0.3183  # any will do; a round one could be that of something else
@@ -132,15 +131,6 @@ def _away(angles: Floats, period: float) -> float:
     """An angle that is far from given ones (N,), up to a period."""
     return _free(angles, period)[1]
 
-
-MARGIN = 0.02
-"""By how much of its sides a patch is larger than its chart."""
-
-LEAST_WEIGHT = 1e-3
-"""The smallest weight of a patch, over the largest."""
-
-SPANS = (1, 2, 4, 8)
-"""Spans a side that are tried until all weights are positive, as CAD programs want them."""
 
 _FROM_VALUES = np.array([[0.0, 1.0, 0.0], [-0.5, 0.0, 0.5], [0.5, -1.0, 0.5]])
 """Coefficients of a parabola, constant first, from its values at -1, 0 and 1."""
@@ -198,7 +188,9 @@ def quadric_patch(matrix: Floats, points: Floats, middle: Floats, normal: Floats
     if seen[:, 2].min() <= 0.01 * np.linalg.norm(seen, axis=1).max():
         return None
     uv = seen[:, :2] / seen[:, 2:]
-    room = MARGIN * float(np.ptp(uv, axis=0).max())
+    # By how much of its sides a patch is larger than its chart.
+    margin = 0.02
+    room = margin * float(np.ptp(uv, axis=0).max())
     low, high = uv.min(axis=0) - room, uv.max(axis=0) + room
     middle, half = (low + high) / 2, (high - low) / 2
     grid = np.stack(
@@ -209,13 +201,17 @@ def quadric_patch(matrix: Floats, points: Floats, middle: Floats, normal: Floats
     across = ways @ (form @ eye + slope)
     both = np.concatenate([bends[..., None] * eye - 2 * across[..., None] * ways, bends[..., None]], axis=2)
     coefficients = np.einsum("ik,jl,klx->ijx", _FROM_VALUES, _FROM_VALUES, both) * np.sign(bends[1, 1])
-    for spans in SPANS:
-        knots = np.concatenate([[-1.0, -1.0], np.linspace(-1, 1, spans + 1), [1.0, 1.0]])
+    # The smallest weight of a patch, over the largest.
+    least_weight = 1e-3
+    # Spans a side that are tried until all weights are positive, as CAD programs want them.
+    spans = (1, 2, 4, 8)
+    for parts in spans:
+        knots = np.concatenate([[-1.0, -1.0], np.linspace(-1, 1, parts + 1), [1.0, 1.0]])
         a, b = knots[1:-2], knots[2:-1]
         blossoms = np.stack([np.ones_like(a), (a + b) / 2, a * b], axis=1)  # of 1, u and u^2
         control = np.einsum("mi,nj,ijx->mnx", blossoms, blossoms, coefficients)
         weights = control[..., 3]
-        if weights.min() > LEAST_WEIGHT * weights.max():
+        if weights.min() > least_weight * weights.max():
             both_knots = (middle[0] + half[0] * knots, middle[1] + half[1] * knots)
             return QuadricPatch(eye, frame, both_knots, control[..., :3] / weights[..., None], weights / weights.max())
     return None

@@ -15,17 +15,12 @@ from scipy.interpolate import BSpline, make_interp_spline
 from pas.algebra.monomials import Floats
 from pas.exchange.step.borders import DEGREE, Borders, ChartBorder, Curve, CurveKind
 from pas.exchange.step.carriers import CarrierKind
-from pas.exchange.step.division import DEGREE as GRAPH_DEGREE
 from pas.exchange.step.division import Graph, Parameters
 from pas.exchange.step.parameters import CarrierParameters, QuadricPatch
 from pas.mesh.topology import connected
 
 LEAST = 1e-7
 """Open Cascade's smallest tolerance."""
-
-ALONG, SAFE = 33, 2.0
-"""Points along an edge at which it is compared with its faces, and its tolerance over the largest distance there, which
-is a little larger between the points: Open Cascade looks at others."""
 
 
 class ShapeMaker:
@@ -61,7 +56,7 @@ class ShapeMaker:
                     continue
                 flat = flat_curve(found, curve)
                 pcurves.append((chart, flat))
-                tolerance = max(tolerance, SAFE * self._gap(chart, flat, curve))
+                tolerance = max(tolerance, self._gap(chart, flat, curve))
             self.gap = max(self.gap, tolerance)
             builder.MakeEdge(edge, curve_of(curve), tolerance)
             for chart, flat in pcurves:
@@ -81,11 +76,14 @@ class ShapeMaker:
             builder.UpdateVertex(self.vertices[end], 1.01 * tolerance)
 
     def _gap(self, chart: int, flat: BSpline, curve: Curve) -> float:
-        """The largest distance of a curve from what its parameters say on a chart."""
-        places = curve.parameters(ALONG)
+        """How far a curve is at most from what its parameters say on a chart: twice the largest distance at points.
+
+        It is a little larger between them, and Open Cascade looks at others.
+        """
+        places = curve.parameters(33)
         points = [self.surfaces[chart].Value(*uv) for uv in flat(places).tolist()]
         there = np.array([(p.X(), p.Y(), p.Z()) for p in points])
-        return float(np.linalg.norm(there - curve(places), axis=1).max())
+        return 2 * float(np.linalg.norm(there - curve(places), axis=1).max())
 
     def _face(self, chart: int) -> Any:
         """The face of a chart, outside out."""
@@ -241,7 +239,7 @@ def surface_of(found: Parameters) -> Any:
             poles.SetValue(i + 1, j + 1, point_of(grid[i, j]))
         (u, many), (v, times) = (knots_of(k) for k in found.knots)
         if isinstance(found, Graph):
-            return Geom_BSplineSurface(poles, u, v, many, times, GRAPH_DEGREE, GRAPH_DEGREE)
+            return Geom_BSplineSurface(poles, u, v, many, times, DEGREE, DEGREE)
         weights = Array2_double(1, grid.shape[0], 1, grid.shape[1])
         for i, j in np.ndindex(grid.shape[:2]):
             weights.SetValue(i + 1, j + 1, float(found.weights[i, j]))
