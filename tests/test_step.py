@@ -141,7 +141,7 @@ def test_arguments_are_checked(tmp_path):
 
 @pytest.fixture
 def ocp():
-    return pytest.importorskip("OCP")
+    return pytest.importorskip("OCP", reason="STEP files need Open Cascade: pip install 'pas[step]'")
 
 
 def read_back(path):
@@ -312,7 +312,7 @@ def read_solids(path):
 
 
 @pytest.mark.parametrize("name", BODIES)
-def test_solids_with_exact_faces_come_back(tmp_path, name):
+def test_solids_with_exact_faces_come_back(ocp, tmp_path, name):
     make, volume, kinds = BODIES[name]
     body = make()
     solids, found = read_solids(body.write(tmp_path / "a.step"))
@@ -322,7 +322,7 @@ def test_solids_with_exact_faces_come_back(tmp_path, name):
     assert [p.name for p in tmp_path.iterdir()] == ["a.step"]
 
 
-def test_parts_have_their_names_colours_and_places(tmp_path):
+def test_parts_have_their_names_colours_and_places(ocp, tmp_path):
     peg = solid.cylinder((0, 0, 0), (0, 0, 1), "1/2")
     both = solid.assembly(peg=(peg, "#ff0000"), moved=(peg.translate((5, 0, 0)), "#0000ff"))
     path = both.write(tmp_path / "set.step", unit="inch")
@@ -333,7 +333,7 @@ def test_parts_have_their_names_colours_and_places(tmp_path):
     assert [adaptive_volume(s) for s in solids] == pytest.approx([np.pi / 4] * 2)
 
 
-def test_a_blend_is_as_smooth_in_its_file_as_it_is(tmp_path):
+def test_a_blend_is_as_smooth_in_its_file_as_it_is(ocp, tmp_path):
     body = pas.blend([pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((-1, 0, 0), "1/4", 1)], order=1).solid()
     part = step_part(body, "elbow", tolerance=2e-3)
     report = part.report
@@ -346,7 +346,7 @@ def test_a_blend_is_as_smooth_in_its_file_as_it_is(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["corner", "hollow"])
-def test_nodes_are_as_smooth_in_their_files_as_they_are(tmp_path, name):
+def test_nodes_are_as_smooth_in_their_files_as_they_are(ocp, tmp_path, name):
     pipes = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1), pas.Pipe((0, 0, 1), "2/5", 1)]
     if name == "corner":
         body = pas.blend(pipes, order=2).solid()
@@ -359,7 +359,7 @@ def test_nodes_are_as_smooth_in_their_files_as_they_are(tmp_path, name):
     assert len(solids) == 1 and is_valid(solids[0])
 
 
-def test_a_file_that_would_not_be_the_solid_is_not_written(tmp_path, monkeypatch):
+def test_a_file_that_would_not_be_the_solid_is_not_written(ocp, tmp_path, monkeypatch):
     monkeypatch.setattr("pas.exchange.step.documents.adaptive_volume", lambda shape: 2 * adaptive_volume(shape))
     with pytest.raises(pas.GeometryError, match="no STEP file was written, because the volume of 'a' would be 12"):
         solid.box((0, 0, 0), (3, 2, 1)).write(tmp_path / "a.step")

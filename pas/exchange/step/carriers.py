@@ -3,7 +3,7 @@
 A polynomial's zeros are such a surface where an identity between its coefficients says so; nothing is fitted, and what
 differs from one in the last digit is none.  The numbers of the surface are then rounded to doubles.
 
-With f = x.Ax / 2 + b.x + c / 2: the zeros are a quadric of revolution where A = l I + m a.a, so where the
+With f = x.Ax + 2 b.x + c: the zeros are a quadric of revolution where A = l I + m a.a, so where the
 characteristic polynomial of A has a double root l.  They are a torus where f is a multiple of
 
     (|y|^2 + R^2 - r^2)^2 - 4 R^2 (|y|^2 - (y.a)^2),   y = x - center, |a| = 1.
@@ -94,13 +94,13 @@ def _torus(polynomial: Polynomial) -> Carrier | None:
     rest = Polynomial.from_raw(moved - sum(g**2 for g in GENERATORS) ** 2)
     if rest.degree != 2:
         return None
-    matrix = quadratic_form(rest)  # with 4 (R^2 - r^2) I - 8 R^2 (I - a.a) and twice the constant (R^2 - r^2)^2
+    matrix = quadratic_form(rest)  # with 2 (R^2 - r^2) I - 4 R^2 (I - a.a) and the constant (R^2 - r^2)^2
     found = _of_revolution(fmpq_mat(3, 3, [matrix[i, j] for i in range(3) for j in range(3)]))
     if found is None or any(matrix[i, 3] != 0 for i in range(3)):
         return None
     double, single, axis = found
-    major, minor = (single - double) / 8, (single - double) / 8 - single / 4
-    if double == single or major <= 0 or minor <= 0 or matrix[3, 3] != 2 * (single / 4) ** 2:
+    major, minor = (single - double) / 4, (single - double) / 4 - single / 2
+    if double == single or major <= 0 or minor <= 0 or matrix[3, 3] != (single / 2) ** 2:
         return None
     radii = to_float(major) ** 0.5, to_float(minor) ** 0.5
     at = np.array([to_float(c) for c in center])
