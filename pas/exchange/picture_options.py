@@ -106,14 +106,18 @@ class Picture:
     )
     combs: bool = option(False, "curvature combs along sections and contact curves")
     size: tuple[int, int] = option((1200, 900), "in pixels (default: 1200x900)", list, "WxH")
-    view: Any = option(None, f"from where one looks: {', '.join(VIEWS)}, or a direction", list, "WORD or X,Y,Z")
+    view: str | View | None = option(
+        None, f"from where one looks: {', '.join(VIEWS)}, or a direction", list, "WORD or X,Y,Z"
+    )
     domain: Any = None
     tolerance: float | None = option(
         None, "largest distance of the mesh from the surface (default: {usual})", float, "T", file=False
     )
     four_views: bool = option(False, "from four sides")
     exploded: bool = option(False, "the parts lifted apart")
-    cut: Any = option(False, "without what is before the middle plane, seen from the front or a view", bool, "VIEW")
+    cut: bool | str | View = option(
+        False, "without what is before the middle plane, seen from the front or a view", bool, "VIEW"
+    )
     parallel: bool = option(False, "parallel projection")
     transparent: bool = option(False, "no background")
     occlusion: bool = option(False, "ambient occlusion: shadows where surfaces are near each other")

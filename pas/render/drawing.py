@@ -67,7 +67,7 @@ def draw(
     """
     target(path, (".png", ".gif"), "a picture")
     turning = Path(path).suffix.lower() == ".gif"
-    picture = Picture.of({"size": SMALL, **options} if turning else options)
+    picture = _small(options) if turning else Picture.of(options)
     scene = scene_of(shape, picture, mesh)
     return _moving([scene] * TURNTABLE, picture, 360.0, path, 0.06) if turning else draw_scene(scene, picture, path)
 
@@ -98,10 +98,6 @@ def _picture(plotter: Any, picture: Picture) -> Any:
     return Image.fromarray(np.rint(np.concatenate([color, alpha], axis=2)).astype(np.uint8))
 
 
-SMALL = (600, 450)
-"""Pixels of moving pictures: a GIF of thirty frames then has some 3 MB."""
-
-
 @limited("animating", "fewer values or a coarser tolerance")
 def animate(
     function: Callable[[V], Shape],
@@ -128,8 +124,13 @@ def animate(
     place = Path(path)
     if place.suffix:
         target(place, (".gif",), "a moving picture")
-    picture = Picture.of({"size": SMALL, **options})
+    picture = _small(options)
     return _moving(_scenes(function, values, picture), picture, turn, place, pause)
+
+
+def _small(options: Mapping[str, Any]) -> Picture:
+    """The options of moving pictures: a GIF of thirty frames has some 3 MB where no size is given."""
+    return Picture.of({"size": (600, 450), **options})
 
 
 def _moving(scenes: list[Scene], picture: Picture, turn: float, path: str | Path, pause: float) -> Path:

@@ -67,21 +67,20 @@ def look_at(
     plotter.camera.clipping_range = (0.8 * reach / half, far + float(high[2] - low[2]))
 
 
-LIGHTS = (
-    ((0.0, 0.0, 1.0), 0.36),
-    ((-0.3, 0.85, 0.45), 0.5),
-    ((0.9, -0.45, 0.35), 0.3),
-    ((-0.7, -0.7, 0.35), 0.25),
-)
-"""Where from in the camera's frame (right, up, towards it), and how strongly: from the camera, from above and, so that
-neither undersides nor sides are dark, weaker from below on either side."""
+LIGHTS = {
+    "from the camera": ((0.0, 0.0, 1.0), 0.36),
+    "from above": ((-0.3, 0.85, 0.45), 0.5),
+    "from below on the right": ((0.9, -0.45, 0.35), 0.3),
+    "from below on the left": ((-0.7, -0.7, 0.35), 0.25),
+}
+"""Where from, in the camera's frame (right, up, towards it), and how strongly, so that no side of a shape is dark."""
 
 
 def add_lights(plotter: Any) -> None:
     """The lights of a view, which go with the camera."""
     import pyvista
 
-    for place, intensity in LIGHTS:
+    for place, intensity in LIGHTS.values():
         light = pyvista.Light(position=place, light_type="camera light", intensity=intensity)
         light.positional = False
         plotter.renderer.add_light(light)
@@ -95,15 +94,12 @@ def add_lines(plotter: Any, data: Any, width: float) -> None:
         mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -30)  # in steps of the depth that is kept
 
 
-SPOTS = np.array([(i, j, 6 - i - j) for i in range(1, 5) for j in range(1, 6 - i)]) / 6
-"""Barycentric coordinates of places in a triangle, one of which a label is put to."""
-
-
 def add_labels(plotter: Any, layers: Sequence[Layer], shifts: Floats, plane: Any, towards: Floats, width: int) -> None:
     """The names of parts, or of the faces of what has none, each where it is seen best from a direction (3,).
 
     Nothing is written on what is before a `plane` of a cut (its normal and a point), or hidden.
     """
+    inner = np.array([(i, j, 6 - i - j) for i in range(1, 5) for j in range(1, 6 - i)]) / 6  # barycentric coordinates
     places, names = [], []
     for layer, shift in zip(layers, shifts, strict=True):
         corners = layer.mesh.points[layer.mesh.triangles]
@@ -113,9 +109,9 @@ def add_labels(plotter: Any, layers: Sequence[Layer], shifts: Floats, plane: Any
         for number, name in [(None, layer.name)] if layer.name else enumerate(layer.mesh.names):
             here = np.flatnonzero((areas > 0) & ((layer.mesh.faces == number) | (number is None)))
             if len(here) and not layer.aside:
-                spots = (SPOTS @ corners[here]).reshape(-1, 3)
+                spots = (inner @ corners[here]).reshape(-1, 3)
                 left = _behind(plane, spots)
-                mean = np.average(spots, axis=0, weights=np.repeat(areas[here], len(SPOTS)) * left) if left.any() else 0
+                mean = np.average(spots, axis=0, weights=np.repeat(areas[here], len(inner)) * left) if left.any() else 0
                 place = spots[(np.linalg.norm(spots - mean, axis=1) + np.where(left, 0.0, np.inf)).argmin()] + shift
                 pairs = zip(layers, shifts, strict=True)
                 if left.any() and not any(_hides(o.mesh, place - moved, plane, towards) for o, moved in pairs):
