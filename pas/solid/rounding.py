@@ -122,10 +122,11 @@ class RoundPatch:
         cosines = fmpq_mat(
             [[dot(a.normal, b.normal) / (a.length * b.length) if a is not b else 1 for b in planes] for a in planes]
         )
-        walls = (
-            q if order > 1 else [Polynomial.from_raw(dot([x.raw for x in q], row)) for row in cosines.inv().tolist()]
-        )
-        parts = [_norm(x, order) for x in q] if order > 1 else [x * c for x, c in zip(q, walls, strict=True)]
+        walls, parts = q, [_norm(x, order) for x in q]
+        if order == 1:
+            inverse = cosines.inv().tolist()
+            walls = [sum((x * c for x, c in zip(q, row, strict=True)), Polynomial(0)) for row in inverse]
+            parts = [x * wall for x, wall in zip(q, walls, strict=True)]
         return cls(tuple(planes), sum(parts, Polynomial(-1)), tuple(walls), cosines, order)
 
     @property
