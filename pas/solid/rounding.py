@@ -246,12 +246,9 @@ def _claims(patches: Mapping[frozenset[PlaneFace], RoundPatch]) -> Iterator[Join
     for patch in patches.values():
         for plane, wall in zip(patch.planes, patch.walls, strict=True):
             others = frozenset(patch.planes) - {plane}
-            if len(others) == 1:
-                (face,) = others
-                yield Joint(patch.face, face.name, (face.polynomial, wall), patch.order)
-            else:
-                ground = patches[others]
-                yield Joint(patch.face, ground.face, (ground.surface, wall), patch.order)
+            ground = patches.get(others)
+            name, surface = (ground.face, ground.surface) if ground else next((p.name, p.polynomial) for p in others)
+            yield Joint(patch.face, name, (surface, wall), patch.order)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
