@@ -113,7 +113,7 @@ class Assembly(AffineShape["Assembly"], Shape):
         """The assembly with other colours, `#rrggbb`, for some parts."""
         for name in colors:
             self[name]
-        changed = {n: replace(p, color=_color(colors.get(n, p.color), n)) for n, p in self.parts.items()}
+        changed = {n: replace(p, color=check_color(colors.get(n, p.color), n)) for n, p in self.parts.items()}
         return Assembly(MappingProxyType(changed))
 
     def moved(self, change: Callable[[str, Solid], Solid]) -> Assembly:
@@ -186,11 +186,12 @@ def assembly(parts: Mapping[str, PartLike] | None = None, *unnamed: Never, **nam
         shape, color = value if isinstance(value, tuple) else (value, COLORS[number % len(COLORS)])
         if not isinstance(shape, Solid | Mesh):
             raise TypeError(f"the part {name!r} must be a solid or a Mesh, not {shape!r}; of a surface take its mesh")
-        result[name] = Part(shape, _color(color, name))
+        result[name] = Part(shape, check_color(color, name))
     return Assembly(MappingProxyType(result))
 
 
-def _color(color: Any, name: str) -> str:
+def check_color(color: Any, name: str) -> str:
+    """The colour of a part, by its name; raises `ValueError` for one that is not written #rrggbb."""
     if not isinstance(color, str) or not re.fullmatch(r"#[0-9a-fA-F]{6}", color):
         raise ValueError(f"the colour of {name!r} must be written #rrggbb, not {color!r}")
     return color
