@@ -15,7 +15,7 @@ from pas.cli import main
 from pas.exchange.formats import FORMATS, UNITS, Format, suffixes_of
 from pas.exchange.parts import TRIANGLES
 
-HOLDS = {"triangles", "patches", "cells", "tetrahedra"}
+HOLDS = {"triangles", "patches", "cells", "tetrahedra", "measures"}
 
 
 @pytest.fixture(scope="module")

@@ -21,6 +21,7 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.settings import MeshSettings
 from pas.shape import Shape
+from pas.solid.measures import Measures, PartList, flat_measures
 from pas.solid.solid import Solid
 from pas.verdicts import Findings, Verdicts
 
@@ -59,6 +60,11 @@ class Part(AffineShape["Part"], Shape):
         if isinstance(self.shape, Solid):
             return self.shape.mesh(tolerance, quality=quality)
         return self.shape.mesh(tolerance)
+
+    @limited("measuring a part", "a coarser tolerance")
+    def measures(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> Measures:
+        """Volume, area, centre and moments of its solid, or of what its mesh encloses; see `Solid.measures`."""
+        return self.shape.measures(tolerance) if isinstance(self.shape, Solid) else flat_measures(self.shape)
 
     @property
     def bounding_box(self) -> Floats:
@@ -108,6 +114,14 @@ class Assembly(AffineShape["Assembly"], Shape):
     ) -> dict[str, Mesh]:
         """The mesh of each part."""
         return {name: part.mesh(tolerance, quality=quality) for name, part in self.parts.items()}
+
+    @limited("measuring an assembly", "a coarser tolerance")
+    def part_list(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> PartList:
+        """What each part measures, by its name; the `whole` of it is what all do together.
+
+        `print(assembly.part_list())` shows a table; `assembly.write("parts.csv")` writes one.
+        """
+        return PartList({name: part.measures(tolerance) for name, part in self.parts.items()})
 
     def colored(self, **colors: str) -> Assembly:
         """The assembly with other colours, `#rrggbb`, for some parts."""

@@ -156,6 +156,7 @@ FORMATS: Registry[Format[Any]] = Registry(
         ".stp": "pas.exchange.formats.step:STEP",
         ".vtu": "pas.exchange.formats.cells:VTU",
         ".msh": "pas.exchange.formats.cells:MSH",
+        ".csv": "pas.exchange.formats.plain:CSV",
     },
 )
 
