@@ -67,6 +67,6 @@ def test_lists_of_parts_are_of_bodies(tmp_path):
     ball = solid.ball((0, 0, 0), 1)
     path = ball.write(tmp_path / "ball.csv", tolerance=0.1)
     assert float(path.read_text().splitlines()[1].split(",")[1]) == ball.volume(0.1)
-    with pytest.raises(TypeError, match="measures are those of solids, closed meshes and assemblies, not .*surface"):
+    with pytest.raises(TypeError, match=r"measures are those of solids, closed meshes and assemblies, not .*surface"):
         pas.torus(2, 1, angle=True).write(tmp_path / "torus.csv")
     assert [p.name for p in tmp_path.iterdir()] == ["ball.csv"]

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import re
+from fractions import Fraction
 
 import numpy as np
 import pytest
+from conftest import EQUAL, solved
 
 import pas
 from pas import solid
 from pas.cli import main
+from pas.exchange.formats import Sizing
 from pas.exchange.part_problem import MAKERS, steps_of
 
 BRACKET = """\
@@ -171,3 +175,77 @@ def test_what_is_wrong_is_told_with_its_line(text, old, new, line, sentence, tmp
     with pytest.raises(pas.ProblemFileError, match=re.escape(sentence)) as caught:
         read(text.replace(old, new, 1), tmp_path).solve()
     assert caught.value.line == line
+
+
+PLATE = """
+tolerance = 0.05
+
+[[solid]]
+name = "plate"
+kind = "rectangle"
+width = 4
+height = 3
+then = [{ kind = "extrude", height = 1 }]
+"""
+
+
+def run(capsys, *arguments):
+    code = main([str(a) for a in arguments])
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_the_command_writes_each_file_by_its_suffix(tmp_path, capsys):
+    path, names = tmp_path / "part.toml", ("a.stl", "b.pas.json", "c.csv")
+    path.write_text(PLATE)
+    outputs = [word for name in names for word in ("-o", tmp_path / name)]
+    code, out, _ = run(capsys, "build", path, *outputs, "--size", "120mm", "--json")
+    record = json.loads(out)
+    assert (code, record["unit"]) == (0, "millimeter")
+    assert record["written"] == [str(tmp_path / name) for name in names]
+    (row,) = record["parts"]
+    assert (row["part"], row["volume"]) == ("part", pytest.approx(120 * 90 * 30))
+    again = pas.load(tmp_path / "b.pas.json")
+    assert again.tree == solid.rectangle(4, 3).extrude(1).scale(30).tree
+    assert (tmp_path / "c.csv").read_text().startswith("part,volume (mm^3)")
+    code, out, _ = run(capsys, "build", path)
+    assert code == 0 and "part  12" in out and "written" not in out
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("-o", "a.stk"), "cannot write a part as 'a.stk'; the suffix must be one of .pas.json, .png, .stl"),
+        (("--size", "3 miles"), "unit must be one of"),
+        (("--size", "0"), "size must be positive, not 0"),
+        (("--scale", "-2"), "scale must be positive, not -2"),
+        (("--scale", "2", "--size", "3"), "scale and size are two ways"),
+    ],
+)
+def test_wrong_options_leave_no_file(words, sentence, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "part.toml").write_text(PLATE)
+    code, _, err = run(capsys, "build", "part.toml", "-o", "b.stl", *words)
+    assert code == 2 and sentence in err
+    assert [p.name for p in tmp_path.iterdir()] == ["part.toml"]
+
+
+@pytest.mark.parametrize(
+    ("size", "unit", "factor", "told"),
+    [
+        (Sizing(), "inch", 1, "inch"),
+        (Sizing(scale="1/3"), None, Fraction(1, 3), None),
+        (Sizing(size="12"), None, 3, None),
+        (Sizing(size="12 cm"), None, 3, "centimeter"),
+        (Sizing(size="254mm"), "inch", Fraction(5, 2), "inch"),
+    ],
+)
+def test_sizes_are_exact(size, unit, factor, told):
+    box = solid.box((1, 1, 1), (5, 4, 3))
+    made, found = size.applied(box, unit)
+    assert (made.tree, found) == (box.scale(factor).tree, told)
+
+
+def test_blends_are_made_solid_before_they_are_scaled():
+    with pytest.raises(ValueError, match="scale and size are for solids, assemblies and meshes; <Blend"):
+        Sizing(scale="2").applied(solved(EQUAL, 1), None)

@@ -32,8 +32,8 @@
 
     [[solid]]
     name = "corner"
-    kind = "blend"                 # the solid of a blend; its other keys and tables are those of a problem file of such,
-    order = 1                      # see pas.exchange.corner_problem, and length, that of its neighbours
+    kind = "blend"                 # the solid of a blend; its other keys and tables are those of a problem file of
+    order = 1                      # such, see pas.exchange.corner_problem, and length, that of its neighbours
     pipes = [
       { axis = [1, 0, 0], radius = "1/3", clip = 1 },
       { axis = [0, 1, 0], radius = "1/3", clip = 1 },
@@ -56,7 +56,7 @@ from inspect import BoundArguments, Parameter, getmembers, isfunction, signature
 from pathlib import Path
 from typing import Any
 
-import pas.solid as solid
+import pas.solid
 from pas.algebra.inputs import shown
 from pas.errors import meant
 from pas.exchange.formats import unit_named
@@ -67,8 +67,9 @@ from pas.registry import Registry, check_keys
 from pas.settings import MeshSettings
 from pas.solid.assembly import Assembly, assembly, check_color
 from pas.solid.solid import Solid
+from pas.verdicts import Verdicts
 
-CLASSES = {made.__name__: made for made in (solid.Solid, solid.Profile, solid.Sketch)}
+CLASSES = {made.__name__: made for made in (pas.solid.Solid, pas.solid.Profile, pas.solid.Sketch)}
 OWN = {"S", "M", "Self"}
 """How methods say that they give what they are called on."""
 
@@ -101,7 +102,7 @@ class Maker:
             if listed and not isinstance(value, list):
                 raise TypeError(f"{name} must be a list, not {shown(value)}")
         first = {next(iter(form.parameters)): taken} if self.method else {}
-        call = BoundArguments(form, {**first, **record})  # type: ignore[arg-type]
+        call = BoundArguments(form, {**first, **record})
         return self.function(*call.args, **call.kwargs)
 
 
@@ -131,7 +132,7 @@ def _made_by(owner: Any) -> dict[str, Maker]:
 
 MAKERS: Registry[Maker] = Registry(
     "kind of solid or profile",
-    {n: m for n, m in _made_by(solid).items() if n not in ("patch", *SET_OPERATIONS)}
+    {n: m for n, m in _made_by(pas.solid).items() if n not in ("patch", *SET_OPERATIONS)}
     | SET_OPERATIONS
     | {"blend": Maker("blend", lambda **table: None, "Solid")},
 )
@@ -181,6 +182,10 @@ class PartProblem(Problem):
 
     tables: tuple[NamedTable, ...]
 
+    def satisfied(self, certificate: Verdicts) -> bool:
+        """See `Problem.satisfied`; where no joints are claimed nothing is to be proved."""
+        return not certificate.verdicts or super().satisfied(certificate)
+
     def solve(self) -> Solid | Assembly:
         """The solid, or the assembly of several parts; raises `ProblemFileError` where one cannot be made."""
         things: dict[str, Any] = {}
@@ -216,17 +221,18 @@ def _table(reader: TableReader, table: dict[str, Any], index: int, known: Mappin
     gives = gives or known[own["of"][0]].gives
     for number, step in enumerate(reader.typed(table, "then", list, [], "solid")):
         place = ("then", number, f"solid {name!r}, step {number + 1}: ")
-
-        def read(step: dict[str, Any], steps: Registry[Maker] = steps_of(gives)) -> tuple[Maker, dict[str, Any]]:
-            maker, rest = steps[step.get("kind")], {key: value for key, value in step.items() if key != "kind"}
-            _check(maker, f"step {maker.name!r}", rest, known, gives)
-            return maker, rest
-
-        maker, rest = inner.made(read, step, *place)
+        maker, rest = inner.made(partial(_step, known=known, gives=gives), step, *place)
         calls.append(Call(maker, rest, inner, place))
         gives = maker.gives or gives
     uses = frozenset(n for call in calls if call.maker.name in SET_OPERATIONS for n in call.record["of"])
     return NamedTable(name, color, tuple(calls), gives, uses)
+
+
+def _step(step: dict[str, Any], known: Mapping[str, NamedTable], gives: str) -> tuple[Maker, dict[str, Any]]:
+    maker = steps_of(gives)[step.get("kind")]
+    rest = {key: value for key, value in step.items() if key != "kind"}
+    _check(maker, f"step {maker.name!r}", rest, known, gives)
+    return maker, rest
 
 
 def _check(
@@ -254,7 +260,7 @@ def _blend(reader: TableReader, table: dict[str, Any]) -> Callable[[], Solid]:
             raise ValueError(f"{key} is that of the whole file")
     length = table.pop("length", None)
     problem = PROBLEMS["corner"].read(reader.file, "\n".join(reader.lines), table)
-    return lambda: problem.solve().solid(length)  # type: ignore[no-any-return, attr-defined]
+    return lambda: problem.solve().solid(length)  # type: ignore[attr-defined]
 
 
 def _read(file: Path, text: str, data: dict[str, Any]) -> PartProblem:

@@ -19,9 +19,9 @@ edges, .stl has no points to share).  Not guaranteed: that single precision tell
 from the origin, and that parts put together in one .stl are apart: no boolean is taken.
 
 `unit` says which unit the model's lengths are in.  Files that can tell a unit tell it, and keep the numbers (.obj,
-.ply, .3mf, .vtp, .step, .csv; without `unit` they tell millimeters); in .stl files, whose numbers are taken for millimeters,
-and in .glb files, whose numbers are meters, the numbers become those, and without `unit` they stay; .vtu and .msh files
-have no unit and refuse one.
+.ply, .3mf, .vtp, .step; without `unit` they tell millimeters; .csv); in .stl files, whose numbers are taken for
+millimeters, and in .glb files, whose numbers are meters, the numbers become those, and without `unit` they stay; .vtu
+and .msh files have no unit and refuse one.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.projection import newton, pair_normals, placing, project
-from pas.mesh.rows import Floats
+from pas.mesh.rows import Floats, Integers
 
 _GAUSS = [
     (u, v, weight)
@@ -113,9 +113,11 @@ class PartList(Mapping[str, Measures]):
 
     def __str__(self) -> str:
         whole = {} if len(self) == 1 else {"all": self.whole}
-        rows = [self.HEADS[:9] + self.HEADS[-1:]]
-        for row in PartList({**self, **whole}).rows:
-            rows.append((str(row[0]), *(f"{value:.6g}" for value in row[1:9]), f"{row[-1]:.1g}"))
+        rows: list[tuple[str, ...]] = [self.HEADS[:9] + self.HEADS[-1:]]
+        for row, m in zip(PartList({**self, **whole}).rows, [*self.values(), *whole.values()], strict=True):
+            least = 1e-6 * m.area**0.5  # below the digits that are shown of the part's size
+            center = (0.0 if abs(c) < least else c for c in m.center)
+            rows.append((str(row[0]), *(f"{v:.6g}" for v in (*row[1:3], *center, *row[6:9])), f"{row[-1]:.1g}"))
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         return "\n".join("  ".join(f"{v:<{w}}" for v, w in zip(row, widths, strict=True)).rstrip() for row in rows)
 
@@ -146,7 +148,7 @@ def curved_measures(found: FaceMesh, field: FaceField) -> Measures:
     return replace(curved.scaled(1.0, center), within=within)
 
 
-def _centered(points: Floats, triangles: Floats) -> tuple[list[Floats], Floats]:
+def _centered(points: Floats, triangles: Integers) -> tuple[list[Floats], Floats]:
     """The corners of triangles relative to the middle of all points, and that."""
     center = points.mean(axis=0)
     return [points[triangles[:, i]] - center for i in range(3)], center
