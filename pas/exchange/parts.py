@@ -254,11 +254,15 @@ def part_list_of(thing: Any, request: Request) -> PartList:
         raise TypeError("measures are those of one shape; make an assembly of several, as in solid.assembly(a=a, b=b)")
     kind = kind_of(thing, "shape")
     parts = {request.name: thing} if kind.parts is None else kind.parts(thing)
+    if not _is_body(thing):
+        raise TypeError(f"measures are those of solids, closed meshes and assemblies, not of {thing!r}")
     bodies = {name: Part(one, COLORS[0]) if kind.meshed else one for name, one in parts.items()}
-    for one in bodies.values():
-        if not hasattr(one, "measures"):
-            raise TypeError(f"measures are those of solids, closed meshes and assemblies, not of {one!r}")
     return PartList({name: body.measures(request.mesh.tolerance) for name, body in bodies.items()})
 
 
-MEASURES: Content[PartList] = Content("measures", part_list_of, ("tolerance",), _is_of_shapes)
+def _is_body(thing: Any) -> bool:
+    known = isinstance(thing, Shape) and kind_of(thing)
+    return bool(known and (known.meshed or known.parts)) or hasattr(thing, "measures")
+
+
+MEASURES: Content[PartList] = Content("measures", part_list_of, ("tolerance",), _is_body)
