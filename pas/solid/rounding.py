@@ -190,12 +190,11 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
     meeting = dict.fromkeys(frozenset(edge.planes) for edge in among)
     meeting |= dict.fromkeys(vertex for edge in among for vertex in edge.vertices if chosen.issuperset(vertex))
     patches = {some: RoundPatch.of([plane for plane in planes if plane in some], radius, order) for some in meeting}
-    claims = tuple(_claims(patches))
     tree = combined(False, solid.tree, *(patch.rest for patch in patches.values()))
     vertices = {vertex for edge in edges for vertex in edge.vertices}
     simple = len(planes) == len(parts) and 2 * len(edges) == 3 * len(vertices)
     body = RoundedBody(edges=edges, patches=patches, radius=to_float(radius)) if simple else None
-    return replace(solid, tree=tree, joints=(*solid.joints, *claims), sheets=body)
+    return replace(solid, tree=tree, joints=(*solid.joints, *_claims(patches)), sheets=body)
 
 
 def _edges(planes: Sequence[PlaneFace], chosen: set[PlaneFace]) -> Iterator[StraightEdge]:
@@ -214,18 +213,16 @@ def _edges(planes: Sequence[PlaneFace], chosen: set[PlaneFace]) -> Iterator[Stra
         ends: list[list[EdgeEnd]] = [[], []]
         for plane in planes:
             slope, value = dot(plane.normal, way), dot(plane.normal, start) + plane.offset
-            if slope == 0 and value > 0 and plane not in pair:
+            if slope == 0 and value > 0:
                 break
             if slope == 0:
                 continue
             moves = {p: -p.length * dot(plane.normal, step) / (square * slope) for p, step in steps.items()}
             found = EdgeEnd(plane, -value / slope, {**moves, plane: -plane.length / slope})
             side = int(slope > 0)
-            sooner = (found.place - ends[side][0].place) * (1 if side else -1) if ends[side] else fmpq(-1)
-            if sooner < 0:
-                ends[side] = []
-            if sooner <= 0:
-                ends[side].append(found)
+            ahead = (found.place - ends[side][0].place) * (1 if side else -1) if ends[side] else fmpq(-1)
+            if ahead <= 0:
+                ends[side] = [*ends[side], found] if ahead == 0 else [found]
             if all(ends) and ends[1][0].place <= ends[0][0].place:
                 break
         else:
