@@ -17,7 +17,7 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import ArrayLike
 
-from pas.algebra.affine import Affine, reflection, rotation, scaling, translation
+from pas.algebra.affine import Affine, numbered, reflection, rotation, scaling, translation, translations, turns
 from pas.algebra.inputs import points_of, shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, rational
@@ -80,6 +80,23 @@ class Profile:
         """The profile reflected in the line through `center` with a normal."""
         n = plane_point(normal, "normal")
         return self._moved(reflection((*n, 0), (*plane_point(center, "center"), 0)))
+
+    def pattern(self, count: int, offset: Sequence[Exact]) -> Profile:
+        """`count` copies as one profile, each moved by `offset`, two numbers; see `Solid.pattern`."""
+        return self._patterned(translations(count, (*plane_point(offset, "offset"), 0)))
+
+    def circular_pattern(self, count: int, center: Sequence[Exact] = (0, 0), step: Exact | None = None) -> Profile:
+        """`count` copies turned about a point, evenly all around, or by `step` degrees; see `Solid.pattern`."""
+        return self._patterned(turns(count, (0, 0, 1), (*plane_point(center, "center"), 0), step))
+
+    def _patterned(self, maps: Sequence[Affine]) -> Profile:
+        copies = (self, *(self._moved(map_)._numbered(k) for k, map_ in enumerate(maps, start=2)))
+        return Profile(None, copies, union=True) if maps else self
+
+    def _numbered(self, copy: int) -> Profile:
+        edges = self.loop and tuple(replace(edge, name=numbered(edge.name, copy)) for edge in self.loop.edges)
+        loop = self.loop and replace(self.loop, edges=edges)
+        return replace(self, loop=loop, parts=tuple(part._numbered(copy) for part in self.parts))
 
     def _moved(self, map_: Affine) -> Profile:
         flips = map_.matrix[0][0] * map_.matrix[1][1] < map_.matrix[0][1] * map_.matrix[1][0]

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NoReturn, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pas.algebra.affine import Affine, AffineShape
+from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.algebra.brief import listed
 from pas.algebra.inputs import check_tolerance, points_of
 from pas.algebra.monomials import Floats
@@ -94,6 +94,16 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         moved = map_.points(np.array(self.special_points).reshape(-1, 3))
         points, sheets = tuple((x, y, z) for x, y, z in moved.tolist()), self.sheets and self.sheets.moved(map_)
         return Solid(mapped(self.tree, move), joints, points, sheets)
+
+    def _patterned(self, maps: Sequence[Affine]) -> Solid:
+        copies = [self, *(self._moved(map_) for map_ in maps)]
+        trees, joints = [], []
+        for number, copy in enumerate(copies, start=1):
+            named = partial(numbered, copy=number)
+            trees.append(mapped(copy.tree, lambda atom, named=named: replace(atom, face=named(atom.face))))
+            joints += [Joint(named(j.first), named(j.second), j.along, j.order) for j in copy.joints]
+        points = tuple(point for copy in copies for point in copy.special_points)
+        return Solid(combined(True, *trees), tuple(joints), points, self.sheets if not maps else None)
 
     def cap(self, plane: PolynomialLike, name: str = "cap") -> Solid:
         """The part where `plane <= 0`, with a face of that name where it is cut.
