@@ -13,13 +13,22 @@ PEG = solid.cylinder((3, 0, -1), (3, 0, 2), "1/4", face="hole")
 
 def test_patterns_of_solids_are_unions_of_images():
     row = PEG.pattern(3, (0, 1, 0))
-    assert row.faces == ("hole", "hole start", "hole end", *(f"hole{e} #{k}" for k in (2, 3) for e in ("", " start", " end")))
+    assert row.faces == (
+        "hole",
+        "hole start",
+        "hole end",
+        *(f"hole{e} #{k}" for k in (2, 3) for e in ("", " start", " end")),
+    )
     manual = PEG.renamed("x") | PEG.translate(0, 1, 0).renamed("x") | PEG.translate(0, 2, 0).renamed("x")
     assert row.renamed("x").tree == manual.tree
     ring = PEG.circular_pattern(4, (0, 0, 1))
     points = np.array([(3, 0, 0), (0, 3, 0), (-3, 0, 0), (0, -3, 0), (2, 2, 0)], dtype=float)
     assert ring.contains(points).tolist() == [True] * 4 + [False]
-    centers = [tuple(-p.gradient(np.zeros(3))[:2] / 2) for n, (p,) in ring.polynomials.items() if "start" not in n and "end" not in n]
+    centers = [
+        tuple(-p.gradient(np.zeros(3))[:2] / 2)
+        for n, (p,) in ring.polynomials.items()
+        if "start" not in n and "end" not in n
+    ]
     np.testing.assert_array_equal(centers, [(3, 0), (0, 3), (-3, 0), (0, -3)])
     plate = solid.box((-4, -4, 0), (4, 4, 1)) - ring
     mesh = plate.mesh(0.05)

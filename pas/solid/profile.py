@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 from flint import fmpq
@@ -21,7 +21,7 @@ from pas.algebra.affine import Affine, numbered, reflection, rotation, scaling, 
 from pas.algebra.inputs import points_of, shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, rational
-from pas.errors import GeometryError
+from pas.errors import GeometryError, missing
 from pas.solid.edges import Loop, PlaneEdge, Point, apart
 from pas.solid.extrusion import extruded
 from pas.solid.formulas import Lift, formula, values
@@ -59,10 +59,12 @@ class Profile:
             )
         return Profile(None, (self, replace(other, outside=not other.outside) if less else other), union)
 
-    def __getattr__(self, name: str) -> NoReturn:
-        """Raises `AttributeError`, which says of what solids have that a profile is flat."""
-        flat = "; it is flat: extrude or revolve it first" if hasattr(Solid, name) else ""
-        raise AttributeError(f"a profile has no {name!r}{flat}", name=name, obj=self)
+    if not TYPE_CHECKING:  # else every name would be known
+
+        def __getattr__(self, name: str) -> NoReturn:
+            """Raises `AttributeError` with the nearest name; of what solids have it says that a profile is flat."""
+            error = missing("a profile", name, dir(Profile))
+            raise AttributeError(f"{error}; it is flat: extrude or revolve it first") if hasattr(Solid, name) else error
 
     def translate(self, x: Exact, y: Exact) -> Profile:
         """The profile moved by two numbers (the model's units)."""
@@ -94,8 +96,9 @@ class Profile:
         return Profile(None, copies, union=True) if maps else self
 
     def _numbered(self, copy: int) -> Profile:
-        edges = self.loop and tuple(replace(edge, name=numbered(edge.name, copy)) for edge in self.loop.edges)
-        loop = self.loop and replace(self.loop, edges=edges)
+        loop = self.loop
+        if loop is not None:
+            loop = replace(loop, edges=tuple(replace(edge, name=numbered(edge.name, copy)) for edge in loop.edges))
         return replace(self, loop=loop, parts=tuple(part._numbered(copy) for part in self.parts))
 
     def _moved(self, map_: Affine) -> Profile:

@@ -97,11 +97,12 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     def _patterned(self, maps: Sequence[Affine]) -> Solid:
         copies = [self, *(self._moved(map_) for map_ in maps)]
-        trees, joints = [], []
+        trees: list[Tree] = []
+        joints: list[Joint] = []
         for number, copy in enumerate(copies, start=1):
-            named = partial(numbered, copy=number)
-            trees.append(mapped(copy.tree, lambda atom, named=named: replace(atom, face=named(atom.face))))
-            joints += [Joint(named(j.first), named(j.second), j.along, j.order) for j in copy.joints]
+            trees.append(mapped(copy.tree, partial(_numbered, number)))
+            names = ((numbered(j.first, number), numbered(j.second, number)) for j in copy.joints)
+            joints += [Joint(*pair, j.along, j.order) for pair, j in zip(names, copy.joints, strict=True)]
         points = tuple(point for copy in copies for point in copy.special_points)
         return Solid(combined(True, *trees), tuple(joints), points, self.sheets if not maps else None)
 
@@ -335,6 +336,10 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     def __repr__(self) -> str:
         return listed("<Solid with faces", self.faces)
+
+
+def _numbered(copy: int, atom: Atom) -> Atom:
+    return replace(atom, face=numbered(atom.face, copy))
 
 
 def patch(name: str, polynomial: PolynomialLike, *region: PolynomialLike) -> Solid:
