@@ -101,8 +101,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         joints: list[Joint] = []
         for number, copy in enumerate(copies, start=1):
             trees.append(mapped(copy.tree, partial(_numbered, number)))
-            names = ((numbered(j.first, number), numbered(j.second, number)) for j in copy.joints)
-            joints += [Joint(*pair, j.along, j.order) for pair, j in zip(names, copy.joints, strict=True)]
+            joints += [copied(joint, number) for joint in copy.joints]
         points = tuple(point for copy in copies for point in copy.special_points)
         return Solid(combined(True, *trees), tuple(joints), points, self.sheets if not maps else None)
 
