@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, NoReturn, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pas.algebra.affine import Affine, AffineShape, numbered
+from pas.algebra.affine import Affine, AffineShape
 from pas.algebra.brief import listed
 from pas.algebra.inputs import check_tolerance, points_of
 from pas.algebra.monomials import Floats
@@ -38,7 +38,7 @@ from pas.solid.linked import SolidBoundary, united
 from pas.solid.measures import Measures, curved_measures
 from pas.solid.sheets import face_mesh, merged
 from pas.solid.shell import shelled
-from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, image, mapped
+from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, copied, image, mapped
 from pas.verdicts import Findings, Verdict
 
 
@@ -96,14 +96,11 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         return Solid(mapped(self.tree, move), joints, points, sheets)
 
     def _patterned(self, maps: Sequence[Affine]) -> Solid:
-        copies = [self, *(self._moved(map_) for map_ in maps)]
-        trees: list[Tree] = []
-        joints: list[Joint] = []
-        for number, copy in enumerate(copies, start=1):
-            trees.append(mapped(copy.tree, partial(_numbered, number)))
-            joints += [copied(joint, number) for joint in copy.joints]
-        points = tuple(point for copy in copies for point in copy.special_points)
-        return Solid(combined(True, *trees), tuple(joints), points, self.sheets if not maps else None)
+        copies = [*enumerate((self, *(self._moved(map_) for map_ in maps)), start=1)]
+        joints = tuple(joint.copied(number) for number, copy in copies for joint in copy.joints)
+        points = tuple(point for _, copy in copies for point in copy.special_points)
+        tree = combined(True, *(copied(copy.tree, number) for number, copy in copies))
+        return Solid(tree, joints, points, None if maps else self.sheets)
 
     def cap(self, plane: PolynomialLike, name: str = "cap") -> Solid:
         """The part where `plane <= 0`, with a face of that name where it is cut.
@@ -335,10 +332,6 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     def __repr__(self) -> str:
         return listed("<Solid with faces", self.faces)
-
-
-def _numbered(copy: int, atom: Atom) -> Atom:
-    return replace(atom, face=numbered(atom.face, copy))
 
 
 def patch(name: str, polynomial: PolynomialLike, *region: PolynomialLike) -> Solid:
