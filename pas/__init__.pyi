@@ -105,7 +105,7 @@ from .parametric.generatrix.blend import GeneratrixBlend as GeneratrixBlend
 from .parametric.generatrix.blend import blend_quadrics as blend_quadrics
 from .parametric.generatrix.blend import generatrix_blend as generatrix_blend
 from .parametric.generatrix.boundary import Boundary as Boundary
-from .parametric.generatrix.branch import QuadricBranch as QuadricBranch
+from .parametric.generatrix.intersection import QuadricBranch as QuadricBranch
 from .parametric.generatrix.intersection import quadric_intersection as quadric_intersection
 from .parametric.generatrix.quadric import Quadric as Quadric
 from .parametric.generatrix.quadric import QuadricKind as QuadricKind

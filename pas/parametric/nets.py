@@ -219,7 +219,7 @@ class PlacedNets(Nets):
     `steps` are the halvings so far, `start` whole numbers of any size.
     """
 
-    start: NDArray[np.object_]
+    start: NDArray[Any]
     steps: Integers
 
     def halves(self, axis: int) -> Self:
