@@ -32,10 +32,9 @@ from pas.errors import GeometryError, NoSolutionError
 from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.parametric.data import AXES, BlendingData
-from pas.parametric.domain import DomainLike
+from pas.parametric.data import AXES, BlendingData, ParametricCertificate, contact_verdicts
 from pas.parametric.hermite import HermiteValues, blending_polynomial, exact_hermite
-from pas.parametric.proofs import ParametricCertificate, contact_verdicts
+from pas.parametric.maps import DomainLike
 from pas.parametric.regularity import regularity
 from pas.parametric.series import Components, taylor, univariate
 from pas.parametric.surface import ParametricSurface

@@ -31,7 +31,7 @@ from pas.bernstein.boxes import box_form
 from pas.bernstein.forms import UNIT_ROUNDOFF, rounded
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.mesh.rows import Integers
-from pas.parametric.domain import Ends, ExactDomain
+from pas.parametric.maps import Ends, ExactDomain
 from pas.parametric.nets import PlacedNets
 from pas.parametric.series import in_one, roots_between
 from pas.verdicts import Status

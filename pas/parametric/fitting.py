@@ -23,8 +23,7 @@ from pas.algebra.rational import exact, to_float
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.errors import GeometryError
 from pas.limits import WorkLimits, checkpoint, limited
-from pas.parametric.domain import DomainLike
-from pas.parametric.maps import ParametricMap
+from pas.parametric.maps import DomainLike, ParametricMap
 from pas.parametric.meshing import distances
 from pas.parametric.nets import Framed, Nets, exact_net, exact_rectangle
 from pas.parametric.patches import Knots, RationalPatch

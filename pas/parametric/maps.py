@@ -10,11 +10,12 @@ regular; `regularity` decides the latter for exact ones.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import cache, cached_property
-from typing import Any, Self
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 from flint import fmpq
@@ -29,11 +30,22 @@ from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import scaled, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, Vector, VectorLike, plain, to_float, vector
+from pas.algebra.rational import Exact, Vector, VectorLike, plain, rational, to_float, to_floats, to_fraction, vector
 from pas.algebra.rational_function import PARAMETERS, RationalFunction
 from pas.limits import checkpoint
-from pas.parametric.domain import Domain, DomainLike, ExactDomain, read_domain
 from pas.parametric.series import Components, composed
+
+Interval = tuple[float, float]
+Domain = tuple[Interval, Interval]
+Ends = tuple[Fraction | None, Fraction | None]
+"""Exact ends; None at infinity."""
+
+IntervalLike: TypeAlias = Sequence[Exact | None] | None
+DomainLike: TypeAlias = Sequence[IntervalLike] | None
+"""What is taken for an interval and for two of them; None stands for an end at infinity, and for both."""
+
+ExactDomain = tuple[Ends, Ends]
+PLANE: Domain = ((-math.inf, math.inf), (-math.inf, math.inf))
 
 Text = tuple[str, str, str]
 """Three components as expressions."""
@@ -82,7 +94,7 @@ class ParametricMap:
         exact = [p.exact for p in parts if p.exact is not None]
         if len(exact) == 3:
             whole: Components = (exact[0], exact[1], exact[2])
-            self._fill(names, domain, _exact_values(whole), lambda: whole)
+            self._fill(names, domain, _exact_values(whole), lambda: whole, "", None)
             return
         formulas = [p.formula for p in parts]
         values: Values = lambda t, h: (formulas[0](t, h), formulas[1](t, h), formulas[2](t, h))  # noqa: E731
@@ -109,19 +121,10 @@ class ParametricMap:
         result._fill(_names(parameters), domain, values, source, inexact, text)
         return result
 
-    def _fill(
-        self,
-        parameters: Names,
-        domain: DomainLike,
-        values: Values,
-        source: Callable[[], Components] | None,
-        inexact: str = "",
-        text: Text | None = None,
-    ) -> None:
-        rounded, ends = read_domain(domain, parameters)
-        fields = {"parameters": parameters, "domain": rounded, "ends": ends, "values": values}
-        for name, value in (fields | {"source": source, "inexact": inexact, "text": text}).items():
-            object.__setattr__(self, name, value)
+    def _fill(self, parameters: Names, domain: DomainLike, *others: Any) -> None:
+        """Set the fields, `others` being the last four."""
+        for field, value in zip(fields(self), (parameters, *read_domain(domain, parameters), *others), strict=True):
+            object.__setattr__(self, field.name, value)
 
     @property
     def is_exact(self) -> bool:
@@ -158,8 +161,7 @@ class ParametricMap:
     @property
     def degrees(self) -> tuple[int, int]:
         """The greatest degrees of numerators and denominators in each parameter."""
-        first, second = zip(*(c.degrees for c in self.components), strict=True)
-        return max(first), max(second)
+        return max(c.degrees[0] for c in self.components), max(c.degrees[1] for c in self.components)
 
     @property
     def is_polynomial(self) -> bool:
@@ -180,38 +182,37 @@ class ParametricMap:
         """
         first, second = (np.atleast_1d(np.asarray(v, dtype=float)) for v in (t, h))
         self._check(first, second)
-        result = np.empty((3, len(first), len(second)))
+        result = np.empty((len(first), len(second), 3))
         step = max(1, CHUNK // max(len(second), 1))
         with np.errstate(all="ignore"):
             for start in range(0, len(first), step):
                 checkpoint("evaluating a surface on a grid", start / len(first))
                 rows = slice(start, start + step)
                 for axis, part in enumerate(self.values(first[rows, None], second[None, :])):
-                    result[axis, rows] = part
-        return np.moveaxis(result, 0, -1)
+                    result[rows, :, axis] = part
+        return result
 
     def derivative(self, points: ArrayLike, first: int = 0, second: int = 0) -> Floats:
         """Partial derivatives of orders `first` in t, `second` in h at `points` (..., 2): (..., 3)."""
         orders = check_derivative(first, "first"), check_derivative(second, "second")
-
-        def at(t: Floats, h: Floats) -> tuple[Any, ...]:
-            parts = self.values(*variables(t, h, orders))
-            return tuple(p.derivative(*orders) if isinstance(p, Jet) else 0.0 * t for p in parts)
-
-        return self._chunked(points, at if sum(orders) else self.values, ())
+        return self.partials(points, orders)[..., 0, :] if sum(orders) else self(points)
 
     def tangents(self, points: ArrayLike) -> Floats:
         """Both tangent vectors, dP/dt and dP/dh, at `points` (..., 2): shape (..., 2, 3)."""
+        return self.partials(points, (1, 0), (0, 1))
+
+    def partials(self, points: ArrayLike, *orders: tuple[int, int]) -> Floats:
+        """Partial derivatives of k orders at `points` (..., 2), from one expansion: (..., k, 3)."""
+        highest = max(i for i, _ in orders), max(j for _, j in orders)
 
         def at(t: Floats, h: Floats) -> tuple[Any, ...]:
-            parts = self.values(*variables(t, h, (1, 1)))
-            both = np.zeros((3, 2, *t.shape))
-            for row, part in zip(both, parts, strict=True):
-                if isinstance(part, Jet):
-                    row[0], row[1] = part.derivative(1, 0), part.derivative(0, 1)
-            return tuple(both)
+            result = np.zeros((3, len(orders), *t.shape))
+            for rows, part in zip(result, self.values(*variables(t, h, highest)), strict=True):
+                for row, order in zip(rows, orders, strict=True):
+                    row[:] = part.derivative(*order) if isinstance(part, Jet) else 0.0 if any(order) else part
+            return tuple(result)
 
-        return np.moveaxis(self._chunked(points, at, (2,)), 0, -2)
+        return np.moveaxis(self._chunked(points, at, (len(orders),)), 0, -2)
 
     def normals(self, points: ArrayLike) -> Floats:
         """Unit normals, along dP/dt x dP/dh, at `points` (..., 2): (..., 3); nan where that is zero."""
@@ -242,18 +243,14 @@ class ParametricMap:
         if len(rows) != 3:
             raise ValueError(f"matrix must have 3 rows, not {len(rows)}")
         shift = vector(offset, "offset")
-        table = np.array([[to_float(c) for c in row] for row in rows])
-        start = [to_float(c) for c in shift]
+        table, start = np.array([to_floats(row) for row in rows]), to_floats(shift)
 
         def values(t: Any, h: Any) -> tuple[Any, ...]:
             p = self.values(t, h)
             return tuple(r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + s for r, s in zip(table, start, strict=True))
 
         def source() -> Components:
-            x, y, z = (
-                sum((c * a for c, a in zip(self.components, row, strict=True)), RationalFunction(s, self.parameters))
-                for row, s in zip(rows, shift, strict=True)
-            )
+            x, y, z = (dot(self.components, row) + s for row, s in zip(rows, shift, strict=True))
             return x, y, z
 
         made = source if self.is_exact else None
@@ -330,3 +327,34 @@ def _moved_text(text: Text, rows: Sequence[Vector], shift: Vector) -> Text:
         for row, s in zip(rows, shift, strict=True)
     )
     return x, y, z
+
+
+def read_domain(domain: DomainLike, names: Names) -> tuple[Domain, ExactDomain]:
+    """Two intervals as the user writes them, in doubles and exact: a surface may be singular at 2/3 and regular up to
+    the double below.
+
+    Raises `ValueError` for anything else, empty intervals and ends that doubles do not hold or tell apart.
+    """
+    if domain is None:
+        return PLANE, ((None, None), (None, None))
+    if not hasattr(domain, "__len__") or len(domain) != 2:
+        raise ValueError(f"domain must be two intervals such as ((0, 1), (None, 2)), not {shown(domain)}")
+    (first, exactly), (second, precisely) = (_interval(i, name) for i, name in zip(domain, names, strict=True))
+    return (first, second), (exactly, precisely)
+
+
+def _interval(given: IntervalLike, name: str) -> tuple[Interval, Ends]:
+    interval = (None, None) if given is None else given
+    if isinstance(interval, str) or not hasattr(interval, "__len__") or len(interval) != 2:
+        raise ValueError(f"the domain of {name} must be an interval such as (0, 1), not {shown(interval)}")
+    infinite = [end is None or (isinstance(end, float) and math.isinf(end)) for end in interval]
+    what = f"an end of the domain of {name}"
+    ends = [None if no else rational(end, what) for end, no in zip(interval, infinite, strict=True)]
+    low = -math.inf if ends[0] is None else to_float(ends[0])
+    high = math.inf if ends[1] is None else to_float(ends[1])
+    if any(not no and math.isinf(end) for end, no in zip((low, high), infinite, strict=True)):
+        raise ValueError(f"{what} is beyond the range of doubles (1.8e308): {shown(interval)}")
+    if not low < high:
+        raise ValueError(f"the domain of {name} must be an interval (low, high) with low < high, not {shown(interval)}")
+    first, last = (None if e is None else to_fraction(e) for e in ends)
+    return (low, high), (first, last)

@@ -268,7 +268,9 @@ class Mesher:
             nets = self.whole if len(ends[0]) == len(ends[1]) == 2 else self._net(cell)
             nets = Nets(np.zeros((1, 2, 2, 1)), np.zeros(1)) if nets is None else nets
             none, unseen = np.zeros(1, dtype=np.intp), np.zeros(1)
-            found.append(self._seen(GridCells(nets.table, nets.off, cell[None], none, unseen, unseen, none, unseen > 0)))
+            found.append(
+                self._seen(GridCells(nets.table, nets.off, cell[None], none, unseen, unseen, none, unseen > 0))
+            )
         return found
 
     def _seen(self, cells: GridCells) -> GridCells:

@@ -28,10 +28,9 @@ from pas.bernstein.boxes import box_form
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells
 from pas.bernstein.subdivision import halved, halves
-from pas.mesh.rows import Integers
 from pas.errors import GeometryError
-from pas.parametric.domain import Domain, DomainLike, Interval
-from pas.parametric.maps import ParametricMap
+from pas.mesh.rows import Integers
+from pas.parametric.maps import Domain, DomainLike, Interval, ParametricMap
 
 Rectangle = tuple[tuple[fmpq, fmpq], tuple[fmpq, fmpq]]
 
@@ -152,7 +151,6 @@ def _moved(u: Any, interval: Interval) -> Any:
     coefficients = u.coefficients * width
     coefficients[0, 0] = place
     return Jet(coefficients)
-
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from flint import fmpq
 from pas.algebra.inputs import short, shown
 from pas.algebra.rational import Exact, VectorLike, plain, positive, rational, vector
 from pas.algebra.rational_function import FunctionLike
-from pas.parametric.domain import IntervalLike
+from pas.parametric.maps import IntervalLike
 from pas.parametric.surface import ParametricSurface
 
 COSINE, SINE = "((1 - {0}^2)/(1 + {0}^2))", "(2*{0}/(1 + {0}^2))"

@@ -32,7 +32,7 @@ from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, to_floats
 from pas.errors import GeometryError
 from pas.parametric.generatrix.boundary import Boundary
-from pas.parametric.generatrix.paths import on_unit_interval
+from pas.parametric.generatrix.paths import Curve, on_unit_interval
 from pas.parametric.generatrix.quadric import PLANES, Member, Quadric, Rulings, members, planes_of, rulings, to_array
 from pas.parametric.generatrix.sections import Conic, ConicKind, conic_section
 
@@ -139,7 +139,8 @@ class QuadricBranch:
         flat, step = array.ravel(), 1e-5  # for the speed alone: the direction comes from the gradients
         change = (self.local(flat + step) - self.local(flat - step)) / (2 * step)
         points = self.local(flat)
-        along = unit(np.cross(*(q.polynomial.gradient(points) for q in self.pair.local)))
+        first, second = (q.polynomial.gradient(points) for q in self.pair.local)
+        along = unit(np.cross(first, second))
         return np.asarray((change * along).sum(axis=1, keepdims=True) * along).reshape(*array.shape, 3)
 
     def on(
@@ -156,21 +157,13 @@ class QuadricBranch:
         if interval is None and not self.closed:
             poles = ", ".join(f"{p:.4g}" for p in self.poles)
             raise GeometryError(f"{name} goes to infinity at s = {poles}: say which part, interval=(low, high)")
-        low, high = (0.0, 1.0) if interval is None else on_unit_interval(interval, name)[0]
-        inside = [p for p in self.poles for k in (-1, 0, 1) if low <= p + k <= high]
+        ends = (0.0, 1.0) if interval is None else on_unit_interval(interval, name)[0]
+        inside = [p for p in self.poles for k in (-1, 0, 1) if ends[0] <= p + k <= ends[1]]
         if inside:
             raise GeometryError(f"{name} goes to infinity at s = {inside[0]:.4g}, inside the interval")
-        width, near = high - low, self.pair.local[number].polynomial
-        return Boundary(
-            lambda s: self(low + width * s),
-            lambda s: width * self.derivative(low + width * s),
-            lambda s: near.gradient(self.local(low + width * s)),
-            has_normal=True,
-            closed=interval is None,
-            name=name,
-            side=side,
-            surface=f,
-        )
+        near, shut = self.pair.local[number].polynomial, interval is None
+        field: Curve = lambda s: near.gradient(self.local(s))  # noqa: E731
+        return Boundary.part(self, self.derivative, field, ends, shut, name=name, side=side, surface=f)
 
     def homogeneous(self, s: Floats) -> Floats:
         """Homogeneous points (n, 4) of length one at s (n,) on the straight lines, before Newton's step."""

@@ -32,10 +32,9 @@ from pas.algebra.brief import brief
 from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Vector, rational, square_root, to_float, to_floats, to_fraction
+from pas.algebra.rational import Vector, square_root, to_floats, to_fraction
 from pas.algebra.roots import between, real_roots
 from pas.parametric.hermite import taylor_basis
-
 
 Inertia = tuple[int, int]
 """Numbers of positive and of negative eigenvalues."""
@@ -171,7 +170,6 @@ def plane_text(normal: Vector, offset: fmpq) -> str:
     x, y, z = normal
     equation = Polynomial({(1, 0, 0): x, (0, 1, 0): y, (0, 0, 1): z, (0, 0, 0): -offset})
     return f"{short(str(equation))} = 0"
-
 
 
 PLANES = ((1, 1), (1, 0), (0, 1))
