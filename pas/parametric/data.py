@@ -11,7 +11,6 @@ then) all partial derivatives up to order k agree along the curve.  How T was ma
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -27,6 +26,7 @@ from pas.algebra.rational_function import ONE, RationalFunction
 from pas.errors import GeometryError
 from pas.parametric.hermite import Expansion, distinct
 from pas.parametric.maps import Domain, ExactDomain, read_domain
+from pas.parametric.nets import finite_part
 from pas.parametric.series import Components, rounded_roots, taylor, univariate
 from pas.parametric.surface import ParametricSurface
 from pas.verdicts import Status, Verdict, Verdicts
@@ -99,11 +99,8 @@ class BlendingData:
     @property
     def ends(self) -> ExactDomain:
         """Where a blend is defined: the common t of all surfaces, h from the least value to the greatest; exact."""
-        lows, highs = ([s.ends[0][side] for s in self.surfaces] for side in (0, 1))
-        low, high = (
-            max((e for e in lows if e is not None), default=None),
-            min((e for e in highs if e is not None), default=None),
-        )
+        lows, highs = ([s.ends[0][side] for s in self.surfaces if s.ends[0][side] is not None] for side in (0, 1))
+        low, high = max(lows, default=None), min(highs, default=None)
         if low is not None and high is not None and not low < high:
             raise GeometryError(
                 f"the domains of the surfaces have no t in common (from {float(low):.6g} to {float(high):.6g})"
@@ -169,9 +166,8 @@ class BlendingData:
                 if taylor(component.denominator, value, 0)[0].is_zero():
                     raise GeometryError(f"{name}: the denominator of {axis} vanishes there for every t; move its value")
             return
-        low, high = surface.domain[0]
-        start = low if math.isfinite(low) else high - 1 if math.isfinite(high) else -1.0
-        places = start + ((high if math.isfinite(high) else start + 2) - start) * np.array([1, 2, 3, 5, 6]) / 7
+        low, high = finite_part(surface.domain[0])
+        places = low + (high - low) * np.array([1, 2, 3, 5, 6]) / 7
         if not np.isfinite(surface.with_domain(None).on_grid(places, to_float(value))).all(axis=-1).any():
             raise GeometryError(f"{name}: it has no finite value there")
 
@@ -189,9 +185,7 @@ def _expansion(component: RationalFunction, value: fmpq, order: int) -> Expansio
     above = taylor(component.numerator, value, order)
     below = taylor(component.denominator, value, order)
     lead = below[0]
-    powers = [fmpq_poly([1])]
-    for _ in range(order + 1):
-        powers.append(powers[-1] * lead)
+    powers = [lead**j for j in range(order + 2)]
     if all(d.is_zero() for d in below[1:]):
         tops, bottom = above, lead
     else:
@@ -246,8 +240,7 @@ def contact_verdicts(surface: ParametricSurface, data: BlendingData, order: int)
 
 def contact_order(first: RationalFunction, second: RationalFunction, value: fmpq, highest: int) -> int:
     """The greatest j <= highest up to which all derivatives in h agree at h = value; -1 for none."""
-    parts = (first.numerator, first.denominator, second.numerator, second.denominator)
-    a, b, c, d = (taylor(p, value, highest) for p in parts)
+    a, b, c, d = (taylor(p, value, highest) for f in (first, second) for p in (f.numerator, f.denominator))
     if b[0].is_zero() or d[0].is_zero():
         return -1
     for j in range(highest + 1):
@@ -271,10 +264,8 @@ def _contact(surface: ParametricSurface, other: ParametricSurface, value: fmpq, 
 
 def _compared(surface: ParametricSurface, other: ParametricSurface, value: fmpq, order: int, claim: str) -> Verdict:
     """What derivatives at points along the curve say, where identities are out of reach."""
-    samples, (low, high) = 64, surface.domain[0]
-    start = low if math.isfinite(low) else min(-1.0, high - 1.0)
-    stop = high if math.isfinite(high) else start + 2.0
-    points = np.column_stack([np.linspace(start, stop, samples), np.full(samples, to_float(value))])
+    samples, interval = 64, finite_part(surface.domain[0])
+    points = np.column_stack([np.linspace(*interval, samples), np.full(samples, to_float(value))])
     worst, size, compared = 0.0, 0.0, 0
     for j in range(order + 1):
         both = np.stack([s.with_domain(None).derivative(points, 0, j) for s in (surface, other)])

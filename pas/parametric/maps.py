@@ -30,7 +30,18 @@ from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import scaled, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, Vector, VectorLike, plain, rational, to_float, to_floats, to_fraction, vector
+from pas.algebra.rational import (
+    Exact,
+    Vector,
+    VectorLike,
+    dot,
+    plain,
+    rational,
+    to_float,
+    to_floats,
+    to_fraction,
+    vector,
+)
 from pas.algebra.rational_function import PARAMETERS, RationalFunction
 from pas.limits import checkpoint
 from pas.parametric.series import Components, composed
@@ -45,7 +56,6 @@ DomainLike: TypeAlias = Sequence[IntervalLike] | None
 """What is taken for an interval and for two of them; None stands for an end at infinity, and for both."""
 
 ExactDomain = tuple[Ends, Ends]
-PLANE: Domain = ((-math.inf, math.inf), (-math.inf, math.inf))
 
 Text = tuple[str, str, str]
 """Three components as expressions."""
@@ -58,16 +68,14 @@ CHUNK = 1 << 14
 class ParametricMap:
     """A map (x, y, z)(t, h).
 
-    Each of `x`, `y`, `z` is a string (`"2*t/(1 + t^2)"`, `"h*sin(t)"`), a sympy expression, a
-    number, or a callable of two numpy arrays.  It is exact where all three are rational functions
-    with rational coefficients.  `domain` is a pair of closed intervals, `((0, 1), (None, 2))`,
-    None for an end at infinity; without it the domain is the whole plane.  It is kept in doubles,
-    and `ends` has the exact numbers, None for infinite ones.
+    Each of `x`, `y`, `z` is a string (`"2*t/(1 + t^2)"`, `"h*sin(t)"`), a sympy expression, a number, or a callable of
+    two numpy arrays.  It is exact where all three are rational functions with rational coefficients.  `domain` is a
+    pair of closed intervals, `((0, 1), (None, 2))`, None for an end at infinity; without it the domain is the whole
+    plane.  It is kept in doubles, and `ends` has the exact numbers, None for infinite ones.
 
-    Derivatives of callables are automatic: by Taylor arithmetic through numpy's elementary
-    functions, else by central differences (relative error about 1e-10 for the first, 1e-7 for the
-    second).  Or give them: `derivatives` maps orders (i, j) to a callable that returns the three
-    components of d^(i+j) P / dt^i dh^j; then no others are made up.
+    Derivatives of callables are automatic: by Taylor arithmetic through numpy's elementary functions, else by central
+    differences (relative error about 1e-10 for the first, 1e-7 for the second).  Or give them: `derivatives` maps
+    orders (i, j) to a callable that returns the three components of d^(i+j) P / dt^i dh^j; then no others are made up.
 
     Raises `ValueError` for unknown variables, unreadable expressions or an empty domain.
     """
@@ -113,10 +121,8 @@ class ParametricMap:
         inexact: str = "",
         text: Text | None = None,
     ) -> Self:
-        """A map with its own way of evaluation; `source` makes its exact components when asked.
-
-        `text` are expressions that come to the same, where there are any: they can be saved.
-        """
+        """A map with its own way of evaluation; `source` makes its exact components when asked, `text` are expressions
+        that come to the same, where there are any: they can be saved."""
         result = cls.__new__(cls)
         result._fill(_names(parameters), domain, values, source, inexact, text)
         return result
@@ -313,34 +319,29 @@ def _exact_values(components: Components) -> Values:
 
 def _text_of(expressions: Sequence[Any]) -> Text | None:
     """The expressions as strings; None where one is a callable."""
-    found: list[Any] = [as_text(e) if hasattr(e, "free_symbols") or isinstance(e, str) else e for e in expressions]
-    if any(callable(e) and not isinstance(e, RationalFunction) for e in found):
+    if any(callable(e) and not isinstance(e, RationalFunction) and not hasattr(e, "free_symbols") for e in expressions):
         return None
-    x, y, z = (e if isinstance(e, str) else str(RationalFunction(e)) for e in found)
+    x, y, z = (as_text(e) or str(RationalFunction(e)) for e in expressions)
     return x, y, z
 
 
 def _moved_text(text: Text, rows: Sequence[Vector], shift: Vector) -> Text:
     """The expressions after p -> rows p + shift."""
-    x, y, z = (
-        " + ".join([*(f"({plain(c)})*({e})" for c, e in zip(row, text, strict=True)), f"({plain(s)})"])
-        for row, s in zip(rows, shift, strict=True)
-    )
+    parts = ([f"({plain(c)})*({e})" for c, e in zip(row, text, strict=True)] for row in rows)
+    x, y, z = (" + ".join([*part, f"({plain(s)})"]) for part, s in zip(parts, shift, strict=True))
     return x, y, z
 
 
 def read_domain(domain: DomainLike, names: Names) -> tuple[Domain, ExactDomain]:
-    """Two intervals as the user writes them, in doubles and exact: a surface may be singular at 2/3 and regular up to
-    the double below.
+    """Two intervals as the user writes them, in doubles and exact, as proofs take them.
 
     Raises `ValueError` for anything else, empty intervals and ends that doubles do not hold or tell apart.
     """
-    if domain is None:
-        return PLANE, ((None, None), (None, None))
+    domain = (None, None) if domain is None else domain
     if not hasattr(domain, "__len__") or len(domain) != 2:
         raise ValueError(f"domain must be two intervals such as ((0, 1), (None, 2)), not {shown(domain)}")
-    (first, exactly), (second, precisely) = (_interval(i, name) for i, name in zip(domain, names, strict=True))
-    return (first, second), (exactly, precisely)
+    first, second = (_interval(i, name) for i, name in zip(domain, names, strict=True))
+    return (first[0], second[0]), (first[1], second[1])
 
 
 def _interval(given: IntervalLike, name: str) -> tuple[Interval, Ends]:

@@ -72,6 +72,13 @@ def finite_domain(surface: ParametricMap, domain: DomainLike = None) -> Domain:
     return first, second
 
 
+def finite_part(interval: Interval) -> Interval:
+    """An interval itself, or of an infinite one a part, at least 2 long, in which samples are taken."""
+    low, high = interval
+    start = low if math.isfinite(low) else min(-1.0, high - 2.0)
+    return start, high if math.isfinite(high) else max(1.0, start + 2.0)
+
+
 @dataclass(frozen=True)
 class Framed:
     """`surface` is P(low + (high - low) u, ...) / 2^exponent over [0, 1]^2, with `bounded` P and its finite domain."""

@@ -11,7 +11,6 @@ for at some hundred places.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -24,6 +23,7 @@ from pas.certify.graph_proofs import crossed
 from pas.errors import GeometryError
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Integers
+from pas.mesh.topology import Edges
 from pas.parametric.maps import ParametricMap
 from pas.parametric.tiling import closes
 from pas.solid.functions import Distance
@@ -208,20 +208,16 @@ class FlatEnd(Distance):
     def __init__(self, distance: SurfaceDistance, number: int) -> None:
         self.distance, self.number = distance, number
 
-    @cached_property
+    @property
     def edge(self) -> FlatEdge:
         """Where the surface ends."""
         return self.distance.edges[self.number]
-
-    @cached_property
-    def _tree(self) -> cKDTree:
-        return cKDTree(self.edge.loop)
 
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4)."""
         edge, gap = self.edge, self.distance.gap
         heights = edge.heights(points)
-        near = np.isfinite(self._tree.query(points, distance_upper_bound=NEAR * gap)[0])
+        near = np.isfinite(cKDTree(edge.loop).query(points, distance_upper_bound=NEAR * gap)[0])  # of AROUND points
         far = np.flatnonzero(~near)
         near[far] = edge.covers(points[far])
         high = far[near[far] & (heights[far] > 0)]  # of which some are in other parts of the body
@@ -275,7 +271,7 @@ def closed(surface: ParametricMap, mesh: Mesh) -> tuple[tuple[FlatEdge, ...], fl
     """
     assert mesh.parameters is not None
     size = float(np.ptp(mesh.points, axis=0).max())
-    around, used = _boundary_edges(mesh.triangles), np.zeros(len(mesh.points), dtype=bool)
+    around, used = Edges(mesh.triangles, len(mesh.points)).rim, np.zeros(len(mesh.points), dtype=bool)
     wraps = [closes(surface, axis, size) for axis in (0, 1)]
     edges, fans = list[FlatEdge](), list[Integers]()
     for axis, side in product((0, 1), (0, 1)):
@@ -293,18 +289,14 @@ def closed(surface: ParametricMap, mesh: Mesh) -> tuple[tuple[FlatEdge, ...], fl
     points = np.concatenate([mesh.points, *(edge.middle[None] for edge in edges)])
     triangles = np.concatenate([mesh.triangles, *fans])
     side_of = -1.0 if float(np.linalg.det(points[triangles] - points.mean(axis=0)).sum()) < 0 else 1.0
-    turned = [_outwards(edge, points[fan], side_of) for edge, fan in zip(edges, fans, strict=True)]
-    for edge, fan in zip(turned, fans, strict=True):
-        _check_below(edge, mesh, fan, size)
+    turned = []
+    for edge, fan in zip(edges, fans, strict=True):
+        a, b, c = points[fan].transpose(1, 0, 2)
+        up = side_of * float(np.cross(b - a, c - a).sum(axis=0) @ edge.outwards)  # its plane is seen from outside
+        turned.append(replace(edge, outwards=edge.outwards * np.sign(up)))
+        _check_below(turned[-1], mesh, fan, size)
     _check_simple(points, triangles, mesh, side_of, np.unique(around))
     return tuple(turned), side_of
-
-
-def _boundary_edges(triangles: Integers) -> Integers:
-    """The edges (E, 2) of triangles that have no other beside them, turned as these are."""
-    edges = np.stack([triangles, triangles[:, [1, 2, 0]]], axis=2).reshape(-1, 2)
-    size = int(triangles.max()) + 1
-    return np.asarray(edges[~np.isin(edges[:, 0] * size + edges[:, 1], edges[:, 1] * size + edges[:, 0])])
 
 
 def _edge(surface: ParametricMap, axis: int, side: int, size: float) -> FlatEdge:
@@ -325,13 +317,6 @@ def _edge(surface: ParametricMap, axis: int, side: int, size: float) -> FlatEdge
     return FlatEdge(axis, side, loop, middle, outwards)
 
 
-def _outwards(edge: FlatEdge, fan: Floats, side: float) -> FlatEdge:
-    """An edge whose plane is seen from outside, given the triangles (K, 3, 3) that close it, turned as the surface."""
-    a, b, c = fan.transpose(1, 0, 2)
-    up = float(np.cross(b - a, c - a).sum(axis=0) @ edge.outwards) * side
-    return replace(edge, outwards=edge.outwards * np.sign(up))
-
-
 def _check_below(edge: FlatEdge, mesh: Mesh, fan: Integers, size: float) -> None:
     """Raise `GeometryError` where the surface is above the plane of its end beside it."""
     beside = mesh.triangles[np.isin(mesh.triangles, fan).sum(axis=1) > 1]
@@ -345,12 +330,9 @@ def _check_below(edge: FlatEdge, mesh: Mesh, fan: Integers, size: float) -> None
 
 
 def _check_simple(points: Floats, triangles: Integers, mesh: Mesh, side: float, edged: Integers) -> None:
-    """Raise `GeometryError` where a closed mesh is not once around what is just inside of it, or is around what is out.
-
-    Looked at are some vertices that are not among the `edged` ones.
-    """
-    rows = np.setdiff1d(np.unique(mesh.triangles), edged)
-    places = 300  # at which a surface is looked at for passing through itself
+    """Raise `GeometryError` where a closed mesh is not once around what is just inside of it, or is around what is out,
+    at some vertices that are not among the `edged` ones."""
+    rows, places = np.setdiff1d(np.unique(mesh.triangles), edged), 300
     rows = rows[np.unique(np.linspace(0, len(rows) - 1, places).astype(int))]
     step = 4 * (mesh.deviation or 0.0)
     origin = points.max(axis=0) + np.ptp(points, axis=0) * [0.317, 0.419, 0.523]

@@ -99,9 +99,8 @@ def value_at(path: ParametricSurface, s: Floats, order: int = 0) -> Floats:
 def splined(points: ArrayLike, normals: ArrayLike, closed: bool, name: str) -> tuple[Curve, Curve, Curve]:
     """C, C' and N as functions of s in [0, 1]: periodic or natural cubic splines over the chords' lengths.
 
-    The interpolated normals are made perpendicular to C', which changes them between the samples, and at a
-    sample only as far as they were not.  Raises `ValueError` for arrays of other shapes, `GeometryError` for
-    repeated points.
+    The interpolated normals are made perpendicular to C', which changes them between the samples, and at a sample only
+    as far as they were not.  Raises `ValueError` for arrays of other shapes, `GeometryError` for repeated points.
     """
     from scipy.interpolate import CubicSpline
 
