@@ -99,7 +99,7 @@ class BlendingData:
     @property
     def ends(self) -> ExactDomain:
         """Where a blend is defined: the common t of all surfaces, h from the least value to the greatest; exact."""
-        lows, highs = ([s.ends[0][side] for s in self.surfaces if s.ends[0][side] is not None] for side in (0, 1))
+        lows, highs = ([e for s in self.surfaces if (e := s.ends[0][side]) is not None] for side in (0, 1))
         low, high = max(lows, default=None), min(highs, default=None)
         if low is not None and high is not None and not low < high:
             raise GeometryError(

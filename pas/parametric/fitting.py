@@ -70,7 +70,8 @@ def fit_patch(
     By default a thousandth of its extent.  For a blend, of its `surface`.  It interpolates at the Greville abscissae of
     uniform knots (Farin 2002).
 
-    Raises `ValueError` for an infinite domain, `GeometryError` for a pole or where MOST spans do not suffice.
+    Raises `TypeError` for what is no surface, `ValueError` for an infinite domain, `GeometryError` for a pole or where
+    MOST spans do not suffice.
     """
     whole = surface if isinstance(surface, ParametricSurface) else getattr(surface, "surface", None)
     if not isinstance(whole, ParametricSurface):

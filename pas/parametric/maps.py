@@ -30,19 +30,8 @@ from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import scaled, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import (
-    Exact,
-    Vector,
-    VectorLike,
-    dot,
-    plain,
-    rational,
-    to_float,
-    to_floats,
-    to_fraction,
-    vector,
-)
-from pas.algebra.rational_function import PARAMETERS, RationalFunction
+from pas.algebra.rational import Exact, Vector, VectorLike, plain, rational, to_float, to_floats, to_fraction, vector
+from pas.algebra.rational_function import PARAMETERS, RationalFunction, total
 from pas.limits import checkpoint
 from pas.parametric.series import Components, composed
 
@@ -256,8 +245,8 @@ class ParametricMap:
             return tuple(r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + s for r, s in zip(table, start, strict=True))
 
         def source() -> Components:
-            x, y, z = (dot(self.components, row) + s for row, s in zip(rows, shift, strict=True))
-            return x, y, z
+            x, y, z = (total([c * a for c, a in zip(self.components, row, strict=True)]) for row in rows)
+            return x + shift[0], y + shift[1], z + shift[2]
 
         made = source if self.is_exact else None
         text = None if self.text is None else _moved_text(self.text, rows, shift)

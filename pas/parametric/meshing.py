@@ -200,7 +200,7 @@ class GridCells(Nets):
 
 
 @dataclass
-class Mesher:
+class CellMesher:
     """A mesh of a surface, on its `rectangle`, within a tolerance `wanted` in its frame.
 
     Cells are first parts of the rectangle, so many each way; where they are to be `even` none is long that has four

@@ -31,7 +31,7 @@ from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.parametric.maps import DomainLike, ParametricMap
-from pas.parametric.meshing import Mesher
+from pas.parametric.meshing import CellMesher
 from pas.parametric.nets import Framed, exact_rectangle
 from pas.parametric.regularity import regularity
 from pas.parametric.series import Components
@@ -87,7 +87,7 @@ class ParametricSurface(ParametricMap, AffineShape["ParametricSurface"], Shape):
         wanted = RELATIVE_TOLERANCE * framed.size
         if tolerance is not None:
             wanted = framed.inside(check_tolerance(tolerance, framed.outside(framed.size)))
-        makers = (Mesher(framed, rectangle, wanted, *way).mesh for way in WAYS[how])
+        makers = (CellMesher(framed, rectangle, wanted, *way).mesh for way in WAYS[how])
         return self._kept((wanted, rectangle, how), lambda: how.best_of(makers))
 
     def _moved(self, map_: Affine) -> ParametricSurface:
