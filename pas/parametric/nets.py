@@ -208,13 +208,15 @@ class Nets(Cells):
         """The first halves of all cells along a parameter, then the second ones."""
         greatest = np.abs(self.table).max(axis=(1, 2, 3))
         off = self.off + (self.table.shape[1 + axis] + 2) * UNIT_ROUNDOFF * greatest
-        both = self.joined([self])
-        return replace(both, table=np.concatenate(halved(self.table, axis)), off=np.concatenate([off, off]))
+        others = {name: np.concatenate([a, a]) for name, a in self._arrays.items() if name not in ("table", "off")}
+        return replace(self, table=np.concatenate(halved(self.table, axis)), off=np.concatenate([off, off]), **others)
 
     def split(self, axes: Integers) -> Self:
         """Both halves of all cells, each along a parameter of its own, `axes` (C,)."""
-        first, *others = (self.select(axes == axis).halves(int(axis)) for axis in np.unique(axes))
-        return first.joined(others)
+        if axes.min() == axes.max():
+            return self.halves(int(axes[0]))
+        first, second = (self.select(axes == axis).halves(axis) for axis in (0, 1))
+        return first.joined([second])
 
 
 @dataclass(frozen=True)
