@@ -42,6 +42,18 @@ def ball_on_a_plate() -> solid.Solid:
     return solid.box((-2, -2, -1), (2, 2, 0), face="plate") | solid.ball((0, 0, "1/2"), 1, face="ball")
 
 
+def two_balls() -> solid.Solid:
+    return solid.ball((0, 0, 0), 1, face="a") | solid.ball((0, 0, "3/2"), "3/4", face="b")
+
+
+def peg_on_a_ball() -> solid.Solid:
+    return solid.ball((0, 0, 0), 1, face="a") | solid.cylinder((0, 0, 0), (0, 0, 2), "3/5", face="b")
+
+
+def cone_on_a_rod() -> solid.Solid:
+    return solid.cylinder((0, 0, 0), (0, 0, 1), 1, face="a") | solid.cone((0, 0, 1), (0, 0, "7/4"), 1, 0, face="b")
+
+
 CORNER = 1 - np.pi / 4  # of a square of side 1 that a circle of radius 1 does not cover
 CASES = {
     "edge of a box": (box, ("box x+", "box y+"), "1/2", -CORNER / 4),
@@ -90,26 +102,9 @@ TORI = {
     "rim": (lambda: solid.cylinder((0, 0, 0), (0, 0, 2), "3/4"), ("cylinder", "cylinder end"), "0.123456", 0.626544),
     "hole": (plate, ("plate z+", "hole"), "1/4", 5 / 4),
     "ball": (ball_on_a_plate, ("plate z+", "ball"), "1/4", 1.5**0.5),
-    "two balls": (
-        lambda: solid.ball((0, 0, 0), 1, face="a") | solid.ball((0, 0, "3/2"), "3/4", face="b"),
-        ("a", "b"),
-        "1/4",
-        (25 / 16 - (155 / 144) ** 2 + 1 / 12 * 0) ** 0.5,
-    ),
-    "peg on a ball": (
-        lambda: solid.ball((0, 0, 0), 1, face="a") | solid.cylinder((0, 0, 0), (0, 0, 2), "3/5", face="b"),
-        ("a", "b"),
-        "1/4",
-        0.85,
-    ),
-    "cone on a rod": (
-        lambda: (
-            solid.cylinder((0, 0, 0), (0, 0, 1), 1, face="a") | solid.cone((0, 0, 1), (0, 0, "7/4"), 1, 0, face="b")
-        ),
-        ("a", "b"),
-        "1/4",
-        3 / 4,
-    ),
+    "two balls": (two_balls, ("a", "b"), "1/4", (25 / 16 - (15 / 16) ** 2) ** 0.5),
+    "peg on a ball": (peg_on_a_ball, ("a", "b"), "1/4", 0.85),
+    "cone on a rod": (cone_on_a_rod, ("a", "b"), "1/4", 3 / 4),
 }
 
 
