@@ -39,7 +39,7 @@ from pas.solid.linked import SolidBoundary, united
 from pas.solid.measures import Measures, curved_measures
 from pas.solid.sheets import face_mesh, merged
 from pas.solid.shell import shelled
-from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, image, mapped
+from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, copied, image, mapped
 from pas.verdicts import Findings, Verdict
 
 CARRIER_OF = "pas.exchange.step.carriers:carrier_of"
@@ -98,6 +98,13 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         moved = map_.points(np.array(self.special_points).reshape(-1, 3))
         points, sheets = tuple((x, y, z) for x, y, z in moved.tolist()), self.sheets and self.sheets.moved(map_)
         return Solid(mapped(self.tree, move), joints, points, sheets)
+
+    def _patterned(self, maps: Sequence[Affine]) -> Solid:
+        copies = [*enumerate((self, *(self._moved(map_) for map_ in maps)), start=1)]
+        joints = tuple(joint.copied(number) for number, copy in copies for joint in copy.joints)
+        points = tuple(point for _, copy in copies for point in copy.special_points)
+        tree = combined(True, *(copied(copy.tree, number) for number, copy in copies))
+        return Solid(tree, joints, points, None if maps else self.sheets)
 
     def cap(self, plane: PolynomialLike, name: str = "cap") -> Solid:
         """The part where `plane <= 0`, with a face of that name where it is cut.
