@@ -125,9 +125,7 @@ class Boundary:
         if path.is_exact and vectors.is_exact:
             exact = ExactCurve(path.components, vectors.components, tangent is None)
         field: Curve = lambda s: value_at(vectors, s)  # noqa: E731
-        return cls.part(
-            *_along(path), field, closed=closed, name=name, has_normal=tangent is None, exact=exact, side=side
-        )
+        return part(*_along(path), field, closed=closed, name=name, has_normal=tangent is None, exact=exact, side=side)
 
     @classmethod
     def on_implicit(
@@ -156,7 +154,7 @@ class Boundary:
         else:
             require_on(f, path, name)
         field: Curve = lambda s: f.gradient(value_at(path, s))  # noqa: E731
-        return cls.part(*_along(path), field, closed=closed, name=name, exact=exact, side=side, surface=f)
+        return part(*_along(path), field, closed=closed, name=name, exact=exact, side=side, surface=f)
 
     @classmethod
     def on_parametric(
@@ -186,30 +184,7 @@ class Boundary:
 
         parameters: Curve = lambda s: curve.parameters(low + (high - low) * s)  # noqa: E731
         known: dict[str, Any] = {"exact": exact, "surface": curve.surface, "parameters": parameters}
-        return cls.part(curve, curve.derivative, field, ends, closed=closed, name=name, side=side, **known)
-
-    @classmethod
-    def part(
-        cls,
-        curve: Curve,
-        velocity: Curve,
-        direction: Curve,
-        ends: tuple[float, float] = (0.0, 1.0),
-        closed: bool | None = None,
-        has_normal: bool = True,
-        **others: Any,
-    ) -> Boundary:
-        """The part of a curve between two of its parameters; `closed` None: as it is found to be."""
-        low, width = ends[0], ends[1] - ends[0]
-        shut = closes(curve(low + width * CHECKED)) if closed is None else closed
-        return cls(
-            lambda s: curve(low + width * s),
-            lambda s: width * velocity(low + width * s),
-            lambda s: direction(low + width * s),
-            has_normal,
-            shut,
-            **others,
-        )
+        return part(curve, curve.derivative, field, ends, closed=closed, name=name, side=side, **known)
 
     @classmethod
     def from_points(
@@ -289,6 +264,28 @@ class Boundary:
     def _shaped(self, function: Curve, s: ArrayLike) -> Floats:
         own = self.own(s)
         return np.asarray(function(own.ravel()), dtype=float).reshape(*own.shape, 3)
+
+
+def part(
+    curve: Curve,
+    velocity: Curve,
+    direction: Curve,
+    ends: tuple[float, float] = (0.0, 1.0),
+    closed: bool | None = None,
+    has_normal: bool = True,
+    **others: Any,
+) -> Boundary:
+    """The part of a curve between two of its parameters; `closed` None: as it is found to be."""
+    low, width = ends[0], ends[1] - ends[0]
+    shut = closes(curve(low + width * CHECKED)) if closed is None else closed
+    return Boundary(
+        lambda s: curve(low + width * s),
+        lambda s: width * velocity(low + width * s),
+        lambda s: direction(low + width * s),
+        has_normal,
+        shut,
+        **others,
+    )
 
 
 def _along(path: ParametricSurface) -> tuple[Curve, Curve]:

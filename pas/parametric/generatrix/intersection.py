@@ -31,7 +31,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, to_floats
 from pas.errors import GeometryError
-from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.boundary import Boundary, part
 from pas.parametric.generatrix.paths import Curve, on_unit_interval
 from pas.parametric.generatrix.quadric import PLANES, Member, Quadric, Rulings, members, planes_of, rulings, to_array
 from pas.parametric.generatrix.sections import Conic, ConicKind, conic_section
@@ -163,7 +163,7 @@ class QuadricBranch:
             raise GeometryError(f"{name} goes to infinity at s = {inside[0]:.4g}, inside the interval")
         near, shut = self.pair.local[number].polynomial, interval is None
         field: Curve = lambda s: near.gradient(self.local(s))  # noqa: E731
-        return Boundary.part(self, self.derivative, field, ends, shut, name=name, side=side, surface=f)
+        return part(self, self.derivative, field, ends, shut, name=name, side=side, surface=f)
 
     def homogeneous(self, s: Floats) -> Floats:
         """Homogeneous points (n, 4) of length one at s (n,) on the straight lines, before Newton's step."""

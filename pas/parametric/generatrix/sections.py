@@ -24,7 +24,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import PolynomialLike
 from pas.algebra.rational import Exact, Vector, dot, exact, to_float, to_floats, two_across
 from pas.errors import GeometryError
-from pas.parametric.generatrix.boundary import Boundary, ContactBounds
+from pas.parametric.generatrix.boundary import Boundary, ContactBounds, part
 from pas.parametric.generatrix.paths import on_unit_interval
 from pas.parametric.generatrix.quadric import Quadric, plane_text, read_plane, to_array
 
@@ -123,7 +123,7 @@ def plane_section(
     if not closed and interval is not None:
         ends, _ = on_unit_interval(interval, name)
     sign = branch if conic.kind is ConicKind.HYPERBOLA else 1
-    return Boundary.part(
+    return part(
         lambda u: conic(u, 0, sign),
         lambda u: conic(u, 1, sign),
         lambda u: f.gradient(conic(u, 0, sign)),
