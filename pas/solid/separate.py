@@ -64,7 +64,9 @@ def _is_within(tree: Tree, box: Floats) -> bool:
     """Whether a set lies in a box (2, 3), and is not empty."""
     evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
     beyond = box.mean(axis=0) + np.array(list(product((-2.0, 2.0), repeat=3))) * np.ptp(box, axis=0)
-    if evaluator.inside(evaluator.signs(beyond)).any():  # as is the complement of most, whose box takes long to look for
+    if evaluator.inside(
+        evaluator.signs(beyond)
+    ).any():  # as is the complement of most, whose box takes long to look for
         return False
     try:
         own = bounding_box(tree)
