@@ -3,7 +3,7 @@
 import pas
 
 tubes = [((0, 0, 1), 18), ((0, 0, -1), 18), ((4, 0, -3), 16)]  # directions and radii
-lug = pas.node(tubes, order=2).hollow("3/2")
+lug = pas.node(tubes, order=1).hollow("3/2")
 part = lug.solid(length=12)
 
 if __name__ == "__main__":
