@@ -12,10 +12,10 @@ import pytest
 import pas
 from pas import solid
 from pas.exchange.formats import step as module
+from pas.exchange.formats.step import write_parts
 from pas.exchange.rational import ball_patches, cone_patches, cylinder_patches, torus_patches
 from pas.exchange.step.borders import CurveKind, curve_through
 from pas.exchange.step.carriers import CarrierKind, carrier_of, reducible_planes
-from pas.exchange.step.documents import write_parts
 from pas.exchange.step.model import adaptive_volume, explored, is_valid, step_part
 from pas.exchange.write import write_step
 from pas.parametric.patches import RationalPatch
@@ -360,7 +360,7 @@ def test_nodes_are_as_smooth_in_their_files_as_they_are(ocp, tmp_path, name):
 
 
 def test_a_file_that_would_not_be_the_solid_is_not_written(ocp, tmp_path, monkeypatch):
-    monkeypatch.setattr("pas.exchange.step.documents.adaptive_volume", lambda shape: 2 * adaptive_volume(shape))
+    monkeypatch.setattr("pas.exchange.formats.step.adaptive_volume", lambda shape: 2 * adaptive_volume(shape))
     with pytest.raises(pas.GeometryError, match="no STEP file was written, because the volume of 'a' would be 12"):
         solid.box((0, 0, 0), (3, 2, 1)).write(tmp_path / "a.step")
     assert not list(tmp_path.iterdir())
