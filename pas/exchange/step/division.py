@@ -227,10 +227,11 @@ def _errors(sheet: Sheet, patch: SplinePatch, uv: Floats) -> tuple[float, float]
     """The largest distance of a graph's points from the zeros, to first order, and angle between the normals there."""
     sides = [BSpline(knots, np.eye(len(knots) - DEGREE - 1), DEGREE) for knots in patch.knots]
     (u, du), (v, dv) = ((side(uv[:, i]), side.derivative()(uv[:, i])) for i, side in enumerate(sides))
+    size, poles = len(patch.poles), patch.poles.reshape(len(patch.poles), -1)
     points, by_u, by_v = (
-        np.einsum("ni,ijx,nj->nx", a, patch.poles, b, optimize=True) for a, b in ((u, v), (du, v), (u, dv))
+        np.einsum("njx,nj->nx", (a @ poles).reshape(-1, size, 3), b) for a, b in ((u, v), (du, v), (u, dv))
     )
     jets = sheet.jets(points)
-    size, normals = np.linalg.norm(jets[:, 1:], axis=1), np.cross(by_u, by_v)
-    sines = np.linalg.norm(np.cross(normals, jets[:, 1:]), axis=1) / (size * np.linalg.norm(normals, axis=1))
-    return float((np.abs(jets[:, 0]) / size).max()), float(sines.max())
+    slopes, normals = np.linalg.norm(jets[:, 1:], axis=1), np.cross(by_u, by_v)
+    sines = np.linalg.norm(np.cross(normals, jets[:, 1:]), axis=1) / (slopes * np.linalg.norm(normals, axis=1))
+    return float((np.abs(jets[:, 0]) / slopes).max()), float(sines.max())

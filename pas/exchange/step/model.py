@@ -171,7 +171,7 @@ def step_part(
     found = solid.face_mesh(min(COARSER * within, RELATIVE_TOLERANCE * COARSER * size))
     volume, area = (m * field.scale**k for m, k in zip(curved_measures(found, field), (3, 2), strict=True))
     atlas = Atlas(found.mesh, field)
-    parameters = divide(atlas, within / field.scale / 4, within / size / 4)
+    parameters = divide(atlas, within / field.scale / 4, within / size / 3)
     borders = Borders(atlas, lambda one, other: _order(solid, one, other))
     near = 1e-8  # of splines to the curves in which faces meet, in local coordinates
     maker = ShapeMaker(borders, parameters, [borders.curve(border, near) for border in borders.borders])
@@ -198,7 +198,10 @@ def _order(solid: Solid, one: int, other: int) -> int:
 
 def _joined(solid: Any, name: str) -> Any:
     """A valid solid with faces joined that are on one surface, where what comes of it is as good."""
+    from OCP.BRep import BRep_Tool
+    from OCP.Geom import Geom_BSplineSurface
     from OCP.ShapeUpgrade import ShapeUpgrade_UnifySameDomain
+    from OCP.TopoDS import TopoDS
 
     if not is_valid(solid):
         raise GeometryError(
@@ -207,14 +210,15 @@ def _joined(solid: Any, name: str) -> Any:
         )
     joining = ShapeUpgrade_UnifySameDomain(solid, True, True, False)
     joining.Build()
-    found = joining.Shape()
-    whole = explored(found, "SOLID")
-    if len(whole) != 1 or not is_valid(found):
+    found = explored(joining.Shape(), "SOLID")
+    if len(found) != 1 or not is_valid(found[0]):
         return solid
-    before, after = adaptive_volume(solid), adaptive_volume(found)
-    # Share of a solid's volume by which that with joined faces may differ, twice what quadrature allows itself.
-    same = 1e-6
-    return whole[0] if abs(after - before) < same * abs(before) else solid
+    before, after = (
+        [f for f in explored(some, "FACE") if not isinstance(BRep_Tool.Surface_s(TopoDS.Face(f)), Geom_BSplineSurface)]
+        for some in (solid, found[0])
+    )
+    old, new = (adaptive_volume(compound(faces)) for faces in (before, after))  # splines are as they were
+    return found[0] if abs(new - old) < 1e-6 else solid
 
 
 def _in_world(solids: list[Any], scale: float, place: Floats) -> Any:
