@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -102,7 +102,7 @@ def run_mesh(options: argparse.Namespace) -> CommandResult:
     if not mesh.is_closed:
         check_open(options.output)
     whole = kind.parts is None
-    path = write_as(mesh if whole else shape, options.output, MeshSettings() if whole else settings, open=True)
+    path = write_as(mesh if whole else shape, options.output, MeshSettings() if whole else settings, open=True).path
     return CommandResult(f"{path}: {size_of(mesh)}", {"written": [str(path)], **size_record(mesh)})
 
 
@@ -153,8 +153,10 @@ def _written(shape: Any, options: argparse.Namespace) -> CommandResult:
     from pas.exchange.write import write_as
 
     mesh = settings_of(MeshSettings, options)
-    path = write_as(shape, options.output, mesh, unit=options.unit, sew=options.sew, open=bool(options.open))
-    return CommandResult(str(path), {"written": [str(path)]})
+    made = write_as(shape, options.output, mesh, unit=options.unit, sew=options.sew, open=bool(options.open))
+    lines = [str(made.path)] if not made.reports else [f"{made.path}: {report}" for report in made.reports]
+    record = {"written": [str(made.path)]} | ({"parts": [*map(asdict, made.reports)]} if made.reports else {})
+    return CommandResult("\n".join(lines), record)
 
 
 def run_problem(options: argparse.Namespace) -> CommandResult:

@@ -33,7 +33,9 @@ from pas.exchange.step.shapes import spline_surface
 from pas.parametric.patches import RationalPatch
 
 
-def write_faces(content: Sequence[RationalPatch] | Sequence[ExactPart], path: Path, request: Request) -> None:
+def write_faces(
+    content: Sequence[RationalPatch] | Sequence[ExactPart], path: Path, request: Request
+) -> Sequence[StepReport] | None:
     """Solids with all their faces, or each patch as a face, sewn where that is asked for.
 
     Raises `GeometryError` for one that is refused.
@@ -43,12 +45,12 @@ def write_faces(content: Sequence[RationalPatch] | Sequence[ExactPart], path: Pa
         solids = [part for part in content if isinstance(part, ExactPart)]
         if solids:
             parts = [step_part(part.solid, part.name, part.color, request.mesh.tolerance) for part in solids]
-            write_parts(parts, path, request.name, UNITS[request.told_unit].step)
-            return
+            return write_parts(parts, path, request.name, UNITS[request.told_unit].step)
         patches = [item for item in content if not isinstance(item, ExactPart)]
         faces = [_face(item, number) for number, item in enumerate(patches)]
         whole = compound(faces) if request.sew is None else _sewn(faces, request.sew)
         _export(whole, path, request.name, UNITS[request.told_unit].step)
+        return None
 
 
 def _require_library() -> Any:

@@ -26,6 +26,9 @@ from pas.mesh.topology import chains
 
 DEGREE = 5
 
+CUT = 9
+"""The order of contact where one function was cut."""
+
 EXACT = 1e-9
 """Distance of points from a line or conic, over their extent, up to which they are on it."""
 
@@ -187,10 +190,10 @@ class ChartBorder:
 class Borders:
     """All `borders` of an atlas; `points` (3,) are the corners between them, by vertex.
 
-    `orders` is the order of the joint that is claimed between faces of two labels.
+    `orders` is the order of the joint that is claimed between faces of two labels along points (N, 3).
     """
 
-    def __init__(self, atlas: Atlas, orders: Callable[[int, int], int]) -> None:
+    def __init__(self, atlas: Atlas, orders: Callable[[int, int, Floats], int]) -> None:
         self.atlas = atlas
         twins, chart = atlas.twins, np.repeat(atlas.chart, 3)
         halves = np.flatnonzero(chart != chart[twins])
@@ -209,9 +212,10 @@ class Borders:
             sided = [(int(chart[self._halves[a, b]]), way) for a, b, way in ((*found[:2], 1), (*found[1::-1], -1))]
             (left, way), (right, _) = sorted(sided)
             chain = found[::way]
-            functions, order = atlas.meeting(left, right, atlas.points[chain])
-            claimed = orders(atlas.sheets[left].label, atlas.sheets[right].label)
-            self.borders.append(ChartBorder(left, right, tuple(chain.tolist()), functions, max(order, claimed)))
+            one, other = atlas.sheets[left], atlas.sheets[right]
+            order = CUT if one is other else orders(one.label, other.label, atlas.points[chain])
+            functions = atlas.meeting(left, right, atlas.points[chain])
+            self.borders.append(ChartBorder(left, right, tuple(chain.tolist()), functions, order))
         through: dict[int, dict[Sheet | Plane, None]] = defaultdict(dict)
         for border in self.borders:
             for end in (border.chain[0], border.chain[-1]):

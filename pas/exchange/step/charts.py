@@ -166,7 +166,7 @@ class Atlas:
             rows = np.flatnonzero((charts == (left, right)).all(axis=1))
             if left != right:
                 for row in rows.tolist():  # of several cuts each point may be on another
-                    functions = (*self.meeting(left, right, added[[row]])[0], plane)
+                    functions = (*self.meeting(left, right, added[[row]]), plane)
                     result[[row]] = CommonZeros(functions).placed(added[[row]])
                 continue
             sheet = self.sheets[left]
@@ -179,11 +179,10 @@ class Atlas:
                 result[some] = CommonZeros((sheet, *before, plane)).placed(added[some])
         return result
 
-    def meeting(self, left: int, right: int, points: Floats) -> tuple[Functions, int]:
-        """The functions whose common zeros are where two charts meet near points (N, 3), and the order GC^k of contact.
+    def meeting(self, left: int, right: int, points: Floats) -> Functions:
+        """The functions whose common zeros are where two charts meet near points (N, 3).
 
-        That is 9 where one face was cut, and 0 where nothing says that the faces touch.  Raises `GeometryError` where
-        a face meets itself elsewhere.
+        Raises `GeometryError` where a face meets itself elsewhere than where it was cut.
         """
         sheets = self.sheets[left], self.sheets[right]
         labels = sheets[0].label, sheets[1].label
@@ -192,13 +191,13 @@ class Atlas:
             if plane is None or off > NEAR:
                 place = place_of(self.field, points[len(points) // 2])
                 raise GeometryError(f"the face {self.field.face(labels[0])!r} meets itself near {place}")
-            return (sheets[0], plane), 9
+            return sheets[0], plane
         placing = self.field.functions(tuple(sorted(labels)))
         if {p // 2 for p in placing} != {label // 2 for label in labels}:
             made = (Sheet(partial(self.field.jets, label=p), p) for p in placing)
-            return tuple(self._seams.setdefault(p, sheet) for p, sheet in zip(placing, made, strict=True)), 1
+            return tuple(self._seams.setdefault(p, sheet) for p, sheet in zip(placing, made, strict=True))
         plane, _ = _nearest(self.planes_between(left, right), points)
-        return (sheets[0], sheets[1] if plane is None else plane), 0
+        return sheets[0], sheets[1] if plane is None else plane
 
     def planes_between(self, left: int, right: int) -> list[Plane]:
         """The planes that hold all common points of two charts' quadrics, where there are such."""

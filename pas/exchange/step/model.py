@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
 from pas.exchange.step.borders import Borders
-from pas.exchange.step.charts import Atlas
+from pas.exchange.step.charts import NEAR, Atlas
 from pas.exchange.step.division import divide
 from pas.exchange.step.parameters import SplinePatch
 from pas.exchange.step.shapes import ShapeMaker
@@ -131,11 +132,11 @@ class StepReport:
     curvature_jump: float
 
     def __str__(self) -> str:
+        others = "" if self.exact == self.faces else f", the others within {self.distance:.1e} of the solid's"
         return (
-            f"{self.name}: {self.faces} faces, {self.exact} of them exact, the others within {self.distance:.1e} of "
-            f"the solid; edges within {self.gap:.1e} of their faces; volume {self.volume:.7g}, "
-            f"{self.volume_difference:+.1e} from the mesh's; smooth joints within {self.angle:.1e} "
-            f"rad, curvature within {self.curvature_jump:.1e} of the largest"
+            f"{self.name}: {self.faces} faces, {self.exact} of them exact{others}; edges within {self.gap:.1e}; "
+            f"volume {self.volume:.7g}, {self.volume_difference:+.1e} from the mesh's; where faces go on smoothly "
+            f"normals differ by {self.angle:.1e} rad at most, curvatures by {self.curvature_jump:.1e} of the largest"
         )
 
 
@@ -172,7 +173,7 @@ def step_part(
     volume, area = (m * field.scale**k for m, k in zip(curved_measures(found, field), (3, 2), strict=True))
     atlas = Atlas(found.mesh, field)
     parameters = divide(atlas, within / field.scale / 4, within / size / 3)
-    borders = Borders(atlas, lambda one, other: _order(solid, one, other))
+    borders = Borders(atlas, partial(_order, solid))
     near = 1e-8  # of splines to the curves in which faces meet, in local coordinates
     maker = ShapeMaker(borders, parameters, [borders.curve(border, near) for border in borders.borders])
     angle, jump = smoothness(maker)
@@ -184,22 +185,30 @@ def step_part(
     return StepPart(name, color, shape, len(solids), volume, area * within, max(within, 1e-6 * size), report)
 
 
-def _order(solid: Solid, one: int, other: int) -> int:
-    """The order of the joint that is claimed between faces of two labels; 0 where there is none."""
-    columns = solid.field.evaluator.columns
-    names = set(columns[one // 2].names), set(columns[other // 2].names)
-    orders = [
-        j.order
-        for j in solid.joints
-        if (j.first in names[0] and j.second in names[1]) or (j.first in names[1] and j.second in names[0])
-    ]
-    return max(orders, default=0)
+def _order(solid: Solid, one: int, other: int, points: Floats) -> int:
+    """The order of the joint along local points (N, 3) that is claimed between faces of two labels; 0 without one.
+
+    Between pieces of one face it is the highest of its joints.
+    """
+    field = solid.field
+    names = [field.evaluator.columns[label // 2].names for label in (one, other)]
+    if one == other:
+        return max((j.order for j in solid.joints if {j.first, j.second} & {*names[0]}), default=1)
+    places, order = field.world(points), 0
+    for joint in solid.joints:
+        if any(joint.first in a and joint.second in b for a, b in (names, names[::-1])):
+            slopes = [np.linalg.norm(f.gradient(places), axis=1) for f in joint.along]
+            off = [np.abs(f(places)) / np.maximum(g, 1e-300) for f, g in zip(joint.along, slopes, strict=True)]
+            order = max(order, joint.order if np.max(off) < NEAR * field.scale else 0)
+    return order
 
 
 def _joined(solid: Any, name: str) -> Any:
     """A valid solid with faces joined that are on one surface, where what comes of it is as good."""
     from OCP.BRep import BRep_Tool
+    from OCP.BRepGProp import BRepGProp
     from OCP.Geom import Geom_BSplineSurface
+    from OCP.GProp import GProp_GProps
     from OCP.ShapeUpgrade import ShapeUpgrade_UnifySameDomain
     from OCP.TopoDS import TopoDS
 
@@ -213,12 +222,13 @@ def _joined(solid: Any, name: str) -> Any:
     found = explored(joining.Shape(), "SOLID")
     if len(found) != 1 or not is_valid(found[0]):
         return solid
-    before, after = (
-        [f for f in explored(some, "FACE") if not isinstance(BRep_Tool.Surface_s(TopoDS.Face(f)), Geom_BSplineSurface)]
-        for some in (solid, found[0])
-    )
-    old, new = (adaptive_volume(compound(faces)) for faces in (before, after))  # splines are as they were
-    return found[0] if abs(new - old) < 1e-6 else solid
+    areas = []
+    for some in (solid, found[0]):
+        faces, area = [*map(TopoDS.Face, explored(some, "FACE"))], GProp_GProps()
+        exact = [face for face in faces if not isinstance(BRep_Tool.Surface_s(face), Geom_BSplineSurface)]
+        BRepGProp.SurfaceProperties_s(compound(exact), area, 1e-7, False)  # splines are as they were
+        areas.append(area.Mass())
+    return found[0] if abs(areas[1] - areas[0]) < 1e-6 * areas[0] else solid
 
 
 def _in_world(solids: list[Any], scale: float, place: Floats) -> Any:
