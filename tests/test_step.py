@@ -364,7 +364,7 @@ def test_nodes_are_as_smooth_in_their_files_as_they_are(ocp, tmp_path, name):
 def test_what_was_written_is_told(ocp, tmp_path, capsys):
     project = solid.assembly(box=solid.box((0, 0, 0), (3, 2, 1)), peg=two_pegs()).save(tmp_path / "a.pas.json")
     assert main(["convert", str(project), str(tmp_path / "a.step"), "--json"]) == 0
-    box, peg = json.loads(capsys.readouterr().out)["parts"]
+    box, peg = json.loads(capsys.readouterr().out)["reports"]
     assert (box["name"], box["faces"], box["exact"], peg["name"], peg["faces"]) == ("box", 6, 6, "peg", 6)
     assert (box["volume"], peg["volume"]) == (pytest.approx(6), pytest.approx(np.pi)) and box["angle"] == 0
     assert main(["convert", str(project), str(tmp_path / "b.step")]) == 0

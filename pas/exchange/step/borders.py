@@ -26,9 +26,6 @@ from pas.mesh.topology import chains
 
 DEGREE = 5
 
-CUT = 9
-"""The order of contact where one function was cut."""
-
 EXACT = 1e-9
 """Distance of points from a line or conic, over their extent, up to which they are on it."""
 
@@ -213,7 +210,7 @@ class Borders:
             (left, way), (right, _) = sorted(sided)
             chain = found[::way]
             one, other = atlas.sheets[left], atlas.sheets[right]
-            order = CUT if one is other else orders(one.label, other.label, atlas.points[chain])
+            order = 9 if one is other else orders(one.label, other.label, atlas.points[chain])  # 9: one function
             functions = atlas.meeting(left, right, atlas.points[chain])
             self.borders.append(ChartBorder(left, right, tuple(chain.tolist()), functions, order))
         through: dict[int, dict[Sheet | Plane, None]] = defaultdict(dict)

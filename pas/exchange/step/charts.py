@@ -26,9 +26,9 @@ from pas.mesh.topology import connected, twins_of
 from pas.solid.field import SolidField
 from pas.solid.functions import Pieces
 
-ON_PLANE, NEAR, REACH = 1e-9, 1e-6, 0.05
-"""In a solid's local coordinates: heights over a plane below which points are on it; the distance within which all
-points of a border are on the plane that it was cut by; how far a step may move a point when it is put on its curve."""
+ON_PLANE, NEAR = 1e-9, 1e-6
+"""In a solid's local coordinates: heights over a plane below which points are on it, and the distance within which all
+points of a border are on the plane that it was cut by."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,8 @@ class CommonZeros:
     def placed(self, points: Floats) -> Floats:
         """Points (N, 3) moved to where all functions are zero."""
         each = np.tile(np.arange(len(self.functions)), (len(points), 1))
-        return newton(points, self, each, np.full(len(points), REACH)) if len(points) else points
+        reach = np.full(len(points), 0.05)  # how far a step may move a point
+        return newton(points, self, each, reach) if len(points) else points
 
 
 class Atlas:

@@ -28,12 +28,8 @@ from pas.limits import checkpoint
 from pas.mesh.field import place_of
 from pas.mesh.rows import Integers
 
-MOST_CHARTS = 600
-"""A solid that needs more has a place at which nothing converges, such as a cusp."""
-
-STEEP, LEAST_SLOPE = 0.55, 0.15
-"""Cosines between a graph's plane and its surface: below the first a chart is divided before a graph is looked for,
-below the other the surface is too steep to be followed."""
+STEEP = 0.55
+"""Cosine between a chart's mean normal and the others' below which it is divided before a graph is looked for."""
 
 _CORNERS = np.array([(i, j, 4 - i - j) for i in range(5) for j in range(5 - i)]) / 4
 _SAMPLES = 1.15 * (_CORNERS - 1 / 3) + 1 / 3
@@ -46,7 +42,7 @@ def divide(atlas: Atlas, tolerance: float, angle: float) -> dict[int, Parameters
     Raises `GeometryError` where that takes too many charts.
     """
     found: dict[int, Parameters] = {}
-    waiting = list(atlas.sheets)
+    waiting, most_charts = list(atlas.sheets), 600  # one that needs more has a place at which nothing converges: a cusp
     while waiting:
         checkpoint(f"dividing faces ({len(atlas.sheets)} parts)")
         chart = waiting.pop()
@@ -61,7 +57,7 @@ def divide(atlas: Atlas, tolerance: float, angle: float) -> dict[int, Parameters
         if not isinstance(made, Plane):
             found[chart] = made
             continue
-        if len(atlas.sheets) > MOST_CHARTS:
+        if len(atlas.sheets) > most_charts:
             raise GeometryError(
                 f"no spline follows the face {atlas.field.face(sheet.label)!r} near "
                 f"{place_of(atlas.field, corners.mean(axis=(0, 1)))}, even in small parts; write it with a coarser "
@@ -198,7 +194,7 @@ def _heights(
     for _ in range(12):
         jets = sheet.jets(base[rows] + heights[rows, None] * normal)
         slope, size = jets[:, 1:] @ normal, np.linalg.norm(jets[:, 1:], axis=1)
-        steep = slope < LEAST_SLOPE * size
+        steep = slope < 0.15 * size  # too steep to be followed
         step = np.where(steep, 0.0, jets[:, 0] / np.where(steep, 1.0, slope))
         heights[rows] -= np.clip(step, -most, most)
         good[rows] = ~steep & (np.abs(step) < 1e-9)

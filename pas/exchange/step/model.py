@@ -170,7 +170,7 @@ def step_part(
     size = float(np.ptp(solid.box, axis=0).max())
     within = RELATIVE_TOLERANCE / COARSER * size if tolerance is None else check_tolerance(tolerance, size)
     found = solid.face_mesh(min(COARSER * within, RELATIVE_TOLERANCE * COARSER * size))
-    volume, area = (m * field.scale**k for m, k in zip(curved_measures(found, field), (3, 2), strict=True))
+    measured = curved_measures(found, field).scaled(field.scale, field.world(np.zeros(3)))
     atlas = Atlas(found.mesh, field)
     parameters = divide(atlas, within / field.scale / 4, within / size / 3)
     borders = Borders(atlas, partial(_order, solid))
@@ -181,8 +181,9 @@ def step_part(
     shape = _in_world(solids, field.scale, field.world(np.zeros(3)))
     off = [p.distance * field.scale for p in parameters.values() if isinstance(p, SplinePatch) and p.weights is None]
     faces = len(explored(shape, "FACE"))
-    report = StepReport(name, faces, faces - len(off), max(off, default=0.0), 0.0, volume, 0.0, angle, jump)
-    return StepPart(name, color, shape, len(solids), volume, area * within, max(within, 1e-6 * size), report)
+    report = StepReport(name, faces, faces - len(off), max(off, default=0.0), 0.0, measured.volume, 0.0, angle, jump)
+    bound, loosest = measured.area * within, max(within, 1e-6 * size)
+    return StepPart(name, color, shape, len(solids), measured.volume, bound, loosest, report)
 
 
 def _order(solid: Solid, one: int, other: int, points: Floats) -> int:
