@@ -287,7 +287,8 @@ def face_mesh(mesh: Mesh, field: SolidField, tolerance: float, quality: Quality)
         jets = (jets / np.maximum(norms(jets[:, 1:]), 1e-300)[:, None]).reshape(len(known), -1, 4)
         cosines = (jets[..., 1:] * normals).sum(axis=-1)
         # Where two faces meet both are zero, so that one corner does not tell, nor do normals alone.
-        best = int(np.argmin((np.abs(jets[..., 0]) + 1 - np.abs(cosines)).mean(axis=1)))
+        off = (np.abs(jets[..., 0]) + 1 - np.abs(cosines)).mean(axis=1)
+        best = int(np.argmin(np.nan_to_num(off, nan=np.inf)))
         numbers[face], sides[face] = known[best], cosines[best].sum() < 0
     made = Labelled.of(points, mesh.triangles, (2 * numbers + sides)[mesh.faces])
     if quality is Quality.ANGLES:
