@@ -1,0 +1,114 @@
+"""That nothing of a network meets but what should: nodes lie in balls, struts in cylinders, and those that share no
+point are farther apart than these are thick.
+
+What shares a node meets only where it should by the proofs of the node: its surface is crossed once by each ray from
+the centre, and not at all in the directions of its clips' circles, in which the struts go away from it.  Neighbours are
+kept apart by a plane across their strut.  All distances are compared with room for rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from pas.limits import checkpoint
+from pas.mesh.rows import Floats, Integers
+from pas.network.graph import Network
+from pas.verdicts import Status, Verdict
+
+ROUNDING = 1e-9
+"""Of the longest strut: distances are taken to be so much smaller than they come out."""
+
+AT_ONCE = 4096
+"""Struts whose neighbours are looked at together, so that memory is bounded."""
+
+CLAIM = "nothing else meets"
+
+
+def crossing(network: Network) -> Iterator[tuple[int, int, float]]:
+    """Struts without a common point that come nearer than their radii: two numbers and the distance of their axes."""
+    for first, second, distance in _near_struts(network):
+        close = distance < network.thickness[first] + network.thickness[second] + _slack(network)
+        yield from zip(first[close].tolist(), second[close].tolist(), distance[close].tolist(), strict=True)
+
+
+def clearance(network: Network, reach: Floats) -> Verdict:
+    """The verdict that no two struts, nodes of so much `reach` (N,), or node and strut meet that share no point.
+
+    Of each pair the least distance is that of segments and points in doubles.
+    """
+    for i, j, distance in crossing(network):
+        reason = f"the struts {i} and {j} come within {distance:.4g} of one another"
+        return Verdict(Status.UNDECIDED, CLAIM, reason, _place(network.points[network.edges[i]].mean(axis=0)))
+    for i, j, free in _near_nodes(network, reach):
+        reason = f"the node {i} may meet strut {j}, from which it is {free:.4g} away"
+        return Verdict(Status.UNDECIDED, CLAIM, reason, _place(network.points[i]))
+    reason = "struts and nodes that share no point are farther apart than they are thick"
+    return Verdict(Status.PROVED, CLAIM, reason, measure=len(network.edges))
+
+
+def _place(point: Floats) -> tuple[float, float, float]:
+    x, y, z = point.tolist()
+    return x, y, z
+
+
+def _slack(network: Network) -> float:
+    return ROUNDING * float(network.lengths.max(initial=0) + np.abs(network.points).max(initial=0))
+
+
+def _near(points: Floats, others: Floats, distance: float) -> Iterator[tuple[Integers, Integers]]:
+    """Pairs of points and others within a distance, as many points at once as memory is for."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(others)
+    order = np.lexsort(points.T)
+    for start in range(0, len(points), AT_ONCE):
+        checkpoint("looking for what meets", start / len(points))
+        own = order[start : start + AT_ONCE]
+        found = cKDTree(points[own]).sparse_distance_matrix(tree, distance, output_type="ndarray")
+        yield own[found["i"]], found["j"]
+
+
+def _near_struts(network: Network) -> Iterator[tuple[Integers, Integers, Floats]]:
+    edges, points = network.edges, network.points
+    if not len(edges):
+        return
+    middles = points[edges].mean(axis=1)
+    far = float(network.lengths.max() + 2 * network.thickness.max())
+    for first, second in _near(middles, middles, far):
+        apart = (first < second) & (edges[first][:, :, None] != edges[second][:, None, :]).all(axis=(1, 2))
+        i, j = first[apart], second[apart]
+        yield i, j, segment_distances(points[edges[i]], points[edges[j]])
+
+
+def _near_nodes(network: Network, reach: Floats) -> Iterator[tuple[int, int, float]]:
+    """Nodes and struts that do not share a point and are too near, with the distance of the strut's axis."""
+    edges, points = network.edges, network.points
+    middles = points[edges].mean(axis=1)
+    used = np.flatnonzero(network.valence)
+    far = float(network.lengths.max() / 2 + reach.max(initial=0) + network.thickness.max())
+    most = np.zeros(len(points))  # the ball of a node at an end of a strut goes on around it
+    np.maximum.at(most, edges.ravel(), np.repeat(network.thickness, 2))
+    for node, strut in _near(points[used], middles, far):
+        node, strut = used[node][(edges[strut] != used[node][:, None]).all(axis=1)], strut[
+            (edges[strut] != used[node][:, None]).all(axis=1)
+        ]
+        here = np.stack([points[node], points[node]], axis=1)
+        distance = segment_distances(here, points[edges[strut]])
+        close = distance < reach[node] + network.thickness[strut] + _slack(network)
+        yield from zip(node[close].tolist(), strut[close].tolist(), distance[close].tolist(), strict=True)
+
+
+def segment_distances(first: Floats, second: Floats) -> Floats:
+    """The least distances of segments (M, 2, 3) from others, of which the first may be points (Ericson 2005, 5.1.9)."""
+    u, v, w = first[:, 1] - first[:, 0], second[:, 1] - second[:, 0], first[:, 0] - second[:, 0]
+    a, b, c, d, e = (np.einsum("ni,ni->n", *pair) for pair in ((u, u), (u, v), (v, v), (u, w), (v, w)))
+    det = a * c - b * b
+    parallel = det <= 1e-12 * a * c
+    s = np.clip(np.where(parallel, 0.0, b * e - c * d) / np.where(parallel, 1.0, det), 0.0, 1.0)
+    t = np.clip((b * s + e) / c, 0.0, 1.0)
+    s = np.where(a > 0, np.clip((b * t - d) / np.where(a > 0, a, 1.0), 0.0, 1.0), 0.0)
+    return np.asarray(np.linalg.norm(w + s[:, None] * u - t[:, None] * v, axis=1))
+
+
