@@ -7,8 +7,9 @@ part = net.blend(order=1)
 part.mesh(1e-3)
 """
 
-from pas.network.graph import Network, NetworkError, Problem
+from pas.network.graph import NetworkError, Problem, StrutGraph
 from pas.network.lattices import UnitCell, lattice, voronoi
+from pas.network.network import Network
 from pas.network.nodes import NodeClass
 from pas.network.part import NetworkMesh, NetworkPart
 
@@ -19,6 +20,7 @@ __all__ = [
     "NetworkPart",
     "NodeClass",
     "Problem",
+    "StrutGraph",
     "UnitCell",
     "lattice",
     "voronoi",

@@ -20,7 +20,7 @@ from flint import fmpq
 
 from pas.algebra.rational import Vector, cross, dot
 from pas.mesh.rows import Integers
-from pas.network.graph import Network
+from pas.network.graph import StrutGraph
 from pas.pipeline.similarities import linear_maps
 
 AUTO = 0
@@ -97,7 +97,7 @@ class Kinds:
         return tuple(np.flatnonzero(np.isin(self.of, kinds)).tolist())
 
 
-def kinds_of(network: Network, clips: Integers) -> Kinds:
+def kinds_of(network: StrutGraph, clips: Integers) -> Kinds:
     """The kinds of the points of a network with given clips (E, 2), in 64ths of the struts or 0."""
     edges, count = network.edges, len(network.places)
     vectors = np.concatenate([network.vectors, -network.vectors])

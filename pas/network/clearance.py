@@ -14,7 +14,7 @@ import numpy as np
 
 from pas.limits import checkpoint
 from pas.mesh.rows import Floats, Integers
-from pas.network.graph import Network
+from pas.network.graph import StrutGraph
 from pas.verdicts import Status, Verdict
 
 ROUNDING = 1e-9
@@ -26,14 +26,14 @@ AT_ONCE = 4096
 CLAIM = "nothing else meets"
 
 
-def crossing(network: Network) -> Iterator[tuple[int, int, float]]:
+def crossing(network: StrutGraph) -> Iterator[tuple[int, int, float]]:
     """Struts without a common point that come nearer than their radii: two numbers and the distance of their axes."""
     for first, second, distance in _near_struts(network):
         close = distance < network.thickness[first] + network.thickness[second] + _slack(network)
         yield from zip(first[close].tolist(), second[close].tolist(), distance[close].tolist(), strict=True)
 
 
-def clearance(network: Network, reach: Floats) -> Verdict:
+def clearance(network: StrutGraph, reach: Floats) -> Verdict:
     """The verdict that no two struts, nodes of so much `reach` (N,), or node and strut meet that share no point.
 
     Of each pair the least distance is that of segments and points in doubles.
@@ -53,7 +53,7 @@ def _place(point: Floats) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _slack(network: Network) -> float:
+def _slack(network: StrutGraph) -> float:
     return ROUNDING * float(network.lengths.max(initial=0) + np.abs(network.points).max(initial=0))
 
 
@@ -70,7 +70,7 @@ def _near(points: Floats, others: Floats, distance: float) -> Iterator[tuple[Int
         yield own[found["i"]], found["j"]
 
 
-def _near_struts(network: Network) -> Iterator[tuple[Integers, Integers, Floats]]:
+def _near_struts(network: StrutGraph) -> Iterator[tuple[Integers, Integers, Floats]]:
     edges, points = network.edges, network.points
     if not len(edges):
         return
@@ -82,7 +82,7 @@ def _near_struts(network: Network) -> Iterator[tuple[Integers, Integers, Floats]
         yield i, j, segment_distances(points[edges[i]], points[edges[j]])
 
 
-def _near_nodes(network: Network, reach: Floats) -> Iterator[tuple[int, int, float]]:
+def _near_nodes(network: StrutGraph, reach: Floats) -> Iterator[tuple[int, int, float]]:
     """Nodes and struts that do not share a point and are too near, with the distance of the strut's axis."""
     edges, points = network.edges, network.points
     middles = points[edges].mean(axis=1)

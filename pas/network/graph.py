@@ -6,31 +6,22 @@ rotation or reflection, where these are, which is decided exactly (`pas.network.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Unpack
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pas.algebra.inputs import shown, whole
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Exact, positive, to_fraction
+from pas.algebra.rational import positive, to_fraction
 from pas.errors import GeometryError
-from pas.limits import WorkLimits, limited
 from pas.mesh.rows import Integers
-from pas.registry import loaded
-
-if TYPE_CHECKING:
-    from pas.network.nodes import NodeClass
-    from pas.network.part import NetworkPart
 
 LARGEST = 2**20
 """Components of a strut in the grid: their products in three factors fit into 64 bits with their sums."""
-
-Table = np.ndarray
 
 
 @dataclass(frozen=True)
@@ -59,7 +50,7 @@ class NetworkError(GeometryError):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Network:
+class StrutGraph:
     """Points, struts between them, and the radii of these.
 
     `points` (N, 3) are rounded to multiples of the `grid` (the model's units), `edges` (E, 2) are numbers of points,
@@ -95,30 +86,6 @@ class Network:
         places: Integers
         sizes: Integers
 
-    @classmethod
-    def read(cls, path: str | Path, radius: Exact | None = None, grid: Exact = "1/1024") -> Network:
-        """The network of a file: .npz, .csv, .obj or .3mf (see `pas.exchange.networks`).
-
-        The `radius` is for files that have none.  Raises `ValueError` and `ProblemFileError` naming the line.
-        """
-        return loaded("pas.exchange.networks:read")(path, radius, grid)
-
-    @classmethod
-    def of_graph(cls, graph: Any, radius: Exact | None = None, grid: Exact = "1/1024") -> Network:
-        """That of a networkx graph: the `pos` of its nodes, the `radius` of its edges or the one that is given.
-
-        Raises `ValueError` for a node without a place or an edge without a radius.
-        """
-        numbers = {node: number for number, node in enumerate(graph.nodes)}
-        places = [_attribute(data, "pos", f"node {node!r}", None) for node, data in graph.nodes(data=True)]
-        edges = [(numbers[a], numbers[b]) for a, b in graph.edges()]
-        radii = [_attribute(data, "radius", f"edge {a!r}, {b!r}", radius) for a, b, data in graph.edges(data=True)]
-        return cls(np.array(places, dtype=float).reshape(-1, 3), np.array(edges).reshape(-1, 2), radii, grid)
-
-    def with_radius(self, radius: Exact | Sequence[Exact]) -> Network:
-        """The same graph with another radius, or one for each strut."""
-        return Network(self.points, self.edges, radius, self.grid)
-
     @cached_property
     def vectors(self) -> Integers:
         """Of each strut, from its first point to its second (E, 3), in steps of the grid."""
@@ -153,59 +120,8 @@ class Network:
         ones, count = np.ones(len(self.edges)), len(self.places)
         return np.asarray(connected_components(coo_array((ones, tuple(self.edges.T)), shape=(count, count)))[1])
 
-    def check(self, *, whole: bool = False) -> tuple[Problem, ...]:
-        """All that is wrong with it, with the numbers of points and struts; empty where nothing is.
-
-        Struts from a point to itself, several between two points, points in one place or without struts, angles of
-        less than 10 degrees, struts too short for any blend at their ends, struts that meet no common point and come
-        nearer than their radii; with `whole` also ends that meet nothing, and several pieces.
-        """
-        found: tuple[Problem, ...] = loaded("pas.network.problems:check")(self, whole)
-        return found
-
-    def repair(self, *, collapse: bool = False) -> tuple[Network, tuple[str, ...]]:
-        """The network without what is surely a mistake, and a sentence on each change with the numbers before it.
-
-        Struts from a point to itself go, of several between two points the thickest stays, points in one place become
-        one, points without struts go.  With `collapse` struts too short for any blend at their ends become a point
-        in their middle, until there are none.
-        """
-        done: tuple[Network, tuple[str, ...]] = loaded("pas.network.problems:repair")(self, collapse)
-        return done
-
-    def classes(self) -> tuple[NodeClass, ...]:
-        """The classes of congruent nodes, the most frequent first: struts, radii, symmetries, numbers of points."""
-        found: tuple[NodeClass, ...] = loaded("pas.network.nodes:classes")(self)
-        return found
-
-    @limited("blending a network", "fewer cells, or a lower order")
-    def blend(
-        self,
-        order: int = 1,
-        degree: int | Literal["lowest"] | None = None,
-        *,
-        cache: str | Path | None = None,
-        map: Callable[..., Any] = map,
-        **limits: Unpack[WorkLimits],
-    ) -> NetworkPart:
-        """The body of it: a proved blend of this order for each class of nodes, an exact cylinder for each strut.
-
-        `degree` is that of `pas.blend`.  In the folder `cache` blends are kept as they are found, and found again by
-        any network that has such nodes: a run that was ended goes on where it was.  `map(function, items)` may be the
-        `map` of another engine, such as that of a `concurrent.futures.Executor`, in the order of the items.
-
-        Raises `NetworkError` for a network that `check` finds at fault, and with the points of every node for which
-        there is no proved blend.
-        """
-        made: NetworkPart = loaded("pas.network.part:blend")(self, order, degree, cache, map)
-        return made
-
-    def write(self, path: str | Path, *, unit: str | None = None) -> Path:
-        """Write the graph itself: as beams (.3mf), arrays (.npz) or a table (.csv); returns the path."""
-        return Path(loaded("pas.exchange.networks:write")(self, path, unit))
-
     def __repr__(self) -> str:
-        return f"<Network: {len(self.places)} points, {len(self.edges)} struts>"
+        return f"<{type(self).__name__}: {len(self.places)} points, {len(self.edges)} struts>"
 
 
 def _places(points: Any, grid: Fraction) -> Integers:
@@ -246,13 +162,6 @@ def _radii(radii: Any, count: int) -> tuple[tuple[Fraction, ...], Integers]:
     values = tuple(sorted(set(known.values())))
     ranks = {value: number for number, value in enumerate(values)}
     return values, np.array([ranks[known[value]] for value in radii], dtype=np.int64)
-
-
-def _attribute(data: Any, name: str, owner: str, usual: Any) -> Any:
-    value = data.get(name, usual)
-    if value is None:
-        raise ValueError(f"{owner} has no {name!r}; give it one" + (", or radius=" if name == "radius" else ""))
-    return value
 
 
 def counted(cells: Any, what: str = "cells") -> tuple[int, int, int]:

@@ -17,7 +17,8 @@ import numpy as np
 from pas.algebra.inputs import whole
 from pas.algebra.rational import Exact, positive, to_fraction
 from pas.mesh.rows import Integers
-from pas.network.graph import Network, counted
+from pas.network.graph import counted
+from pas.network.network import Network
 from pas.registry import Registry
 
 Whole3 = tuple[int, int, int]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -20,16 +20,18 @@ import numpy as np
 
 from pas.algebra.inputs import check_order
 from pas.algebra.monomials import Floats
+from pas.contacts.contact import as_contact
 from pas.contacts.endless import AUTO as AUTO_CLIP
 from pas.contacts.endless import Pipe
 from pas.errors import PasError
+from pas.exchange.container import read
 from pas.limits import checkpoint
 from pas.mesh.rows import Integers
 from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
-from pas.network.graph import Network, NetworkError, Problem
+from pas.network.graph import StrutGraph, NetworkError, Problem
 from pas.pipeline.blend import blend, struts
 from pas.pipeline.result import Blend
-from pas.registry import loaded
+from pas.shape import KINDS
 
 PARTS, STRAIGHT = 64, 2
 """Shared clips are whole 64ths of a strut, of which at least two remain straight."""
@@ -75,7 +77,7 @@ class NodeClass:
         return f"{self.count} node{'s' * (self.count > 1)} of {arms} strut{'s' * (arms > 1)}, {sides}"
 
 
-def classes(network: Network) -> tuple[NodeClass, ...]:
+def classes(network: StrutGraph) -> tuple[NodeClass, ...]:
     """See `Network.classes`."""
     found = kinds_of(network, np.zeros((len(network.edges), 2), dtype=np.int64))
     made = [NodeClass(found.kinds[numbers[0]], found.nodes(numbers), network.radii) for numbers in found.classes.values()]
@@ -90,7 +92,7 @@ class PlacedEnds:
     ends: Floats
 
 
-def placed_ends(network: Network, order: int) -> PlacedEnds:
+def placed_ends(network: StrutGraph, order: int) -> PlacedEnds:
     """Where the struts of all nodes begin, see above; raises `NetworkError` for nodes that have no room."""
     check_order(order)
     clips = np.zeros((len(network.edges), 2), dtype=np.int64)
@@ -110,13 +112,13 @@ def placed_ends(network: Network, order: int) -> PlacedEnds:
         clips[short] = np.maximum(shared, (at[short] > 0).astype(np.int64))
 
 
-def _too_short(network: Network, number: int) -> Problem:
+def _too_short(network: StrutGraph, number: int) -> Problem:
     a, b = network.edges[number].tolist()
     sentence = f"strut {number} from point {a} to {b} is too short for the blends at its ends"
     return Problem("too short", (number,), sentence)
 
 
-def _ends(kinds: Kinds, network: Network, order: int, known: dict[Any, tuple[float, ...]]) -> Floats:
+def _ends(kinds: Kinds, network: StrutGraph, order: int, known: dict[Any, tuple[float, ...]]) -> Floats:
     """The ends of all kinds (K, most arms), those of a class found once; raises `NetworkError`."""
     table = np.zeros((len(kinds.kinds), max((len(kind.arms) for kind in kinds.kinds), default=0)))
     problems = []
@@ -142,7 +144,7 @@ def _without(nodes: tuple[int, ...], error: Exception) -> Problem:
     return Problem("no blend", nodes, f"the node{'s' * (len(nodes) > 1)} {told}: {error}")
 
 
-def pipes_of(kind: NodeKind, network: Network, order: int) -> list[Pipe]:
+def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe]:
     """The arms of a kind as pipes with ends, in steps of the grid; raises `GeometryError` for ones without room."""
     radii = [radius / network.grid for radius in network.radii]
     items = [
@@ -156,7 +158,7 @@ def pipes_of(kind: NodeKind, network: Network, order: int) -> list[Pipe]:
 
 
 def blends(
-    network: Network,
+    network: StrutGraph,
     kinds: Kinds,
     order: int,
     degree: Degree,
@@ -172,11 +174,7 @@ def blends(
         folder.mkdir(parents=True, exist_ok=True)
     elif map_ is not map:
         raise ValueError("the map of another engine hands blends over in files: give the folder as cache=")
-    wanted = {}
-    for key, numbers in kinds.classes.items():
-        kind = kinds.kinds[numbers[0]]
-        if len(kind.arms) > 1 and not kind.straight:
-            wanted[key] = Job(tuple(pipes_of(kind, network, order)), order, degree, folder)
+    wanted = {key: Job(pipes, order, degree, folder) for key, pipes in _blended(network, kinds, order)}
     found, problems = {}, []
     results: Iterator[Any] = iter(map_(solved, wanted.values()))
     for done, (key, result) in enumerate(zip(wanted, results, strict=True)):
@@ -184,10 +182,30 @@ def blends(
         if isinstance(result, str):
             problems.append(_without(kinds.nodes(kinds.classes[key]), PasError(result)))
         else:
-            found[key] = result if isinstance(result, Blend) else loaded("pas.kinds.files:load")(result)
+            found[key] = result if isinstance(result, Blend) else KINDS["blend"].read(read(result))
     if problems:
         raise NetworkError(problems)
     return found
+
+
+def _blended(network: StrutGraph, kinds: Kinds, order: int) -> Iterator[tuple[tuple[Any, ...], tuple[Pipe, ...]]]:
+    """The key of each class that takes a blend, and the arms of its first kind."""
+    for key, numbers in kinds.classes.items():
+        kind = kinds.kinds[numbers[0]]
+        if len(kind.arms) > 1 and not kind.straight:
+            yield key, tuple(pipes_of(kind, network, order))
+
+
+def matched(network: StrutGraph, kinds: Kinds, order: int, found: Sequence[Blend]) -> dict[tuple[Any, ...], Blend]:
+    """Which of some blends is that of which class; raises `ValueError` for a class of which none is."""
+    known = {(b.surface.order, b.surface.contacts): b for b in found}
+    result = {}
+    for key, pipes in _blended(network, kinds, order):
+        wanted = order, tuple(map(as_contact, pipes))
+        if wanted not in known:
+            raise ValueError(f"blends has none for the node {kinds.nodes(kinds.classes[key])[0]}")
+        result[key] = known[wanted]
+    return result
 
 
 @dataclass(frozen=True)

@@ -10,19 +10,20 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from pas.algebra.inputs import check_tolerance
+from pas.algebra.inputs import check_tolerance, whole
 from pas.algebra.monomials import Floats
 from pas.certify.mesh_proofs import MeshCertificate
 from pas.errors import MeshError
-from pas.limits import WorkLimits, limited
+from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality, manifold
 from pas.network.clearance import clearance
-from pas.network.graph import Network, NetworkError
+from pas.network.graph import StrutGraph, NetworkError
 from pas.network.nodes import Degree, NodeClass, PlacedEnds, blends, placed_ends
 from pas.network.placing import PlacedPieces
 from pas.pipeline.result import Blend
 from pas.pipeline.search import excess
+from pas.settings import MeshSettings
 from pas.shape import Shape
 from pas.verdicts import Findings, Status, Verdict
 
@@ -40,7 +41,7 @@ class NetworkPart(Shape):
     `placed` says where struts end at nodes, `blends` has the blend of each class by its key, in steps of the grid.
     """
 
-    network: Network
+    network: StrutGraph
     order: int
     placed: PlacedEnds
     blends: Mapping[Any, Blend]
@@ -215,13 +216,41 @@ class NetworkPart(Shape):
     def __str__(self) -> str:
         return f"{self.description}\n\n{self.certificate}"
 
+    def bodies(self, settings: MeshSettings) -> list[tuple[Mesh, Floats]]:
+        """Closed meshes of the kinds of nodes with halves of their struts, and the places (M, 3) where each stands."""
+        pieces, network = self.pieces(settings.tolerance), self.network
+        return [
+            (Mesh.from_triangles(points, triangles, "node"), network.points[nodes])
+            for points, triangles, nodes in pieces.bodies()
+        ]
+
     def write_blocks(self, folder: str | Path, tolerance: float | None = None, *, struts: int = 20_000) -> list[Path]:
         """Write the watertight mesh as STL files of about so many struts each, for what is too large for one mesh.
 
-        Blocks are slices in z, then y, then x of nodes with the struts that begin there; together they are the mesh.
-        A file that is there already is not made again, and none is left half written.  Returns the paths.
+        A block has the nodes in a box, and the struts that begin there; together the files are the mesh.  One that is
+        there already is not made again, and none is left half written.  Returns the paths.
+
+        Raises `ValueError` for fewer than one strut, and what writing raises.
         """
-        raise NotImplementedError
+        whole(struts, "struts", 1, len(self.network.edges) + struts)
+        place, pieces = Path(folder), self.pieces(tolerance)
+        place.mkdir(parents=True, exist_ok=True)
+        sides = np.ptp(self.network.places, axis=0) + 1
+        across = max(1, round((len(self.network.edges) / struts) ** (1 / 3)))
+        cells = (self.network.places - self.network.places.min(axis=0)) * across // sides
+        numbers, paths = cells @ (across**2, across, 1), []
+        for number in np.unique(numbers).tolist():
+            checkpoint("writing blocks", number / across**3)
+            path = place / "block-{}-{}-{}.stl".format(*np.unravel_index(number, (across,) * 3))
+            if not path.exists():
+                self._joined(pieces, numbers == number).write(path, open=True)
+            paths.append(path)
+        return paths
+
+    @staticmethod
+    def _joined(pieces: PlacedPieces, nodes: Any = None) -> Mesh:
+        points, triangles, normals, faces = pieces.mesh(nodes)
+        return Mesh(points, triangles, faces, ("nodes", "struts"), normals, deviation=pieces.deviation)
 
     def __repr__(self) -> str:
         return f"<NetworkPart: {len(self.network.places)} nodes, {len(self.network.edges)} struts, GC^{self.order}>"
@@ -273,7 +302,7 @@ def _bound(certificate: MeshCertificate) -> float:
 
 
 def blend(
-    network: Network, order: int, degree: Degree, cache: str | Path | None, map_: Callable[..., Any]
+    network: StrutGraph, order: int, degree: Degree, cache: str | Path | None, map_: Callable[..., Any]
 ) -> NetworkPart:
     """See `Network.blend`."""
     problems = network.check()

@@ -22,7 +22,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
 from pas.mesh.rows import Integers
 from pas.network.classes import NodeKind, turn
-from pas.network.graph import Network
+from pas.network.graph import StrutGraph
 from pas.network.nodes import PlacedEnds
 from pas.pipeline.result import Blend
 
@@ -77,7 +77,7 @@ class StrutPiece:
 class PlacedPieces:
     """All pieces of a network's mesh within a tolerance (the model's units)."""
 
-    def __init__(self, network: Network, placed: PlacedEnds, blends: dict[Any, Blend], tolerance: float) -> None:
+    def __init__(self, network: StrutGraph, placed: PlacedEnds, blends: dict[Any, Blend], tolerance: float) -> None:
         self.network, self.placed, self.blends, self.tolerance = network, placed, blends, tolerance
         self.kinds = placed.kinds
 
@@ -151,27 +151,36 @@ class PlacedPieces:
         largest = max([n.deviation for n in self.nodes] + [s.deviation for s in self.struts])
         return largest + far * 2.0**-50
 
-    def mesh(self) -> tuple[Floats, Integers, Floats, Integers]:
-        """Points (N, 3), triangles (T, 3), normals at their corners (T, 3, 3), and whether each is of a strut (T,)."""
-        network, used = self.network, np.flatnonzero(self.kinds.of >= 0)
-        sizes = np.zeros(len(network.places), dtype=np.int64)
-        sizes[used] = np.array([len(n.points) for n in self.nodes])[self.kinds.of[used]]
+    def mesh(self, chosen: Any = None) -> tuple[Floats, Integers, Floats, Integers]:
+        """Points (N, 3), triangles (T, 3), normals at their corners (T, 3, 3), and whether each is of a strut (T,).
+
+        Of the nodes `chosen` (a mask) and the struts that begin there alone, if it is given; points of the nodes at the
+        other ends of these are there, too.
+        """
+        network, kinds = self.network, self.kinds
+        of = kinds.of if chosen is None else np.where(chosen, kinds.of, -1)
+        mine = np.ones(len(network.edges), dtype=bool) if chosen is None else chosen[network.edges[:, 0]]
+        needed = of >= 0
+        needed[network.edges[mine].ravel()] = True
+        sizes = np.where(needed, np.array([len(n.points) for n in self.nodes])[kinds.of], 0)
         starts = np.cumsum(sizes) - sizes
         points = np.empty((int(sizes.sum()), 3))
         triangles, normals = [], []
         for kind, piece in enumerate(self.nodes):
-            own = np.flatnonzero(self.kinds.of == kind)
-            points[starts[own][:, None] + np.arange(len(piece.points))] = piece.points + network.points[own][:, None]
+            all_of = np.flatnonzero(needed & (kinds.of == kind))
+            points[starts[all_of][:, None] + np.arange(len(piece.points))] = (
+                piece.points + network.points[all_of][:, None]
+            )
+            own = np.flatnonzero(of == kind)
             triangles.append((piece.triangles + starts[own][:, None, None]).reshape(-1, 3))
             normals.append(np.tile(piece.normals, (len(own), 1, 1)))
         many = sum(map(len, triangles))
         for strut in self.struts:
-            both = [
-                starts[network.edges[strut.edges, end]][:, None] + self.nodes[strut.kinds[end]].rings[strut.slots[end]]
-                for end in (0, 1)
-            ]
+            edges = strut.edges[mine[strut.edges]]
+            rings = [self.nodes[strut.kinds[end]].rings[strut.slots[end]] for end in (0, 1)]
+            both = [starts[network.edges[edges, end]][:, None] + rings[end] for end in (0, 1)]
             triangles.append(np.concatenate(both, axis=1)[:, strut.triangles].reshape(-1, 3))
-            normals.append(np.tile(strut.normals, (len(strut.edges), 1, 1)))
+            normals.append(np.tile(strut.normals, (len(edges), 1, 1)))
         found = np.concatenate(triangles)
         return points, found, np.concatenate(normals), (np.arange(len(found)) >= many).astype(np.int64)
 

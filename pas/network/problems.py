@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import cos, radians
+from typing import TypeVar
 
 import numpy as np
 
 from pas.mesh.rows import Floats, Integers
 from pas.network.clearance import crossing
-from pas.network.graph import Network, Problem
+from pas.network.graph import StrutGraph, Problem
 
 LEAST_ANGLE = 10.0
 """Degrees between struts at a node, below which no pipe ends apart from another (see `pas.struts`)."""
@@ -18,7 +19,7 @@ NEAREST = 0.45
 """Of the least angle at a node: circles seen under more are met by no blend, as those of two struts must be apart."""
 
 
-def check(network: Network, whole: bool) -> tuple[Problem, ...]:
+def check(network: StrutGraph, whole: bool) -> tuple[Problem, ...]:
     """See `Network.check`."""
     found = [*_of_graph(network)]
     if not found:
@@ -33,7 +34,7 @@ def check(network: Network, whole: bool) -> tuple[Problem, ...]:
     return tuple(found)
 
 
-def _of_graph(network: Network) -> Iterator[Problem]:
+def _of_graph(network: StrutGraph) -> Iterator[Problem]:
     """Loops, struts that are there twice, points in one place and points without struts."""
     edges = network.edges
     if not len(edges):
@@ -56,7 +57,7 @@ def _repeated(rows: Integers) -> list[tuple[int, int]]:
     return list(zip(before[again].tolist(), again.tolist(), strict=True))
 
 
-def _least_angles(network: Network) -> tuple[Floats, Integers]:
+def _least_angles(network: StrutGraph) -> tuple[Floats, Integers]:
     """At both ends of each strut the largest cosine of an angle with another there (E, 2), and that other."""
     count = len(network.edges)
     owners, numbers = network.edges.T.ravel(), np.tile(np.arange(count), 2)
@@ -74,7 +75,7 @@ def _least_angles(network: Network) -> tuple[Floats, Integers]:
     return largest.reshape(2, -1).T, other.reshape(2, -1).T
 
 
-def _angles(network: Network) -> Iterator[Problem]:
+def _angles(network: StrutGraph) -> Iterator[Problem]:
     largest, other = _least_angles(network)
     for strut, end in np.argwhere(largest > cos(radians(LEAST_ANGLE))).tolist():
         second = int(other[strut, end])
@@ -88,7 +89,7 @@ def _angles(network: Network) -> Iterator[Problem]:
             yield Problem("angle too small", (strut, second), sentence)
 
 
-def shortest(network: Network) -> Floats:
+def shortest(network: StrutGraph) -> Floats:
     """The length below which no blends fit at the ends of each strut (E,), in the model's units."""
     angles = np.arccos(np.clip(_least_angles(network)[0], -1, 1))
     widest = radians(80)
@@ -97,7 +98,7 @@ def shortest(network: Network) -> Floats:
     return np.asarray(np.where(free, near, 0.0).sum(axis=1))
 
 
-def _short(network: Network) -> Iterator[Problem]:
+def _short(network: StrutGraph) -> Iterator[Problem]:
     least = shortest(network)
     for number in np.flatnonzero(network.lengths < least).tolist():
         a, b = network.edges[number].tolist()
@@ -110,14 +111,17 @@ def _short(network: Network) -> Iterator[Problem]:
         yield Problem("too short", (number,), sentence)
 
 
-def _crossing(network: Network) -> Iterator[Problem]:
+def _crossing(network: StrutGraph) -> Iterator[Problem]:
     for i, j, distance in crossing(network):
         need = network.thickness[i] + network.thickness[j]
         sentence = f"the struts {i} and {j} pass at {distance:.4g} from one another and are {need:.4g} thick together"
         yield Problem("crossing", (i, j), sentence)
 
 
-def repair(network: Network, collapse: bool) -> tuple[Network, tuple[str, ...]]:
+G = TypeVar("G", bound=StrutGraph)
+
+
+def repair(network: G, collapse: bool) -> tuple[G, tuple[str, ...]]:
     """See `Network.repair`."""
     found, changes = _mended(network)
     while collapse and len(found.edges):
@@ -133,7 +137,7 @@ def repair(network: Network, collapse: bool) -> tuple[Network, tuple[str, ...]]:
     return found, tuple(changes)
 
 
-def _apart(network: Network, short: Integers) -> Integers:
+def _apart(network: StrutGraph, short: Integers) -> Integers:
     """Of some struts, the shortest first, those that share no point with one before."""
     taken, chosen = np.zeros(len(network.places), dtype=bool), []
     for number in short[np.argsort(network.lengths[short], kind="stable")].tolist():
@@ -144,13 +148,13 @@ def _apart(network: Network, short: Integers) -> Integers:
     return np.array(chosen)
 
 
-def _changed(network: Network, points: Floats, edges: Integers, kept: Integers) -> Network:
+def _changed(network: G, points: Floats, edges: Integers, kept: Integers) -> G:
     """With other points and some of the struts, their radii as they were."""
     radii = [network.radii[size] for size in network.sizes[kept].tolist()]
-    return Network(points, edges[kept], radii, network.grid)
+    return type(network)(points, edges[kept], radii, network.grid)
 
 
-def _mended(network: Network) -> tuple[Network, list[str]]:
+def _mended(network: G) -> tuple[G, list[str]]:
     """Without loops, double struts, double points and points without struts; what was changed."""
     _, first, of = np.unique(network.places, axis=0, return_index=True, return_inverse=True)
     target = first[of.ravel()]
