@@ -137,8 +137,10 @@ def write_3mf(parts: Sequence[Piece], path: Path, request: Request) -> None:
             together = model.AddComponentsObject()
             together.SetName(request.name)
             model.AddBuildItem(together, wrapper.GetIdentityTransform())
-        for x, y, z in part.places.tolist():
-            together.AddComponent(item, wrapper.GetTranslationTransform(x, y, z))
+        matrices = np.zeros((len(part.places), 4, 3), dtype="<f4")
+        matrices[:, :3], matrices[:, 3] = np.eye(3), part.places
+        for transform in (lib3mf.Transform * len(matrices)).from_buffer_copy(matrices.tobytes()):
+            together.AddComponent(item, transform)
     checkpoint()
     writer = model.QueryWriter("3mf")
     writer.SetDecimalPrecision(9)  # its usual six would round a part of a few units visibly
