@@ -18,8 +18,8 @@ def run_network(options: argparse.Namespace) -> CommandResult:
     """`pas network check`, `classes` or `build`."""
     action = _ACTIONS.get(options.action)
     if action is None:
-        known = ", ".join(_ACTIONS)
-        raise ValueError(f"{options.action!r} is nothing to do with a network{meant(options.action, _ACTIONS)}: {known}")
+        guess = meant(options.action, _ACTIONS) or f"; there are {', '.join(_ACTIONS)}"
+        raise ValueError(f"there is no action {options.action!r} on networks{guess}")
     if action is not _build and options.output:
         raise ValueError(f"pas network {options.action} writes nothing; -o is for pas network build")
     return action(_network(options), options)
@@ -40,7 +40,7 @@ def _network(options: argparse.Namespace) -> Network:
 
 def _check(network: Network, options: argparse.Namespace) -> CommandResult:
     problems = network.check(whole=options.whole)
-    lines = [f"{network!r}"[1:-1], *map(str, problems), f"{len(problems) or 'no'} problems"]
+    lines = [f"{network!r}"[1:-1], *map(str, problems), f"{len(problems) or 'no'} problem{'s' * (len(problems) != 1)}"]
     record = {"problems": [vars(problem) for problem in problems]}
     return CommandResult("\n".join(lines), record, FAILED if problems else DONE)
 

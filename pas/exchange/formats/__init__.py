@@ -1,6 +1,6 @@
 """File formats of other programs, by suffix.
 
-A format is a `Format` with a suffix, what it holds (`TRIANGLES` or `PATCHES` of `pas.exchange.parts`, ...) and a
+A format is a `Format` with a suffix, what it holds (`TRIANGLES` or `FACES` of `pas.exchange.parts`, ...) and a
 function that writes that.  `FORMATS.register(Format(...))` adds one from outside, for all that can be written so.
 """
 
@@ -166,5 +166,5 @@ def suffixes_for(thing: Any) -> tuple[str, ...]:
 
 
 def suffixes_of(noun: str) -> tuple[str, ...]:
-    """The suffixes of the formats that hold "triangles", "patches", ..."""
+    """The suffixes of the formats that hold "triangles", "faces", ..."""
     return tuple(suffix for suffix in FORMATS if FORMATS[suffix].content.noun == noun)
