@@ -61,7 +61,8 @@ def _build(network: Network, options: argparse.Namespace) -> CommandResult:
     graphs, bodies = (".npz", ".csv"), (".pas.json", ".3mf", ".stl", ".obj", ".ply", ".glb", ".vtp", ".png")
     for name in options.output:
         target(name, graphs + bodies, "a network")
-    mesh, changes = settings_of(MeshSettings, options), ()
+    mesh = settings_of(MeshSettings, options)
+    changes: tuple[str, ...] = ()
     if options.collapse:
         network, changes = network.repair(collapse=True)
     part = network.blend(options.order, options.degree, cache=options.cache)

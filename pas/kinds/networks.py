@@ -20,6 +20,7 @@ from pas.network.part import NetworkPart
 from pas.render.parts import solid_layers
 from pas.shape import Kind
 
+
 def _graph(thing: NetworkPart) -> dict[str, Any]:
     network = thing.network
     return {

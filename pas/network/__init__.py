@@ -7,7 +7,7 @@ part = net.blend(order=1)
 part.mesh(1e-3)
 """
 
-from pas.network.graph import NetworkError, Problem, StrutGraph
+from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.network.lattices import UnitCell, lattice, voronoi
 from pas.network.network import Network
 from pas.network.nodes import NodeClass
@@ -19,7 +19,7 @@ __all__ = [
     "NetworkMesh",
     "NetworkPart",
     "NodeClass",
-    "Problem",
+    "NetworkProblem",
     "StrutGraph",
     "UnitCell",
     "lattice",

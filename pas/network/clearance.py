@@ -9,6 +9,7 @@ kept apart by a plane across their strut.  All distances are compared with room 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,7 @@ def crossing(network: StrutGraph) -> Iterator[tuple[int, int, float]]:
     """Struts without a common point that come nearer than their radii: two numbers and the distance of their axes."""
     for first, second, distance in _near_struts(network):
         close = distance < network.thickness[first] + network.thickness[second] + _slack(network)
-        yield from zip(first[close].tolist(), second[close].tolist(), distance[close].tolist(), strict=True)
+        yield from _listed(first, second, distance, close)
 
 
 def clearance(network: StrutGraph, reach: Floats) -> Verdict:
@@ -41,8 +42,8 @@ def clearance(network: StrutGraph, reach: Floats) -> Verdict:
     for i, j, distance in crossing(network):
         reason = f"the struts {i} and {j} come within {distance:.4g} of one another"
         return Verdict(Status.UNDECIDED, CLAIM, reason, _place(network.points[network.edges[i]].mean(axis=0)))
-    for i, j, free in _near_nodes(network, reach):
-        reason = f"the node {i} may meet strut {j}, from which it is {free:.4g} away"
+    for i, other, free in _near_nodes(network, reach):
+        reason = f"the node {i}, which reaches {reach[i]:.4g} far, may meet {other}, {free:.4g} away"
         return Verdict(Status.UNDECIDED, CLAIM, reason, _place(network.points[i]))
     reason = "struts and nodes that share no point are farther apart than they are thick"
     return Verdict(Status.PROVED, CLAIM, reason, measure=len(network.edges))
@@ -82,22 +83,30 @@ def _near_struts(network: StrutGraph) -> Iterator[tuple[Integers, Integers, Floa
         yield i, j, segment_distances(points[edges[i]], points[edges[j]])
 
 
-def _near_nodes(network: StrutGraph, reach: Floats) -> Iterator[tuple[int, int, float]]:
-    """Nodes and struts that do not share a point and are too near, with the distance of the strut's axis."""
+def _near_nodes(network: StrutGraph, reach: Floats) -> Iterator[tuple[int, str, float]]:
+    """Nodes that may meet a strut that does not end there, or a node that is no neighbour: number, what, distance."""
     edges, points = network.edges, network.points
-    middles = points[edges].mean(axis=1)
-    used = np.flatnonzero(network.valence)
-    far = float(network.lengths.max() / 2 + reach.max(initial=0) + network.thickness.max())
-    most = np.zeros(len(points))  # the ball of a node at an end of a strut goes on around it
-    np.maximum.at(most, edges.ravel(), np.repeat(network.thickness, 2))
-    for node, strut in _near(points[used], middles, far):
-        node, strut = used[node][(edges[strut] != used[node][:, None]).all(axis=1)], strut[
-            (edges[strut] != used[node][:, None]).all(axis=1)
-        ]
-        here = np.stack([points[node], points[node]], axis=1)
-        distance = segment_distances(here, points[edges[strut]])
-        close = distance < reach[node] + network.thickness[strut] + _slack(network)
-        yield from zip(node[close].tolist(), strut[close].tolist(), distance[close].tolist(), strict=True)
+    used, slack = np.flatnonzero(network.valence), _slack(network)
+    far = float(network.lengths.max() / 2 + reach.max() + network.thickness.max())
+    for here, strut in _near(points[used], points[edges].mean(axis=1), far):
+        apart = (edges[strut] != used[here][:, None]).all(axis=1)
+        node, other = used[here[apart]], strut[apart]
+        distance = segment_distances(np.stack([points[node]] * 2, axis=1), points[edges[other]])
+        close = distance < reach[node] + network.thickness[other] + slack
+        yield from ((n, f"strut {m}", d) for n, m, d in _listed(node, other, distance, close))
+    overlapping = 2 * reach.max() + slack > network.lengths.min()
+    neighbours = set(map(tuple, np.sort(edges, axis=1).tolist())) if overlapping else set()
+    for first, second in _near(points[used], points[used], 2 * float(reach.max()) + slack):
+        node, other = used[first[first < second]], used[second[first < second]]
+        distance = np.linalg.norm(points[node] - points[other], axis=1)
+        close = distance < reach[node] + reach[other] + slack
+        for n, m, d in _listed(node, other, distance, close):
+            if (n, m) not in neighbours:
+                yield n, f"node {m}", d
+
+
+def _listed(first: Integers, second: Integers, distance: Floats, close: Any) -> Iterator[tuple[int, int, float]]:
+    return zip(first[close].tolist(), second[close].tolist(), distance[close].tolist(), strict=True)
 
 
 def segment_distances(first: Floats, second: Floats) -> Floats:
@@ -110,5 +119,3 @@ def segment_distances(first: Floats, second: Floats) -> Floats:
     t = np.clip((b * s + e) / c, 0.0, 1.0)
     s = np.where(a > 0, np.clip((b * t - d) / np.where(a > 0, a, 1.0), 0.0, 1.0), 0.0)
     return np.asarray(np.linalg.norm(w + s[:, None] * u - t[:, None] * v, axis=1))
-
-

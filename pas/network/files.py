@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -81,7 +82,7 @@ def _read_csv(file: Path) -> GraphArrays:
                 number,
             ) from None
         rows.append((x, y, z, u, v, w))
-        radii += [line[6].strip()] * (len(line) > 6)
+        radii += [value.strip() for value in line[6:7]]
     if len(radii) not in (0, len(rows)):
         raise ProblemFileError(f"{file.name}: {len(radii)} of {len(rows)} struts have a radius; give all of them one")
     points, edges = np.unique(np.array(rows).reshape(-1, 3), axis=0, return_inverse=True)
@@ -98,9 +99,11 @@ def _read_obj(file: Path) -> GraphArrays:
             elif word == "l":
                 ends = [int(c.partition("/")[0]) for c in rest]
                 ends = [end - 1 if end > 0 else len(points) + end for end in ends]
-                edges += list(zip(ends, ends[1:], strict=False))
+                edges += list(pairwise(ends))
         except ValueError:
-            raise ProblemFileError(f"{file.name}, line {number}: {line.strip()!r} is no point or line", number) from None
+            raise ProblemFileError(
+                f"{file.name}, line {number}: {line.strip()!r} is no point or line", number
+            ) from None
     return GraphArrays(np.array(points).reshape(-1, 3), np.array(edges, dtype=np.int64).reshape(-1, 2), None)
 
 
@@ -118,7 +121,9 @@ def _read_3mf(file: Path) -> GraphArrays:
         if beams:
             points = [tuple(vertex.Coordinates) for vertex in found.GetVertices()]
             edges = [tuple(beam.Indices) for beam in beams]
-            return GraphArrays(np.array(points), np.array(edges, dtype=np.int64), [str(np.float32(beam.Radii[0])) for beam in beams])
+            return GraphArrays(
+                np.array(points), np.array(edges, dtype=np.int64), [str(np.float32(beam.Radii[0])) for beam in beams]
+            )
     raise ProblemFileError(f"{file.name} has no beam lattice")
 
 

@@ -10,13 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from pas.algebra.inputs import shown, whole
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import positive, to_fraction
+from pas.algebra.rational import Exact, positive, to_fraction
 from pas.errors import GeometryError
 from pas.mesh.rows import Integers
 
@@ -25,7 +25,7 @@ LARGEST = 2**20
 
 
 @dataclass(frozen=True)
-class Problem:
+class NetworkProblem:
     """What is wrong with a network: the kind in a word or two, the numbers of its points or struts, and a sentence."""
 
     kind: str
@@ -41,7 +41,7 @@ class NetworkError(GeometryError):
 
     MOST_TOLD = 5
 
-    def __init__(self, problems: Sequence[Problem]) -> None:
+    def __init__(self, problems: Sequence[NetworkProblem]) -> None:
         told = [str(problem) for problem in problems[: self.MOST_TOLD]]
         if more := len(problems) - len(told):
             told.append(f"and {more} more, see network.check()")
@@ -49,7 +49,6 @@ class NetworkError(GeometryError):
         self.problems = tuple(problems)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class StrutGraph:
     """Points, struts between them, and the radii of these.
 
@@ -62,29 +61,23 @@ class StrutGraph:
     numbers.
     """
 
-    points: Floats
-    edges: Integers
-    radii: Any
-    grid: Any = "1/1024"
-
-    def __post_init__(self) -> None:
-        grid = to_fraction(positive(self.grid, "grid"))
-        places, edges = _places(self.points, grid), _edges(self.edges)
-        if len(edges) and not 0 <= edges.min() <= edges.max() < len(places):
-            raise ValueError(f"edges must be numbers of the {len(places)} points, from 0 on; {edges.max()} is none")
-        values, sizes = _radii(self.radii, len(edges))
-        longest = int(np.abs(places[edges[:, 1]] - places[edges[:, 0]]).max(initial=0))
+    def __init__(self, points: Any, edges: Any, radii: Any, grid: Exact = "1/1024") -> None:
+        self.grid: Fraction = to_fraction(positive(grid, "grid"))
+        self.places: Integers = _places(points, self.grid)
+        self.edges: Integers = _edges(edges)
+        if len(self.edges) and not 0 <= self.edges.min() <= self.edges.max() < len(self.places):
+            least, most = self.edges.min(), self.edges.max()
+            wrong = least if least < 0 else most
+            raise ValueError(f"edges must be numbers of the {len(self.places)} points, from 0 on; {wrong} is none")
+        self.radii, self.sizes = _radii(radii, len(self.edges))
+        self.points: Floats = np.asarray(self.places * float(self.grid), dtype=np.float64)
+        longest = int(np.abs(self.vectors).max(initial=0))
         if longest >= LARGEST:
-            raise ValueError(f"the grid {grid} is too fine: a strut is {longest} steps long, and {LARGEST} is the most")
-        own = {"grid": grid, "points": places * float(grid), "edges": edges, "radii": values}
-        for name, value in {**own, "places": places, "sizes": sizes}.items():
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
-            object.__setattr__(self, name, value)
-
-    if TYPE_CHECKING:
-        places: Integers
-        sizes: Integers
+            raise ValueError(
+                f"the grid {self.grid} is too fine: a strut is {longest} steps long, and {LARGEST} is the most"
+            )
+        for array in (self.places, self.edges, self.sizes, self.points):
+            array.setflags(write=False)
 
     @cached_property
     def vectors(self) -> Integers:

@@ -100,9 +100,7 @@ UNIT_CELLS: Registry[UnitCell] = Registry(
 """Unit cells by name; one's own is added by `UNIT_CELLS.register` or given as it is."""
 
 
-def lattice(
-    unit: str | UnitCell, cells: int | Sequence[int] = 1, radius: Exact = "1/20", size: Exact = 1
-) -> Network:
+def lattice(unit: str | UnitCell, cells: int | Sequence[int] = 1, radius: Exact = "1/20", size: Exact = 1) -> Network:
     """A block of so many unit cells of an exact `size` (the model's units), with struts of that radius.
 
         pas.network.lattice("octet", cells=(20, 20, 20), radius="1/20")
@@ -168,5 +166,3 @@ def voronoi(seeds: int, radius: Exact = "1/100", size: Exact = 1, *, seed: int =
     step = cube * to_fraction(positive(grid, "grid"))
     joined = Network(found.vertices[used] * float(cube), edges.reshape(-1, 2), radius, step).repair()[0]
     return joined
-
-

@@ -11,7 +11,7 @@ import numpy as np
 from pas.algebra.rational import Exact
 from pas.limits import WorkLimits, limited
 from pas.network import files, nodes, part, problems
-from pas.network.graph import Problem, StrutGraph
+from pas.network.graph import NetworkProblem, StrutGraph
 from pas.network.nodes import NodeClass
 from pas.network.part import NetworkPart
 
@@ -19,8 +19,8 @@ from pas.network.part import NetworkPart
 class Network(StrutGraph):
     """A graph of struts that becomes a body of proved nodes; see `StrutGraph` for its arguments.
 
-        net = pas.network.Network([(0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3)], [(0, 1), (0, 2), (0, 3)], "1/10")
-        net.blend().mesh()
+    net = pas.network.Network([(0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3)], [(0, 1), (0, 2), (0, 3)], "1/10")
+    net.blend().mesh()
     """
 
     @classmethod
@@ -44,10 +44,10 @@ class Network(StrutGraph):
         return cls(np.array(places, dtype=float).reshape(-1, 3), np.array(edges).reshape(-1, 2), radii, grid)
 
     def with_radius(self, radius: Exact | Sequence[Exact]) -> Network:
-        """The same graph with another radius, or one for each strut."""
+        """This graph with another radius, or one for each strut."""
         return Network(self.points, self.edges, radius, self.grid)
 
-    def check(self, *, whole: bool = False) -> tuple[Problem, ...]:
+    def check(self, *, whole: bool = False) -> tuple[NetworkProblem, ...]:
         """All that is wrong with it, with the numbers of points and struts; empty where nothing is.
 
         Struts from a point to itself, several between two points, points in one place or without struts, angles of

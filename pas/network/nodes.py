@@ -26,9 +26,8 @@ from pas.contacts.endless import Pipe
 from pas.errors import PasError
 from pas.exchange.container import read
 from pas.limits import checkpoint
-from pas.mesh.rows import Integers
 from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
-from pas.network.graph import StrutGraph, NetworkError, Problem
+from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.pipeline.blend import blend, struts
 from pas.pipeline.result import Blend
 from pas.shape import KINDS
@@ -80,7 +79,9 @@ class NodeClass:
 def classes(network: StrutGraph) -> tuple[NodeClass, ...]:
     """See `Network.classes`."""
     found = kinds_of(network, np.zeros((len(network.edges), 2), dtype=np.int64))
-    made = [NodeClass(found.kinds[numbers[0]], found.nodes(numbers), network.radii) for numbers in found.classes.values()]
+    made = [
+        NodeClass(found.kinds[numbers[0]], found.nodes(numbers), network.radii) for numbers in found.classes.values()
+    ]
     return tuple(sorted(made, key=lambda one: -one.count))
 
 
@@ -112,10 +113,10 @@ def placed_ends(network: StrutGraph, order: int) -> PlacedEnds:
         clips[short] = np.maximum(shared, (at[short] > 0).astype(np.int64))
 
 
-def _too_short(network: StrutGraph, number: int) -> Problem:
+def _too_short(network: StrutGraph, number: int) -> NetworkProblem:
     a, b = network.edges[number].tolist()
     sentence = f"strut {number} from point {a} to {b} is too short for the blends at its ends"
-    return Problem("too short", (number,), sentence)
+    return NetworkProblem("too short", (number,), sentence)
 
 
 def _ends(kinds: Kinds, network: StrutGraph, order: int, known: dict[Any, tuple[float, ...]]) -> Floats:
@@ -139,9 +140,9 @@ def _ends(kinds: Kinds, network: StrutGraph, order: int, known: dict[Any, tuple[
     return table
 
 
-def _without(nodes: tuple[int, ...], error: Exception) -> Problem:
+def _without(nodes: tuple[int, ...], error: Exception) -> NetworkProblem:
     told = ", ".join(map(str, nodes[:3])) + (f" and {len(nodes) - 3} more" if len(nodes) > 3 else "")
-    return Problem("no blend", nodes, f"the node{'s' * (len(nodes) > 1)} {told}: {error}")
+    return NetworkProblem("no blend", nodes, f"the node{'s' * (len(nodes) > 1)} {told}: {error}")
 
 
 def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe]:
@@ -182,7 +183,7 @@ def blends(
         if isinstance(result, str):
             problems.append(_without(kinds.nodes(kinds.classes[key]), PasError(result)))
         else:
-            found[key] = result if isinstance(result, Blend) else KINDS["blend"].read(read(result))
+            found[key] = KINDS["blend"].read(read(result)) if isinstance(result, Path) else result
     if problems:
         raise NetworkError(problems)
     return found

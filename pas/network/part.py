@@ -18,9 +18,10 @@ from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality, manifold
 from pas.network.clearance import clearance
-from pas.network.graph import StrutGraph, NetworkError
+from pas.network.graph import NetworkError, StrutGraph
 from pas.network.nodes import Degree, NodeClass, PlacedEnds, blends, placed_ends
 from pas.network.placing import PlacedPieces
+from pas.network.problems import check
 from pas.pipeline.result import Blend
 from pas.pipeline.search import excess
 from pas.settings import MeshSettings
@@ -80,7 +81,9 @@ class NetworkPart(Shape):
         for one in self.classes:
             found = self.blend_of(one)
             if found is not None and not found.certificate.proved:
-                return Verdict(Status.UNDECIDED, claim, f"the blend of {one} is not proved ({found.certificate.counts})")
+                return Verdict(
+                    Status.UNDECIDED, claim, f"the blend of {one} is not proved ({found.certificate.counts})"
+                )
         turned = len(self.placed.kinds.kinds)
         reason = f"{len(self.blends)} proved blends in {turned} exact positions; cylinders between them"
         return Verdict(Status.PROVED, claim, reason, measure=turned)
@@ -305,10 +308,8 @@ def blend(
     network: StrutGraph, order: int, degree: Degree, cache: str | Path | None, map_: Callable[..., Any]
 ) -> NetworkPart:
     """See `Network.blend`."""
-    problems = network.check()
+    problems = check(network, whole=False)
     if problems:
         raise NetworkError(problems)
     placed = placed_ends(network, order)
     return NetworkPart(network, order, placed, blends(network, placed.kinds, order, degree, cache, map_))
-
-

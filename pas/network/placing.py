@@ -100,7 +100,9 @@ class PlacedPieces:
         if blend is None:
             return self._ring(kind)
         mesh = blend.surface.mesh(self.tolerance / step)
-        arms = zip(kind.vectors * 1.0, ends, (self._radius(kind, i) / step for i in range(len(kind.arms))), strict=False)
+        arms = zip(
+            kind.vectors * 1.0, ends, (self._radius(kind, i) / step for i in range(len(kind.arms))), strict=False
+        )
         rings = rings_of(mesh.points, mesh.boundary, list(arms))
         deviation = float("inf") if mesh.deviation is None else mesh.deviation * step
         return NodePiece(mesh.points * step, mesh.triangles, mesh.normals, rings, deviation)
@@ -210,9 +212,7 @@ class PlacedPieces:
         cuts[edges, kinds.slots] = (1 + at - at[:, ::-1]) / 2
         used = np.flatnonzero(kinds.of >= 0)
         different, of = np.unique(np.column_stack([kinds.of, cuts.round(9)])[used], axis=0, return_inverse=True)
-        return [
-            (*self._body(int(row[0]), row[1:]), used[of.ravel() == number]) for number, row in enumerate(different)
-        ]
+        return [(*self._body(int(row[0]), row[1:]), used[of.ravel() == number]) for number, row in enumerate(different)]
 
     def _body(self, kind: int, cuts: Floats) -> tuple[Floats, Integers]:
         piece = self.nodes[kind]

@@ -10,7 +10,7 @@ import numpy as np
 
 from pas.mesh.rows import Floats, Integers
 from pas.network.clearance import crossing
-from pas.network.graph import StrutGraph, Problem
+from pas.network.graph import NetworkProblem, StrutGraph
 
 LEAST_ANGLE = 10.0
 """Degrees between struts at a node, below which no pipe ends apart from another (see `pas.struts`)."""
@@ -19,7 +19,7 @@ NEAREST = 0.45
 """Of the least angle at a node: circles seen under more are met by no blend, as those of two struts must be apart."""
 
 
-def check(network: StrutGraph, whole: bool) -> tuple[Problem, ...]:
+def check(network: StrutGraph, whole: bool) -> tuple[NetworkProblem, ...]:
     """See `Network.check`."""
     found = [*_of_graph(network)]
     if not found:
@@ -28,25 +28,25 @@ def check(network: StrutGraph, whole: bool) -> tuple[Problem, ...]:
         found += [*_short(network), *_crossing(network)]
     if whole:
         ends = np.flatnonzero(network.valence == 1).tolist()
-        found += [Problem("dangling", (n,), f"point {n} has one strut only, which ends there") for n in ends]
+        found += [NetworkProblem("dangling", (n,), f"point {n} has one strut only, which ends there") for n in ends]
         if len(network.edges) and network.pieces > 1:
-            found.append(Problem("disconnected", (), f"the network has {network.pieces} pieces that do not meet"))
+            found.append(NetworkProblem("disconnected", (), f"the network has {network.pieces} pieces that do not meet"))
     return tuple(found)
 
 
-def _of_graph(network: StrutGraph) -> Iterator[Problem]:
+def _of_graph(network: StrutGraph) -> Iterator[NetworkProblem]:
     """Loops, struts that are there twice, points in one place and points without struts."""
     edges = network.edges
     if not len(edges):
-        yield Problem("empty", (), "the network has no struts")
+        yield NetworkProblem("empty", (), "the network has no struts")
     for number in np.flatnonzero(edges[:, 0] == edges[:, 1]).tolist():
-        yield Problem("loop", (number,), f"strut {number} begins and ends at point {edges[number, 0]}")
+        yield NetworkProblem("loop", (number,), f"strut {number} begins and ends at point {edges[number, 0]}")
     for first, second in _repeated(np.sort(edges, axis=1)):
-        yield Problem("duplicate", (first, second), f"the struts {first} and {second} join the same points")
+        yield NetworkProblem("duplicate", (first, second), f"the struts {first} and {second} join the same points")
     for first, second in _repeated(network.places):
-        yield Problem("duplicate", (first, second), f"the points {first} and {second} are in one place of the grid")
+        yield NetworkProblem("duplicate", (first, second), f"the points {first} and {second} are in one place of the grid")
     for number in np.flatnonzero(network.valence == 0).tolist():
-        yield Problem("isolated", (number,), f"point {number} has no strut")
+        yield NetworkProblem("isolated", (number,), f"point {number} has no strut")
 
 
 def _repeated(rows: Integers) -> list[tuple[int, int]]:
@@ -75,7 +75,7 @@ def _least_angles(network: StrutGraph) -> tuple[Floats, Integers]:
     return largest.reshape(2, -1).T, other.reshape(2, -1).T
 
 
-def _angles(network: StrutGraph) -> Iterator[Problem]:
+def _angles(network: StrutGraph) -> Iterator[NetworkProblem]:
     largest, other = _least_angles(network)
     for strut, end in np.argwhere(largest > cos(radians(LEAST_ANGLE))).tolist():
         second = int(other[strut, end])
@@ -86,7 +86,7 @@ def _angles(network: StrutGraph) -> Iterator[Problem]:
                 f"the struts {strut} and {second} meet at point {node} at {angle:.3g} degrees; "
                 f"{LEAST_ANGLE:g} are the least"
             )
-            yield Problem("angle too small", (strut, second), sentence)
+            yield NetworkProblem("angle too small", (strut, second), sentence)
 
 
 def shortest(network: StrutGraph) -> Floats:
@@ -98,7 +98,7 @@ def shortest(network: StrutGraph) -> Floats:
     return np.asarray(np.where(free, near, 0.0).sum(axis=1))
 
 
-def _short(network: StrutGraph) -> Iterator[Problem]:
+def _short(network: StrutGraph) -> Iterator[NetworkProblem]:
     least = shortest(network)
     for number in np.flatnonzero(network.lengths < least).tolist():
         a, b = network.edges[number].tolist()
@@ -108,14 +108,14 @@ def _short(network: StrutGraph) -> Iterator[Problem]:
             f"{network.thickness[number]:.4g} need {least[number]:.4g}; a radius of {radius:.3g} may fit, or "
             "repair(collapse=True) makes it a point"
         )
-        yield Problem("too short", (number,), sentence)
+        yield NetworkProblem("too short", (number,), sentence)
 
 
-def _crossing(network: StrutGraph) -> Iterator[Problem]:
+def _crossing(network: StrutGraph) -> Iterator[NetworkProblem]:
     for i, j, distance in crossing(network):
         need = network.thickness[i] + network.thickness[j]
         sentence = f"the struts {i} and {j} pass at {distance:.4g} from one another and are {need:.4g} thick together"
-        yield Problem("crossing", (i, j), sentence)
+        yield NetworkProblem("crossing", (i, j), sentence)
 
 
 G = TypeVar("G", bound=StrutGraph)
