@@ -96,6 +96,14 @@ def test_nodes_that_differ_in_a_radius_are_not_one_class():
     assert one.kinds[one.of[0]].form.key != other.kinds[other.of[0]].form.key
 
 
+def test_nodes_with_arms_as_long_are_not_one_class():
+    ends = [(3, 0, 0), (0, 3, 0), (0, 0, 3)]
+    both = (network.Network([(0, 0, 0), *ends, last], [(0, n) for n in range(1, 5)], 1, 1)
+            for last in ((4, 4, 2), (-4, -4, 2)))  # fmt: skip
+    one, other = map(kinds, both)
+    assert one.kinds[one.of[0]].form.key != other.kinds[other.of[0]].form.key
+
+
 @cache
 def frame():
     """The edges of a cube, and beside it a line of two struts: nodes of three kinds."""

@@ -71,7 +71,7 @@ class NodeClass:
         return len(self.kind.arms) > 1 and not self.kind.straight
 
     def __str__(self) -> str:
-        sides = "a continuous group" if self.symmetries == 0 else f"{self.symmetries} symmetries"
+        sides = {0: "symmetric about an axis", 1: "no symmetry"}.get(self.symmetries, f"{self.symmetries} symmetries")
         arms = len(self.kind.arms)
         return f"{self.count} node{'s' * (self.count > 1)} of {arms} strut{'s' * (arms > 1)}, {sides}"
 
