@@ -15,7 +15,7 @@ from pas.cli import main
 from pas.exchange.formats import FORMATS, UNITS, Format, suffixes_of
 from pas.exchange.parts import TRIANGLES
 
-HOLDS = {"triangles", "faces", "cells", "tetrahedra"}
+HOLDS = {"triangles", "faces", "cells", "tetrahedra", "measures"}
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,8 @@ from pas.mesh.rows import Floats, Integers
 from pas.parametric.patches import RationalPatch
 from pas.settings import MeshSettings, given
 from pas.shape import Shape, kind_of
-from pas.solid.assembly import COLORS
+from pas.solid.assembly import COLORS, Part
+from pas.solid.measures import PartList
 
 
 @dataclass(frozen=True)
@@ -259,3 +260,23 @@ def _patches(item: Any, number: int, domain: Any) -> Sequence[RationalPatch]:
 
 
 FACES: Content[list[RationalPatch] | list[ExactPart]] = Content("faces", faces_of, ("domain", "sew", "tolerance"))
+
+
+def part_list_of(thing: Any, request: Request) -> PartList:
+    """What a solid, a closed mesh or each part of an assembly measures; raises `TypeError` for what is no body."""
+    if isinstance(thing, list | tuple):
+        raise TypeError("measures are those of one shape; make an assembly of several, as in solid.assembly(a=a, b=b)")
+    kind = kind_of(thing, "shape")
+    parts = {request.name: thing} if kind.parts is None else kind.parts(thing)
+    if not _is_body(thing):
+        raise TypeError(f"measures are those of solids, closed meshes and assemblies, not of {thing!r}")
+    bodies = {name: Part(one, COLORS[0]) if kind.meshed else one for name, one in parts.items()}
+    return PartList({name: body.measures(request.mesh.tolerance) for name, body in bodies.items()})
+
+
+def _is_body(thing: Any) -> bool:
+    known = isinstance(thing, Shape) and kind_of(thing)
+    return bool(known and (known.meshed or known.parts)) or hasattr(thing, "measures")
+
+
+MEASURES: Content[PartList] = Content("measures", part_list_of, ("tolerance",), _is_body)

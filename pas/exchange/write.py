@@ -11,6 +11,7 @@
 | .step  | faces     | named solids   | unnamed          | of the parts     | exact            | double  |
 | .vtu   | cells     | `region`       | `face`           | no               | no               | double  |
 | .msh   | cells     | groups         | groups           | no               | no               | double  |
+| .csv   | measures  | rows           | no               | no               | no               | double  |
 
 Guaranteed: a file is written whole or not at all; triangles, their order within a part and their orientation are
 those of the shape's `mesh`; .obj, .ply and .3mf keep closed meshes closed (.glb and .vtp double the points of sharp
@@ -18,9 +19,9 @@ edges, .stl has no points to share).  Not guaranteed: that single precision tell
 from the origin, and that parts put together in one .stl are apart: no boolean is taken.
 
 `unit` says which unit the model's lengths are in.  Files that can tell a unit tell it, and keep the numbers (.obj,
-.ply, .3mf, .vtp, .step; without `unit` they tell millimeters); in .stl files, whose numbers are taken for millimeters,
-and in .glb files, whose numbers are meters, the numbers become those, and without `unit` they stay; .vtu and .msh files
-have no unit and refuse one.
+.ply, .3mf, .vtp, .step; without `unit` they tell millimeters; .csv); in .stl files, whose numbers are taken for
+millimeters, and in .glb files, whose numbers are meters, the numbers become those, and without `unit` they stay; .vtu
+and .msh files have no unit and refuse one.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from typing import Any, Never, TypeAlias, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pas.algebra.affine import Affine, AffineShape
+from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.algebra.brief import brief, listed
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
@@ -21,6 +21,7 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.settings import MeshSettings
 from pas.shape import Shape
+from pas.solid.measures import Measures, PartList, flat_measures
 from pas.solid.solid import Solid
 from pas.verdicts import Findings, Verdicts
 
@@ -60,6 +61,11 @@ class Part(AffineShape["Part"], Shape):
             return self.shape.mesh(tolerance, quality=quality)
         return self.shape.mesh(tolerance)
 
+    @limited("measuring a part", "a coarser tolerance")
+    def measures(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> Measures:
+        """Volume, area, centre and moments of its solid, or of what its mesh encloses; see `Solid.measures`."""
+        return self.shape.measures(tolerance) if isinstance(self.shape, Solid) else flat_measures(self.shape)
+
     @property
     def bounding_box(self) -> Floats:
         """That of its solid or mesh (2, 3)."""
@@ -67,6 +73,9 @@ class Part(AffineShape["Part"], Shape):
 
     def _moved(self, map_: Affine) -> Part:
         return replace(self, shape=self.shape._moved(map_))
+
+    def _patterned(self, maps: Sequence[Affine]) -> Part:
+        return replace(self, shape=self.shape._patterned(maps))
 
     def meshed(self, settings: MeshSettings) -> Mesh:
         """The part's mesh by settings."""
@@ -109,11 +118,19 @@ class Assembly(AffineShape["Assembly"], Shape):
         """The mesh of each part."""
         return {name: part.mesh(tolerance, quality=quality) for name, part in self.parts.items()}
 
+    @limited("measuring an assembly", "a coarser tolerance")
+    def part_list(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> PartList:
+        """What each part measures, by its name; the `whole` of it is what all do together.
+
+        `print(assembly.part_list())` shows a table; `assembly.write("parts.csv")` writes one.
+        """
+        return PartList({name: part.measures(tolerance) for name, part in self.parts.items()})
+
     def colored(self, **colors: str) -> Assembly:
         """The assembly with other colours, `#rrggbb`, for some parts."""
         for name in colors:
             self[name]
-        changed = {n: replace(p, color=_color(colors.get(n, p.color), n)) for n, p in self.parts.items()}
+        changed = {n: replace(p, color=check_color(colors.get(n, p.color), n)) for n, p in self.parts.items()}
         return Assembly(MappingProxyType(changed))
 
     def moved(self, change: Callable[[str, Solid], Solid]) -> Assembly:
@@ -140,6 +157,11 @@ class Assembly(AffineShape["Assembly"], Shape):
 
     def _moved(self, map_: Affine) -> Assembly:
         return Assembly(MappingProxyType({name: part._moved(map_) for name, part in self.parts.items()}))
+
+    def _patterned(self, maps: Sequence[Affine]) -> Assembly:
+        copies = [self, *(self._moved(map_) for map_ in maps)]
+        parts = {numbered(n, k): part for k, copy in enumerate(copies, start=1) for n, part in copy.parts.items()}
+        return Assembly(MappingProxyType(parts))
 
     @property
     def proved(self) -> bool:
@@ -186,11 +208,12 @@ def assembly(parts: Mapping[str, PartLike] | None = None, *unnamed: Never, **nam
         shape, color = value if isinstance(value, tuple) else (value, COLORS[number % len(COLORS)])
         if not isinstance(shape, Solid | Mesh):
             raise TypeError(f"the part {name!r} must be a solid or a Mesh, not {shape!r}; of a surface take its mesh")
-        result[name] = Part(shape, _color(color, name))
+        result[name] = Part(shape, check_color(color, name))
     return Assembly(MappingProxyType(result))
 
 
-def _color(color: Any, name: str) -> str:
+def check_color(color: Any, name: str) -> str:
+    """The colour of a part, by its name; raises `ValueError` for one that is not written #rrggbb."""
     if not isinstance(color, str) or not re.fullmatch(r"#[0-9a-fA-F]{6}", color):
         raise ValueError(f"the colour of {name!r} must be written #rrggbb, not {color!r}")
     return color

@@ -180,7 +180,7 @@ def step_part(
     size = float(np.ptp(solid.box, axis=0).max())
     within = RELATIVE_TOLERANCE / COARSER * size if tolerance is None else check_tolerance(tolerance, size)
     found = solid.face_mesh(min(COARSER * within, RELATIVE_TOLERANCE * COARSER * size))
-    volume, area = curved_measures(found, field)
+    measured = curved_measures(found, field).scaled(field.scale, field.world(np.zeros(3)))
     atlas = Atlas(found.mesh, field)
     local = within / field.scale
     parameters = divide(atlas, local / 4, within / size / 4)
@@ -201,13 +201,13 @@ def step_part(
         faces - len(graphs),
         distance,
         maker.gap * field.scale,
-        volume * field.scale**3,
+        measured.volume,
         0.0,
         smooth.angle,
         smooth.curvature_jump,
     )
-    bound = area * field.scale**2 * within
-    return StepPart(name, color, shape, len(solids), volume * field.scale**3, bound, max(within, 1e-6 * size), report)
+    bound = measured.area * within
+    return StepPart(name, color, shape, len(solids), measured.volume, bound, max(within, 1e-6 * size), report)
 
 
 def _order(solid: Solid, one: int, other: int) -> int:
