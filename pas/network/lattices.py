@@ -78,21 +78,23 @@ def _kelvin() -> UnitCell:
     return UnitCell.along(4, sites, _half((0, 1, 1)))
 
 
-_FACES: tuple[Whole3, ...] = ((0, 0, 0), (1, 1, 0), (1, 0, 1), (0, 1, 1))
-_DIAMOND: tuple[Whole3, ...] = tuple((2 * x, 2 * y, 2 * z) for x, y, z in _FACES)
+def _faces(step: int = 1) -> list[Whole3]:
+    """The corner of a cell and the middles of its faces, which are so many steps from it along two axes."""
+    return [(0, 0, 0), (step, step, 0), (step, 0, step), (0, step, step)]
+
 
 UNIT_CELLS: Registry[UnitCell] = Registry(
     "unit cell",
     {
         "cubic": UnitCell.along(1, [(0, 0, 0)], _half((0, 0, 1))),
         "BCC": UnitCell.along(2, [(0, 0, 0), (1, 1, 1)], _half((1, 1, 1))),
-        "FCC": UnitCell.along(2, _FACES, _signed((0, 1, 1)), [(0, 0, 0)]),
-        "octet": UnitCell.along(2, _FACES, _half((0, 1, 1))),
+        "FCC": UnitCell.along(2, _faces(), _signed((0, 1, 1)), [(0, 0, 0)]),
+        "octet": UnitCell.along(2, _faces(), _half((0, 1, 1))),
         "diamond": UnitCell.along(
             4,
-            [*_DIAMOND, *((x + 1, y + 1, z + 1) for x, y, z in _DIAMOND)],
+            [*_faces(2), *((x + 1, y + 1, z + 1) for x, y, z in _faces(2))],
             [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)],
-            _DIAMOND,
+            _faces(2),
         ),
         "Kelvin": _kelvin(),
     },

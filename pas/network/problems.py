@@ -30,7 +30,7 @@ def check(network: StrutGraph, whole: bool) -> tuple[NetworkProblem, ...]:
         ends = np.flatnonzero(network.valence == 1).tolist()
         found += [NetworkProblem("dangling", (n,), f"point {n} has one strut only, which ends there") for n in ends]
         if len(network.edges) and network.pieces > 1:
-            found.append(NetworkProblem("disconnected", (), f"the network has {network.pieces} pieces that do not meet"))
+            found.append(NetworkProblem("disconnected", (), f"there are {network.pieces} pieces that do not meet"))
     return tuple(found)
 
 
@@ -44,7 +44,7 @@ def _of_graph(network: StrutGraph) -> Iterator[NetworkProblem]:
     for first, second in _repeated(np.sort(edges, axis=1)):
         yield NetworkProblem("duplicate", (first, second), f"the struts {first} and {second} join the same points")
     for first, second in _repeated(network.places):
-        yield NetworkProblem("duplicate", (first, second), f"the points {first} and {second} are in one place of the grid")
+        yield NetworkProblem("duplicate", (first, second), f"the points {first} and {second} are in one place")
     for number in np.flatnonzero(network.valence == 0).tolist():
         yield NetworkProblem("isolated", (number,), f"point {number} has no strut")
 
