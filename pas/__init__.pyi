@@ -164,8 +164,8 @@ from .pipeline.result import Blend as Blend
 from .pipeline.result import SolutionSpace as SolutionSpace
 from .pipeline.session import Session as Session
 from .pipeline.session import keep_blends as keep_blends
-from .render.animate import animate as animate
-from .render.picture import draw as draw
+from .render.drawing import animate as animate
+from .render.drawing import draw as draw
 from .render.window import show as show
 from .shape import Kind as Kind
 from .shape import Shape as Shape

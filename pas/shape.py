@@ -27,7 +27,7 @@ from pas.verdicts import Verdicts
 VERBS = {
     "save": "pas.kinds.files:save",
     "write": "pas.exchange.write:write",
-    "draw": "pas.render.picture:draw",
+    "draw": "pas.render.drawing:draw",
     "show": "pas.render.window:show",
     "html": "pas.render.window:html",
     "studio": "pas.studio.widget:studio",
