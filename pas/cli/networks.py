@@ -32,7 +32,9 @@ def _network(options: argparse.Namespace) -> Network:
 
     if "." not in Path(options.source).name:
         cells = [int(n) for n in str(options.cells or 1).split(",")]
-        return lattice(options.source, cells * 3 if len(cells) == 1 else cells, options.radius or "1/20", options.size)
+        return lattice(
+            options.source, cells * 3 if len(cells) == 1 else cells, options.radius or "1/20", options.cell_size
+        )
     if options.cells:
         raise ValueError(f"--cells is for unit cells by name ({', '.join(UNIT_CELLS)}), not for {options.source}")
     return Network.read(options.source, options.radius, options.grid)

@@ -97,14 +97,14 @@ def _styles(parser: argparse.ArgumentParser) -> None:
 
 
 FOLDER = value("-o --output", "DIR", "folder to write to (default: here)", default=".")
+DEGREE = value(
+    "--degree", "N", "this degree only, or lowest: the lowest that is proved; else one that is fair", _degree
+)
 PROBLEM = (
     value("problem", "PROBLEM.toml", "the problem file, of whatever kind"),
     FOLDER,
     value("--order", "K", "contact of order K, instead of the file's", int),
-    value(
-        "--degree", "N",
-        "this degree only, or lowest for the lowest that is proved, instead of the lowest that is fair", _degree,
-    ),
+    DEGREE,
     value("--tension", "T", "of the surface: from 0 (full) over 4.6 (as usual) up (slim), instead of the file's"),
     settings(MeshSettings, "the file's, or 0.001 of the size"),
     flag("--no-picture", "do not draw NAME.png"),
@@ -272,20 +272,19 @@ COMMANDS = (
             value("source", "FILE", "a graph (.npz, .csv, .obj, .3mf), or cubic, BCC, FCC, octet, diamond, Kelvin"),
             value("-o --output", "OUT", "of build: a file to write; may be said again", action="append", default=[]),
             value("--cells", "X,Y,Z", "of a lattice: how many, as 4 or 4,4,2 (default: 1)"),
-            value("--size", "S", "of a lattice: the side of a cell (default: 1)", default=1),
+            value("--cell-size", "S", "of a lattice: the side of a cell (default: 1)", default=1),
             value("--radius", "R", "of all struts, instead of the file's (of a lattice by default: 1/20)"),
             value("--grid", "G", "of the points of a file (default: 1/1024)", default="1/1024"),
             value("--order", "K", "the k of GC^k (default: 1)", int, default=1),
-            value("--degree", "N", "this degree only, or lowest for the lowest that is proved", _degree),
-            value("--cache", "DIR", "a folder that keeps blends, from which a run that was ended goes on"),
-            value("--blocks", "DIR", "also write the mesh as STL files of some 20 000 struts each"),
+            DEGREE,
+            value("--cache", "DIR", "keeps blends; a run that was ended goes on from it"),
+            value("--blocks", "DIR", "for STL files of some 20 000 struts each"),
             flag("--collapse", "struts too short for any blend become points"),
-            flag("--whole", "of check: ends that meet nothing and several pieces are wrong, too"),
+            flag("--whole", "of check: loose ends and several pieces are wrong, too"),
             settings(Request, leave=("sew", "open")),
             settings(MeshSettings, "3 % of the least radius"),
         ),
-        "Writes .3mf (each kind of node once), .stl, .obj, .ply, .glb, .vtp, .pas.json, .png, and the graph\n"
-        "as .npz or .csv.  `pas network build octet --cells 4 --radius 1/20 -o block.3mf` makes a block.",
+        "`pas network build octet --cells 4 --radius 1/20 -o block.3mf` writes each kind of node once.",
     ),
     Command(
         "studio",

@@ -17,7 +17,7 @@ from pas.kinds.piecewise import BLEND
 from pas.network.network import Network
 from pas.network.nodes import matched, placed_ends
 from pas.network.part import NetworkPart
-from pas.render.parts import solid_layers
+from pas.render.scene import solid_layers
 from pas.shape import Kind
 
 
