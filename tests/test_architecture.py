@@ -91,7 +91,7 @@ BY_CLASS = {
     ("layouts/clips.py", "Layout"): "an argument may be a layout or the name of a kind of them",
     ("blending/place.py", "Layout"): "an argument may be a partition, a layout or the name of a kind of them",
     ("parametric/data.py", "ParametricSurface"): "an argument is checked",
-    ("parametric/curves.py", "ParametricSurface"): "an argument is checked",
+    ("parametric/surface.py", "ParametricSurface"): "an argument is checked",
     ("parametric/fitting.py", "ParametricSurface"): "an argument is checked, which may be a blend with a surface",
     ("parametric/generatrix/paths.py", "ParametricSurface"): "an argument may be a curve on a surface, or expressions",
 }

@@ -12,7 +12,7 @@ import pas
 from pas import solid
 from pas.cli import main
 from pas.exchange.picture_options import STYLES, VIEWS, Picture, Style
-from pas.parametric.curves import Forms
+from pas.parametric.surface import Forms
 from pas.render import drawing, plotting
 from pas.render.parametric import BLEND_TINT, COLORS, TINTS
 from pas.render.scene import BLEND_COLOR, scene_of
