@@ -97,9 +97,7 @@ def _styles(parser: argparse.ArgumentParser) -> None:
 
 
 FOLDER = value("-o --output", "DIR", "folder to write to (default: here)", default=".")
-DEGREE = value(
-    "--degree", "N", "this degree only, or lowest: the lowest that is proved; else one that is fair", _degree
-)
+DEGREE = value("--degree", "N", "this degree, or lowest: the lowest that is proved; else one that is fair", _degree)
 PROBLEM = (
     value("problem", "PROBLEM.toml", "the problem file, of whatever kind"),
     FOLDER,
