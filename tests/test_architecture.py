@@ -21,7 +21,7 @@ ROOMS = [
     *("_version", "errors", "threads", "limits", "registry", "verdicts", "kernels"),
     *("algebra", "settings", "shape", "bernstein", "partition", "mesh", "contacts", "surface", "certify", "piecewise"),
     *("solid", "parametric", "fairing"),
-    *("layouts", "blending", "pipeline", "exchange", "independent", "render", "designs", "kinds"),
+    *("layouts", "blending", "pipeline", "exchange", "independent", "render", "designs", "network", "kinds"),
     *("studio", "cli"),
 ]
 """A module imports from rooms that stand before its own, and from its own."""
