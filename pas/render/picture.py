@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Unpack
 
 import numpy as np
+from PIL import Image
 
 from pas.algebra.monomials import Floats
 from pas.exchange.files import replacing, target
@@ -18,6 +19,9 @@ from pas.render.combs import add_combs, hair_length, tips
 from pas.render.plotting import add_comb_legend, add_legend, bar, look_at, offscreen_pyvista, room, widest_view
 from pas.render.scene import CURVE_COLOR, Layer, Legend, Paint, Scene, scene_of
 from pas.shape import Shape
+
+LEVEL = 4
+"""Of compression of PNG files: a tenth larger than with the usual 6, and written in a third of the time."""
 
 
 @limited("drawing", "a coarser mesh of your own")
@@ -58,7 +62,8 @@ def draw_scene(scene: Scene, picture: Picture, path: str | Path) -> Path:
     plotter = plotted(offscreen_pyvista(), scene, picture, off_screen=True)
     with closing(plotter), replacing(path) as temporary:
         checkpoint("rendering a picture")
-        plotter.screenshot(str(temporary))
+        image = Image.fromarray(plotter.screenshot(return_img=True))
+        image.save(temporary, "png", compress_level=LEVEL)
     return Path(path)
 
 
