@@ -101,7 +101,9 @@ BENT = [
 ]
 SOLVED = {
     "bent": lambda: pas.blend(BENT, 1),
+    "hollow_elbow": lambda: pas.node([(X, 1), ((0, 1, 0), 1)], 1).hollow("1/10"),
     "hollow_foot": lambda: pas.blend([pas.Plate(Z, 2), pas.Pipe(Z, 1, 2)], 1).hollow("1/8"),
+    "tee": lambda: pas.node([(X, 1), ((-1, 0, 0), 1), ((0, 1, 0), "4/5")], 1),
     "thick_elbow": lambda: pas.node([(X, 1), ((0, 1, 0), 1)], 1).hollow("3/8"),
 }
 """Blends of which tests want what comes after the solving: they are read from `tests/data/solved`, where

@@ -154,7 +154,7 @@ def test_module_version_and_help(capsys):
         [sys.executable, "-m", "pas", "--version", "--verbose"], capture_output=True, text=True, check=True
     )
     assert done.stdout.startswith(f"pas {__version__}\n") and "\npython-flint " in done.stdout
-    with pytest.raises(SystemExit, match="^0$"):
+    with pytest.raises(SystemExit):
         main(["blend", "--help"])
     assert "[[pipes]]" in capsys.readouterr().out
     assert main([]) == 2

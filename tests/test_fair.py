@@ -203,10 +203,14 @@ def test_what_is_narrowly_beyond_a_limit_is_pressed_within():
     assert corner.wishes.limits is None
 
 
-def test_spaces_too_small_to_be_fair_are_tried_where_nothing_else_serves(monkeypatch):
+def test_spaces_too_small_to_be_fair_are_not_tried():
     found = fair(EQUAL, 1)
     notes = [a.outcome for a in found.attempts if a.dimension == 3]
     assert notes == ["not tried: fewer than 12 unknowns"] and found.surface.degree == 4
+
+
+@pytest.mark.slow
+def test_spaces_too_small_to_be_fair_are_tried_where_nothing_else_serves(monkeypatch):
     monkeypatch.setattr("pas.pipeline.search.CORNER", SearchSettings(degrees=1, above=0, fewest=10**6))
     monkeypatch.setattr("pas.pipeline.search.GIVEN", SearchSettings(degrees=1, above=0, fewest=1))
     last = pas.blend(pipes(EQUAL), 1)

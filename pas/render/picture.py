@@ -20,9 +20,6 @@ from pas.render.plotting import add_comb_legend, add_legend, bar, look_at, offsc
 from pas.render.scene import CURVE_COLOR, Layer, Legend, Paint, Scene, scene_of
 from pas.shape import Shape
 
-LEVEL = 4
-"""Of compression of PNG files: a tenth larger than with the usual 6, and written in a third of the time."""
-
 
 @limited("drawing", "a coarser mesh of your own")
 def draw(
@@ -62,8 +59,8 @@ def draw_scene(scene: Scene, picture: Picture, path: str | Path) -> Path:
     plotter = plotted(offscreen_pyvista(), scene, picture, off_screen=True)
     with closing(plotter), replacing(path) as temporary:
         checkpoint("rendering a picture")
-        image = Image.fromarray(plotter.screenshot(return_img=True))
-        image.save(temporary, "png", compress_level=LEVEL)
+        # the usual level, 6, takes thrice the time for a tenth less
+        Image.fromarray(plotter.screenshot(return_img=True)).save(temporary, "png", compress_level=4)
     return Path(path)
 
 
@@ -87,9 +84,7 @@ def _fill(plotter: Any, scene: Scene, picture: Picture, grid: tuple[int, int], a
     paints, legend = picture.coloring.paint(scene)
     hair = hair_length(scene.layers)
     drawn = [np.concatenate([layer.mesh.points, tips(layer, hair)]) for layer in scene.layers]
-    points = np.concatenate([part + shift for part, shift in zip(drawn, shifts, strict=True)])
-    if around is not None:
-        points = around
+    points = np.concatenate([d + s for d, s in zip(drawn, shifts, strict=True)]) if around is None else around
     view = scene.view if picture.view is None or around is not None else picture.view
     views = [widest_view(meshes) if view is None else view]
     if picture.four_views:  # past the front, from the front, from the right, from above
