@@ -107,14 +107,18 @@ def read_record(registry: Registry[type[D]], record: Mapping[str, Any], kind: st
 def read_as(made: type[D], called: str, record: Mapping[str, Any]) -> D:
     """The thing of a known class, called so in sentences, that a table describes; raises as `read_record` does."""
     data = {key: value for key, value in record.items() if key != "kind"}
-    known = made.keys()
-    for key in data:
+    check_keys(made.keys(), called, data)
+    return made.from_record(data)
+
+
+def check_keys(known: Mapping[str, bool], called: str, record: Mapping[str, Any]) -> None:
+    """Raise `ValueError`, naming the nearest, for a key that is not known, and for one that is needed and not there."""
+    for key in record:
         if key not in known:
             raise ValueError(f"{key!r} does not belong to the {called}{meant(key, known)}")
     for key, needed in known.items():
-        if needed and key not in data:
+        if needed and key not in record:
             raise ValueError(f"the {called} needs {key!r}")
-    return made.from_record(data)
 
 
 def constructor_keys(made: type[Any]) -> dict[str, bool]:

@@ -189,9 +189,9 @@ class Kind(Generic[S]):
     What most kinds need not say: `facts`, what programs read of a shape beside its verdicts; for files,
     `mesh(shape, settings)`, its triangles; `parts` by name, each with a colour; `patches(shape, domain)`, which are
     exact; `piecewise`, the piecewise surface that it is, at which rays can be cast instead of meshing it;
-    `body(shape, length)`, the solid with it in its boundary.  `meshed` says that it is a mesh already, for which
-    tolerances mean nothing; `open` that it always ends at edges, so that it bounds no body; `curved` that its layers
-    know the curvature of the surface, for colours and combs.
+    `body(shape, length)`, the solid with it in its boundary; `solid(shape)`, the solid that it is. `meshed` says that
+    it is a mesh already, for which tolerances mean nothing; `open` that it always ends at edges, so that it bounds no
+    body; `curved` that its layers know the curvature of the surface, for colours and combs.
     """
 
     name: str
@@ -206,6 +206,7 @@ class Kind(Generic[S]):
     patches: Callable[[S, Any], Sequence[Any]] | None = None
     piecewise: Callable[[S], Any] | None = None
     body: Callable[[S, Any], Any] | None = None
+    solid: Callable[[S], Any] | None = None
     meshed: bool = False
     open: bool = False
     curved: bool = False

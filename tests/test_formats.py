@@ -15,7 +15,7 @@ from pas.cli import main
 from pas.exchange.formats import FORMATS, UNITS, Format, suffixes_of
 from pas.exchange.parts import TRIANGLES
 
-HOLDS = {"triangles", "patches", "cells", "tetrahedra"}
+HOLDS = {"triangles", "faces", "cells", "tetrahedra", "measures"}
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def test_misuse_is_refused_in_words(shapes, tmp_path):
         ((ball, "a.stl"), {"sew": 1}, ValueError, r"sew says nothing of triangles, which \.stl files hold"),
         ((ball, "a.stl"), {"domain": ((0, 1), (0, 1))}, ValueError, "domain is that of a parametric surface"),
         ((ball, "a.stl"), {"unit": "mile"}, ValueError, f"unit must be one of {', '.join(UNITS)}"),
-        ((ball, "a.step"), {"tolerance": 1}, ValueError, r"tolerance says nothing of patches, which \.step files hold"),
+        ((ball, "a.step"), {"sew": 1}, ValueError, "sew says nothing of solids, of which all faces are joined"),
         ((mesh, "a.stl"), {"tolerance": 1}, ValueError, "a mesh has them behind it"),
         ((42, "a.stl"), {}, TypeError, "must be a mesh, a solid, an assembly, a surface or a blend, not 42"),
         (([], "a.stl"), {}, ValueError, "at least one shape"),

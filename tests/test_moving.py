@@ -135,7 +135,7 @@ def test_files_that_are_no_projects_are_not_called_truncated(tmp_path):
             ValueError,
             r"with angle=True to go round the whole turn; of others, .* give a finite one, such as domain=",
         ),
-        (lambda: BALL.write("a.step"), TypeError, "STEP files hold faces with parameters; a solid or"),
+        (lambda: BALL.mesh(1).write("a.step"), TypeError, "STEP files hold solids, or rational patches, and <Mesh"),
         (lambda: pas.load("a.step"), pas.ProjectFileError, r"a\.step: \.step files are written and not read"),
         (lambda: solid.assembly(a=pas.torus()), TypeError, "the part 'a' must be .*; of a surface take its mesh"),
         (lambda: solid.tube(("t", "0", "0"), 1, 3), TypeError, "interval must be two rising numbers, .*, not 3"),

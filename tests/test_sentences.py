@@ -43,7 +43,7 @@ CALLS = [
     (lambda: pas.load("a" * 300), ValueError, "is too long"),
     (lambda: pas.load(3), TypeError, "the file must be given by its name, not by 3"),
     (lambda: pas.read_problem("a\0b"), ValueError, "has a null character in it"),
-    (lambda: pas.write_step(blend(), "a.step"), TypeError, "a piecewise algebraic surface has none; write its triang"),
+    (lambda: pas.write_step(blend(), "a.step"), TypeError, "is neither; write the solid that it bounds, as in shape"),
     (lambda: pas.draw(None, "/proc/a.png"), ValueError, "nothing can be written to the folder /proc"),
     (lambda: pas.blend(pipes(), 1, "lowset"), TypeError, "from 1 to 12, not 'lowset'; or \"lowest\""),
     (

@@ -113,7 +113,7 @@ def test_programs_of_docstrings_run(module, block, tmp_path, monkeypatch):
 @pytest.mark.parametrize(("module", "block"), PROBLEMS, ids=[m for m, _ in PROBLEMS])
 def test_problem_files_of_docstrings_are_read(module, block, tmp_path):
     path = tmp_path / "problem.toml"
-    whole = {"order", "surfaces", "boundaries", "quadrics"} & set(tomllib.loads(block))
+    whole = {"order", "surfaces", "boundaries", "quadrics", "solid"} & set(tomllib.loads(block))
     path.write_text(block if whole else f"order = 1\n{block}\n{PIPES}")  # what all kinds of problems may have
     read = pas.read_parametric_problem if {"surfaces", "boundaries"} & set(tomllib.loads(block)) else pas.read_problem
     assert read(path) is not None

@@ -1,4 +1,4 @@
-"""Rational patches: exactly on their surfaces; STEP files of them, by the words of the format and read back."""
+"""STEP files of rational patches and of solids, by the words of the format and read back."""
 
 from __future__ import annotations
 
@@ -13,6 +13,10 @@ import pas
 from pas import solid
 from pas.exchange.formats import step as module
 from pas.exchange.rational import ball_patches, cone_patches, cylinder_patches, torus_patches
+from pas.exchange.step.borders import CurveKind, curve_through
+from pas.exchange.step.carriers import CarrierKind, carrier_of, reducible_planes
+from pas.exchange.step.documents import write_parts
+from pas.exchange.step.model import adaptive_volume, explored, is_valid, step_part
 from pas.exchange.write import write_step
 from pas.parametric.patches import RationalPatch
 
@@ -126,14 +130,18 @@ def test_arguments_are_checked(tmp_path):
         write_step(patches, tmp_path / "a.step", sew=0)
     with pytest.raises(ValueError, match="at least one patch"):
         write_step([], tmp_path / "a.step")
-    with pytest.raises(TypeError, match="or rational patches in the place of <Solid"):
-        write_step([solid.ball((0, 0, 0), 1)], tmp_path / "a.step")
+    with pytest.raises(ValueError, match="sew says nothing of solids"):
+        write_step(solid.ball((0, 0, 0), 1), tmp_path / "a.step", sew=1)
+    with pytest.raises(ValueError, match="tolerance says nothing of patches"):
+        write_step(patches, tmp_path / "a.step", tolerance=1)
+    with pytest.raises(TypeError, match="the part 'a' is a mesh, whose faces have no equations"):
+        write_step(solid.assembly(a=solid.ball((0, 0, 0), 1).mesh(0.1)), tmp_path / "a.step")
     assert not list(tmp_path.iterdir())
 
 
 @pytest.fixture
 def ocp():
-    return pytest.importorskip("OCP")
+    return pytest.importorskip("OCP", reason="STEP files need Open Cascade: pip install 'pas[step]'")
 
 
 def read_back(path):
@@ -243,3 +251,177 @@ def test_nothing_is_left_half_written(ocp, tmp_path):
         write_step([*ball_patches((0, 0, 0), 1), point], tmp_path / "a.step")
     assert (tmp_path / "a.step").read_bytes() == before
     assert [p.name for p in tmp_path.iterdir()] == ["a.step"]
+
+
+def plate():
+    """A plate with three holes."""
+    whole = solid.box((0, 0, 0), (7, 2, 1))
+    for number in range(3):
+        whole = whole - solid.cylinder((1 + 2 * number, 1, -1), (1 + 2 * number, 1, 2), "1/2", face=f"hole {number}")
+    return whole
+
+
+def two_pegs():
+    """Two cylinders apart from one another."""
+    peg = solid.cylinder((100, 0, 0), (100, 0, 2), "1/2")
+    return peg | peg.translate((5, 0, 0))
+
+
+def tee(radius="3/5"):
+    """Two cylinders that meet at a right angle."""
+    return solid.cylinder((-2, 0, 0), (2, 0, 0), 1, face="main") | solid.cylinder(
+        (0, 0, 0), (0, 0, "9/4"), radius, face="branch"
+    )
+
+
+ELLIPSOID = "x^2/4 + y^2/9 + z^2 - 1"
+BODIES = {
+    "box": (lambda: solid.box((0, 0, 0), (3, 2, 1)), 6, {"Plane": 6}),
+    "cylinder": (lambda: solid.cylinder((0, 0, 0), (1, 2, 2), 1), 3 * np.pi, {"Plane": 2, "CylindricalSurface": 1}),
+    "cone": (lambda: solid.cone((0, 0, 0), (0, 0, 2), 1), 2 * np.pi / 3, None),
+    "frustum": (lambda: solid.cone((0, 0, 0), (0, 0, 2), 2, 1), 14 * np.pi / 3, {"Plane": 2, "ConicalSurface": 1}),
+    "ball": (lambda: solid.ball((1, 2, 3), "1/2"), np.pi / 6, None),
+    "torus": (lambda: solid.torus((0, 0, 0), (1, 2, 2), 1, "1/3"), 2 * np.pi**2 / 9, None),
+    "plate": (plate, 14 - 3 * np.pi / 4, {"Plane": 6, "CylindricalSurface": 3}),
+    "hollow ball": (lambda: solid.ball((0, 0, 0), 2) - solid.ball((0, 0, 0), 1), 28 / 3 * np.pi, None),
+    "two pegs": (lambda: two_pegs(), np.pi, {"Plane": 4, "CylindricalSurface": 2}),
+    "equal cylinders": (lambda: tee(1), None, {"Plane": 3, "CylindricalSurface": 2}),
+    "ellipsoid": (lambda: solid.patch("egg", ELLIPSOID), 8 * np.pi, {"BSplineSurface": 2}),
+    "cut ellipsoid": (
+        lambda: solid.patch("egg", ELLIPSOID).cap("z", "flat"),
+        4 * np.pi,
+        {"BSplineSurface": 1, "Plane": 1},
+    ),
+}
+
+
+def read_solids(path):
+    """The solids of a file, and how many faces there are on surfaces of each kind."""
+    from OCP.BRep import BRep_Tool
+    from OCP.STEPControl import STEPControl_Reader
+    from OCP.TopoDS import TopoDS
+
+    with module._quiet():
+        reader = STEPControl_Reader()
+        reader.ReadFile(str(path))
+        reader.TransferRoots()
+    shape = reader.OneShape()
+    names = [type(BRep_Tool.Surface_s(TopoDS.Face(face))).__name__ for face in explored(shape, "FACE")]
+    kinds = {name.removeprefix("Geom_"): names.count(name) for name in sorted(names)}
+    return explored(shape, "SOLID"), kinds
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_solids_with_exact_faces_come_back(ocp, tmp_path, name):
+    make, volume, kinds = BODIES[name]
+    body = make()
+    solids, found = read_solids(body.write(tmp_path / "a.step"))
+    assert all(map(is_valid, solids)) and len(solids) == (2 if name == "two pegs" else 1)
+    assert sum(map(adaptive_volume, solids)) == pytest.approx(volume or body.volume(1e-4), rel=1e-6)
+    assert kinds is None or found == kinds
+    assert [p.name for p in tmp_path.iterdir()] == ["a.step"]
+
+
+def test_parts_have_their_names_colours_and_places(ocp, tmp_path):
+    peg = solid.cylinder((0, 0, 0), (0, 0, 1), "1/2")
+    both = solid.assembly(peg=(peg, "#ff0000"), moved=(peg.translate((5, 0, 0)), "#0000ff"))
+    path = both.write(tmp_path / "set.step", unit="inch")
+    text = path.read_text()
+    assert all(re.search(rf"PRODUCT\('{name}'", text) for name in ("set", "peg", "moved"))
+    assert "CONVERSION_BASED_UNIT" in text and len(re.findall("COLOUR_RGB|DRAUGHTING_PRE_DEFINED_COLOUR", text)) >= 2
+    solids, _ = read_solids(path)
+    assert [adaptive_volume(s) for s in solids] == pytest.approx([np.pi / 4] * 2)
+
+
+def test_a_blend_is_as_smooth_in_its_file_as_it_is(ocp, tmp_path):
+    body = pas.blend([pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((-1, 0, 0), "1/4", 1)], order=1).solid()
+    part = step_part(body, "elbow", tolerance=2e-3)
+    report = part.report
+    assert report.angle < 1e-3 and report.distance < 2e-3 and report.exact == 4 < report.faces
+    with module._quiet():
+        (report,) = write_parts([part], tmp_path / "a.step", "elbow", "MM")
+    assert report.volume == pytest.approx(body.volume(2e-4), rel=1e-5) and report.gap < 2e-3
+    assert "smooth joints within" in str(report)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["corner", "hollow"])
+def test_nodes_are_as_smooth_in_their_files_as_they_are(ocp, tmp_path, name):
+    pipes = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/4", 1), pas.Pipe((0, 0, 1), "2/5", 1)]
+    if name == "corner":
+        body = pas.blend(pipes, order=2).solid()
+    else:
+        body = pas.node([((1, 0, 0), 1), ((-1, 2, 0), 1), ((0, -1, 3), "3/4")], order=2).hollow("1/8").solid()
+    size = float(np.ptp(body.box, axis=0).max())
+    report = step_part(body, name, tolerance=1e-4 * size).report
+    assert report.angle < 1e-4 and report.curvature_jump < 0.01
+    solids, _ = read_solids(body.write(tmp_path / "a.step", tolerance=1e-3 * size))
+    assert len(solids) == 1 and is_valid(solids[0])
+
+
+def test_a_file_that_would_not_be_the_solid_is_not_written(ocp, tmp_path, monkeypatch):
+    monkeypatch.setattr("pas.exchange.step.documents.adaptive_volume", lambda shape: 2 * adaptive_volume(shape))
+    with pytest.raises(pas.GeometryError, match="no STEP file was written, because the volume of 'a' would be 12"):
+        solid.box((0, 0, 0), (3, 2, 1)).write(tmp_path / "a.step")
+    assert not list(tmp_path.iterdir())
+
+
+def test_surfaces_are_told_by_algebra():
+    shapes = {
+        CarrierKind.PLANE: "3*x - y + 2*z - 1/7",
+        CarrierKind.SPHERE: "2*x^2 + 2*y^2 + 2*z^2 - x - 1",
+        CarrierKind.CYLINDER: solid.cylinder((1, 2, 3), (2, 3, 5), "1/3").polynomials["cylinder"][0],
+        CarrierKind.CONE: solid.cone((1, 2, 3), (2, 3, 5), 1, "1/3").polynomials["cone"][0],
+        CarrierKind.TORUS: solid.torus((1, 2, 3), (1, 1, 2), 3, "1/2").polynomials["torus"][0],
+    }
+    for kind, polynomial in shapes.items():
+        found = carrier_of(pas.Polynomial(polynomial))
+        assert found is not None and found.kind is kind
+        assert carrier_of(pas.Polynomial(polynomial) + pas.Polynomial("x*y/10^15")) is None
+    assert carrier_of(pas.Polynomial("x^2 + y^2 - z")) is None and carrier_of(pas.Polynomial("x^2 + y^2 + 1")) is None
+    torus = carrier_of(pas.Polynomial(shapes[CarrierKind.TORUS]))
+    assert (torus.radius, torus.minor) == pytest.approx((3, 0.5)) and torus.place == pytest.approx([1, 2, 3])
+
+
+def test_cylinders_of_one_radius_meet_in_two_planes():
+    first, second = pas.Polynomial("x^2 + y^2 - 1"), pas.Polynomial("y^2 + z^2 - 1")
+    planes = sorted(np.round(normal * np.sign(normal[0]), 12).tolist() for normal, _ in reducible_planes(first, second))
+    assert planes == [pytest.approx([0.5**0.5, 0, -(0.5**0.5)]), pytest.approx([0.5**0.5, 0, 0.5**0.5])]
+    assert reducible_planes(first, pas.Polynomial("y^2 + z^2 - 1/2")) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "curve"),
+    [
+        (CurveKind.LINE, lambda t: np.stack([1 + t, 2 * t, 0 * t], axis=1)),
+        (CurveKind.CIRCLE, lambda t: np.stack([np.cos(t), 1 + np.sin(t), 0 * t], axis=1)),
+        (CurveKind.ELLIPSE, lambda t: np.stack([2 * np.cos(t), np.sin(t), 0.5 * np.sin(t)], axis=1)),
+        (CurveKind.SPLINE, lambda t: np.stack([np.cos(t), np.sin(t), np.cos(2 * t)], axis=1)),
+    ],
+)
+def test_curves_are_what_their_points_are_on(kind, curve):
+    dense = np.linspace(0, 3, 20001)
+
+    def placed(points):
+        return curve(dense[np.linalg.norm(points[:, None] - curve(dense[::20]), axis=2).argmin(axis=1) * 20])
+
+    found = curve_through(curve(np.linspace(0, 3, 40)), placed if kind is CurveKind.SPLINE else exact(curve), 1e-2)
+    assert found.kind is kind
+    ends = found(np.array([found.start, found.end]))
+    assert ends == pytest.approx(curve(np.array([0.0, 3.0])), abs=1e-9)
+
+
+def exact(curve):
+    """Points moved to the nearest ones of a curve, by Newton's method."""
+
+    def placed(points):
+        t = np.linspace(0, 3, 301)[
+            np.linalg.norm(points[:, None] - curve(np.linspace(0, 3, 301)), axis=2).argmin(axis=1)
+        ]
+        for _ in range(8):
+            ahead, back = curve(t + 1e-4), curve(t - 1e-4)
+            way, off = (ahead - back) / 2e-4, points - curve(t)
+            t = t + (way * off).sum(axis=1) / (way * way).sum(axis=1)
+        return curve(t)
+
+    return placed

@@ -54,6 +54,7 @@ MAY_BE_ANY = {
     "Shape.studio": "a widget of a library that need not be there",
     "Shape.write": FORWARDED,
     "Kind.body": BY_KIND,
+    "Kind.solid": BY_KIND,
     "Kind.facts": BY_KIND,
     "Kind.layers": BY_KIND,
     "Kind.mesh": BY_KIND,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -96,7 +97,7 @@ def run_mesh(options: argparse.Namespace) -> CommandResult:
 
     settings = settings_of(MeshSettings, options)
     target(options.output, suffixes_of("triangles"), "a mesh")
-    shape = _loaded(options)
+    shape, _ = _sized(_loaded(options), options)
     kind = kind_of(shape)
     mesh = kind.mesh(shape, settings)
     if not mesh.is_closed:
@@ -153,8 +154,65 @@ def _written(shape: Any, options: argparse.Namespace) -> CommandResult:
     from pas.exchange.write import write_as
 
     mesh = settings_of(MeshSettings, options)
-    path = write_as(shape, options.output, mesh, unit=options.unit, sew=options.sew, open=bool(options.open))
+    shape, unit = _sized(shape, options, options.unit)
+    path = write_as(shape, options.output, mesh, unit=unit, sew=options.sew, open=bool(options.open))
     return CommandResult(str(path), {"written": [str(path)]})
+
+
+def _sized(shape: Any, options: argparse.Namespace, unit: str | None = None) -> tuple[Any, str | None]:
+    """A shape as large as the options want it, and the unit of its lengths."""
+    from pas.exchange.formats import Sizing
+
+    return settings_of(Sizing, options).applied(shape, unit)
+
+
+def run_build(options: argparse.Namespace) -> CommandResult:
+    """`pas build`: the files of a part, or of the body of whatever a problem asks for."""
+    from pas.exchange.files import target, together
+    from pas.exchange.formats import FORMATS, Request
+    from pas.exchange.parts import part_list_of
+    from pas.exchange.problem import read_problem
+    from pas.exchange.write import write_as
+    from pas.shape import kind_of
+
+    problem = read_problem(problem_file(options.problem)).changed(**given(settings_of(MeshSettings, options)))
+    outputs = [Path(name) for name in options.output or ()]
+    suffixes = [target(path, (".pas.json", ".png", *FORMATS), "a part") for path in outputs]
+    clock = Clock()
+    shape = problem.solve()
+    body = kind_of(shape).body
+    made = shape if body is None else body(shape, None)
+    shape, unit = _sized(made, options, options.unit or problem.model_unit)
+    clock.passed("build")
+    certificate: Verdicts = shape.certificate
+    clock.passed("prove")
+    listed = part_list_of(shape, Request(problem.name, problem.mesh))
+    with ExitStack() as stack:
+        folders = {path.parent: stack.enter_context(together(path.parent)) for path in outputs}
+        for path, suffix in zip(outputs, suffixes, strict=True):
+            place = folders[path.parent] / path.name
+            if suffix == ".pas.json":
+                shape.save(place, certificate=certificate)
+            elif suffix == ".png":
+                shape.draw(place, **given(problem.picture))
+            else:
+                mesh = problem.mesh if "tolerance" in FORMATS[suffix].content.options else MeshSettings()
+                write_as(shape, place, mesh, unit=unit)
+            clock.passed(path.name)
+    files = [str(path) for path in outputs]
+    lines = [str(shape), "", *([f"unit: {unit}"] if unit else []), str(listed), "", clock_line(clock)]
+    lines += ["", "written:", *(f"  {name}" for name in files)] if files else []
+    record = {
+        "name": problem.name,
+        "written": files,
+        "unit": unit,
+        "parts": [dict(zip(listed.HEADS, row, strict=True)) for row in listed.rows],
+        "seconds": clock.seconds,
+        "proved": certificate.proved,
+        "holds": certificate.holds,
+        "verdicts": [verdict.to_record() for verdict in certificate.verdicts],
+    }
+    return CommandResult("\n".join(lines), record, DONE if problem.satisfied(certificate) else FAILED)
 
 
 def run_problem(options: argparse.Namespace) -> CommandResult:

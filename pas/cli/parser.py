@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 from pas.cli import commands
 from pas.cli.common import EXIT_CODES, CommandResult, add_settings
 from pas.errors import meant
-from pas.exchange.formats import Request
+from pas.exchange.formats import Request, Sizing
 from pas.exchange.picture_options import Picture
 from pas.settings import MeshSettings
 
@@ -112,6 +112,7 @@ PROBLEM = (
 OUTPUT = (
     value("output", "OUT", "the file to write; its suffix says the format"),
     settings(Request),
+    settings(Sizing),
     settings(MeshSettings, "0.001 of the size"),
 )
 
@@ -171,6 +172,35 @@ COMMANDS = (
         '  [partition]\n  kind = "single cell"',
     ),
     Command(
+        "build",
+        commands.run_build,
+        "make the solids of a part file, and write them",
+        (
+            value("problem", "PART.toml", "the part file"),
+            value(
+                "-o --output",
+                "OUT",
+                "a file to write, by its suffix: .step, .3mf, .stl, .png, .pas.json, .csv, ...; "
+                "more than one may be given",
+                action="append",
+            ),
+            value("--unit", "UNIT", "of the part's lengths, such as mm or inch, instead of the file's"),
+            settings(Sizing),
+            settings(MeshSettings, "the file's, or 0.001 of the size"),
+        ),
+        "Prints the faces, the verdicts on their joints, and what each part measures.\n\n"
+        "A part file is TOML; each table makes a thing, and those that no other uses are the parts:\n\n"
+        '  unit = "mm"\n\n'
+        '  [[solid]]\n  name = "plate"\n  kind = "box"         # a function of pas.solid, and its arguments\n'
+        "  lower = [0, 0, 0]\n  upper = [40, 30, 5]\n\n"
+        '  [[solid]]\n  name = "hole"\n  kind = "circle"\n  center = [20, 15]\n  radius = 6\n'
+        '  then = [{ kind = "extrude", height = 5 }]\n\n'
+        '  [[solid]]\n  name = "part"\n  kind = "difference"\n  of = ["plate", "hole"]\n'
+        '  then = [{ kind = "fillet", first = "box x+", second = "box y+", radius = 3 }]\n\n'
+        "Also: union, intersection, blend (with the tables of its problem), color, prove, tolerance,\n"
+        "[mesh], [picture].",
+    ),
+    Command(
         "check",
         commands.run_check,
         "prove everything again from a project file alone",
@@ -189,6 +219,7 @@ COMMANDS = (
             value(
                 "-o --output", "OUT", "a file of triangles; its suffix, such as .stl, says the format", required=True
             ),
+            settings(Sizing),
             settings(MeshSettings, "0.001 of the longest side"),
         ),
     ),

@@ -1,4 +1,4 @@
-"""What files hold of shapes: parts with names, colours and meshes, or rational patches."""
+"""What files hold of shapes: parts with names, colours and meshes, solids with exact faces, or rational patches."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from pas.mesh.rows import Floats, Integers
 from pas.parametric.patches import RationalPatch
 from pas.settings import MeshSettings, given
 from pas.shape import Shape, kind_of
-from pas.solid.assembly import COLORS
+from pas.solid.assembly import COLORS, Part
+from pas.solid.measures import PartList
 
 
 @dataclass(frozen=True)
@@ -160,6 +161,50 @@ HIGHEST_DEGREE = 25
 """In each direction: what the common kernels take."""
 
 
+@dataclass(frozen=True)
+class ExactPart:
+    """A part whose faces have equations: its name, its colour or None, and the solid."""
+
+    name: str
+    color: tuple[int, int, int] | None
+    solid: Any
+
+
+def faces_of(thing: Any, request: Request) -> list[RationalPatch] | list[ExactPart]:
+    """The patches of patches, exact surfaces or blends, or the solids of solids, assemblies and teapots.
+
+    Several in a list are all of one sort.  Raises what `patches_of` raises, `ValueError` for options that say nothing
+    of solids, or of patches, and `TypeError` for a shape that is neither.
+    """
+    items = list(thing) if isinstance(thing, list | tuple) else [thing]
+    found = [part for number, item in enumerate(items) for part in _exact_parts(item, number, len(items), request)]
+    if not found:
+        if request.mesh.tolerance is not None:
+            raise ValueError("tolerance says nothing of patches, which are exact")
+        return patches_of(thing, request)
+    for name in (given(request.mesh).keys() - {"tolerance"}) | ({"sew"} if request.sew is not None else set()):
+        raise ValueError(f"{name} says nothing of solids, of which all faces are joined")
+    return found
+
+
+def _exact_parts(item: Any, number: int, many: int, request: Request) -> list[ExactPart]:
+    """The solids of an item of several; none of what has patches, or is no shape."""
+    if not isinstance(item, Shape):
+        return []
+    kind, name = kind_of(item), request.name if many == 1 else f"{request.name} {number + 1}"
+    if kind.solid is not None:
+        return [ExactPart(name, None, kind.solid(item))]
+    if kind.parts is None:
+        return []
+    parts = []
+    for title, part in kind.parts(item).items():
+        solid = kind_of(part.shape).solid
+        if solid is None:
+            raise TypeError(f"the part {title!r} is a mesh, whose faces have no equations; write triangles, as .3mf")
+        parts.append(ExactPart(title, _rgb(part.color), solid(part.shape)))
+    return parts
+
+
 def patches_of(patches: Any, request: Request) -> list[RationalPatch]:
     """The patches of a patch, an exact surface or blend, or of several of these.
 
@@ -188,15 +233,36 @@ def patches_of(patches: Any, request: Request) -> list[RationalPatch]:
 def _patches(item: Any, number: int, domain: Any) -> Sequence[RationalPatch]:
     kind = kind_of(item, f"patches must be RationalPatch objects, parametric surfaces or blends; patches[{number}]")
     if kind.patches is None:
-        triangles = "shape.solid().write('name.3mf')" if hasattr(item, "solid") else "shape.write('name.3mf')"
-        raise TypeError(
-            "STEP files hold faces with parameters; a solid or a piecewise algebraic surface has none; write its "
-            f"triangles, as in {triangles}, or rational patches in the place of {shown(item)}"
+        hint = (
+            "write the solid that it bounds, as in shape.solid().write('name.step')"
+            if hasattr(item, "solid")
+            else "write its triangles, as in shape.write('name.3mf')"
         )
+        raise TypeError(f"STEP files hold solids, or rational patches, and {shown(item)} is neither; {hint}")
     try:
         return kind.patches(item, domain)
     except ValueError as error:
         raise ValueError(f"patches[{number}]: {error}") from None
 
 
-PATCHES: Content[list[RationalPatch]] = Content("patches", patches_of, ("domain", "sew"))
+FACES: Content[list[RationalPatch] | list[ExactPart]] = Content("faces", faces_of, ("domain", "sew", "tolerance"))
+
+
+def part_list_of(thing: Any, request: Request) -> PartList:
+    """What a solid, a closed mesh or each part of an assembly measures; raises `TypeError` for what is no body."""
+    if isinstance(thing, list | tuple):
+        raise TypeError("measures are those of one shape; make an assembly of several, as in solid.assembly(a=a, b=b)")
+    kind = kind_of(thing, "shape")
+    parts = {request.name: thing} if kind.parts is None else kind.parts(thing)
+    if not _is_body(thing):
+        raise TypeError(f"measures are those of solids, closed meshes and assemblies, not of {thing!r}")
+    bodies = {name: Part(one, COLORS[0]) if kind.meshed else one for name, one in parts.items()}
+    return PartList({name: body.measures(request.mesh.tolerance) for name, body in bodies.items()})
+
+
+def _is_body(thing: Any) -> bool:
+    known = isinstance(thing, Shape) and kind_of(thing)
+    return bool(known and (known.meshed or known.parts)) or hasattr(thing, "measures")
+
+
+MEASURES: Content[PartList] = Content("measures", part_list_of, ("tolerance",), _is_body)

@@ -1,7 +1,7 @@
 """Problem files (TOML) of every kind: one reader, and what all problems have in common.
 
 A kind of problems says which files are its own and reads them: `ProblemKind`, listed in `PROBLEMS`; what their tables
-hold stands in `corner_problem` and `parametric_problem`.  All may have
+hold stands in `corner_problem`, `parametric_problem` and `part_problem`.  All may have
 
     name = "corner"                # of the files to write; by default that of the problem file
     tolerance = 1e-3               # of the mesh, in the model's units
@@ -47,10 +47,14 @@ COMMON_TABLES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Problem(ABC):
-    """A problem as read from a file; `prove` is None where the file does not say whether all must be proved."""
+    """A problem as read from a file; `prove` is None where the file does not say whether all must be proved.
+
+    `model_unit` is that of its lengths, for the kinds whose files may tell it.
+    """
 
     name: str
     prove: bool | None = None
+    model_unit: str | None = None
     mesh: MeshSettings = field(default_factory=MeshSettings)
     picture: Picture = field(default_factory=Picture)
 
@@ -132,6 +136,7 @@ PROBLEMS: Registry[ProblemKind] = Registry(
     {
         "generatrix": "pas.exchange.parametric_problem:GENERATRIX",
         "parametric": "pas.exchange.parametric_problem:PROBLEM",
+        "part": "pas.exchange.part_problem:PROBLEM",
         "corner": "pas.exchange.corner_problem:PROBLEM",
     },
 )

@@ -18,8 +18,7 @@ from pas.algebra.affine import Affine
 from pas.algebra.inputs import whole
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import vector
-from pas.exchange.parametric_records import PARAMETRIC
-from pas.exchange.records import PARTITION
+from pas.exchange.records import PARAMETRIC, PARTITION
 from pas.exchange.schema import (
     ANYTHING,
     FLAG,

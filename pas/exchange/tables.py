@@ -6,6 +6,7 @@ import re
 import tomllib
 from collections.abc import Callable, Collection, Mapping
 from fractions import Fraction
+from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -56,8 +57,11 @@ class TableReader:
         self.file, self.lines, self.keys, self.lists = file, text.splitlines(), keys, lists
 
     def check(self, table: Any, section: str = "", index: int = 0) -> None:
-        """That a table is one, has only known keys and all that it needs, of the right shape."""
-        name, known = f"[{section}]" if section else "the file", self.keys[section]
+        """That a table is one, has only known keys and all that it needs, of the right shape.
+
+        The keys of sections of which none are known are the business of what is made of them.
+        """
+        name, known = f"[{section}]" if section else "the file", self.keys.get(section, table)
         if not isinstance(table, dict):
             raise self.error(f"{section} must be a table, written [{section}] or [[{section}]]", key=section)
         for key, value in table.items():
@@ -117,6 +121,15 @@ class TableReader:
         place = f", line {line}" if line else ""
         return ProblemFileError(f"{self.file.name}{place}: {reason}", line)
 
+    def within(self, section: str, index: int) -> TableReader:
+        """A reader of what stands in one table of a list: its lines as if they were the file."""
+        heading = re.compile(rf"\s*\[\[\s*{re.escape(section)}\s*\]\]")
+        starts = [number for number, line in enumerate(self.lines) if heading.match(line)] + [len(self.lines)]
+        own = range(starts[index] + 1, starts[index + 1]) if index + 1 < len(starts) else range(0)
+        inner = re.compile(rf"^(\s*\[\[?\s*){re.escape(section)}\.")
+        lines = [inner.sub(r"\1", line) if n in own else "" for n, line in enumerate(self.lines)]
+        return TableReader(self.file, "\n".join(lines), {})
+
     def _line(self, section: str, index: int, key: str | None) -> int | None:
         """The 1-based line of a key, or of its table's heading, as far as it can be found."""
         current, heading = "", None
@@ -132,7 +145,15 @@ class TableReader:
                 heading = heading or number
                 if key and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=", line):
                     return number
-        return heading if section else None
+        return heading or self._inline(section, index) if section else None
+
+    def _inline(self, section: str, index: int) -> int | None:
+        """The line of a table in braces, one of a list."""
+        begin = next((n for n, line in enumerate(self.lines) if re.match(rf"\s*{re.escape(section)}\s*=", line)), None)
+        if begin is None:
+            return None
+        braces = (n for n, line in enumerate(self.lines[begin:], begin + 1) for _ in range(line.count("{")))
+        return next(islice(braces, index, None), begin + 1)
 
 
 def _lower(text: str) -> str:

@@ -8,9 +8,10 @@
 | .3mf   | triangles | named objects  | no               | of the objects   | no               | single  |
 | .glb   | triangles | named nodes    | no               | materials        | of the points    | single  |
 | .vtp   | triangles | `part`, names  | `face`, names    | `color`          | of the points    | double  |
-| .step  | patches   | faces          | no               | no               | exact            | double  |
+| .step  | faces     | named solids   | unnamed          | of the parts     | exact            | double  |
 | .vtu   | cells     | `region`       | `face`           | no               | no               | double  |
 | .msh   | cells     | groups         | groups           | no               | no               | double  |
+| .csv   | measures  | rows           | no               | no               | no               | double  |
 
 Guaranteed: a file is written whole or not at all; triangles, their order within a part and their orientation are
 those of the shape's `mesh`; .obj, .ply and .3mf keep closed meshes closed (.glb and .vtp double the points of sharp
@@ -18,9 +19,9 @@ edges, .stl has no points to share).  Not guaranteed: that single precision tell
 from the origin, and that parts put together in one .stl are apart: no boolean is taken.
 
 `unit` says which unit the model's lengths are in.  Files that can tell a unit tell it, and keep the numbers (.obj,
-.ply, .3mf, .vtp, .step; without `unit` they tell millimeters); in .stl files, whose numbers are taken for millimeters,
-and in .glb files, whose numbers are meters, the numbers become those, and without `unit` they stay; .vtu and .msh files
-have no unit and refuse one.
+.ply, .3mf, .vtp, .step; without `unit` they tell millimeters; .csv); in .stl files, whose numbers are taken for
+millimeters, and in .glb files, whose numbers are meters, the numbers become those, and without `unit` they stay; .vtu
+and .msh files have no unit and refuse one.
 """
 
 from __future__ import annotations
@@ -66,9 +67,10 @@ def write(
     """Write a shape, a mesh, an assembly or a list of such for other programs; returns the path.
 
     The suffix says how (see `pas.exchange.formats.FORMATS`): triangles are those of the shape's `mesh(tolerance)`, a
-    parametric surface's over `domain`; .step has the exact patches of surfaces and blends that have them, joined
-    where they are within the distance `sew` (the model's units, as of `tolerance`); .vtu the cells of a piecewise
-    surface, .vtu and .msh the tetrahedra of a volume mesh, or such as fill a solid.
+    parametric surface's over `domain`; .step has the faces of solids, exact where they are planes, quadrics or tori
+    and else splines within `tolerance` (by default a tenth of that of meshes), and the exact patches of surfaces and
+    blends that have them, joined where they are within the distance `sew` (the model's units, as of `tolerance`);
+    .vtu the cells of a piecewise surface, .vtu and .msh the tetrahedra of a volume mesh, or such as fill a solid.
     `unit`, that of the model, is micrometer, millimeter, centimeter, meter, inch, foot, or um, mm, cm, m, in, ft: files
     tell it, the numbers of .stl files become millimeters, those of .glb files meters.
     Files of .stl, .obj and .3mf are taken for closed bodies: surfaces with edges are written there if `open` says so.
@@ -137,28 +139,35 @@ def write_solid(
     return write(shape, path, tolerance=tolerance, unit=unit)
 
 
-@limited("writing a STEP file", "fewer patches")
+@limited("writing a STEP file", "a coarser tolerance, or fewer patches")
 def write_step(
-    patches: Shape | Sequence[Shape],
+    shape: Shape | Sequence[Shape],
     path: str | Path,
     *,
+    tolerance: float | None = None,
     domain: DomainLike = None,
     sew: float | None = None,
     unit: str | None = None,
     **limits: Unpack[WorkLimits],
 ) -> Path:
-    """`write` for patches, exact surfaces and exact blends as the faces of a STEP file; returns the path.
+    """`write` for solids, assemblies, patches, exact surfaces and exact blends as a STEP file; returns the path.
+
+    A solid becomes one closed solid, a part of an assembly a product with its name and colour: faces on planes,
+    quadrics and tori are these, others splines within `tolerance` (the model's units; by default 1e-4 of the longest
+    side of the box).  The file is read again before it takes its place, and is not written where Open Cascade finds it
+    not valid, or of another volume.
 
     A surface or a blend is one face for each of its `bezier_patches` over `domain` (by default its own; see
     `ParametricSurface.mesh`); `fit_patch` makes patches of what is not exact.  With `sew`, faces whose sides are
     within that distance (the model's units) are joined to shells, and a shell that is closed becomes a solid.
 
     Raises `ValueError` for another suffix or unit, no patches, a degree above HIGHEST_DEGREE or a surface that is not
-    exact or has an infinite domain, `TypeError` for what is no patch, surface or blend, `GeometryError` for a patch
-    that Open Cascade refuses or a surface with a pole, `MissingLibraryError` without Open Cascade.
+    exact or has an infinite domain, `TypeError` for what is none of these, `GeometryError` for a patch
+    that Open Cascade refuses, a solid whose file would not be what it should or a surface with a pole, what meshing
+    raises, `MissingLibraryError` without Open Cascade.
     """
-    target(path, suffixes_of("patches"), "STEP")
-    return write(patches, path, domain=domain, sew=sew, unit=unit)
+    target(path, suffixes_of("faces"), "STEP")
+    return write(shape, path, tolerance=tolerance, domain=domain, sew=sew, unit=unit)
 
 
 def write_cells(surface: Shape, path: str | Path) -> Path:

@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.rational import rational, to_fraction
-from pas.exchange.parametric_records import COMPONENTS, DOMAIN, PARAMETRIC, exact_surface
-from pas.exchange.records import kept
+from pas.exchange.records import COMPONENTS, DOMAIN, PARAMETRIC, exact_surface, kept
 from pas.exchange.schema import (
     ANYTHING,
     NUMBER,

@@ -212,6 +212,7 @@ HOLLOW_BLEND = Kind(
     solid_layers,
     lambda hollow: {"outer": _facts(hollow.outer), "inner": _facts(hollow.inner)},
     body=HollowBlend.solid,
+    solid=HollowBlend.solid,
 )
 
 _LAYOUT = Table({"center": POINT, "rays": list_of(list_of(WHOLE, 3)), "pieces": list_of(list_of(WHOLE)), "name": TEXT})

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import math
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -85,6 +86,7 @@ SOLID = Kind(
     Solid,
     *kept(alone("solid", RECORD)),
     solid_layers,
+    solid=lambda solid: solid,
 )
 MESH = Kind(
     "mesh",
@@ -151,4 +153,5 @@ TEAPOT = Kind(
     Teapot,
     *kept(Table({"style": one_of(tuple(STYLES)), **dict.fromkeys(("solid", "pot", "lid"), RECORD)}, make=Teapot)),
     lambda teapot, scene: solid_layers(teapot.solid, scene),
+    solid=attrgetter("solid"),
 )

@@ -21,6 +21,7 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.settings import MeshSettings
 from pas.shape import Shape
+from pas.solid.measures import Measures, PartList, flat_measures
 from pas.solid.solid import Solid
 from pas.verdicts import Findings, Verdicts
 
@@ -59,6 +60,11 @@ class Part(AffineShape["Part"], Shape):
         if isinstance(self.shape, Solid):
             return self.shape.mesh(tolerance, quality=quality)
         return self.shape.mesh(tolerance)
+
+    @limited("measuring a part", "a coarser tolerance")
+    def measures(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> Measures:
+        """Volume, area, centre and moments of its solid, or of what its mesh encloses; see `Solid.measures`."""
+        return self.shape.measures(tolerance) if isinstance(self.shape, Solid) else flat_measures(self.shape)
 
     @property
     def bounding_box(self) -> Floats:
@@ -109,11 +115,19 @@ class Assembly(AffineShape["Assembly"], Shape):
         """The mesh of each part."""
         return {name: part.mesh(tolerance, quality=quality) for name, part in self.parts.items()}
 
+    @limited("measuring an assembly", "a coarser tolerance")
+    def part_list(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> PartList:
+        """What each part measures, by its name; the `whole` of it is what all do together.
+
+        `print(assembly.part_list())` shows a table; `assembly.write("parts.csv")` writes one.
+        """
+        return PartList({name: part.measures(tolerance) for name, part in self.parts.items()})
+
     def colored(self, **colors: str) -> Assembly:
         """The assembly with other colours, `#rrggbb`, for some parts."""
         for name in colors:
             self[name]
-        changed = {n: replace(p, color=_color(colors.get(n, p.color), n)) for n, p in self.parts.items()}
+        changed = {n: replace(p, color=check_color(colors.get(n, p.color), n)) for n, p in self.parts.items()}
         return Assembly(MappingProxyType(changed))
 
     def moved(self, change: Callable[[str, Solid], Solid]) -> Assembly:
@@ -186,11 +200,12 @@ def assembly(parts: Mapping[str, PartLike] | None = None, *unnamed: Never, **nam
         shape, color = value if isinstance(value, tuple) else (value, COLORS[number % len(COLORS)])
         if not isinstance(shape, Solid | Mesh):
             raise TypeError(f"the part {name!r} must be a solid or a Mesh, not {shape!r}; of a surface take its mesh")
-        result[name] = Part(shape, _color(color, name))
+        result[name] = Part(shape, check_color(color, name))
     return Assembly(MappingProxyType(result))
 
 
-def _color(color: Any, name: str) -> str:
+def check_color(color: Any, name: str) -> str:
+    """The colour of a part, by its name; raises `ValueError` for one that is not written #rrggbb."""
     if not isinstance(color, str) or not re.fullmatch(r"#[0-9a-fA-F]{6}", color):
         raise ValueError(f"the colour of {name!r} must be written #rrggbb, not {color!r}")
     return color

@@ -1,4 +1,5 @@
-"""What is done to edges of solids: fillets and chamfers; how is said in `pas.solid.fillets`."""
+"""What is done to edges of solids: fillets and chamfers of one (`pas.solid.fillets`), rounds of many
+(`pas.solid.rounding`)."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ from pas.limits import WorkLimits, limited
 from pas.registry import loaded
 
 FILLETS, LARGEST_FILLET = "pas.solid.fillets:filled", "pas.solid.fillets:largest"
-"""What makes fillets, in a module above."""
+ROUNDED = "pas.solid.rounding:rounded"
+"""What makes them, in modules above."""
 
 S = TypeVar("S")
 
@@ -78,3 +80,23 @@ class WithEdges(Generic[S]):
         Raises `GeometryError` where the faces do not meet with an angle, or none is proved.
         """
         return float(loaded(LARGEST_FILLET)(self, (first, second), order, within))
+
+    @limited("rounding edges", "a lower order")
+    def rounded(
+        self, faces: Sequence[str] | None = None, *, radius: Exact, order: int = 1, **limits: Unpack[WorkLimits]
+    ) -> S:
+        """The solid with the edges between plane faces rounded with GC^`order`, and the corners where three meet.
+
+        `faces` are the names of those all of whose common edges are rounded; by default all.  Of order 1 the rounds are
+        cylinders and spheres of the `radius` (the model's units), of a higher one convex surfaces of degree 2 `order`
+        that end as deep below the other faces.  They are named after the planes: "box x+ / box y+".  Their joints are
+        claimed, and proved by `verdicts`.  The solid is convex with plane faces, or what other operations took away
+        from such a one; its corners at rounded edges are of three planes.  Raises `GeometryError` where it is not so,
+        and with the largest radius where an edge is used up.
+
+            solid.box((0, 0, 0), (4, 3, 2)).rounded(radius="1/2", order=2)
+        """
+        if isinstance(faces, str):
+            raise TypeError(f"faces must be a sequence of names of faces, as in faces=[{faces!r}]")
+        made: S = loaded(ROUNDED)(self, faces, positive(radius, "radius"), order)
+        return made

@@ -117,7 +117,7 @@ class Prism(SweptBody):
     height: float
     lean: Lean
 
-    def swept(self, tolerance: float) -> Faces | None:
+    def made(self, tolerance: float) -> Faces | None:
         """Its faces: rows of the loops' polygons at both ends, and between them the sides."""
         found = self.polygons(tolerance)
         if found is None:

@@ -128,7 +128,7 @@ class Turned(SweptBody):
         """Whether it turns all round, so that it has no flat ends."""
         return self.angle == 2 * math.pi
 
-    def swept(self, tolerance: float) -> Faces | None:
+    def made(self, tolerance: float) -> Faces | None:
         """Its faces: a row of points for each point of the polygons, one point on the axis."""
         found = self.polygons(tolerance / 2)
         if found is None:

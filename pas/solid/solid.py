@@ -35,7 +35,7 @@ from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
 from pas.solid.joints import Joint, prove, refuse_unknown, verdict_list
 from pas.solid.linked import SolidBoundary, united
-from pas.solid.measures import curved_measures
+from pas.solid.measures import Measures, curved_measures
 from pas.solid.sheets import face_mesh, merged
 from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, image, mapped
@@ -282,22 +282,27 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
         Where `sheets` bound the solid it is that of their mesh, whose distance from them is measured.
         """
-        return self._measures(tolerance)[0]
+        return self.measures(tolerance).volume
 
     @limited("measuring a solid", "a coarser tolerance")
     def area(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> float:
         """The area of the boundary, with an error of the same order as that of the volume."""
-        return self._measures(tolerance)[1]
+        return self.measures(tolerance).area
 
-    def _measures(self, tolerance: float | None) -> tuple[float, float]:
+    @limited("measuring a solid", "a coarser tolerance")
+    def measures(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> Measures:
+        """Volume, area, centre of mass and moments of inertia, with errors of the same order as that of the volume.
+
+        They say how far they are off those of a mesh within `tolerance` (the model's units).
+        """
         key = ("measures", self._tolerance(tolerance))
         if key not in self._cache:
             found = self._sheet_mesh(tolerance, Quality.BALANCED)
             field = self.field if found is None else self._faces_alone
             made = self.face_mesh(tolerance) if found is None else face_mesh(found, field, key[1], Quality.BALANCED)
-            volume, area = curved_measures(made, field)
-            self._cache[key] = volume * field.scale**3, area * field.scale**2
-        return self._cache[key]
+            self._cache[key] = curved_measures(made, field).scaled(field.scale, field.world(np.zeros(3)))
+        measured: Measures = self._cache[key]
+        return measured
 
     @property
     def _faces_alone(self) -> SolidField:

@@ -22,14 +22,13 @@ from pas.solid.sheets import COARSE, Faces, roomy
 Jets = Callable[[Floats], tuple[Floats, Floats]]
 """From points (..., 3) to the values (...) and gradients (..., 3) of a function whose zero set a face is on."""
 
-B = TypeVar("B", bound="SweptBody")
+B = TypeVar("B", bound="PlacedBody")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SweptBody(ABC):
-    """What bounds such a solid; `place` is how it was moved."""
+class PlacedBody(ABC):
+    """What bounds a solid all faces of which are made at once; `place` is how it was moved."""
 
-    loops: tuple[Loop, ...]
     place: Affine | None = field(default=None)
 
     def moved(self: B, map_: Affine) -> B:
@@ -39,7 +38,7 @@ class SweptBody(ABC):
     @cached_property
     def coarse(self) -> Mesh | None:
         """A coarse mesh of it, which shows where it is; None where rounding spoils it."""
-        return self._placed(self.swept(COARSE * self._profile_size))
+        return self._placed(self.made(COARSE * self.extent))
 
     @property
     def size(self) -> float | None:
@@ -58,18 +57,31 @@ class SweptBody(ABC):
     def _placed(self, faces: Faces | None) -> Mesh | None:
         return None if faces is None else faces.mesh if self.place is None else faces.mesh._moved(self.place)
 
-    @property
-    def _profile_size(self) -> float:
-        return max(loop.size for loop in self.loops)
-
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         """A closed mesh within a tolerance (the model's units), as measured; None where rounding spoils it."""
-        faces = self.swept(tolerance / self._stretch)
+        faces = self.made(tolerance / self._stretch)
         return None if faces is None or faces.deviation * self._stretch > tolerance else self._placed(faces)
 
+    @property
     @abstractmethod
-    def swept(self, tolerance: float) -> Faces | None:
-        """Its faces before it was moved, within a tolerance; None where polygons cross."""
+    def extent(self) -> float:
+        """About how large it was before it was moved."""
+
+    @abstractmethod
+    def made(self, tolerance: float) -> Faces | None:
+        """Its faces before it was moved, within a tolerance; None where rounding spoils them."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SweptBody(PlacedBody):
+    """What bounds such a solid, before it was moved: what its profile's loops sweep out."""
+
+    loops: tuple[Loop, ...]
+
+    @property
+    def extent(self) -> float:
+        """The size of the widest loop."""
+        return max(loop.size for loop in self.loops)
 
     def polygons(self, tolerance: float) -> tuple[list[Floats], list[list[int]], Integers] | None:
         """Points (N, 2) of each loop, how many are of each edge, and triangles (T, 3) of all points inside.
@@ -77,7 +89,7 @@ class SweptBody(ABC):
         Chords are as short as the tolerance needs, and so that they do not cross; None where they do to rounding.
         """
         finest = 2.0**-40  # over the profile's size: where chords cross even then, so do edges, to rounding
-        while tolerance > finest * self._profile_size:
+        while tolerance > finest * self.extent:
             found = [loop.polygon(tolerance / loop.size) for loop in self.loops]
             triangles = flat([points for points, _ in found])
             if triangles is not None:
@@ -115,7 +127,15 @@ def put_side(made: Faces, name: str, rows: Sequence[Integers], jets: Jets) -> No
     A row may be one vertex, repeated.  `jets` are those of the surface, of either sign.
     """
     quads = [(a[:-1], a[1:], b[1:], b[:-1]) for a, b in pairwise(rows)]
-    triangles = np.concatenate([np.stack(t, axis=1) for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+    put_curved(made, name, [np.stack(t, axis=1) for a, b, c, d in quads for t in ((a, b, c), (a, c, d))], jets)
+
+
+def put_curved(made: Faces, name: str, parts: Sequence[Integers], jets: Jets) -> None:
+    """A face by triangles (T, 3), some of which may have a vertex twice: these are left out; `jets` as in `put_side`.
+
+    How far the middles of their edges are from the surface is noted.
+    """
+    triangles = np.concatenate(parts)
     distinct = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
     triangles = triangles[distinct]
     corners = made.points[triangles]

@@ -1,21 +1,28 @@
 """File formats of other programs, by suffix.
 
-A format is a `Format` with a suffix, what it holds (`TRIANGLES` or `PATCHES` of `pas.exchange.parts`, ...) and a
+A format is a `Format` with a suffix, what it holds (`TRIANGLES` or `FACES` of `pas.exchange.parts`, ...) and a
 function that writes that.  `FORMATS.register(Format(...))` adds one from outside, for all that can be written so.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+import numpy as np
+from flint import fmpq
+
+from pas.algebra.affine import AffineShape
 from pas.algebra.inputs import shown
+from pas.algebra.rational import near, positive
 from pas.errors import MissingLibraryError, PasError
 from pas.registry import Registry
 from pas.settings import MeshSettings, given, option
+from pas.shape import Shape
 
 C = TypeVar("C")
 
@@ -73,6 +80,46 @@ class Request:
     def told_unit(self) -> str:
         """The unit that a file tells of numbers as they are in the model: millimeter where none is given."""
         return self.unit or "millimeter"
+
+
+@dataclass(frozen=True)
+class Sizing:
+    """How a shape is scaled before it is written: by an exact factor, or to a length of the longest side of its box.
+
+    `scale` is a number, `size` a length in the model's unit or in one that stands behind it, as in "120mm".  Raises
+    `ValueError` for both together, and for what is no positive number or no unit.
+    """
+
+    scale: str | None = option(None, "scale by an exact number, such as 25.4 or 1/2", str, "F")
+    size: str | None = option(None, "scale until the longest side of its box is that long, such as 120mm", str, "L")
+
+    def __post_init__(self) -> None:
+        if self.scale is not None and self.size is not None:
+            raise ValueError("scale and size are two ways to say how large a shape is to be; give one of them")
+
+    def factor(self, shape: Shape, unit: str | None) -> tuple[fmpq, str | None]:
+        """By what a shape is scaled, exactly, and the unit of it then: that of the size where no other is given."""
+        if self.size is None:
+            return positive(1 if self.scale is None else self.scale, "scale"), unit
+        parts = re.fullmatch(r"\s*(.*?)\s*([a-zA-Z]*)\s*", self.size)
+        assert parts is not None
+        length, told = positive(parts[1], "size"), unit_named(parts[2]) if parts[2] else unit
+        if told is not None and unit is not None:
+            ratio = UNITS[told].meters / UNITS[unit_named(unit)].meters
+            length *= fmpq(ratio.numerator, ratio.denominator)
+        return length / near(float(np.ptp(shape.bounding_box, axis=0).max())), unit or told
+
+    def applied(self, shape: Shape, unit: str | None) -> tuple[Shape, str | None]:
+        """The shape as large as is wanted, and its unit; raises `ValueError` for a kind that cannot be scaled."""
+        if self == Sizing():
+            return shape, unit
+        if not isinstance(shape, AffineShape):
+            raise ValueError(
+                f"scale and size are for solids, assemblies and meshes; {shape!r} is none, make a solid of it"
+            )
+        factor, unit = self.factor(shape, unit)
+        scaled: Shape = shape.scale(factor)
+        return scaled, unit
 
 
 @dataclass(frozen=True)
@@ -156,6 +203,7 @@ FORMATS: Registry[Format[Any]] = Registry(
         ".stp": "pas.exchange.formats.step:STEP",
         ".vtu": "pas.exchange.formats.cells:VTU",
         ".msh": "pas.exchange.formats.cells:MSH",
+        ".csv": "pas.exchange.formats.plain:CSV",
     },
 )
 
@@ -166,5 +214,5 @@ def suffixes_for(thing: Any) -> tuple[str, ...]:
 
 
 def suffixes_of(noun: str) -> tuple[str, ...]:
-    """The suffixes of the formats that hold "triangles", "patches", ..."""
+    """The suffixes of the formats that hold "triangles", "faces", ..."""
     return tuple(suffix for suffix in FORMATS if FORMATS[suffix].content.noun == noun)

@@ -1,4 +1,4 @@
-"""STL, OBJ and PLY, which are written here, without a library.
+"""STL, OBJ, PLY and CSV, which are written here, without a library.
 
 STL, binary: bare triangles with the normals of the facets, in single precision.  Parts are put together without a
 boolean, and there are no points to share.  Whoever reads one takes its numbers for millimeters: of a model with a unit
@@ -7,19 +7,23 @@ they are.
 OBJ: an object for each part, a group for each face, normals of the corners, double precision.  Colours stand after the
 coordinates of the points, since materials need a second file.
 
+CSV: what each part measures, a line each.
+
 PLY, binary: points in double precision, colours, `face` and `part` of each triangle, their names as comments.  Points
 have normals where no part has a sharp edge, at which a point has several.
 """
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from pas.exchange.formats import Format, Request
+from pas.exchange.formats import UNITS, Format, Request
 from pas.exchange.parts import (
+    MEASURES,
     TRIANGLES,
     Piece,
     all_different,
@@ -33,6 +37,7 @@ from pas.exchange.parts import (
 )
 from pas.limits import checkpoint
 from pas.mesh.rows import Floats, Integers
+from pas.solid.measures import PartList
 
 
 def write_stl(parts: Sequence[Piece], path: Path, request: Request) -> None:
@@ -125,3 +130,15 @@ def _ascii(text: str) -> str:
 
 
 PLY = Format(".ply", TRIANGLES, write_ply)
+
+
+def write_csv(parts: PartList, path: Path, request: Request) -> None:
+    """A line for each part, with its name and what it measures; heads tell the unit of a model that has one."""
+    short = "" if request.unit is None else UNITS[request.unit].others[0]
+    powers = {"volume": 3, "area": 2, "center": 1, "y": 1, "z": 1}
+    heads = [f"{h} ({short}^{powers[w]})" if short and (w := h.split()[0]) in powers else h for h in PartList.HEADS]
+    with path.open("w", encoding="utf-8", newline="") as stream:
+        csv.writer(stream).writerows([[h.replace("^1)", ")") for h in heads], *parts.rows])
+
+
+CSV = Format(".csv", MEASURES, write_csv)

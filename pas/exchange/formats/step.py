@@ -1,33 +1,41 @@
-"""STEP files (ISO 10303-21) of rational patches and exact parametric surfaces, by Open Cascade.
+"""STEP files (ISO 10303-21) of solids, rational patches and exact parametric surfaces, by Open Cascade.
 
 Guaranteed: each patch is one face on a rational B-spline surface with the patch's own control points, weights and
 knots, and exact surfaces and blends are written as their Bezier patches, so nothing is approximated but that
-fractions become doubles; files are whole or not at all.  Not guaranteed: trimmed faces (a patch
-is written whole), and names of faces.  Open Cascade's settings of units and product names, which are of the whole
-process, are set by each call.
+fractions become doubles; a solid is what `pas.exchange.step.model` says, and is read again and checked before the file
+takes its place; files are whole or not at all.  Not guaranteed: names of faces.  Open Cascade's settings of units and
+product names, which are of the whole process, are set by each call.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from pas.algebra.monomials import Floats
 from pas.errors import GeometryError, MissingLibraryError, library
 from pas.exchange.formats import UNITS, Format, Request
-from pas.exchange.parts import PATCHES
+from pas.exchange.parts import FACES, ExactPart
+from pas.exchange.step.documents import print_model, set_names, write_parts
+from pas.exchange.step.model import step_part
+from pas.exchange.step.shapes import knots_of
 from pas.parametric.patches import RationalPatch
 
 
-def write_faces(patches: Sequence[RationalPatch], path: Path, request: Request) -> None:
-    """Each patch as a face, sewn where that is asked for; raises `GeometryError` for one that is refused."""
+def write_faces(content: Sequence[RationalPatch] | Sequence[ExactPart], path: Path, request: Request) -> None:
+    """Solids with all their faces, or each patch as a face, sewn where that is asked for.
+
+    Raises `GeometryError` for one that is refused.
+    """
     _require_library()
     with _quiet():
+        solids = [part for part in content if isinstance(part, ExactPart)]
+        if solids:
+            parts = [step_part(part.solid, part.name, part.color, request.mesh.tolerance) for part in solids]
+            write_parts(parts, path, request.name, UNITS[request.told_unit].step)
+            return
+        patches = [item for item in content if not isinstance(item, ExactPart)]
         faces = [_face(item, number) for number, item in enumerate(patches)]
         whole = _compound(faces) if request.sew is None else _sewn(faces, request.sew)
         _export(whole, path, request.name, UNITS[request.told_unit].step)
@@ -70,24 +78,12 @@ def _face(patch: RationalPatch, number: int) -> Any:
     if patch.is_bezier:
         surface: Any = Geom_BezierSurface(points, weights)
     else:
-        (u, many), (v, times) = (_open_knots(k) for k in patch.knots)
+        (u, many), (v, times) = (knots_of(k) for k in patch.knots)
         surface = Geom_BSplineSurface(points, weights, u, v, many, times, *patch.degrees)
     made = BRepBuilderAPI_MakeFace(surface, 1e-9 * size)  # shorter sides are points to Open Cascade
     if not made.IsDone():
         raise GeometryError(f"patches[{number}] is no surface to Open Cascade: {made.Error().name}")
     return made.Face()
-
-
-def _open_knots(knots: Floats) -> tuple[Any, Any]:
-    """The distinct knots and how often each occurs, as Open Cascade's arrays."""
-    from OCP.collections import Array1_double, Array1_int
-
-    distinct, times = np.unique(knots, return_counts=True)
-    values, counts = Array1_double(1, len(distinct)), Array1_int(1, len(distinct))
-    for place, (value, count) in enumerate(zip(distinct.tolist(), times.tolist(), strict=True), start=1):
-        values.SetValue(place, value)
-        counts.SetValue(place, count)
-    return values, counts
 
 
 def _compound(shapes: Sequence[Any]) -> Any:
@@ -125,26 +121,14 @@ def _sewn(faces: Sequence[Any], distance: float) -> Any:
 
 def _export(shape: Any, path: Path, name: str, unit: str) -> None:
     from OCP.IFSelect import IFSelect_ReturnStatus
-    from OCP.Interface import Interface_Static
     from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
-    from OCP.StepData import StepData_StepWriter
-    from OCP.STEPEdit import STEPEdit
 
     writer = STEPControl_Writer()  # before the settings, which do not exist without one
-    Interface_Static.SetCVal_s("xstep.cascade.unit", unit)
-    Interface_Static.SetCVal_s("write.step.unit", unit)
-    Interface_Static.SetCVal_s("write.step.product.name", name.encode("ascii", "replace").decode("ascii"))
-    Interface_Static.SetIVal_s("write.step.assembly", 0)
+    set_names(name, unit)
     status = writer.Transfer(shape, STEPControl_StepModelType.STEPControl_AsIs)
     if status != IFSelect_ReturnStatus.IFSelect_RetDone:
         raise GeometryError(f"Open Cascade could not translate the patches to STEP ({status.name})")
-    text, buffer = StepData_StepWriter(writer.Model()), BytesIO()
-    # doubles come back as they were, which its own twelve digits would round; its suppression of zeros stays off
-    text.FloatWriter().SetFormat("%.16E")
-    text.SendModel(STEPEdit.Protocol_s())
-    if not text.Print(buffer):
-        raise GeometryError("Open Cascade could not write the patches as STEP")
-    path.write_bytes(buffer.getvalue())
+    print_model(writer.Model(), path)
 
 
 def _is_installed(_: Any) -> bool:
@@ -156,4 +140,4 @@ def _is_installed(_: Any) -> bool:
     return True
 
 
-STEP = Format(".step", PATCHES, write_faces, limits=_is_installed)
+STEP = Format(".step", FACES, write_faces, limits=_is_installed)

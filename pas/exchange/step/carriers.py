@@ -1,0 +1,178 @@
+"""Planes, cylinders, cones, spheres and tori, told from polynomials by exact algebra.
+
+A polynomial's zeros are such a surface where an identity between its coefficients says so; nothing is fitted, and what
+differs from one in the last digit is none.  The numbers of the surface are then rounded to doubles.
+
+With f = x.Ax + 2 b.x + c: the zeros are a quadric of revolution where A = l I + m a.a, so where the
+characteristic polynomial of A has a double root l.  They are a torus where f is a multiple of
+
+    (|y|^2 + R^2 - r^2)^2 - 4 R^2 (|y|^2 - (y.a)^2),   y = x - center, |a| = 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+
+from pas.algebra.affine import quadratic_form
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.rational import to_float
+
+
+class CarrierKind(Enum):
+    """The surfaces that every CAD program has."""
+
+    PLANE = "plane"
+    CYLINDER = "cylinder"
+    CONE = "cone"
+    SPHERE = "sphere"
+    TORUS = "torus"
+
+
+@dataclass(frozen=True)
+class Carrier:
+    """A surface on which a face lies, in doubles.
+
+    `place` (3,) is a point of a plane or of a cylinder's axis, a cone's apex, or the centre; `axis` (3,) the unit
+    normal or axis, of a sphere any; `radius` that of a cylinder or sphere, the tangent of a cone's half angle, or a
+    torus's major radius; `minor` its minor one.
+    """
+
+    kind: CarrierKind
+    place: Floats
+    axis: Floats
+    radius: float = 0.0
+    minor: float = 0.0
+
+
+def carrier_of(polynomial: Polynomial) -> Carrier | None:
+    """The plane, quadric of revolution or torus that is the polynomial's zeros; None where they are none of these."""
+    if polynomial.degree == 1:
+        plane = polynomial.dense(1)
+        size = float(np.linalg.norm(plane[1:]))
+        return Carrier(CarrierKind.PLANE, -plane[0] / size**2 * plane[1:], plane[1:] / size)
+    if polynomial.degree == 2:
+        return _quadric(quadratic_form(polynomial))
+    torus_degree = 4
+    return _torus(polynomial) if polynomial.degree == torus_degree else None
+
+
+def _quadric(matrix: fmpq_mat) -> Carrier | None:
+    """The quadric of revolution of a symmetric matrix (4, 4)."""
+    form = fmpq_mat(3, 3, [matrix[i, j] for i in range(3) for j in range(3)])
+    slope, constant = fmpq_mat(3, 1, [matrix[i, 3] for i in range(3)]), matrix[3, 3]
+    found = _of_revolution(form)
+    if found is None:
+        return None
+    double, single, axis = found
+    if double == 0:
+        return None
+    if single in (double, 0):
+        if single == 0 and (axis.transpose() * slope)[0, 0] != 0:
+            return None
+        center = slope * (-1 / double)
+        square = (center.transpose() * center)[0, 0] - constant / double
+        kind = CarrierKind.SPHERE if double == single else CarrierKind.CYLINDER
+        return Carrier(kind, _floats(center), _unit(axis), to_float(square) ** 0.5) if square > 0 else None
+    apex = form.solve(slope * fmpq(-1))
+    if single / double > 0 or (slope.transpose() * apex)[0, 0] + constant != 0:
+        return None
+    return Carrier(CarrierKind.CONE, _floats(apex), _unit(axis), to_float(-single / double) ** 0.5)
+
+
+def _torus(polynomial: Polynomial) -> Carrier | None:
+    terms = polynomial.raw.to_dict()
+    lead = terms.get((4, 0, 0), fmpq(0))
+    if lead == 0:
+        return None
+    center = [terms.get(e, fmpq(0)) / (-4 * lead) for e in ((3, 0, 0), (0, 3, 0), (0, 0, 3))]
+    moved = polynomial.raw.compose(*(g + c for g, c in zip(GENERATORS, center, strict=True))) / lead
+    rest = Polynomial.from_raw(moved - sum(g**2 for g in GENERATORS) ** 2)
+    if rest.degree != 2:
+        return None
+    matrix = quadratic_form(rest)  # with 2 (R^2 - r^2) I - 4 R^2 (I - a.a) and the constant (R^2 - r^2)^2
+    found = _of_revolution(fmpq_mat(3, 3, [matrix[i, j] for i in range(3) for j in range(3)]))
+    if found is None or any(matrix[i, 3] != 0 for i in range(3)):
+        return None
+    double, single, axis = found
+    major, minor = (single - double) / 4, (single - double) / 4 - single / 2
+    if double == single or major <= 0 or minor <= 0 or matrix[3, 3] != (single / 2) ** 2:
+        return None
+    radii = to_float(major) ** 0.5, to_float(minor) ** 0.5
+    at = np.array([to_float(c) for c in center])
+    return Carrier(CarrierKind.TORUS, at, _unit(axis), *radii) if radii[1] < radii[0] else None
+
+
+def _of_revolution(form: fmpq_mat) -> tuple[fmpq, fmpq, fmpq_mat] | None:
+    """The double and the other eigenvalue of a symmetric matrix (3, 3), and an eigenvector (3, 1) of the latter."""
+    characteristic = form.charpoly()
+    common = characteristic.gcd(characteristic.derivative())
+    identity = fmpq_mat(3, 3, [fmpq(i == j) for i in range(3) for j in range(3)])
+    if common.degree() == 0:
+        return None
+    root = (-common[0] / common[1]) if common.degree() == 1 else -common[1] / (2 * common[2])
+    other = sum((form[i, i] for i in range(3)), fmpq(0)) - 2 * root
+    rest = form - identity * root
+    axis = next((j for j in range(3) if any(rest[i, j] != 0 for i in range(3))), None)
+    column = [fmpq(0), fmpq(0), fmpq(1)] if axis is None else [rest[i, axis] for i in range(3)]
+    return root, other, fmpq_mat(3, 1, column)
+
+
+def reducible_planes(first: Polynomial, second: Polynomial) -> list[tuple[Floats, float]]:
+    """Planes n.x = d, as (n, d) with |n| = 1, that hold all common points of two quadrics, where there are such.
+
+    That is so where a multiple of one less the other is of rank 2: two planes cross in it, and the quadrics meet in
+    conics, as cylinders of one radius do whose axes cross.
+    """
+    if first.degree != 2 or second.degree != 2:
+        return []
+    one, two = quadratic_form(first), quadratic_form(second)
+    # the determinant of one - t two is of degree 4 in t; it has a double root where the rank is 2
+    nodes = [fmpq(n) for n in range(-2, 3)]
+    vandermonde = fmpq_mat(5, 5, [n**k for n in nodes for k in range(5)])
+    row = vandermonde.solve(fmpq_mat(5, 1, [(one - two * n).det() for n in nodes]))
+    factors = _roots([row[k, 0] for k in range(5)])
+    found = []
+    for root in factors:
+        pencil = one - two * root
+        if pencil.rank() == 2:
+            found += _planes(pencil)
+    return found
+
+
+def _roots(coefficients: list[fmpq]) -> list[fmpq]:
+    from flint import fmpq_poly
+
+    polynomial = fmpq_poly(coefficients)
+    if polynomial.degree() < 1:
+        return [fmpq(1), fmpq(-1)]  # all members of the pencil are singular, as those of parallel cylinders
+    return [-f[0] / f[1] for f, _ in polynomial.factor()[1] if f.degree() == 1]
+
+
+def _planes(pencil: fmpq_mat) -> list[tuple[Floats, float]]:
+    """The planes whose product a symmetric matrix (4, 4) of rank 2 is; none where they are not real."""
+    matrix = np.array([[to_float(pencil[i, j]) for j in range(4)] for i in range(4)])
+    values, vectors = np.linalg.eigh(matrix / np.abs(matrix).max())
+    low, high = values[0], values[-1]
+    if low >= 0 or high <= 0:
+        return []
+    found = []
+    for sign in (1.0, -1.0):
+        plane = np.sqrt(-low) * vectors[:, 0] + sign * np.sqrt(high) * vectors[:, -1]
+        size = float(np.linalg.norm(plane[:3]))
+        if size > 0:
+            found.append((plane[:3] / size, -float(plane[3]) / size))
+    return found
+
+
+def _floats(column: fmpq_mat) -> Floats:
+    return np.array([to_float(column[i, 0]) for i in range(3)])
+
+
+def _unit(column: fmpq_mat) -> Floats:
+    vector = _floats(column)
+    return np.asarray(vector / np.linalg.norm(vector))

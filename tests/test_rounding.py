@@ -1,0 +1,151 @@
+"""Rounded edges with their corners: proved joints, the ball that rolls, meshes, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import pas
+from pas import solid
+from pas.algebra.lengths import lengths
+from pas.errors import GeometryError
+from pas.solid.joints import prove
+
+
+def box() -> solid.Solid:
+    return solid.box((0, 0, 0), (3, 2, 1))
+
+
+def wedge() -> solid.Solid:
+    """3, 4 and 5 are the sides of a triangle, so that its normals have rational lengths."""
+    return solid.polygon([(0, 0), (4, 0), (4, 3)]).extrude(1)
+
+
+def tetrahedron() -> solid.Solid:
+    planes = {"a": "-x", "b": "-y", "c": "-z", "d": "x+y+z-1"}
+    return solid.intersection(*(solid.half_space(plane, face=name) for name, plane in planes.items()))
+
+
+def drilled() -> solid.Solid:
+    return box() - solid.cylinder((1, 1, -1), (1, 1, 2), "1/2", face="hole")
+
+
+UPRIGHT = ["box x-", "box x+", "box y-", "box y+"]
+CASES = {
+    "box": (box, None, "1/4", 48),
+    "upright edges": (box, UPRIGHT, "1/4", 8),
+    "upright edges and top": (box, [*UPRIGHT, "box z+"], "3/10", 28),
+    "wedge": (wedge, None, "1/4", 36),
+    "tetrahedron": (tetrahedron, None, "1/8", 24),
+    "drilled": (drilled, None, "1/4", 48),
+}
+
+
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("name", CASES)
+def test_all_joints_are_proved(name, order):
+    make, faces, radius, joints = CASES[name]
+    made = make().rounded(faces, radius=radius, order=order)
+    assert len(made.joints) == joints and made.proved
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("name", ["upright edges and top", "wedge", "tetrahedron"])
+def test_meshes_are_of_the_solid(name, order):
+    make, faces, radius, _ = CASES[name]
+    made = make().rounded(faces, radius=radius, order=order)
+    mesh = made.mesh(2e-3)
+    assert mesh.is_closed and {*mesh.names} == {*made.faces} and mesh.deviation <= 2e-3
+    field = made.field.evaluator
+    off = field.field(field.local(mesh.points)) / np.linalg.norm(made.box[1] - made.box[0])
+    assert np.abs(off).max() < 1e-9
+    middle = mesh.points.mean(axis=0)
+    assert made.contains(middle + 0.999 * (mesh.points - middle)).all()
+    assert not made.contains(middle + 1.001 * (mesh.points - middle)).any()
+
+
+def test_of_order_1_it_is_what_a_ball_reaches():
+    """The volume of a body with all points up to r from a box, by Steiner's formula."""
+    r = 0.25
+    a, b, c = 3 - 2 * r, 2 - 2 * r, 1 - 2 * r
+    expected = a * b * c + 2 * r * (a * b + b * c + c * a) + np.pi * r * r * (a + b + c) + 4 / 3 * np.pi * r**3
+    made = box().rounded(radius=r)
+    assert made.volume(1e-3) == pytest.approx(expected, rel=1e-5)
+    ball = solid.ball((r, r, r), r).polynomials["ball"][0]
+    assert made.polynomials["box x- / box y- / box z-"][0].primitive() == ball.primitive()
+
+
+@pytest.mark.parametrize(("make", "corner", "radius"), [(wedge, (4, 3, 1), 0.25), (tetrahedron, (0, 0, 1), 0.125)])
+def test_corners_at_any_angle_are_of_a_sphere(make, corner, radius):
+    """All points of it are at the radius from one that is as far from all planes, to what their lengths are rounded."""
+    plain = make()
+    made = plain.rounded(radius=radius)
+    planes = {n: f for n, (f,) in plain.polynomials.items() if abs(f(np.array(corner, dtype=float))) < 1e-12}
+    normals = np.array([f.gradient(np.zeros(3)) for f in planes.values()])
+    center = corner - np.linalg.solve(normals, radius * np.linalg.norm(normals, axis=1))
+    mesh = made.mesh(2e-3)
+    face = mesh.names.index(" / ".join(planes))
+    points = mesh.points[np.unique(mesh.triangles[mesh.faces == face])]
+    assert np.linalg.norm(points - center, axis=1) == pytest.approx(radius, rel=1e-5)
+
+
+def test_of_order_2_it_is_flat_where_it_begins_and_bends_little():
+    made = solid.box((0, 0, 0), (4, 4, 4)).rounded(["box x+", "box y+"], radius=1, order=2)
+    (f,) = made.polynomials["box x+ / box y+"]
+    mesh = made.mesh(1e-4)
+    points = mesh.points[np.unique(mesh.triangles[mesh.faces == mesh.names.index("box x+ / box y+")])]
+    slope, second = f.gradient(points), pas.Evaluator(f).hessians(points)
+    bend = np.abs(second[:, 0, 0] * slope[:, 1] ** 2 + second[:, 1, 1] * slope[:, 0] ** 2) / lengths(slope) ** 3
+    assert bend[points[:, 0] > 4 - 1e-9].max() < 1e-6 and 1.2 < bend.max() < 1.25
+
+
+def test_it_stays_where_it_is_moved():
+    made = box().rounded(radius="1/4").rotate((0, 0, 1), 90).scale(1000).translate(10**6, 0, 0)
+    mesh = made.mesh(2)
+    assert mesh.is_closed and mesh.volume == pytest.approx(5.69e9, rel=2e-3)
+    assert prove(made.joints[0], made.tree, lambda: made.box).proved
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize(("make", "most"), [(box, 0.5), (tetrahedron, 1 / (3 + 3**0.5)), (wedge, 0.5)])
+def test_the_largest_radius_is_exact(make, most, order):
+    assert make().rounded(radius=0.999 * most, order=order).mesh(1e-2).is_closed
+    with pytest.raises(GeometryError, match=rf"radius must be below {most:.5g}\d*, where an edge is used up, not 1"):
+        make().rounded(radius=1, order=order)
+
+
+def pyramid() -> solid.Solid:
+    sides = {f"{a}{s}": f"{s}{a}+z-1" for a in "xy" for s in "+-"}
+    return solid.intersection(
+        solid.half_space("-z", face="ground"), *(solid.half_space(plane, face=name) for name, plane in sides.items())
+    )
+
+
+def test_a_corner_of_four_is_left_alone():
+    foot = pyramid().rounded(["ground", "x+", "x-"], radius="1/8")
+    assert len(foot.joints) == 4 and foot.proved and foot.mesh(1e-2).is_closed
+
+
+REFUSED = {
+    "four planes": (lambda: pyramid().rounded(radius="1/8"), "ends in 2 planes near (0, 0, 1): only corners of three"),
+    "no end": (
+        lambda: (solid.half_space("x", face="a") & solid.half_space("y", face="b")).rounded(radius=1),
+        "the edge of 'a' and 'b' does not end",
+    ),
+    "no face": (lambda: box().rounded(["box x", "box y+"], radius=1), "no plane face 'box x' that bounds all of it"),
+    "curved": (lambda: drilled().rounded(["hole", "box z+"], radius=1), "no plane face 'hole' that bounds all of it"),
+    "apart": (lambda: box().rounded(["box x-", "box x+"], radius=1), "no two of the faces are planes that meet"),
+    "union": (lambda: (box() | box().translate(1, 1, 1)).rounded(radius=1), "no two of the faces are planes that"),
+    "text": (lambda: box().rounded("box x-", radius=1), "faces must be a sequence of names"),
+    "radius": (lambda: box().rounded(radius=0), "radius must be positive, not 0"),
+    "order": (lambda: box().rounded(radius=1, order=0), "order must be at least 1"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_refused(name):
+    make, sentence = REFUSED[name]
+    with pytest.raises((GeometryError, ValueError, TypeError)) as caught:
+        make()
+    assert sentence in str(caught.value) and "\n" not in str(caught.value)
