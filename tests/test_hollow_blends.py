@@ -400,6 +400,7 @@ def test_walls_are_even_where_limits_of_fairness_leave_room(pipes, order):
     assert wall.certificate.proved and not wall.inner.surface.fairness().beyond(wall.inner.limits)
 
 
+@pytest.mark.slow
 def test_walls_of_unlike_ends_go_over_into_one_another():
     """Inner contacts may be given."""
     outer = bend()

@@ -60,7 +60,7 @@ def test_nodes_are_closed_bodies_with_proved_joints(name, length):
     mesh = body.mesh(radius / 50)
     assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, 2)
     assert mesh.deviation <= radius / 50
-    assert mesh.volume == pytest.approx(body.volume(radius / 50), rel=1e-2)
+    assert mesh.volume == pytest.approx(body.volume(radius / 50), rel=2e-2)
     assert mesh.volume > 0
     assert length == 0 or body.proved
     ends = {f"neighbour {i + 1} end" for i in range(len(items))}
