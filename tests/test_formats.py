@@ -74,7 +74,7 @@ def test_solids_are_filled_for_formats_of_tetrahedra(tmp_path):
     import pyvista
 
     for suffix in (".vtu", ".msh"):
-        path = pas.write(solid.box((0, 0, 0), (1, 1, 1)), tmp_path / f"box{suffix}", tolerance=0.05)
+        path = pas.write(solid.box((0, 0, 0), (1, 1, 1)), tmp_path / f"box{suffix}", tolerance=0.01)
         grid = pyvista.read(path).extract_cells_by_type(pyvista.CellType.TETRA)
         assert grid.volume == pytest.approx(1, rel=2e-3)
 
