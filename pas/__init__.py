@@ -12,6 +12,20 @@ certificate -> mesh -> file.  Public names stand in `__init__.pyi`, one line eac
 are loaded when first used, so the import is fast.
 """
 
+from typing import Any
+
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_named, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    """What has a public name; raises `AttributeError` with the nearest for any other."""
+    if name in __all__ or name.startswith("_"):
+        return _named(name)
+    try:
+        return _named(name)  # a room
+    except AttributeError:
+        from pas.errors import missing
+
+        raise missing("pas", name, [*(f"solid.{n}" for n in _named("solid").__all__), *__all__]) from None

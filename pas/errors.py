@@ -14,12 +14,57 @@ from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any
 
+ELSEWHERE = {
+    name: words.split()
+    for words, name in (
+        ("sphere", "ball"),
+        ("cube cuboid block", "box"),
+        ("square", "rectangle"),
+        ("ngon hexagon", "regular_polygon"),
+        ("linear_extrude prism", "extrude"),
+        ("rotate_extrude lathe", "revolve"),
+        ("line lineto", "line_to"),
+        ("arc threepointarc", "arc_to"),
+        ("fuse join add combine merge", "union"),
+        ("fuse join add combine merge union", "a | b"),
+        ("subtract cut minus", "difference"),
+        ("subtract cut minus difference", "a - b"),
+        ("intersect common", "intersection"),
+        ("intersect common intersection", "a & b"),
+        ("move shift moved translated", "translate"),
+        ("turn spin rotated", "rotate"),
+        ("resize scaled", "scale"),
+        ("reflect flip mirrored", "mirror"),
+        ("round round_edges fillets", "fillet"),
+        ("bevel", "chamfer"),
+        ("hollow thicken", "shell"),
+        ("array linear_pattern grid", "pattern"),
+        ("polar_array polar_pattern circular_array", "circular_pattern"),
+        ("export export_step export_stl to_step to_stl save_stl save_step", "write"),
+        ("plot display view", "show"),
+        ("render picture screenshot save_png", "draw"),
+        ("bbox bounds extents", "bounding_box"),
+        ("center centroid center_of_mass inertia moments mass", "measures"),
+        ("color colour paint", "solid.assembly(name=(shape, '#rrggbb'))"),
+    )
+}
+"""What is found here, and the words that other programs have for it; what is no name is written as it stands."""
+
 
 def meant(word: str, known: Iterable[str]) -> str:
     """The end of a sentence about a word that is not known: a guess at what was meant, or nothing."""
     names = list(known)
-    near = [n for n in names if n.lower() == word.lower()] or get_close_matches(word, names, 1)
+    low = word.lower()
+    near = [n for n in names if low == (own := n.rpartition(".")[2]).lower() or low in ELSEWHERE.get(own, ())]
+    near = near or get_close_matches(word, names, 1)
     return f"; is {near[0]!r} meant?" if near else ""
+
+
+def missing(owner: str, name: str, known: Iterable[str]) -> AttributeError:
+    """The error for a name that something has not, with what is near or how it is written here."""
+    written = [here for here, words in ELSEWHERE.items() if not here.isidentifier() and name.lower() in words]
+    hint = "" if name.startswith("_") else meant(name, (n for n in known if not n.startswith("_")))
+    return AttributeError(f"{owner} has no {name!r}" + (hint or "".join(f"; it is written {w}" for w in written[:1])))
 
 
 def warn(sentence: str) -> None:

@@ -13,12 +13,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from inspect import signature
 from pathlib import Path
-from typing import Any, ClassVar, Generic, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, TypeVar
 
 import numpy as np
 
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
+from pas.errors import missing
 from pas.registry import Registry, loaded
 from pas.settings import MeshSettings, given
 from pas.verdicts import Verdicts
@@ -26,7 +27,7 @@ from pas.verdicts import Verdicts
 VERBS = {
     "save": "pas.kinds.files:save",
     "write": "pas.exchange.write:write",
-    "draw": "pas.render.picture:draw",
+    "draw": "pas.render.drawing:draw",
     "show": "pas.render.window:show",
     "html": "pas.render.window:html",
     "studio": "pas.studio.widget:studio",
@@ -102,6 +103,14 @@ class Shape(ABC):
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {str(self).splitlines()[0]}>"
+
+    if not TYPE_CHECKING:  # else every name would be known
+
+        def __getattr__(self, name: str) -> NoReturn:
+            """Raises `AttributeError` with the nearest name that the shape has."""
+            if not name.startswith("__") and hasattr(type(self), name):
+                return object.__getattribute__(self, name)  # raised in a property, which says why
+            raise missing(_one(type(self).kind), name, dir(type(self)))
 
     def __add__(self, other: object) -> NoReturn:
         raise TypeError(

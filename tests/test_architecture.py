@@ -90,7 +90,7 @@ BY_CLASS = {
     ("layouts/clips.py", "Layout"): "an argument may be a layout or the name of a kind of them",
     ("blending/place.py", "Layout"): "an argument may be a partition, a layout or the name of a kind of them",
     ("parametric/data.py", "ParametricSurface"): "an argument is checked",
-    ("parametric/curves.py", "ParametricSurface"): "an argument is checked",
+    ("parametric/surface.py", "ParametricSurface"): "an argument is checked",
     ("parametric/fitting.py", "ParametricSurface"): "an argument is checked, which may be a blend with a surface",
     ("parametric/generatrix/paths.py", "ParametricSurface"): "an argument may be a curve on a surface, or expressions",
 }
@@ -132,7 +132,7 @@ def test_public_names_stand_in_the_stub_once_and_are_loaded_from_there():
             home = import_module(f"pas.{node.module}" if node.module else "pas")
             assert getattr(pas, alias.name) is getattr(home, alias.name)
             assert alias.asname == alias.name, f"mypy hides {alias.name} unless it is imported as {alias.name}"
-    with pytest.raises(AttributeError, match="attribute nothing"):
+    with pytest.raises(AttributeError, match="pas has no 'nothing'"):
         _ = pas.nothing
 
 

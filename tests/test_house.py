@@ -16,7 +16,7 @@ from conftest import ROOT, nodes, parsed
 PACKAGE = ROOT / "pas"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 63_246, 359, 2_887, 504
+MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 63_617, 354, 2_887, 505
 
 
 def module(path: Path) -> str:

@@ -369,7 +369,7 @@ class Point(Shape):
 
 def test_a_kind_of_ones_own(tmp_path, monkeypatch):
     from pas.exchange.schema import WHOLE
-    from pas.render.parts import solid_layers
+    from pas.render.scene import solid_layers
 
     monkeypatch.setattr(KINDS, "_entries", dict(KINDS._entries))
     KINDS.register(

@@ -136,7 +136,9 @@ def test_a_blend_is_a_solid_among_others(tmp_path, monkeypatch):
 def test_every_function_that_makes_a_body_is_a_kind_of_tables():
     bodies = {name for name in solid.__all__ if name.islower()} - {"assembly", "patch"}
     assert set(MAKERS) == bodies | {"difference", "blend"}
-    assert {"fillet", "chamfer", "shell", "translate", "mirror", "union"} <= set(steps_of("Solid"))
+    assert {"fillet", "chamfer", "rounded", "shell", "pattern", "circular_pattern", "mirror", "union"} <= set(
+        steps_of("Solid")
+    )
     assert {"extrude", "revolve", "difference"} <= set(steps_of("Profile"))
     assert MAKERS["box"].keys == {"lower": True, "upper": True, "face": False}
     assert steps_of("Solid")["translate"].keys == {"offset": True}

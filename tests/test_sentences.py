@@ -162,3 +162,52 @@ def test_ctrl_c_ends_with_130(tmp_path):
     assert process.returncode == INTERRUPTED == 130
     assert "pas: interrupted; nothing was left half-written" in error
     assert list(tmp_path.iterdir()) == []
+
+
+GUESSED = [
+    ("solid.sphere", "pas.solid has no 'sphere'; is 'ball' meant?"),
+    ("solid.cube", "pas.solid has no 'cube'; is 'box' meant?"),
+    ("solid.difference", "pas.solid has no 'difference'; it is written a - b"),
+    ("pas.sphere", "pas has no 'sphere'; is 'solid.ball' meant?"),
+    ("pas.box", "pas has no 'box'; is 'solid.box' meant?"),
+    ("pas.cylinder", "pas has no 'cylinder'; is 'solid.cylinder' meant?"),
+    ("pas.cube", "pas has no 'cube'; is 'solid.box' meant?"),
+    ("ball.export", "a solid has no 'export'; is 'write' meant?"),
+    ("ball.filet", "a solid has no 'filet'; is 'fillet' meant?"),
+    ("ball.cut", "a solid has no 'cut'; it is written a - b"),
+    ("ball.fuse", "a solid has no 'fuse'; it is written a | b"),
+    ("ball.color", "a solid has no 'color'; it is written solid.assembly(name=(shape, '#rrggbb'))"),
+    ("ball.centroid", "a solid has no 'centroid'; is 'measures' meant?"),
+    ("solid.circle((0, 0), 1).linear_extrude", "a profile has no 'linear_extrude'; is 'extrude' meant?"),
+    ("solid.circle((0, 0), 1).fillet", "a profile has no 'fillet'; it is flat: extrude or revolve it first"),
+    ("solid.assembly(a=ball).export", "an assembly has no 'export'; is 'write' meant?"),
+]
+
+
+@pytest.mark.parametrize(("code", "sentence"), GUESSED)
+def test_names_that_other_programs_have_are_told_as_they_are_here(code, sentence):
+    with pytest.raises(AttributeError) as caught:
+        eval(code, {"pas": pas, "solid": solid, "ball": solid.ball((0, 0, 0), 1)})
+    assert str(caught.value) == sentence
+
+
+def test_all_words_of_other_programs_lead_to_names_that_are_there():
+    from pas.errors import ELSEWHERE
+
+    known = {
+        *solid.__all__,
+        *(n for made in (solid.Solid, solid.Profile, solid.Sketch) for n in dir(made)),
+        "difference",
+    }
+    assert {here for here in ELSEWHERE if here.isidentifier()} <= known
+
+
+def test_an_error_in_a_property_is_its_own():
+    class Broken(solid.Solid):
+        @property
+        def length(self):
+            return self.nothing
+
+    with pytest.raises(AttributeError, match="a solid has no 'nothing'"):
+        _ = Broken(solid.ball((0, 0, 0), 1).tree).length
+    assert not hasattr(solid.ball((0, 0, 0), 1), "__array__")

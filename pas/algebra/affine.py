@@ -13,6 +13,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_mpoly
 
+from pas.algebra.inputs import whole
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import (
@@ -226,6 +227,24 @@ def reflection(normal: VectorLike, center: VectorLike) -> Affine:
     return about(rows, center)  # type: ignore[arg-type]
 
 
+def translations(count: int, offset: VectorLike) -> list[Affine]:
+    """The maps that move `count` copies, but for the first, each by `offset` from the one before."""
+    step = vector(offset, "offset")
+    return [translation([k * c for c in step]) for k in range(1, whole(count, "count", 1, 10_000))]
+
+
+def turns(count: int, axis: VectorLike, center: VectorLike, step: Exact | None) -> list[Affine]:
+    """The maps that turn `count` copies, but for the first, each by `step` degrees, or evenly all around."""
+    number = whole(count, "count", 1, 10_000)
+    degrees = fmpq(360, number) if step is None else rational(step, "step")
+    return [rotation(axis, k * degrees, center) for k in range(1, number)]
+
+
+def numbered(name: str, copy: int) -> str:
+    """The name of what is called so in a copy; the first has number 1, and its names as they are."""
+    return name if copy == 1 or not name else f"{name} #{copy}"
+
+
 M = TypeVar("M")
 
 
@@ -262,3 +281,24 @@ class AffineShape(ABC, Generic[M]):
     def mirror(self, normal: VectorLike, center: VectorLike = (0, 0, 0)) -> M:
         """The shape reflected in the plane through `center` with the given normal."""
         return self._moved(reflection(normal, center))
+
+    def pattern(self, count: int, offset: VectorLike) -> M:
+        """`count` copies as one shape, each moved by `offset` (the model's units) from the one before.
+
+        What is named "hole" is named "hole #2" in the second copy, and so on.  Raises `TypeError` for a shape that has
+        no unions, such as a surface, `ValueError` for a count that is no whole number of at least 1.
+        """
+        return self._patterned(translations(count, offset))
+
+    def circular_pattern(
+        self, count: int, axis: VectorLike, center: VectorLike = (0, 0, 0), step: Exact | None = None
+    ) -> M:
+        """`count` copies turned about an axis through `center`, evenly all around, or each by `step` degrees.
+
+        Names are those of `pattern`, and so are the errors; angles are exact as those of `rotate`.
+        """
+        return self._patterned(turns(count, axis, center, step))
+
+    def _patterned(self, maps: Sequence[Affine]) -> M:
+        """It and its images, as one."""
+        raise TypeError(f"a pattern is of solids, meshes, assemblies or profiles; {self!r} has no union")

@@ -227,7 +227,11 @@ COMMANDS = (
         "render",
         commands.run_render,
         "draw the surface of a project file",
-        (project(), value("-o --output", "OUT.png", "the picture", required=True), _styles),
+        (
+            project(),
+            value("-o --output", "OUT.png", "the picture, or a turntable as a .gif", required=True),
+            _styles,
+        ),
     ),
     Command(
         "write",

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pas.algebra.affine import Affine, AffineShape
+from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.errors import GeometryError
 from pas.mesh.booleans import Triangles, boolean
 from pas.mesh.quality import Quality, smallest_angles, soundness
@@ -185,6 +185,11 @@ class Mesh(AffineShape["Mesh"], Shape):
         normals = _moved_normals(map_, self.normals)[:, order]
         known = self.faces, self.names, normals, self.parameters, deviation, self.proved
         return Mesh(map_.points(self.points), self.triangles[:, order], *known)
+
+    def _patterned(self, maps: Sequence[Affine]) -> Mesh:
+        copies = [self, *(self._moved(map_) for map_ in maps)]
+        named = [replace(m, names=tuple(numbered(n, k) for n in m.names)) for k, m in enumerate(copies, start=1)]
+        return reduce(Mesh.__or__, named)
 
     @property
     def volume(self) -> float:

@@ -7,6 +7,9 @@ part = cross - solid.ball((0, 0, 0), "3/4")
 part.mesh(1e-3)
 """
 
+from typing import TYPE_CHECKING, NoReturn
+
+from pas.errors import missing
 from pas.mesh.mesh import Mesh
 from pas.solid.assembly import Assembly, Part, assembly, intersection, union
 from pas.solid.joints import Joint
@@ -48,3 +51,9 @@ __all__ = [
     "tube",
     "union",
 ]
+
+if not TYPE_CHECKING:  # else every name would be known
+
+    def __getattr__(name: str) -> NoReturn:
+        """Raises `AttributeError` with the nearest of the names above."""
+        raise missing("pas.solid", name, __all__)

@@ -12,7 +12,7 @@ from typing import Any, Never, TypeAlias, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pas.algebra.affine import Affine, AffineShape
+from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.algebra.brief import brief, listed
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
@@ -73,6 +73,9 @@ class Part(AffineShape["Part"], Shape):
 
     def _moved(self, map_: Affine) -> Part:
         return replace(self, shape=self.shape._moved(map_))
+
+    def _patterned(self, maps: Sequence[Affine]) -> Part:
+        return replace(self, shape=self.shape._patterned(maps))
 
     def meshed(self, settings: MeshSettings) -> Mesh:
         """The part's mesh by settings."""
@@ -154,6 +157,11 @@ class Assembly(AffineShape["Assembly"], Shape):
 
     def _moved(self, map_: Affine) -> Assembly:
         return Assembly(MappingProxyType({name: part._moved(map_) for name, part in self.parts.items()}))
+
+    def _patterned(self, maps: Sequence[Affine]) -> Assembly:
+        copies = [self, *(self._moved(map_) for map_ in maps)]
+        parts = {numbered(n, k): part for k, copy in enumerate(copies, start=1) for n, part in copy.parts.items()}
+        return Assembly(MappingProxyType(parts))
 
     @property
     def proved(self) -> bool:

@@ -11,17 +11,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 from flint import fmpq
 from numpy.typing import ArrayLike
 
-from pas.algebra.affine import Affine, reflection, rotation, scaling, translation
+from pas.algebra.affine import Affine, numbered, reflection, rotation, scaling, translation, translations, turns
 from pas.algebra.inputs import points_of, shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, rational
-from pas.errors import GeometryError
+from pas.errors import GeometryError, missing
 from pas.solid.edges import Loop, PlaneEdge, Point, apart
 from pas.solid.extrusion import extruded
 from pas.solid.formulas import Lift, formula, values
@@ -59,10 +59,12 @@ class Profile:
             )
         return Profile(None, (self, replace(other, outside=not other.outside) if less else other), union)
 
-    def __getattr__(self, name: str) -> NoReturn:
-        """Raises `AttributeError`, which says of what solids have that a profile is flat."""
-        flat = "; it is flat: extrude or revolve it first" if hasattr(Solid, name) else ""
-        raise AttributeError(f"a profile has no {name!r}{flat}", name=name, obj=self)
+    if not TYPE_CHECKING:  # else every name would be known
+
+        def __getattr__(self, name: str) -> NoReturn:
+            """Raises `AttributeError` with the nearest name; of what solids have it says that a profile is flat."""
+            error = missing("a profile", name, dir(Profile))
+            raise AttributeError(f"{error}; it is flat: extrude or revolve it first") if hasattr(Solid, name) else error
 
     def translate(self, x: Exact, y: Exact) -> Profile:
         """The profile moved by two numbers (the model's units)."""
@@ -80,6 +82,24 @@ class Profile:
         """The profile reflected in the line through `center` with a normal."""
         n = plane_point(normal, "normal")
         return self._moved(reflection((*n, 0), (*plane_point(center, "center"), 0)))
+
+    def pattern(self, count: int, offset: Sequence[Exact]) -> Profile:
+        """`count` copies as one profile, each moved by `offset`, two numbers; see `Solid.pattern`."""
+        return self._patterned(translations(count, (*plane_point(offset, "offset"), 0)))
+
+    def circular_pattern(self, count: int, center: Sequence[Exact] = (0, 0), step: Exact | None = None) -> Profile:
+        """`count` copies turned about a point, evenly all around, or by `step` degrees; see `Solid.pattern`."""
+        return self._patterned(turns(count, (0, 0, 1), (*plane_point(center, "center"), 0), step))
+
+    def _patterned(self, maps: Sequence[Affine]) -> Profile:
+        copies = (self, *(self._moved(map_)._numbered(k) for k, map_ in enumerate(maps, start=2)))
+        return Profile(None, copies, union=True) if maps else self
+
+    def _numbered(self, copy: int) -> Profile:
+        loop = self.loop
+        if loop is not None:
+            loop = replace(loop, edges=tuple(replace(edge, name=numbered(edge.name, copy)) for edge in loop.edges))
+        return replace(self, loop=loop, parts=tuple(part._numbered(copy) for part in self.parts))
 
     def _moved(self, map_: Affine) -> Profile:
         flips = map_.matrix[0][0] * map_.matrix[1][1] < map_.matrix[0][1] * map_.matrix[1][0]

@@ -27,6 +27,7 @@ from pas.limits import WorkLimits, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.registry import loaded
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape, refuse_mixed
 from pas.solid.bounds import bounding_box
@@ -38,8 +39,11 @@ from pas.solid.linked import SolidBoundary, united
 from pas.solid.measures import Measures, curved_measures
 from pas.solid.sheets import face_mesh, merged
 from pas.solid.shell import shelled
-from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, image, mapped
+from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, copied, image, mapped
 from pas.verdicts import Findings, Verdict
+
+CARRIER_OF = "pas.exchange.step.carriers:carrier_of"
+"""What tells planes, cylinders and the like from polynomials, in a room below."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +98,13 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         moved = map_.points(np.array(self.special_points).reshape(-1, 3))
         points, sheets = tuple((x, y, z) for x, y, z in moved.tolist()), self.sheets and self.sheets.moved(map_)
         return Solid(mapped(self.tree, move), joints, points, sheets)
+
+    def _patterned(self, maps: Sequence[Affine]) -> Solid:
+        copies = [*enumerate((self, *(self._moved(map_) for map_ in maps)), start=1)]
+        joints = tuple(joint.copied(number) for number, copy in copies for joint in copy.joints)
+        points = tuple(point for _, copy in copies for point in copy.special_points)
+        tree = combined(True, *(copied(copy.tree, number) for number, copy in copies))
+        return Solid(tree, joints, points, None if maps else self.sheets)
 
     def cap(self, plane: PolynomialLike, name: str = "cap") -> Solid:
         """The part where `plane <= 0`, with a face of that name where it is cut.
@@ -312,12 +323,13 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     @property
     def description(self) -> str:
-        """A table of the faces with their degrees."""
+        """A table of the faces with their degrees, and what each is that every CAD program knows."""
         polynomials, width = self.polynomials, max(map(len, self.faces), default=4)
         lines = [f"{'face':<{width}}  degree"]
         for face in self.faces:
-            degrees = sorted({p.degree for p in polynomials.get(face, ())})
-            lines.append(f"{face:<{width}}  {', '.join(map(str, degrees)) or 'not polynomial'}")
+            told = ((p.degree, loaded(CARRIER_OF)(p)) for p in polynomials.get(face, ()))
+            kinds = sorted({f"{degree}" + (f" ({found.kind.value})" if found else "") for degree, found in told})
+            lines.append(f"{face:<{width}}  {', '.join(kinds) or 'not polynomial'}")
         return "\n".join(lines)
 
     def __str__(self) -> str:
