@@ -21,7 +21,7 @@ ROOMS = [
     *("_version", "errors", "threads", "limits", "registry", "verdicts", "kernels"),
     *("algebra", "settings", "shape", "bernstein", "partition", "mesh", "contacts", "surface", "certify", "piecewise"),
     *("solid", "parametric", "fairing"),
-    *("layouts", "blending", "pipeline", "exchange", "independent", "render", "designs", "kinds"),
+    *("layouts", "blending", "pipeline", "exchange", "independent", "render", "designs", "network", "kinds"),
     *("studio", "cli"),
 ]
 """A module imports from rooms that stand before its own, and from its own."""
@@ -91,7 +91,7 @@ BY_CLASS = {
     ("layouts/clips.py", "Layout"): "an argument may be a layout or the name of a kind of them",
     ("blending/place.py", "Layout"): "an argument may be a partition, a layout or the name of a kind of them",
     ("parametric/data.py", "ParametricSurface"): "an argument is checked",
-    ("parametric/curves.py", "ParametricSurface"): "an argument is checked",
+    ("parametric/surface.py", "ParametricSurface"): "an argument is checked",
     ("parametric/fitting.py", "ParametricSurface"): "an argument is checked, which may be a blend with a surface",
     ("parametric/generatrix/paths.py", "ParametricSurface"): "an argument may be a curve on a surface, or expressions",
 }

@@ -130,7 +130,7 @@ def test_render(made, tmp_path, capsys, style):
         (["check", PROBLEM], 2, "is a problem file; make a project of it with `pas blend`"),
         (["mesh", "MADE", "-o", "a.step"], 2, "the suffix must be one of .stl, .obj, .ply"),
         (["mesh", "MADE", "-o", "none/a.stl"], 2, "the folder none of a.stl does not exist"),
-        (["render", "MADE", "-o", "a.jpg"], 2, "the suffix must be .png"),
+        (["render", "MADE", "-o", "a.jpg"], 2, "the suffix must be one of .png, .gif"),
     ],
 )
 def test_errors_are_one_sentence(made, tmp_path, capsys, monkeypatch, arguments, code, words):

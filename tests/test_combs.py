@@ -199,7 +199,7 @@ class Drawn:
 def test_hairs_are_coloured_by_sign_and_stand_on_the_curve():
     comb = straight_comb([2, 1, -1, -3])
     layer, shift, plotter = layer_with(comb), np.array([0.0, 5.0, 0.0]), Drawn()
-    drawing.add_combs(plotter, layer, 0.1, shift, lambda data: data)
+    drawing.add_combs(plotter, layer, 0.1, shift)
     base = comb.points + shift + [0, 0, 0.002]  # on the outside: normals are along z
     assert [color for _, _, color, _ in plotter.parts] == [
         drawing.NEARBY, drawing.CONVEX, drawing.CONVEX, drawing.CONCAVE, drawing.CONCAVE

@@ -10,7 +10,9 @@ from flint import fmpq
 
 from pas import solid
 from pas.errors import GeometryError
-from pas.solid.fillets import Filling
+from pas.exchange.step.carriers import CarrierKind, carrier_of
+from pas.solid.fillet_forms import bent, torus
+from pas.solid.fillets import FaceSeam, Filling
 
 
 def box() -> solid.Solid:
@@ -38,6 +40,18 @@ def plate() -> solid.Solid:
 
 def ball_on_a_plate() -> solid.Solid:
     return solid.box((-2, -2, -1), (2, 2, 0), face="plate") | solid.ball((0, 0, "1/2"), 1, face="ball")
+
+
+def two_balls() -> solid.Solid:
+    return solid.ball((0, 0, 0), 1, face="a") | solid.ball((0, 0, "3/2"), "3/4", face="b")
+
+
+def peg_on_a_ball() -> solid.Solid:
+    return solid.ball((0, 0, 0), 1, face="a") | solid.cylinder((0, 0, 0), (0, 0, 2), "3/5", face="b")
+
+
+def cone_on_a_rod() -> solid.Solid:
+    return solid.cylinder((0, 0, 0), (0, 0, 1), 1, face="a") | solid.cone((0, 0, 1), (0, 0, "7/4"), 1, 0, face="b")
 
 
 CORNER = 1 - np.pi / 4  # of a square of side 1 that a circle of radius 1 does not cover
@@ -81,6 +95,37 @@ def test_between_planes_at_any_angle_too():
     wedge = solid.polygon([(0, 0), (4, 0), (4, 3)]).extrude(1).fillet("side 3", "side 1", "1/4")
     terms = wedge.polynomials["fillet"][0].raw.to_dict()
     assert terms[2, 0, 0] == terms[0, 2, 0] and (1, 1, 0) not in terms
+
+
+TORI = {
+    "boss": (boss, ("plate z+", "boss"), "1/2", 5 / 4),
+    "rim": (lambda: solid.cylinder((0, 0, 0), (0, 0, 2), "3/4"), ("cylinder", "cylinder end"), "0.123456", 0.626544),
+    "hole": (plate, ("plate z+", "hole"), "1/4", 5 / 4),
+    "ball": (ball_on_a_plate, ("plate z+", "ball"), "1/4", 1.5**0.5),
+    "two balls": (two_balls, ("a", "b"), "1/4", (25 / 16 - (15 / 16) ** 2) ** 0.5),
+    "peg on a ball": (peg_on_a_ball, ("a", "b"), "1/4", 0.85),
+    "cone on a rod": (cone_on_a_rod, ("a", "b"), "1/4", 3 / 4),
+}
+
+
+@pytest.mark.sampled(3)
+@pytest.mark.parametrize("name", TORI)
+def test_along_circles_it_is_the_torus_of_a_ball_that_rolls(name):
+    make, faces, radius, major = TORI[name]
+    made = make().fillet(*faces, radius)
+    found = carrier_of(made.polynomials["fillet"][0])
+    assert made.proved and made.mesh().is_closed
+    assert found is not None and found.kind is CarrierKind.TORUS
+    assert (found.radius, found.minor) == pytest.approx((major, float(Fraction(radius))), rel=1e-8)
+    assert "4 (torus)" in made.description
+
+
+def test_without_an_axis_in_common_it_is_a_polynomial():
+    aside = solid.box((-2, -2, -1), (2, 2, 0), face="plate") | solid.cylinder((0, 0, -1), (1, 0, 2), "3/4", face="boss")
+    for whole, faces in ((aside, ("plate z+", "boss")), (tee(), ("main", "branch"))):
+        seam = FaceSeam.of(whole, faces)
+        assert torus(seam, fmpq(1, 4), 1) is None and bent(seam, fmpq(1, 4), 1)[0].degree in (4, 3)
+    assert torus(FaceSeam.of(boss(), ("plate z+", "boss")), fmpq(1, 4), 2) is None
 
 
 def test_several_fillets_have_names_of_their_own():

@@ -14,7 +14,7 @@ import pytest
 from conftest import DATA, EQUAL, ROOT, solved
 
 import pas
-from pas import solid
+from pas import network, solid
 from pas.cli import main
 from pas.exchange import container
 from pas.exchange.schema import Table
@@ -54,6 +54,11 @@ def _ball():
     return replace(solid.ball((3, 0, 0), 1).mesh(0.1), deviation=None)
 
 
+def bend():
+    """Two struts at a right angle."""
+    return network.Network([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1), (0, 2)], "1/8", "1/8")
+
+
 SAMPLES = {
     "blend": lambda: solved(EQUAL, 1),
     "hollow blend": lambda: solved(EQUAL, 1).hollow("1/10"),
@@ -68,6 +73,7 @@ SAMPLES = {
     "sphere blend": _through_sphere,
     "rational patch": lambda: pas.bezier_patches(pas.torus(2, 1), SQUARE)[0],
     "mesh": lambda: _ball(),
+    "network": lambda: bend().blend(1, "lowest"),
     "layout": lambda: pas.Layout(
         [(1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, -1, -1)], [(0, 1, 2), (1, 0, 3), (2, 1, 3), (0, 2, 3)], ("1/3", 0, 2)
     ),
@@ -369,7 +375,7 @@ class Point(Shape):
 
 def test_a_kind_of_ones_own(tmp_path, monkeypatch):
     from pas.exchange.schema import WHOLE
-    from pas.render.parts import solid_layers
+    from pas.render.scene import solid_layers
 
     monkeypatch.setattr(KINDS, "_entries", dict(KINDS._entries))
     KINDS.register(

@@ -75,7 +75,7 @@ PIPES = "".join(f'[[pipes]]\naxis = {list(axis)}\nradius = "1/3"\nclip = 1\n' fo
 IMAGINED = {"pas.registry", "pas.bernstein.search"}
 """Modules whose program is about things that are not there."""
 
-LONG = {"pas.pipeline.blend", "pas.pipeline.header", "pas.render.animate"}
+LONG = {"pas.pipeline.blend", "pas.pipeline.header", "pas.render.drawing"}
 """Modules whose program takes long; the README has the same blend, node and header, and other tests animate."""
 
 BLOCKS = list(blocks())

@@ -13,7 +13,7 @@ from test_kinds import SAMPLES, sample
 import pas
 from pas.cli import main
 from pas.exchange.picture_options import STYLES, Picture
-from pas.parametric.curves import Forms
+from pas.parametric.surface import Forms
 from pas.piecewise import PiecewiseSurface
 from pas.render.combs import CONCAVE, CONVEX, hair_length, tips
 from pas.render.curvature import color_range, point_areas

@@ -71,7 +71,6 @@ MAY_BE_ANY = {
     "Picture.coloring": BELOW,
     "Picture.domain": UNSAID,
     "Picture.of": UNSAID,
-    "Picture.view": UNSAID,
     "Wishes.basis": UNSAID,
 }
 """Where `Any` stands in what is public, and why."""

@@ -12,7 +12,6 @@ import argparse
 from pathlib import Path
 
 import pas
-from pas.render.parts import draw_parts
 
 HERE = Path(__file__).parent
 STYLES = {
@@ -55,7 +54,7 @@ def main() -> None:
             pas.draw(blend.surface, folder / f"{path.stem}{suffix}.png", style=style, size=(480, 360))
         if path.stem == BODY:
             pas.draw(blend.surface, folder / f"{BODY}_gauss.png", style="gauss", combs=True, size=(480, 360))
-            draw_parts(blend.solid("1/2"), folder / f"{BODY}_body.png", size=(480, 360))
+            pas.draw(blend.solid("1/2"), folder / f"{BODY}_body.png", size=(480, 360))
 
 
 if __name__ == "__main__":

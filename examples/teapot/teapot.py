@@ -10,10 +10,7 @@ import argparse
 import time
 from pathlib import Path
 
-from pas import save_solid
-from pas.designs import STYLES, teapot
-from pas.exchange.write import write_solid
-from pas.render.parts import Look, draw_parts
+from pas.designs.teapot import STYLES, teapot
 
 parser = argparse.ArgumentParser(description="Build, prove, mesh and draw a teapot.")
 parser.add_argument("--style", choices=STYLES, default="better")
@@ -47,8 +44,8 @@ print(f"volume {pot.solid.volume(options.tolerance):.4f}, area {pot.solid.area(o
 print(f"closed {mesh.is_closed}, pieces {mesh.components}, Euler characteristic {mesh.euler_characteristic}")
 
 start = time.perf_counter()
-draw_parts(mesh, options.output / "views.png", look=Look.FOUR_VIEWS)
-draw_parts(mesh, options.output / "zebra.png", look=Look.ZEBRA)
+mesh.draw(options.output / "views.png", four_views=True)
+mesh.draw(options.output / "zebra.png", style="zebra")
 told("pictures of the whole", start)
 
 start = time.perf_counter()
@@ -56,11 +53,11 @@ parts = pot.assembly.meshes(4 * options.tolerance)
 told("meshes of pot and lid", start)
 
 start = time.perf_counter()
-draw_parts(pot.assembly, options.output / "exploded.png", look=Look.EXPLODED, meshes=parts)
-draw_parts(pot.assembly, options.output / "cut.png", look=Look.CUT, meshes=parts)
+pot.assembly.draw(options.output / "exploded.png", exploded=True, mesh=parts)
+pot.assembly.draw(options.output / "cut.png", cut=True, mesh=parts)
 told("pictures of the parts", start)
-write_solid(mesh, options.output / "teapot.stl")
-save_solid(pot.assembly, options.output / "teapot.pas.json")
+mesh.write(options.output / "teapot.stl")
+pot.assembly.save(options.output / "teapot.pas.json")
 for suffix in ("glb", "3mf"):
-    write_solid(pot.assembly, options.output / f"parts.{suffix}", tolerance=4 * options.tolerance)
+    pot.assembly.write(options.output / f"parts.{suffix}", tolerance=4 * options.tolerance)
 print("written:", *sorted(options.output.iterdir()), sep="\n  ")

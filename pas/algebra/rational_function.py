@@ -1,10 +1,9 @@
 """Exact rational functions of two parameters over Q, in lowest terms.
 
-Numerator and denominator are python-flint `fmpq_mpoly` of one ring for the whole program; the
-denominator has coprime integers as coefficients, the leading one (grevlex) positive, so that
-equal functions have equal parts.  Arithmetic, substitution, derivatives and Taylor coefficients
-are exact.  Calling a function on arrays is the only numerical thing: it evaluates the expanded
-numerator and denominator, with infinities and nan where the denominator vanishes.
+Numerator and denominator are python-flint `fmpq_mpoly` of one ring for the whole program; the denominator has coprime
+integers as coefficients, the leading one (grevlex) positive, so that equal functions have equal parts.  Arithmetic,
+substitution, derivatives and Taylor coefficients are exact.  Calling a function on arrays is the only numerical thing:
+it evaluates the expanded numerator and denominator, with infinities and nan where the denominator vanishes.
 """
 
 from __future__ import annotations

@@ -110,7 +110,7 @@ def run_mesh(options: argparse.Namespace) -> CommandResult:
 def run_render(options: argparse.Namespace) -> CommandResult:
     """`pas render`."""
     from pas.exchange.picture_options import Picture
-    from pas.render.picture import draw
+    from pas.render.drawing import draw
 
     picture = settings_of(Picture, options)
     if options.curvature is not None:

@@ -65,10 +65,13 @@ def add_settings(
     for one in options(settings, "command", leave):
         name, about = f"--{one.name.replace('_', '-')}", one.metadata
         text = about["text"].format(usual=usual)
-        if about["kind"] is bool:
+        if about["kind"] is bool and about["metavar"]:  # which may be said more closely
+            parser.add_argument(name, nargs="?", const=True, default=None, metavar=about["metavar"], help=text)
+        elif about["kind"] is bool:
             parser.add_argument(name, action="store_true", default=None, help=text)
         else:
-            parser.add_argument(name, type=about["kind"], metavar=about["metavar"], help=text)
+            kind = str if about["kind"] is list else about["kind"]
+            parser.add_argument(name, type=kind, metavar=about["metavar"], help=text)
 
 
 def settings_of(settings: type[Settings], arguments: argparse.Namespace) -> Settings:

@@ -5,6 +5,7 @@ What they do stands in `pas.render`, above.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from enum import Enum
@@ -33,6 +34,17 @@ STYLES: Registry[Any] = Registry(
 
 View = tuple[float, float, float]
 
+VIEWS: dict[str, View] = {
+    "front": (0, -1, 0),
+    "back": (0, 1, 0),
+    "left": (-1, 0, 0),
+    "right": (1, 0, 0),
+    "top": (0, 0, 1),
+    "bottom": (0, 0, -1),
+    "iso": (1, -1, 0.8),
+}
+"""The views that have a name: where one stands, in the coordinates, with z upwards."""
+
 
 class Style(Enum):
     """What the colours show: the styles that come with `pas`, each of which may be given by its name, too."""
@@ -52,13 +64,19 @@ class PictureOptions(TypedDict, total=False):
 
     style: Style | str
     combs: bool
-    size: tuple[int, int]
+    size: tuple[int, int] | str
     view: Any
     domain: Any
     tolerance: float | None
     four_views: bool
     exploded: bool
-    cut: bool
+    cut: Any
+    parallel: bool
+    transparent: bool
+    occlusion: bool
+    colors: Mapping[str, str] | str | None
+    labels: bool
+    dimensions: bool
 
 
 @dataclass(frozen=True)
@@ -66,43 +84,71 @@ class Picture:
     """How shapes are drawn; `pas.draw` and `pas.show` take each of these by name.
 
     `style`: what the colours show, a `pas.Style` or a name.  `combs`: with curvature combs, hairs whose lengths are the
-    normal curvature along sections and contact curves.  `size` in pixels.  `view`: the direction from where one looks,
-    of blends by patches in the frame of the contact directions, else in the coordinates.  `domain`: that of
-    `ParametricSurface.mesh`, for all parametric shapes.  `tolerance`: of the meshes, in the model's units.
+    normal curvature along sections and contact curves.  `size` in pixels, also as "1200x900".  `view`: from where one
+    looks, one of `VIEWS` by name, or a direction, of blends by patches in the frame of the contact directions, else in
+    the coordinates, also as "1,-1,1/2".  `domain`: that of `ParametricSurface.mesh`, for all parametric shapes.
+    `tolerance`: of the meshes, in the model's units.
 
     `four_views`: from four sides.  `exploded`: the parts lifted apart.  `cut`: without what is in front of the middle
-    plane y = const.
+    plane, as seen from the front, or from another view, by name or as a direction.  `parallel`: parallel projection.
+    `transparent`: without background.  `occlusion`: with ambient occlusion, shadows where surfaces are near each other,
+    which takes three times as long.  `colors`: one for all, as #rrggbb or by a CSS name; "faces" for another for each
+    face; or a table from names of parts, faces or "part: face", * for any letters, to colours, of which the first that
+    fits counts; also as "boss=tomato,*=#c0c0c0".  `labels`: the names of the parts, or of the faces of a single one.
+    `dimensions`: the sides of the box around it.
 
-    Raises `TypeError` for what is no style or no truth value, `ValueError` for an unknown style and a bad tolerance.
+    Raises `TypeError` for what is no style or no truth value, `ValueError` for an unknown style, view or colour and a
+    bad tolerance.
     """
 
     style: Style | str = option(
         Style.PLAIN, "any style by its name: plain, zebra, highlights, mean, gauss, max, min", str, "STYLE"
     )
     combs: bool = option(False, "curvature combs along sections and contact curves")
-    size: tuple[int, int] = option((1200, 900), "width and height in pixels", list, command=False)
-    view: Any = option(None, "the direction from where one looks", list, command=False)
+    size: tuple[int, int] = option((1200, 900), "in pixels (default: 1200x900)", list, "WxH")
+    view: str | View | None = option(
+        None, f"from where one looks: {', '.join(VIEWS)}, or a direction", list, "WORD or X,Y,Z"
+    )
     domain: Any = None
     tolerance: float | None = option(
         None, "largest distance of the mesh from the surface (default: {usual})", float, "T", file=False
     )
     four_views: bool = option(False, "from four sides")
     exploded: bool = option(False, "the parts lifted apart")
-    cut: bool = option(False, "without what is in front of the middle plane")
+    cut: bool | str | View = option(
+        False, "without what is before the middle plane, seen from the front or a view", bool, "VIEW"
+    )
+    parallel: bool = option(False, "parallel projection")
+    transparent: bool = option(False, "no background")
+    occlusion: bool = option(False, "ambient occlusion: shadows where surfaces are near each other")
+    colors: Mapping[str, str] | str | None = option(
+        None, "a colour, faces for one for each face, or NAME=COLOUR,... of parts and faces", str, "COLOURS"
+    )
+    labels: bool = option(False, "the names of parts, or of the faces of a single one")
+    dimensions: bool = option(False, "the sides of the box around it")
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str):
             raise TypeError(f"style must be a pas.Style or the name of one, not {self.name!r}")
         if self.name not in STYLES:
             raise ValueError(STYLES.unknown(self.name))
-        for name in ("combs", "four_views", "exploded", "cut"):
-            check_flag(getattr(self, name), name)
-        if isinstance(self.size, str) or not hasattr(self.size, "__len__") or len(self.size) != 2:
-            raise TypeError(f"size must be width and height in pixels, not {shown(self.size)}")
-        for i, pixels in enumerate(self.size):
+        for field in fields(self):
+            if field.metadata.get("kind") is bool and field.name != "cut":
+                check_flag(getattr(self, field.name), field.name)
+        size: Any = tuple(self.size.lower().split("x")) if isinstance(self.size, str) else self.size
+        if not hasattr(size, "__len__") or len(size) != 2:
+            raise TypeError(f"size must be width and height in pixels, as in 1200x900, not {shown(self.size)}")
+        numbers = [int(n) if isinstance(n, str) and n.isdecimal() else n for n in size]
+        for i, pixels in enumerate(numbers):
             whole(pixels, f"size[{i}]", 1, 16384)  # as graphics libraries have it
+        object.__setattr__(self, "size", tuple(numbers))
         if self.view is not None:
-            object.__setattr__(self, "view", _direction(self.view))
+            object.__setattr__(self, "view", _direction(self.view, "view"))
+        if not isinstance(self.cut, bool):
+            object.__setattr__(self, "cut", _direction(self.cut, "cut"))
+        object.__setattr__(self, "colors", _colors(self.colors))
+        if self.colors is not None and self.name != "plain":
+            raise ValueError(f"colors are those of the style plain; the style {self.name} has its own")
         if self.tolerance is not None:
             check_tolerance(self.tolerance)
 
@@ -132,8 +178,37 @@ class Picture:
         return cls(**options)
 
 
-def _direction(value: Any) -> View:
-    x, y, z = map(to_float, vector(value, "view"))
+def _direction(value: Any, name: str) -> View | str:
+    """A direction, or the name of one."""
+    if isinstance(value, str) and "," not in value:
+        if value not in VIEWS:
+            raise ValueError(f"there is no {name} {value!r}{meant(value, VIEWS) or '; there are ' + ', '.join(VIEWS)}")
+        return value
+    x, y, z = map(to_float, vector(value.split(",") if isinstance(value, str) else value, name))
     if x == y == z == 0:
-        raise ValueError("view must not be the zero vector")
+        raise ValueError(f"{name} must not be the zero vector")
     return x, y, z
+
+
+def _colors(value: Any) -> Any:
+    """Colours as #rrggbb: one, "faces", or a table by name."""
+    if value is None or value == "faces":
+        return value
+    if isinstance(value, str) and "=" in value:
+        value = dict(entry.rpartition("=")[::2] for entry in value.split(","))
+    if isinstance(value, Mapping):
+        return {str(name).strip(): _color(color) for name, color in value.items()}
+    return _color(value)
+
+
+def _color(value: Any) -> str:
+    from PIL import ImageColor
+
+    if isinstance(value, str) and re.fullmatch("#[0-9a-fA-F]{6}", value.strip()):
+        return value.strip()
+    name = value.strip().lower() if isinstance(value, str) else ""
+    if name not in ImageColor.colormap:
+        raise ValueError(
+            f"{shown(value)} is no colour{meant(name, ImageColor.colormap) or ', which is a CSS name or #rrggbb'}"
+        )
+    return "#{:02x}{:02x}{:02x}".format(*ImageColor.getrgb(name)[:3])

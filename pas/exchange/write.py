@@ -35,7 +35,7 @@ from pas.exchange.files import replacing, target
 from pas.exchange.formats import FORMATS, Request, suffixes_of
 from pas.exchange.parts import require_closed
 from pas.limits import WorkLimits, checkpoint, limited
-from pas.parametric.domain import DomainLike
+from pas.parametric.maps import DomainLike
 from pas.settings import MeshSettings
 from pas.shape import Shape
 

@@ -42,8 +42,8 @@ from pas.pipeline.chosen import Attempt
 from pas.pipeline.hollow import HollowBlend, check_sides
 from pas.pipeline.result import Blend
 from pas.render.layout import layers as layout_layers
-from pas.render.parts import solid_layers
 from pas.render.piecewise import layers
+from pas.render.scene import solid_layers
 from pas.shape import Kind
 from pas.surface.fairness_limits import FairnessLimits
 

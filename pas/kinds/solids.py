@@ -18,8 +18,7 @@ from pas.exchange.records import kept
 from pas.exchange.schema import TEXT, Table, alone, choice, list_of, one_of, read_by
 from pas.exchange.solid_records import RECORD
 from pas.mesh.mesh import Mesh
-from pas.render.parts import part_layers, solid_layers
-from pas.render.scene import Scene
+from pas.render.scene import Scene, solid_layers
 from pas.shape import Kind
 from pas.solid.assembly import Assembly, Part, assembly
 from pas.solid.solid import Solid
@@ -130,7 +129,7 @@ def _read_part(record: dict[str, Any]) -> Part:
 
 def _layers(thing: Assembly, scene: Scene) -> None:
     for name, part in thing.parts.items():
-        part_layers(part, scene, name)
+        solid_layers(part.shape, scene, name, part.color)
 
 
 ASSEMBLY = Kind(
@@ -144,7 +143,7 @@ PART = Kind(
     "part",
     Part,
     *kept(alone("part", read_by(_PART, _read_part, lambda part: _write_part(("part", part))))),
-    part_layers,
+    lambda part, scene: solid_layers(part.shape, scene, color=part.color),
     parts=lambda part: {"part": part},
 )
 

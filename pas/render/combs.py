@@ -39,21 +39,21 @@ def tips(layer: Layer, factor: float) -> Floats:
     return np.concatenate([np.empty((0, 3)), *(c.points + _hairs(c, factor) for c in layer.combs)])
 
 
-def add_combs(plotter: Any, layer: Layer, factor: float, shift: Floats, cut: Any) -> None:
-    """Draw a layer's combs; `cut` is applied to each pyvista object first."""
+def add_combs(plotter: Any, layer: Layer, factor: float, shift: Floats) -> None:
+    """Draw a layer's combs, moved by `shift` (3,)."""
     import pyvista
 
     for comb in layer.combs:
         # lifted, so that the surface's triangles do not hide them
         base = comb.points + 0.002 * _extent(layer) * comb.normals + shift
-        _add(plotter, cut(pyvista.lines_from_points(base)), NEARBY, 2.5)
+        _add(plotter, pyvista.lines_from_points(base), NEARBY, 2.5)
         for sign, color in ((1, CONVEX), (-1, CONCAVE)):
             for run in _runs(comb.curvatures * sign > 0):
                 places, ends = _ends(comb, base, factor, run)
                 cells = np.stack([np.full(len(run), 2), np.arange(len(run)), np.arange(len(run)) + len(run)], axis=1)
                 hairs = pyvista.PolyData(np.concatenate([base[run], ends[places]]), lines=cells.ravel())
-                _add(plotter, cut(hairs), color, 1.2)
-                _add(plotter, cut(pyvista.lines_from_points(ends)), color, 2.5)
+                _add(plotter, hairs, color, 1.2)
+                _add(plotter, pyvista.lines_from_points(ends), color, 2.5)
 
 
 def _ends(comb: Comb, base: Floats, factor: float, run: Floats) -> tuple[slice, Floats]:

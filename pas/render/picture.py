@@ -1,71 +1,39 @@
-"""Pictures of shapes of every kind, with the surfaces that blends continue."""
+"""A scene put before the camera: its layers in their colours, with edges, sections, labels and dimensions."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from contextlib import closing
-from pathlib import Path
-from typing import Any, Unpack
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.exchange.files import replacing, target
-from pas.exchange.picture_options import Picture, PictureOptions
-from pas.limits import Report, checkpoint, limited
+from pas.exchange.picture_options import VIEWS, Picture
+from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
+from pas.mesh.rows import Integers
 from pas.render.combs import add_combs, hair_length, tips
-from pas.render.plotting import add_comb_legend, add_legend, bar, look_at, offscreen_pyvista, room, widest_view
-from pas.render.scene import CURVE_COLOR, Layer, Legend, Paint, Scene, scene_of
-from pas.shape import Shape
-
-
-@limited("drawing", "a coarser mesh of your own")
-def draw(
-    shape: Shape | Sequence[Shape],
-    path: str | Path,
-    *,
-    mesh: Mesh | Mapping[str, Mesh] | None = None,
-    seconds: float | None = None,
-    progress: Report | None = None,
-    **options: Unpack[PictureOptions],
-) -> Path:
-    """Draw a shape, or a list of them, into a PNG file; returns the path.
-
-    A blend is drawn with its surfaces beyond their curves, in other colours, as far as they are known.  `options`
-    are those of `Picture`: `style`, `combs`, `size`, `view`, `domain`, `tolerance`, `four_views`, `exploded`, `cut`.
-    `mesh`, that of the first shape, or of its parts by name, spares meshing again.
-
-    `style` is a `pas.Style` or its name.  "zebra" shows isophotes, lines of equal angle between normal and a direction:
-    across a joint they are broken for C^0, have kinks for GC^1 and are smooth for GC^2.  "highlights" shows highlight
-    lines (Beier and Chen 1994), the reflections of parallel lights.  "mean", "gauss", "max" and "min" show the mean,
-    Gauss, larger and smaller principal curvature, positive where the surface bends like a ball with its normals
-    outwards: of blends by patches over the largest curvature of the neighbours, else in 1/length; "curvature" is
-    "mean".  `combs=True` adds curvature combs: along sections in the planes of two contacts' axes and along contact
-    curves, of parametric surfaces along lines of constant parameters.
-
-    Raises `ValueError` for another suffix than .png, an unknown style, curvature of a kind of shapes that has none and
-    what meshing raises, `TypeError` for what is no shape and unknown options, `MissingLibraryError` without OpenGL.
-    """
-    target(path, (".png",), "a picture")
-    picture = Picture.of(options)
-    return draw_scene(scene_of(shape, picture, mesh), picture, path)
-
-
-def draw_scene(scene: Scene, picture: Picture, path: str | Path) -> Path:
-    """Draw a scene into a PNG file; returns the path.  Raises `ValueError` for another suffix."""
-    target(path, (".png",), "a picture")
-    plotter = plotted(offscreen_pyvista(), scene, picture, off_screen=True)
-    with closing(plotter), replacing(path) as temporary:
-        checkpoint("rendering a picture")
-        plotter.screenshot(str(temporary))
-    return Path(path)
+from pas.render.plotting import (
+    add_comb_legend,
+    add_dimensions,
+    add_labels,
+    add_legend,
+    add_lights,
+    add_lines,
+    bar,
+    look_at,
+    room,
+    widest_view,
+)
+from pas.render.scene import Layer, Legend, Paint, Scene
 
 
 def plotted(pyvista: Any, scene: Scene, picture: Picture, *, off_screen: bool, around: Floats | None = None) -> Any:
     """A `pyvista.Plotter` with everything in its place; the camera has room for points `around` (n, 3), if given."""
     grid = (2, 2) if picture.four_views else (1, 1)
-    plotter = pyvista.Plotter(off_screen=off_screen, window_size=list(picture.size), shape=grid, border=False)
+    options: dict[str, Any] = {"window_size": list(picture.size), "border": False, "lighting": "none"}
+    plotter = pyvista.Plotter(off_screen=off_screen, shape=grid, **options)
     try:
         _fill(plotter, scene, picture, grid, around)
     except BaseException:  # pyvista keeps what is not closed
@@ -74,37 +42,84 @@ def plotted(pyvista: Any, scene: Scene, picture: Picture, *, off_screen: bool, a
     return plotter
 
 
+def view_of(scene: Scene, picture: Picture) -> tuple[Any, Floats]:
+    """The direction (3,) from where one looks, and the frame (3, 3) that it is meant in."""
+    if isinstance(picture.view, str):
+        return VIEWS[picture.view], np.eye(3)
+    view = scene.view if picture.view is None else picture.view
+    return widest_view([layer.mesh for layer in scene.layers]) if view is None else view, scene.frame
+
+
 def _fill(plotter: Any, scene: Scene, picture: Picture, grid: tuple[int, int], around: Floats | None) -> None:
     """Put everything into its place in each view."""
     width, height = picture.size
     meshes = [layer.mesh for layer in scene.layers]
-    shifts = [_shift(picture, place, meshes) for place in range(len(meshes))]
+    plane = _middle_plane(picture, meshes)
+    shifts = _shifts(scene, picture)
     paints, legend = picture.coloring.paint(scene)
     hair = hair_length(scene.layers)
-    drawn = [np.concatenate([layer.mesh.points, tips(layer, hair)]) for layer in scene.layers]
-    points = np.concatenate([part + shift for part, shift in zip(drawn, shifts, strict=True)])
-    if around is not None:
-        points = around
-    view = scene.view if picture.view is None or around is not None else picture.view
-    views = [widest_view(meshes) if view is None else view]
+    points = np.concatenate(in_place(scene, picture))
+    extent = float(np.ptp(points, axis=0).max())
+    first, frame = view_of(scene, picture)
+    views = [first]
     if picture.four_views:  # past the front, from the front, from the right, from above
         views = [(0.35, -1.0, 0.45), (0.0, -1.0, 0.0), (1.0, -0.2, 0.3), (0.0, -0.05, 1.0)]
     low, high = picture.coloring.backdrop
     size = (width // grid[1], height // grid[0])
     for number, direction in enumerate(views):
+        towards = unit(np.array(direction, dtype=float) @ frame)
         plotter.subplot(number // 2, number % 2)
-        plotter.set_background(low, top=high)
-        for place in _far_first(meshes, np.array(direction, dtype=float) @ scene.frame):
+        plotter.set_background(low, top=None if picture.occlusion else high)  # which takes a gradient for a surface
+        add_lights(plotter)
+        for place in _far_first(meshes, towards):
             checkpoint(f"drawing {len(meshes[place].triangles)} triangles")
             layer, shift = scene.layers[place], shifts[place]
+            before = len(plotter.renderer.actors)
             _add(plotter, layer, paints[place], picture, shift, legend, size[0])
-            add_combs(plotter, layer, hair, shift, _cutter(picture, layer.mesh, shift))
+            combs = len(plotter.renderer.actors)
+            add_combs(plotter, layer, hair, shift)
+            if plane is not None:
+                actors = list(plotter.renderer.actors.values())
+                _clip(actors[before:combs], plane, shift)
+                _clip(actors[combs:], plane, shift, 0.01 * extent)  # so that combs in it are seen
+                _add_section(plotter, layer, plane, shift)
         if legend and number == 0:
             add_legend(plotter, legend, size[0])
         if picture.combs and number == 0:
             add_comb_legend(plotter, scene.layers, size[0])
+        seen = points if around is None else around
+        if picture.dimensions:
+            seen = np.concatenate([seen, add_dimensions(plotter, points, towards, size[0])])
+        if picture.labels:
+            add_labels(plotter, scene.layers, shifts, plane, towards, size[0])
+            seen = seen + 0.12 * (seen - (seen.min(axis=0) + seen.max(axis=0)) / 2)  # as words are longer than faces
+        if picture.occlusion:
+            plotter.enable_ssao(radius=0.08 * extent, bias=0.005 * extent, kernel_size=64)
         plotter.enable_anti_aliasing("ssaa")
-        look_at(plotter, scene.frame, direction, points, size, room(legend, picture))
+        look_at(plotter, frame, direction, seen, size, room(legend, picture), parallel=picture.parallel)
+
+
+def in_place(scene: Scene, picture: Picture) -> list[Floats]:
+    """The points (n, 3) of each layer, with its combs, where they are drawn; where it is cut, those of the rest."""
+    hair, plane = hair_length(scene.layers), _middle_plane(picture, [layer.mesh for layer in scene.layers])
+    found = []
+    for layer, shift in zip(scene.layers, _shifts(scene, picture), strict=True):
+        points = np.concatenate([layer.mesh.points, tips(layer, hair)])
+        if plane is not None:
+            depths = (points - plane[1]) @ plane[0]
+            ends = layer.mesh.edges[0]
+            crossing = ends[depths[ends].prod(axis=1) < 0]
+            (a, b), (p, q) = depths[crossing].T, points[crossing].transpose(1, 0, 2)
+            points = np.concatenate([points[depths <= 0], p + (a / (a - b))[:, None] * (q - p)])
+        found.append(points + shift)
+    return found
+
+
+def _shifts(scene: Scene, picture: Picture) -> Floats:
+    """How far each layer is lifted (n, 3): in an exploded picture each a third of the whole above the one before."""
+    extent = float(np.ptp(np.concatenate([layer.mesh.points for layer in scene.layers]), axis=0).max())
+    step = np.array([0.0, 0.0, 0.35 * extent if picture.exploded else 0.0])
+    return np.arange(len(scene.layers))[:, None] * step
 
 
 def _far_first(meshes: Sequence[Mesh], towards: Floats) -> list[int]:
@@ -112,11 +127,39 @@ def _far_first(meshes: Sequence[Mesh], towards: Floats) -> list[int]:
     return sorted(range(len(meshes)), key=lambda place: float(meshes[place].points.mean(axis=0) @ towards))
 
 
-def _shift(picture: Picture, place: int, meshes: Sequence[Mesh]) -> Floats:
-    if not picture.exploded:
-        return np.zeros(3)
-    points = np.concatenate([mesh.points for mesh in meshes])
-    return np.array([0.0, 0.0, 0.35 * place * float(np.ptp(points, axis=0).max())])
+def _middle_plane(picture: Picture, meshes: Sequence[Mesh]) -> tuple[Floats, Floats] | None:
+    """Where a picture is cut, the direction (3,) of what is taken away, and a point (3,) of the plane in the middle."""
+    if picture.cut is False:
+        return None
+    view = "front" if picture.cut is True else picture.cut
+    normal = unit(VIEWS[view] if isinstance(view, str) else view)
+    depth = np.concatenate([mesh.points for mesh in meshes]) @ normal
+    return normal, (float(depth.min()) + float(depth.max())) / 2 * normal
+
+
+def _clip(actors: Sequence[Any], plane: tuple[Floats, Floats], shift: Floats, margin: float = 0.0) -> None:
+    """Hide what actors, moved by `shift` (3,), have further before a plane than a margin."""
+    import pyvista
+
+    normal, origin = plane
+    for actor in actors:
+        actor.mapper.AddClippingPlane(pyvista.generate_plane(-normal, origin + shift + margin * normal))
+
+
+def _add_section(plotter: Any, layer: Layer, plane: tuple[Floats, Floats], shift: Floats) -> None:
+    """What closes a closed mesh in a plane, with its outline."""
+    if not layer.mesh.is_closed:
+        return
+    normal, origin = plane
+    whole = layer.mesh.smoothed.to_pyvista().clip_closed_surface(normal=-normal, origin=origin).triangulate()
+    near = np.abs((whole.points - origin) @ normal) < 1e-6 * float(np.ptp(layer.mesh.points))
+    triangles = whole.regular_faces.reshape(-1, 3)
+    triangles = triangles[near[triangles].all(axis=1)]
+    if not len(triangles):  # the plane misses it
+        return
+    section = type(whole).from_regular_faces(whole.points + shift, triangles).clean()
+    plotter.add_mesh(section, color=layer.color, ambient=0.6, diffuse=0.6)
+    add_lines(plotter, section.extract_feature_edges(feature_edges=False, manifold_edges=False), 2.0)
 
 
 def _add(
@@ -124,26 +167,37 @@ def _add(
 ) -> None:
     """Add a layer in its colours, and its lines."""
     opacity = 0.3 if picture.curved and layer.aside else layer.opacity
-    shading = {"specular": 0.25, "specular_power": 20, "ambient": 0.18, "smooth_shading": True}
+    shading = {"specular": 0.12, "specular_power": 20, "ambient": 0.32, "smooth_shading": True}
     options: dict[str, Any] = {**shading, "opacity": opacity, "show_scalar_bar": False}
     data = _data(layer.mesh, paint)
     data.translate(shift, inplace=True)
-    if paint.values is None:
-        options["color"] = layer.color
-    else:
+    if paint.values is not None:
         data["shown"] = paint.values.ravel()
         options |= {"scalars": "shown", "interpolate_before_map": True}
         if legend is not None:
             options |= {"show_scalar_bar": True, "scalar_bar_args": bar(legend, width)}
-    if picture.cut:
-        data = _half(data, layer.mesh)
-        options |= {"split_sharp_edges": True, "feature_angle": 35}
+    elif paint.faces:
+        colors = [[int(color[i : i + 2], 16) for i in (1, 3, 5)] for color in paint.faces]
+        data.cell_data["shown"] = np.array(colors, dtype=np.uint8)[layer.mesh.faces]
+        options |= {"scalars": "shown", "rgb": True}
+    else:
+        options["color"] = layer.color
     options |= paint.options
     # of what is seen through, the far side comes first
     for culling in (None,) if opacity == 1 else ("front", "back"):
         plotter.add_mesh(data, culling=culling, **options)
-    if layer.outlined and not picture.cut and (paint.values is None or legend is not None):
-        _add_lines(plotter, layer.mesh, shift)
+    if layer.outlined and (paint.values is None or legend is not None):
+        edges, times = layer.mesh.edges
+        for lines, thickness in ((edges[times == 1], 3.0), (layer.mesh.feature_edges, 2.0)):
+            add_lines(plotter, _lines(layer.mesh.points + shift, lines), thickness)
+
+
+def _lines(points: Floats, edges: Integers) -> Any:
+    """Edges (E, 2) between points (N, 3) as lines of pyvista."""
+    import pyvista
+
+    cells = np.concatenate([np.full((len(edges), 1), 2), edges], axis=1)
+    return pyvista.PolyData(points, lines=cells.ravel()) if len(edges) else pyvista.PolyData()
 
 
 def _data(mesh: Mesh, paint: Paint) -> Any:
@@ -157,34 +211,3 @@ def _data(mesh: Mesh, paint: Paint) -> Any:
     data = pyvista.PolyData.from_regular_faces(points[triangles].reshape(-1, 3), alone)
     data.point_data.active_normals = normals[triangles].reshape(-1, 3)
     return data
-
-
-def _half(data: Any, mesh: Mesh) -> Any:
-    """What lies behind the middle plane; what is closed is closed by a flat face there."""
-    plane = _middle_plane(data.points)
-    if mesh.is_closed and "shown" not in data.point_data:
-        return mesh.smoothed.to_pyvista().clip_closed_surface(**plane)
-    return data.clip(**plane, invert=False)
-
-
-def _middle_plane(points: Floats) -> dict[str, Any]:
-    return {"normal": (0, 1, 0), "origin": (0, float(points[:, 1].min() + points[:, 1].max()) / 2, 0)}
-
-
-def _cutter(picture: Picture, mesh: Mesh, shift: Floats) -> Any:
-    """What becomes of lines on a layer where a picture is cut: some just before the plane are shown, as combs in it."""
-    points = mesh.points + shift
-    plane = _middle_plane(points - 0.01 * float(np.ptp(points, axis=0).max()))
-    return (lambda lines: lines.clip(**plane, invert=False)) if picture.cut else (lambda lines: lines)
-
-
-def _add_lines(plotter: Any, mesh: Mesh, shift: Floats) -> None:
-    """The boundary, and finer the edges between faces."""
-    import pyvista
-
-    edges, times = mesh.edges
-    for lines, width, opacity in ((edges[times == 1], 3, 1.0), (mesh.feature_edges, 1.5, 0.6)):
-        if len(lines):
-            cells = np.concatenate([np.full((len(lines), 1), 2), lines], axis=1)
-            drawn = pyvista.PolyData(mesh.points + shift, lines=cells.ravel())
-            plotter.add_mesh(drawn, color=CURVE_COLOR, line_width=width, opacity=opacity)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.errors import MissingLibraryError
 from pas.exchange.picture_options import Picture
@@ -32,7 +33,14 @@ def widest_view(meshes: Sequence[Mesh]) -> tuple[float, float, float]:
 
 
 def look_at(
-    plotter: Any, frame: Floats, view: Any, points: Floats, size: tuple[int, int], room: tuple[float, float] = (0, 0)
+    plotter: Any,
+    frame: Floats,
+    view: Any,
+    points: Floats,
+    size: tuple[int, int],
+    room: tuple[float, float] = (0, 0),
+    *,
+    parallel: bool = False,
 ) -> None:
     """Point the camera so that the points fill the picture, but for `room` on the right and below, over its size."""
     angle, margin = 24.0, 1.12  # of the camera, in degrees, and the picture's height over that of what is drawn
@@ -47,12 +55,117 @@ def look_at(
     half = np.tan(np.radians(angle / 2))
     width, height = 1 - room[0], 1 - room[1]
     reach = margin * max(float(high[1] - low[1]) / height, float(high[0] - low[0]) / width * size[1] / size[0]) / 2
+    far = reach / half + float(high[2] - low[2]) / 2
     plotter.camera.focal_point = tuple(center)
-    plotter.camera.position = tuple(center - (reach / half + float(high[2] - low[2]) / 2) * ahead)
+    plotter.camera.position = tuple(center - far * ahead)
     plotter.camera.SetWindowCenter(room[0], -room[1])
     plotter.camera.up = tuple(axes[1])
     plotter.camera.view_angle = angle
-    plotter.reset_camera_clipping_range()
+    plotter.camera.parallel_scale = reach
+    plotter.camera.parallel_projection = parallel
+    # not what the plotter would take, which counts what a cut hides, and then tells no depths apart any more
+    plotter.camera.clipping_range = (0.8 * reach / half, far + float(high[2] - low[2]))
+
+
+LIGHTS = {
+    "from the camera": ((0.0, 0.0, 1.0), 0.36),
+    "from above": ((-0.3, 0.85, 0.45), 0.5),
+    "from below on the right": ((0.9, -0.45, 0.35), 0.3),
+    "from below on the left": ((-0.7, -0.7, 0.35), 0.25),
+}
+"""Where from, in the camera's frame (right, up, towards it), and how strongly, so that no side of a shape is dark."""
+
+
+def add_lights(plotter: Any) -> None:
+    """The lights of a view, which go with the camera."""
+    import pyvista
+
+    for place, intensity in LIGHTS.values():
+        light = pyvista.Light(position=place, light_type="camera light", intensity=intensity)
+        light.positional = False
+        plotter.renderer.add_light(light)
+
+
+def add_lines(plotter: Any, data: Any, width: float) -> None:
+    """Lines on surfaces, drawn whole: nearer to the camera than the triangles that they bound."""
+    if data.n_points:
+        mapper = plotter.add_mesh(data, color=CURVE_COLOR, line_width=width, lighting=False).mapper
+        mapper.SetResolveCoincidentTopologyToPolygonOffset()
+        mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -30)  # in steps of the depth that is kept
+
+
+def add_labels(plotter: Any, layers: Sequence[Layer], shifts: Floats, plane: Any, towards: Floats, width: int) -> None:
+    """The names of parts, or of the faces of what has none, each where it is seen best from a direction (3,).
+
+    Nothing is written on what is before a `plane` of a cut (its normal and a point), or hidden.
+    """
+    inner = np.array([(i, j, 6 - i - j) for i in range(1, 5) for j in range(1, 6 - i)]) / 6  # barycentric coordinates
+    places, names = [], []
+    for layer, shift in zip(layers, shifts, strict=True):
+        corners = layer.mesh.points[layer.mesh.triangles]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        areas = across @ towards
+        areas[areas < 0.05 * np.linalg.norm(across, axis=1)] = 0.0
+        for number, name in [(None, layer.name)] if layer.name else enumerate(layer.mesh.names):
+            here = np.flatnonzero((areas > 0) & ((layer.mesh.faces == number) | (number is None)))
+            if len(here) and not layer.aside:
+                spots = (inner @ corners[here]).reshape(-1, 3)
+                left = _behind(plane, spots)
+                mean = np.average(spots, axis=0, weights=np.repeat(areas[here], len(inner)) * left) if left.any() else 0
+                place = spots[(np.linalg.norm(spots - mean, axis=1) + np.where(left, 0.0, np.inf)).argmin()] + shift
+                pairs = zip(layers, shifts, strict=True)
+                if left.any() and not any(_hides(o.mesh, place - moved, plane, towards) for o, moved in pairs):
+                    places.append(place)
+                    names.append(name)
+    if names:
+        _add_words(plotter, np.array(places), names, width)
+
+
+def _hides(mesh: Mesh, place: Floats, plane: Any, towards: Floats) -> bool:
+    """Whether a mesh, or what a cut leaves of it, is seen before a place (3,) from a direction (3,)."""
+    corners = mesh.points[mesh.triangles] - place
+    a, b, c = (corner - (corner @ towards)[:, None] * towards for corner in corners.transpose(1, 0, 2))
+    sides = np.stack([np.cross(p, q) @ towards for p, q in ((b, c), (c, a), (a, b))])
+    around = (sides > 0).all(axis=0) | (sides < 0).all(axis=0)
+    depths = (sides * (corners @ towards).T).sum(axis=0)[around] / sides.sum(axis=0)[around]
+    near = _behind(plane, place + depths[:, None] * towards)
+    return bool((depths[near] > 1e-4 * float(np.ptp(mesh.points))).any())
+
+
+def _behind(plane: Any, points: Floats) -> Any:
+    """Which points (n, 3) a cut by a plane leaves."""
+    return np.ones(len(points), dtype=bool) if plane is None else (points - plane[1]) @ plane[0] < 0
+
+
+def add_dimensions(plotter: Any, points: Floats, towards: Floats, width: int) -> Floats:
+    """The sides of the box around points as lines with their lengths; returns points (n, 3) to have room for.
+
+    From a direction (3,) one sees length and width below what is drawn, and the height on its right.
+    """
+    import pyvista
+
+    low, high = points.min(axis=0), points.max(axis=0)
+    away = 0.07 * float((high - low).max())
+    right = np.cross((0.0, 0.0, 1.0) if abs(towards[2]) < 1 - 1e-9 else (0.0, 1.0, 0.0), towards)
+    down, ends, texts = np.cross(right, towards), [], []
+    for axis in np.flatnonzero((high > low) & (np.abs(towards) < 1 - 1e-9)):
+        out = np.where(np.arange(3) == axis, 0.0, down if axis < 2 else right)
+        out = unit(out if np.linalg.norm(out) > 1e-6 else right)
+        start = np.where(out < 0, low, high) + away * out
+        for end in (low, high):
+            ends.append(np.where(np.arange(3) == axis, end, start))
+        texts.append(f"{high[axis] - low[axis]:.4g}")
+    lines = np.array(ends)
+    add_lines(plotter, pyvista.line_segments_from_points(lines), 2)
+    plotter.add_points(lines, color=CURVE_COLOR, point_size=_letters(9, width), render_points_as_spheres=True)
+    _add_words(plotter, (lines[::2] + lines[1::2]) / 2, texts, width)
+    return np.concatenate([lines, points + away * (right + down) / 2])
+
+
+def _add_words(plotter: Any, places: Floats, words: Sequence[str], width: int) -> None:
+    """Words at places (n, 3), before everything."""
+    style = {"font_size": _letters(22, width), "text_color": CURVE_COLOR, "shape_color": "white", "shape_opacity": 0.75}
+    plotter.add_point_labels(places, words, **style, always_visible=True, show_points=False, margin=4)
 
 
 SIDE, FOOT = 0.2, 0.075

@@ -49,7 +49,7 @@ class Layer:
     surface bends like a ball whose normals point outwards; None where they are not known.  `unit` is a curvature to
     compare them with, `combs` are drawn on the layer.  `outlined` draws its boundary and the edges between its faces,
     `opacity` is 1 for what is not seen through.  `aside`: what stands around the surface that matters, and is drawn
-    faintly where curvature is shown.
+    faintly where curvature is shown.  `name` is that of a part.
     """
 
     mesh: Mesh
@@ -61,18 +61,21 @@ class Layer:
     outlined: bool = False
     opacity: float = 1.0
     aside: bool = False
+    name: str = ""
 
 
 @dataclass(frozen=True)
 class Paint:
-    """The colours of one layer: `values`, or None for the layer's own colour.
+    """The colours of one layer: `values`, or `faces`, or neither for the layer's own colour.
 
     Values are (M,) at the points of `mesh.shading`, or (T, 3) at the corners of its triangles, where a point may have
-    another one in each.  `options` are further keywords of pyvista's `add_mesh`.
+    another one in each; `faces` are the colours of its faces as #rrggbb.  `options` are further keywords of pyvista's
+    `add_mesh`.
     """
 
     values: Floats | None = None
     options: Mapping[str, Any] = field(default_factory=dict)
+    faces: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -158,6 +161,13 @@ def scene_of(shapes: Shape | Sequence[Shape], picture: Picture, mesh: Mesh | Map
         kind.layers(item, scene)
         scene.known = {}
     return scene
+
+
+def solid_layers(shape: Shape, scene: Scene, name: str = "", color: str = BLEND_COLOR) -> None:
+    """Add a solid or a mesh in a colour."""
+    mesh = scene.mesh(lambda: shape.mesh(scene.picture.tolerance), name)
+    scene.look((0.35, -1.0, 0.45))  # past the front, from above
+    scene.layers.append(Layer(mesh, color, outlined=True, name=name))
 
 
 def _check_curved(kind: Kind[Any], picture: Picture) -> None:

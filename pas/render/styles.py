@@ -12,10 +12,42 @@ isophotes they depend on the place, too; across a joint they behave as isophotes
 
 from __future__ import annotations
 
+from fnmatch import filter
+
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.render.scene import Coloring, Legend, Paint, Scene
+from pas.errors import meant
+from pas.render.scene import COLORS, Coloring, Legend, Paint, Scene
+
+PALETTE = ("#e8a33d", *COLORS, "#c9b458")
+"""Of faces, in turn."""
+
+
+def face_colors(scene: Scene) -> list[list[str]]:
+    """The colours of the faces of each layer, none where the picture gives none.
+
+    Raises `ValueError` for a name of a table that neither a part nor a face has.
+    """
+    wanted = scene.picture.colors
+    if wanted is None:
+        return [[] for _ in scene.layers]
+    if wanted == "faces":
+        return [[PALETTE[n % len(PALETTE)] for n in range(len(layer.mesh.names))] for layer in scene.layers]
+    table = {"*": wanted} if isinstance(wanted, str) else wanted
+    known: set[str] = set()
+    found = []
+    for layer in scene.layers:
+        colors = []
+        for face in layer.mesh.names:
+            names = [layer.name, face, f"{layer.name}: {face}"]
+            known.update(names)
+            colors.append(next((c for n, c in table.items() if filter(names, n)), layer.color))
+        found.append(colors)
+    for name in table:
+        if not filter(list(known), name):
+            raise ValueError(f"there is no part or face {name!r}{meant(name, known)}")
+    return found
 
 
 class Plain(Coloring):
@@ -25,8 +57,8 @@ class Plain(Coloring):
     shows = "the shape alone"
 
     def paint(self, scene: Scene) -> tuple[list[Paint], Legend | None]:
-        """Nothing but the layers' own colours."""
-        return [Paint() for _ in scene.layers], None
+        """The layers' own colours, or those that the picture gives to parts and faces."""
+        return [Paint(faces=faces) for faces in face_colors(scene)], None
 
 
 def _unit(*parts: float) -> Floats:

@@ -14,7 +14,8 @@ from typing import Unpack
 from pas.errors import MissingLibraryError, PasError
 from pas.exchange.picture_options import Picture, PictureOptions
 from pas.mesh.mesh import Mesh
-from pas.render.picture import draw, plotted
+from pas.render.drawing import draw
+from pas.render.picture import plotted
 from pas.render.scene import Scene, scene_of
 from pas.shape import Shape
 

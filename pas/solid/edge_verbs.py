@@ -35,11 +35,12 @@ class WithEdges(Generic[S]):
     ) -> S:
         """The solid with the edges between two faces, by name, rounded with GC^`order`: filled where they go in.
 
-        `radius` is that of a ball that touches both faces, in the mean along the edges (the model's units); between
-        planes at order 1 the fillet is a circular cylinder.  Its face is called "fillet", or "fillet 2", unless `face`
-        names it.  `within` are polynomials that are positive where a part of
-        the edges is to be rounded.  The two joints are claimed, and proved.  Raises `GeometryError` where the faces do
-        not meet with an angle, or a joint is not proved, with the largest radius for which both are.
+        `radius` is that of a ball that touches both faces, in the mean along the edges (the model's units).  Of order 1
+        the fillet of planes is a circular cylinder, and that of planes, cylinders, cones and balls about one axis the
+        exact torus of a ball that rolls; `print` of the solid says so.  Its face is called "fillet", or "fillet 2",
+        unless `face` names it.  `within` are polynomials that are positive where a part of the edges is to be rounded.
+        The two joints are claimed, and proved.  Raises `GeometryError` where the faces do not meet with an angle, or a
+        joint is not proved, with the largest radius for which both are.
 
             solid.box((0, 0, 0), (4, 3, 2)).fillet("box x+", "box y+", radius="1/2")
         """

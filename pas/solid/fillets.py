@@ -1,21 +1,16 @@
 """Fillets and chamfers between two faces of a solid.
 
-With s and t the faces' polynomials over heights a and b, and h = 1 - s - t, the fillet of order k is
-
-    mu s t = h^(k+1)  where s, t, h >= 0,
-
-which has contact of order k with the faces f = 0 and g = 0 along g = b and f = a (Hoffmann and Hopcroft 1985, Warren
-1989).  The heights are those at which a rolling ball touches the other face, in the mean along the edge; mu = 2 + 2 c
-with the mean cosine c between normals, which makes the fillet of two planes a circular cylinder.
+What surface is taken, and how high over each face it touches the other, the first of the makers says that has one for
+the seam (`pas.solid.fillet_forms`).  With s and t the faces' polynomials over these heights and h = 1 - s - t, the
+fillet is the part of it where s, t, h >= 0.
 
 Guaranteed: the joints, which are proved before a fillet is given.  Looked at on its mesh: that it ends nowhere but at
-the solid's own faces.  Not guaranteed: that the
-fillet of curved faces is near a rolling ball's, which is no algebraic surface of such a degree.
+the solid's own faces.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -32,6 +27,7 @@ from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
 from pas.mesh.projection import distances, newton
 from pas.mesh.rows import Integers
+from pas.registry import Registry
 from pas.solid.joints import Joint
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, combined, complement
@@ -87,14 +83,10 @@ class FaceSeam:
         """Those (N,) of the angles between the normals."""
         return np.asarray((self.normals[0] * self.normals[1]).sum(axis=1))
 
-    def heights(self, radius: float) -> tuple[fmpq, fmpq]:
-        """How high over each face, by its polynomial, a ball of a radius touches the other, in the mean."""
-        reach = self.sign * radius * (1 - self.cosines)[:, None]
-        a, b = (
-            short(self.sign * float(face(self.points + reach * normal).mean()))
-            for face, normal in zip(self.faces, self.normals, strict=True)
-        )
-        return a, b
+    def centers(self, radius: float) -> Floats:
+        """Those (N, 3) of balls of a radius that touch both faces, where these are flat."""
+        reach = self.sign * radius / (1 + self.cosines)[:, None]
+        return np.asarray(self.points + reach * self.normals.sum(axis=0))
 
     def runs_out(self, radius: float) -> float:
         """How far beyond the ends of an edge a fillet may take away, until it leaves the solid there."""
@@ -116,6 +108,15 @@ class FaceSeam:
                 return None
             found.append(moved)
         return np.concatenate(found)
+
+
+FilletForm = tuple[Polynomial, tuple[fmpq, fmpq]]
+"""A surface, not positive on the side of the seam, and how high over each face it touches the other."""
+
+FILLET_MAKERS: Registry[Callable[[FaceSeam, fmpq, int], FilletForm | None]] = Registry(
+    "maker of fillets", {"torus": "pas.solid.fillet_forms:torus", "polynomial": "pas.solid.fillet_forms:bent"}
+)
+"""What makes the surface along a seam of a radius and an order: the first that has one there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,16 +159,20 @@ class Filling:
 
     def made(self, radius: fmpq) -> Solid | str:
         """The solid with a fillet of a radius, or why there is none."""
+        found = self.joined(radius)
+        return found if isinstance(found, str) else self._strays(found) or found
+
+    def joined(self, radius: fmpq) -> Solid | str:
+        """The solid with a fillet whose joints are proved, or why there is none; not looked at on a mesh."""
         checkpoint("proving a fillet")
         sign, (f, g), size = self.seam.sign, self.seam.faces, to_float(radius)
-        a, b = self.seam.heights(size)
+        forms = (maker(self.seam, radius, self.order) for maker in FILLET_MAKERS.values())
+        surface, (a, b) = next(form for form in forms if form is not None)
         ends = self.seam.ends((a, b), size) if a > 0 and b > 0 else None
         if ends is None:
             return "one of the faces does not go on so far from the edge"
         s, t = f * (sign / a), g * (sign / b)
         h = 1 - s - t
-        bulge = short(2 + 2 * float(self.seam.cosines.mean()))
-        surface = s * t * bulge - h ** (self.order + 1) if self.order else -h
         walls = [s, t, *([h] if self.order else []), *self.within]
         walls += _box(np.concatenate([self.seam.points, ends]), size if sign > 0 else self.seam.runs_out(size))
         walls += [-wall for wall in self.seam.walls] if sign > 0 else []
@@ -181,7 +186,7 @@ class Filling:
         made = replace(self.solid, tree=tree, joints=claims, sheets=None)
         wrong = next((f"{v.claim}: {v.reason}" for v in made.verdicts if not v.proved), None)
         made = replace(made, joints=(*self.solid.joints, *claims))
-        return wrong or self._strays(made) or made
+        return wrong or made
 
     def _strays(self, made: Solid) -> str | None:
         """What is wrong where surfaces meet away from the edge, too, as the mesh shows; None where all is well.
@@ -204,17 +209,28 @@ class Filling:
         return None
 
     def largest(self, above: fmpq) -> float | None:
-        """The largest radius found below one, to a thirtieth, of a fillet that there is; None where there is none."""
-        share = fmpq(47, 100)  # at halves of the solid's size fillets may just touch its other faces, which takes long
-        low, high, attempts = above * share, above, 10
-        while isinstance(self.made(low), str):
-            low, high, attempts = low * share, low, attempts - 1
-            if not attempts:
-                return None
-        while high - low > low / 30:
-            middle = short(to_float(low + (high - low) * share))
-            low, high = (low, middle) if isinstance(self.made(middle), str) else (middle, high)
-        return to_float(low)
+        """The largest radius found below one, to a thirtieth, of a fillet that there is; None where there is none.
+
+        Joints are proved for each that is tried, and meshes looked at only for those that are left.
+        """
+        found = _largest(self.joined, above)
+        if found is not None and isinstance(self.made(found), str):
+            found = _largest(self.made, found)
+        return None if found is None else to_float(found)
+
+
+def _largest(made: Callable[[fmpq], Solid | str], above: fmpq) -> fmpq | None:
+    """The largest number found below one, to a thirtieth, for which there is a solid; None where there is none."""
+    share = fmpq(47, 100)  # at halves of the solid's size fillets may just touch its other faces, which takes long
+    low, high, attempts = above * share, above, 10
+    while isinstance(made(low), str):
+        low, high, attempts = low * share, low, attempts - 1
+        if not attempts:
+            return None
+    while high - low > low / 30:
+        middle = short(to_float(low + (high - low) * share))
+        low, high = (low, middle) if isinstance(made(middle), str) else (middle, high)
+    return low
 
 
 def filled(

@@ -27,6 +27,7 @@ from pas.limits import WorkLimits, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.registry import loaded
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape, refuse_mixed
 from pas.solid.bounds import bounding_box
@@ -40,6 +41,9 @@ from pas.solid.sheets import face_mesh, merged
 from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, copied, image, mapped
 from pas.verdicts import Findings, Verdict
+
+CARRIER_OF = "pas.exchange.step.carriers:carrier_of"
+"""What tells planes, cylinders and the like from polynomials, in a room below."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -319,12 +323,13 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     @property
     def description(self) -> str:
-        """A table of the faces with their degrees."""
+        """A table of the faces with their degrees, and what each is that every CAD program knows."""
         polynomials, width = self.polynomials, max(map(len, self.faces), default=4)
         lines = [f"{'face':<{width}}  degree"]
         for face in self.faces:
-            degrees = sorted({p.degree for p in polynomials.get(face, ())})
-            lines.append(f"{face:<{width}}  {', '.join(map(str, degrees)) or 'not polynomial'}")
+            told = ((p.degree, loaded(CARRIER_OF)(p)) for p in polynomials.get(face, ()))
+            kinds = sorted({f"{degree}" + (f" ({found.kind.value})" if found else "") for degree, found in told})
+            lines.append(f"{face:<{width}}  {', '.join(kinds) or 'not polynomial'}")
         return "\n".join(lines)
 
     def __str__(self) -> str:

@@ -18,7 +18,6 @@ import pas
 from pas import solid
 from pas.designs.teapot import Teapot
 from pas.independent.checker import check_independently
-from pas.render.parts import draw_parts
 
 EXAMPLES = ROOT / "examples"
 
@@ -222,9 +221,6 @@ LONG_CALLS = {
     "pas.draw": LongCall(_surface, lambda p, f, **k: pas.draw(p, f / "x.png", size=(64, 48), **k), 2),
     "pas.animate": LongCall(
         _surface, lambda p, f, **k: pas.animate(lambda _: p, (0,), f / "x.gif", size=(64, 48), **k), 2
-    ),
-    "pas.render.parts.draw_parts": LongCall(
-        _parts, lambda p, f, **k: draw_parts(p, f / "x.png", size=(64, 48), tolerance=T, **k), 3
     ),
     "ParametricSurface.mesh": LongCall(_patch, lambda p, f, **k: p.mesh(T, **k)),
     "ParametricSurface.solid": LongCall(lambda _: pas.torus(2, 1, angle=True), lambda p, f, **k: p.solid(**k)),

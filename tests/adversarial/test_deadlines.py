@@ -25,7 +25,6 @@ from pas.cli.common import FAILED
 from pas.cli.parser import parser
 from pas.independent.checker import check_independently
 from pas.limits import LIMITED
-from pas.render.parts import draw_parts
 
 SENTENCE = re.compile(r"gave up after \d[\d.e+-]* s while [^;\n]+; allow more seconds( or [^;\n]+)?")
 
@@ -64,8 +63,7 @@ def functions() -> Iterator[tuple[str, FunctionType]]:
                         yield f"{thing.__name__}.{attribute}", function
             elif isinstance(thing, FunctionType):
                 yield f"pas.{name}", thing
-    for function in (draw_parts, check_independently):
-        yield f"{function.__module__}.{function.__name__}", function
+    yield f"{check_independently.__module__}.{check_independently.__name__}", check_independently
 
 
 def is_limited(function: FunctionType) -> bool:

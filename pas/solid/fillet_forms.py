@@ -1,0 +1,184 @@
+"""The surfaces of fillets along a seam: the torus of a ball that rolls along a circle, and polynomials elsewhere.
+
+Torus: with R the distance from an axis and z the height along it, planes across it, cylinders, cones and spheres are
+
+    round R^2 + square z^2 + slope z + constant = 0,
+
+and so is what is parallel to them.  The ball's centre is where both surfaces parallel to the faces, by its radius,
+meet: R^2 from one of them, and z from a quadratic equation.  All is exact, and taken where it is rational.  Where only
+that equation has an irrational root, as beside a ball with an upright cylinder on it, the root is rounded and a radius
+taken for which it is exact, within 1e-9 of the one that is asked for.
+
+Polynomial of order k: mu s t = h^(k+1), with s and t the faces' polynomials over heights a and b, h = 1 - s - t.  It
+has contact of order k with the faces f = 0 and g = 0 along g = b and f = a (Hoffmann and Hopcroft 1985, Warren 1989).
+The heights are those at which a rolling ball touches the other face, in the mean along the edge; mu = 2 + 2 c with the
+mean cosine c between normals, which makes the fillet of two planes a circular cylinder.  Not guaranteed: that the
+fillet of curved faces is near a rolling ball's, which is no algebraic surface of such a degree.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from flint import fmpq
+
+from pas.algebra.affine import away, height
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import Vector, dot, minus, near, square_root, to_float, to_floats, two_across
+from pas.contacts.parallels import principal_axes, quadratic_terms, slope_at
+from pas.contacts.torus import torus_polynomial
+from pas.solid.fillets import FaceSeam, FilletForm, short
+
+ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
+
+Axis = tuple[Vector, Vector]
+"""A point and a unit vector."""
+
+
+@dataclass(frozen=True)
+class Meridian:
+    """A plane, cylinder, cone or sphere by its equation in R^2 and z."""
+
+    round: fmpq
+    square: fmpq
+    slope: fmpq
+    constant: fmpq
+
+    @classmethod
+    def of(cls, face: Polynomial, axis: Axis) -> Meridian | None:
+        """That of a face; None where it is no such surface about the axis."""
+        point, way = axis
+        side = two_across(way)[0]
+        here, up, down, out, back = (
+            face.raw(*(p + step * w for p, w in zip(point, to, strict=True)))
+            for step, to in ((0, way), (1, way), (-1, way), (1, side), (-1, side))
+        )
+        found = cls((out + back - 2 * here) / (2 * dot(side, side)), (up + down) / 2 - here, (up - down) / 2, here)
+        w, z = away(point), height(point, way)
+        same = (dot(w, w) - z * z) * found.round + z * z * found.square + z * found.slope + found.constant
+        bent = found.square not in (0, found.round) and found.slope**2 != 4 * found.square * found.constant
+        return None if same != face.raw or bent or (found.square == 0 and found.slope * found.round != 0) else found
+
+    def __call__(self, square: fmpq, z: fmpq) -> fmpq:
+        """Its value at R^2 and z."""
+        return self.round * square + self.square * z * z + self.slope * z + self.constant
+
+    def parallel(self, depth: fmpq, at: float) -> Meridian | None:
+        """What is so deep inside, of a cone on the side of its apex where a height is; None where it is irrational."""
+        if self.round == 0:
+            return replace(self, constant=self.constant + depth * abs(self.slope))
+        depth = depth if self.round > 0 else -depth
+        if self.square in (0, self.round):
+            square = self.slope**2 / (4 * self.round**2) - self.constant / self.round
+            radius = square_root(square)
+            moved = self.round * (square - (radius - depth) ** 2)
+            return replace(self, constant=self.constant + moved) if radius > depth and radius**2 == square else None
+        spread, apex = -self.square / self.round, -self.slope / (2 * self.square)
+        stretch = square_root((1 + spread) / spread) if spread > 0 else fmpq(0)
+        if spread <= 0 or stretch**2 * spread != 1 + spread:
+            return None
+        apex += depth * stretch * (1 if at > to_float(apex) else -1)
+        return replace(self, slope=-2 * self.square * apex, constant=self.square * apex**2)
+
+    def foot(self, square: fmpq, z: fmpq, depth: fmpq) -> tuple[fmpq, fmpq] | None:
+        """R^2 and z of the point outwards by a depth from one on this surface; None where they are irrational."""
+        rise = 2 * self.square * z + self.slope
+        length2 = 4 * self.round**2 * square + rise**2
+        length = square_root(length2)
+        share = depth / length
+        return (square * (1 + 2 * self.round * share) ** 2, z + rise * share) if length**2 == length2 else None
+
+
+def torus(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm | None:
+    """The torus of a ball that rolls along a seam; None of another order, or where there is none."""
+    axis = _axis(seam.faces) if order == 1 else None
+    if axis is None:
+        return None
+    f, g = (Meridian.of(face, axis) for face in seam.faces)
+    if f is None or g is None:
+        return None
+    middle = float(((seam.centers(to_float(radius)) - to_floats(axis[0])) @ to_floats(axis[1])).mean())
+    found = _center((f, g), -seam.sign * radius, middle)
+    if found is None:
+        return None
+    both, depth, square, z = found
+    first, second = (m.foot(square, z, depth) for m in both)
+    if first is None or second is None:
+        return None
+    center = [p + z * w for p, w in zip(*axis, strict=True)]
+    heights = f(*second) * seam.sign, g(*first) * seam.sign
+    return -torus_polynomial(center, axis[1], square, depth**2), heights
+
+
+def bent(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm:
+    """The polynomial mu s t - h^(k+1), or of order 0 the plane -h."""
+    reach = seam.sign * to_float(radius) * (1 - seam.cosines)[:, None]
+    a, b = (
+        short(seam.sign * float(face(seam.points + reach * normal).mean()))
+        for face, normal in zip(seam.faces, seam.normals, strict=True)
+    )
+    if a == 0 or b == 0:
+        return seam.faces[0], (a, b)
+    s, t = (face * (seam.sign / height) for face, height in zip(seam.faces, (a, b), strict=True))
+    bulge, h = short(2 + 2 * float(seam.cosines.mean())), 1 - s - t
+    return s * t * bulge - h ** (order + 1) if order else -h, (a, b)
+
+
+def _center(
+    pair: tuple[Meridian, Meridian], depth: fmpq, middle: float
+) -> tuple[list[Meridian], fmpq, fmpq, fmpq] | None:
+    """What is parallel to two surfaces so deep inside, or nearly so, that depth, and R^2 and z where both meet."""
+
+    def at(depth: fmpq) -> tuple[list[Meridian], tuple[fmpq, fmpq, fmpq]]:
+        """Both parallel surfaces, and the equation for z without R."""
+        both = [found for m in pair if (found := m.parallel(depth, middle)) is not None]
+        if len(both) < len(pair):
+            return both, (fmpq(0), fmpq(0), fmpq(0))
+        f, g = both
+        names = ("square", "slope", "constant")
+        a, b, c = (g.round * getattr(f, name) - f.round * getattr(g, name) for name in names)
+        return both, (a, b, c)
+
+    both, (a, b, c) = at(depth)
+    if a == b == 0 or b * b < 4 * a * c:
+        return None
+    root = square_root(b * b - 4 * a * c)
+    roots = [(-b + sign * root) / (2 * a) for sign in (1, -1)] if a != 0 else [-c / b]
+    z = min(roots, key=lambda z: abs(to_float(z) - middle))
+    if a * z * z + b * z + c != 0:
+        z = near(to_float(z))
+        off, beside = ((a * z + b) * z + c for _, (a, b, c) in (at(depth), at(depth * 2)))
+        depth -= depth * off / (beside - off) if beside != off else fmpq(0)
+        both, (a, b, c) = at(depth)
+    curved = next(m for m in both if m.round != 0)
+    square = -replace(curved, round=fmpq(0))(fmpq(0), z) / curved.round
+    return (both, depth, square, z) if square > 0 and a * z * z + b * z + c == 0 else None
+
+
+def _axis(faces: tuple[Polynomial, Polynomial]) -> Axis | None:
+    """The axis that planes and quadrics of revolution have in common, if they have one; None also where no vector along
+    it has a rational length."""
+    points, ways = list[Vector](), list[Vector]()
+    for face in faces:
+        slope = slope_at(face, ORIGIN)
+        if face.degree == 1:
+            ways.append(slope)
+            continue
+        axes = principal_axes(quadratic_terms(face)) if face.degree == 2 else None
+        if axes is None:
+            return None
+        values = [value for _, value in axes]
+        double = next((v for v in values if v != 0 and values.count(v) > 1), None)
+        if double is None:
+            return None
+        ways += [way for way, value in axes if value != double]
+        x, y, z = (-s / (2 * double) for s in slope)
+        points.append((x, y, z))
+    if not points:
+        return None
+    way = ways[0] if ways else minus(points[0], points[1])
+    length = square_root(dot(way, way))
+    if length == 0 or length**2 != dot(way, way):
+        return None
+    x, y, z = (w / length for w in way)
+    return points[0], (x, y, z)
