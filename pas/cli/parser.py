@@ -176,11 +176,7 @@ COMMANDS = (
         (
             value("problem", "PART.toml", "the part file"),
             value(
-                "-o --output",
-                "OUT",
-                "a file to write, by its suffix: .step, .3mf, .stl, .png, .pas.json, .csv, ...; "
-                "more than one may be given",
-                action="append",
+                "-o --output", "OUT", "a file, by its suffix such as .step or .png; may be repeated", action="append"
             ),
             value("--unit", "UNIT", "of the part's lengths, such as mm or inch, instead of the file's"),
             settings(Sizing),
