@@ -167,7 +167,7 @@ def test_the_certificate_speaks_the_one_protocol(name):
 
 
 @every_kind
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(5)
 def test_it_meshes_draws_and_writes(name, tmp_path):
     shape, tolerance = sample(name), TOLERANCE
     mesh = shape.mesh(tolerance)
@@ -202,7 +202,7 @@ def test_it_prints_shortly(name):
 
 
 @every_kind
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(7)
 def test_notebooks_show_a_table_and_a_picture(name, monkeypatch):
     shape = sample(name)
     html = shape._repr_html_()
@@ -249,7 +249,7 @@ def test_a_window_is_opened_where_there_is_a_screen(monkeypatch):
     shown[0].close()
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(7)
 @every_kind
 def test_the_commands_take_it(name, tmp_path, capsys):
     project, tolerance = sample(name).save(tmp_path / "a.pas.json"), str(TOLERANCE)

@@ -364,6 +364,7 @@ def test_no_random_move_is_called_proved_that_the_independent_checker_does_not_p
     assert counts[True] > 80 and counts[False] > 25
 
 
+@pytest.mark.slow
 def test_a_document_far_from_the_last_one_is_followed():
     """On a busy machine the first move may come before the shape that it begins from."""
     quartic = {name: value for name, value in GALLERY["Elbow of one quartic"]["problem"].items() if name != "degree"}
@@ -465,7 +466,7 @@ LONG_TO_MESH = ("Helicoid to pipe", "Round an obstacle")
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[pytest.mark.slow] if name in LONG_TO_MESH else []) for name in GALLERY]
 )
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(8)
 def test_formats_that_are_offered_are_written_and_no_others(name):
     made = StudioSession()
     offered = made.solve(GALLERY[name]).head["formats"]
