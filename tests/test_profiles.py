@@ -12,6 +12,7 @@ from matplotlib.path import Path
 from pas import solid
 from pas.algebra.rational import square_root
 from pas.errors import GeometryError
+from pas.mesh.projection import distances
 from pas.mesh.quality import Quality
 
 RNG = np.random.default_rng
@@ -176,8 +177,12 @@ def test_parts_that_cross_are_one_set():
 @pytest.mark.parametrize("letter", ["o", "R", "g", "8", "i", "%"])
 def test_letters_are_exact(letter):
     profile = solid.text(letter, 10)
-    mesh = profile.extrude(2).mesh(1e-2)
+    body = profile.extrude(2)
+    mesh = body.mesh(1e-2)
     assert mesh.is_closed and mesh.volume == pytest.approx(2 * area(profile, 1e-6), rel=5e-3)
+    found = body.face_mesh(1e-2).mesh
+    off = [distances(body.field, found.points[corners], found.labels) for corners in found.triangles.T]
+    assert np.max(off) < 1e-12  # each triangle is on the function of its face, which shares its name with others
     corners = np.concatenate(profile.polygons(0.1))
     points = RNG(0).uniform(corners.min(axis=0), corners.max(axis=0), (2000, 2))
     assert (profile.contains(points) == inside(profile, points)).mean() > 0.999
