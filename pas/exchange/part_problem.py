@@ -95,7 +95,7 @@ class Maker:
         return {p.name: p.default is p.empty and p.kind is not p.VAR_POSITIONAL for p in found if p.name not in left}
 
     def __call__(self, taken: Any, record: Mapping[str, Any]) -> Any:
-        """What it gives, of what it takes where it is a method; raises `TypeError` for what is no list, text or flag."""
+        """What it gives, of what it takes where it is a method; raises `TypeError` for no list, text or flag."""
         form = signature(self.function)
         values = {name: as_written(value) if _hinted(form, name, "int") else value for name, value in record.items()}
         for name, value in values.items():
