@@ -1,5 +1,6 @@
 """The public names of pas and their homes, one line each: loaded when first used, and seen by editors and mypy."""
 
+from . import network as network
 from . import solid as solid
 from ._version import __version__ as __version__
 from .algebra.ideal import Ideal as Ideal
@@ -93,10 +94,9 @@ from .parametric.blends import PolynomialCriterion as PolynomialCriterion
 from .parametric.blends import has_polynomial_solution as has_polynomial_solution
 from .parametric.blends import hermite_blend as hermite_blend
 from .parametric.blends import weighted_blend as weighted_blend
-from .parametric.curves import SurfaceCurve as SurfaceCurve
-from .parametric.curves import iso_curve as iso_curve
 from .parametric.data import BlendingData as BlendingData
 from .parametric.data import IsolatedPoint as IsolatedPoint
+from .parametric.data import ParametricCertificate as ParametricCertificate
 from .parametric.data import PointKind as PointKind
 from .parametric.fitting import FittedPatch as FittedPatch
 from .parametric.fitting import fit_patch as fit_patch
@@ -105,7 +105,7 @@ from .parametric.generatrix.blend import GeneratrixBlend as GeneratrixBlend
 from .parametric.generatrix.blend import blend_quadrics as blend_quadrics
 from .parametric.generatrix.blend import generatrix_blend as generatrix_blend
 from .parametric.generatrix.boundary import Boundary as Boundary
-from .parametric.generatrix.branch import QuadricBranch as QuadricBranch
+from .parametric.generatrix.intersection import QuadricBranch as QuadricBranch
 from .parametric.generatrix.intersection import quadric_intersection as quadric_intersection
 from .parametric.generatrix.quadric import Quadric as Quadric
 from .parametric.generatrix.quadric import QuadricKind as QuadricKind
@@ -120,7 +120,6 @@ from .parametric.hermite import hermite_determinant as hermite_determinant
 from .parametric.patches import RationalPatch as RationalPatch
 from .parametric.patches import bezier_patch as bezier_patch
 from .parametric.patches import bezier_patches as bezier_patches
-from .parametric.proofs import ParametricCertificate as ParametricCertificate
 from .parametric.regularity import BasePoint as BasePoint
 from .parametric.regularity import base_points as base_points
 from .parametric.regularity import regularity as regularity
@@ -137,6 +136,8 @@ from .parametric.shapes import tube as tube
 from .parametric.shapes import two_sheet_hyperboloid as two_sheet_hyperboloid
 from .parametric.surface import ParametricMesh as ParametricMesh
 from .parametric.surface import ParametricSurface as ParametricSurface
+from .parametric.surface import SurfaceCurve as SurfaceCurve
+from .parametric.surface import iso_curve as iso_curve
 from .parametric.weights import WeightPole as WeightPole
 from .parametric.weights import Weights as Weights
 from .partition.boxes import AlfeldSplit as AlfeldSplit

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 import pas
 from pas import BlendingData, ParametricSurface, RationalFunction
+from pas.parametric.data import contact_verdicts
 from pas.parametric.hermite import HermiteValues
-from pas.parametric.proofs import contact_verdicts
 
 T, H = sympy.symbols("t h")
 CYLINDER = ParametricSurface("(1 - t^2)/(1 + t^2)", "2*t/(1 + t^2)", "h")

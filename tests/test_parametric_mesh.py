@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import pas
 from pas.bernstein.subdivision import halved
 from pas.mesh.mesh import Mesh
-from pas.parametric.bounds import bounded
+from pas.parametric.meshing import bounded
 from pas.parametric.nets import exact_net, exact_rectangle
 
 SPHERE = "x^2 + y^2 + z^2 - 1"
@@ -124,7 +124,7 @@ def test_bounds_are_not_far_off():
     """The bound of a cell is at most a small multiple of what is measured."""
     surface = pas.torus(2, 1).with_domain(((0, "1/8"), (0, "1/8")))
     net = exact_net(surface, exact_rectangle(surface)).rounded()
-    bound, _ = bounded(net, np.zeros((1, 4))).bounds_and_axes
+    bound, _ = bounded(net).bounds_and_axes
     grid = surface.on_grid(*np.linspace(0, 1 / 8, 33)[None].repeat(2, 0))
     share = np.linspace(0, 1, 33)
     hats = np.stack([1 - share, share])

@@ -13,8 +13,8 @@ from flint import fmpq, fmpq_mat
 
 import pas
 from pas import RationalFunction
+from pas.parametric.data import contact_order
 from pas.parametric.hermite import blending_polynomial
-from pas.parametric.proofs import contact_order
 
 FACTS = json.loads((DATA / "parametric.json").read_text())
 EXAMPLES = {name: FACTS[name] for name in ("ex1", "ex2", "ex3")}

@@ -1,17 +1,15 @@
 """Graded Groebner bases of modules over Q[x, y, z], and syzygies, by Buchberger's algorithm.
 
-A tuple of polynomials is written as one polynomial: a term of the tuple's position j is marked by
-`u^a_j e^b_j`, no mark dividing another, so that flint's S-polynomials and reductions (over the
-integers, primitive) do the work.  A fourth variable t makes everything homogeneous; the order is
-graded reverse lexicographic with t last, position last of all, so that t = 1 in a Groebner basis
-gives one of the inhomogeneous module (Cox, Little and O'Shea 2005, chapter 5).
+A tuple of polynomials is written as one polynomial: a term of the tuple's position j is marked by `u^a_j e^b_j`, no
+mark dividing another, so that flint's S-polynomials and reductions (over the integers, primitive) do the work.  A
+fourth variable t makes everything homogeneous; the order is graded reverse lexicographic with t last, position last of
+all, so that t = 1 in a Groebner basis gives one of the inhomogeneous module (Cox, Little and O'Shea 2005, chapter 5).
 
-Syzygies: the Groebner basis of the rows (v_i | unit_i), the v-part dominating, holds the syzygies
-as its rows with v-part zero.  A pair of rows whose v-part reduces to zero gives one, and these
-generate all of them (Schreyer 1980), also where pairs that are superfluous among leading terms
-are left out.  Hilbert functions say beforehand how many leading terms each degree has, so that no
-pair is reduced once they are found (Traverso 1996); the chain criterion is that of Gebauer and
-Moeller (1988).  All of it ends with certainty: when there are no pairs left.
+Syzygies: the Groebner basis of the rows (v_i | unit_i), the v-part dominating, holds the syzygies as its rows with
+v-part zero.  A pair of rows whose v-part reduces to zero gives one, and these generate all of them (Schreyer 1980),
+also where pairs that are superfluous among leading terms are left out.  Hilbert functions say beforehand how many
+leading terms each degree has, so that no pair is reduced once they are found (Traverso 1996); the chain criterion is
+that of Gebauer and Moeller (1988).  All of it ends with certainty: when there are no pairs left.
 """
 
 from __future__ import annotations
@@ -157,9 +155,8 @@ def graded_basis(inputs: Sequence[fmpz_mpoly]) -> GradedBasis:
 def graded_syzygies(vectors: Sequence[Vector], known: Sequence[Vector] = ()) -> list[Vector]:
     """The syzygies of `vectors`: minimal generators of those of the homogenised vectors.
 
-    Sorted by degree (the largest degree of a product), with coprime integers as coefficients.
-    Those of degree <= d, times monomials, span all syzygies of degree <= d.  With `known`
-    syzygies: what is needed beside them.
+    Sorted by degree (the largest degree of a product), with coprime integers as coefficients.  Those of degree <= d,
+    times monomials, span all syzygies of degree <= d.  With `known` syzygies: what is needed beside them.
     """
     width, units = len(vectors[0]), [vector_degree(v) for v in vectors]
     encoding = TupleEncoding((*(0 for _ in range(width)), *units), front=width)

@@ -1,10 +1,9 @@
 """Nullspaces of sparse rational systems, exact.
 
-The basis is the reduced one: each member is 1 in its own free unknown and 0 in the other free
-unknowns, so it depends on the space and the order of the unknowns alone.  Elimination starts at
-the last unknown, so the free ones are the first possible: with coefficients listed by degree,
-these are low ones, which keeps the numbers short and the basis well conditioned (a factor of 10^7
-on the corner with k = 2, n = 6).
+The basis is the reduced one: each member is 1 in its own free unknown and 0 in the other free unknowns, so it depends
+on the space and the order of the unknowns alone.  Elimination starts at the last unknown, so the free ones are the
+first possible: with coefficients listed by degree, these are low ones, which keeps the numbers short and the basis well
+conditioned (a factor of 10^7 on the corner with k = 2, n = 6).
 
 Small systems go to flint's fraction-free elimination of the dense integer matrix, large ones to elimination of sparse
 rows, fraction-free as well: rows are integers in dictionaries, kept primitive by dividing out their content, so numbers

@@ -20,11 +20,10 @@ from fractions import Fraction
 from typing import Any
 
 from pas.algebra.rational import plain, rational
-from pas.parametric.curves import SurfaceCurve, iso_curve
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.intersection import quadric_intersection
 from pas.parametric.generatrix.sections import plane_section
-from pas.parametric.surface import ParametricSurface
+from pas.parametric.surface import ParametricSurface, SurfaceCurve, iso_curve
 
 BoundaryTable = Mapping[str, Any]
 COMMON = frozenset({"side", "name", "by_length"})

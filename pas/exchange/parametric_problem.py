@@ -55,10 +55,10 @@ from pas.exchange.problem import COMMON, COMMON_TABLES, Problem, ProblemKind, co
 from pas.exchange.tables import TableReader
 from pas.parametric.blends import METHODS, ParametricBlend, blend_by
 from pas.parametric.data import BlendingData
-from pas.parametric.domain import ExactDomain
 from pas.parametric.generatrix.blend import GeneratrixBlend, generatrix_blend
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.shape import GeneratrixShape, ShapeFunction
+from pas.parametric.maps import ExactDomain
 from pas.parametric.surface import ParametricSurface
 from pas.settings import MeshSettings
 

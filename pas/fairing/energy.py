@@ -1,10 +1,9 @@
 """Energies: what is made small when a member of a solution space is chosen.
 
-An energy is one class in one file (`examples/extensions/values.py` is one from outside).  It says by
-which name files know it (`kind`), its quadratic form on a working basis, its exact one where it has
-one, and, unless it is a dataclass of numbers and texts, how it is written as a table of plain data
-and read from one.  Registered, it is known to `pas.blend`, project files and problem files.  Sums of
-energies and their multiples by numbers >= 0 are energies.
+An energy is one class in one file (`examples/extensions/values.py` is one from outside).  It says by which name files
+know it (`kind`), its quadratic form on a working basis, its exact one where it has one, and, unless it is a dataclass
+of numbers and texts, how it is written as a table of plain data and read from one.  Registered, it is known to
+`pas.blend`, project files and problem files.  Sums of energies and their multiples by numbers >= 0 are energies.
 
 An energy has two parts, of which most have one: a quadratic form of the function f (`hessian`), and an
 integral over the surface f = 0 of squared residuals (`residuals`), which see its differential geometry.  The

@@ -9,10 +9,9 @@ rational functions whose denominators do not vanish identically at any h = s_i t
 R ranging over that ring; the polynomial ones, if there are any, are those with T and R polynomial (Perez-Diaz and
 Sendra 2003, theorems 2 and 9).
 
-Guaranteed: exact data give an exact blend, and `prove` shows the contact by polynomial identities that
-do not refer to how the blend was made.  Not guaranteed: that the blend is regular or free of poles in
-between: `prove` looks for that.  Isolated t at which the given curves have poles are those of the
-blend, too: see `BlendingData.isolated_points`.
+Guaranteed: exact data give an exact blend, and `prove` shows the contact by polynomial identities that do not refer to
+how the blend was made.  Not guaranteed: that the blend is regular or free of poles in between: `prove` looks for that.
+Isolated t at which the given curves have poles are those of the blend, too: see `BlendingData.isolated_points`.
 """
 
 from __future__ import annotations
@@ -20,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import prod
 from typing import Any, Unpack
 
 from pas.algebra.brief import brief
@@ -32,10 +32,9 @@ from pas.errors import GeometryError, NoSolutionError
 from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.parametric.data import AXES, BlendingData
-from pas.parametric.domain import DomainLike
+from pas.parametric.data import AXES, BlendingData, ParametricCertificate, contact_verdicts
 from pas.parametric.hermite import HermiteValues, blending_polynomial, exact_hermite
-from pas.parametric.proofs import ParametricCertificate, contact_verdicts
+from pas.parametric.maps import DomainLike
 from pas.parametric.regularity import regularity
 from pas.parametric.series import Components, taylor, univariate
 from pas.parametric.surface import ParametricSurface
@@ -71,9 +70,8 @@ class ParametricSolutions:
     @cached_property
     def multiplier(self) -> RationalFunction:
         """W = prod (h - s_i)^(k+1)."""
-        names = self.particular.parameters
         whole = blending_polynomial(self.data.values, self.order)
-        return RationalFunction.from_lowest_terms(univariate(whole, 1), ONE, names)
+        return RationalFunction.from_lowest_terms(univariate(whole, 1), ONE, self.particular.parameters)
 
     def member(self, x: ComponentLike, y: ComponentLike, z: ComponentLike) -> ParametricSurface:
         """The blend for chosen R1, R2, R3: strings, sympy expressions, numbers (or callables).
@@ -91,10 +89,7 @@ class ParametricSolutions:
         nodes = [to_float(s) for s in self.data.values]
 
         def values(t: Any, h: Any) -> tuple[Any, ...]:
-            product: Any = 1.0
-            for node in nodes:
-                product = product * (h - node)
-            factor = power(product, self.order + 1)
+            factor = power(prod((h - node for node in nodes), start=1.0), self.order + 1)
             start = self.particular.values(t, h)
             return tuple(p + factor * r.formula(t, h) for p, r in zip(start, parts, strict=True))
 
@@ -104,18 +99,14 @@ class ParametricSolutions:
             return x, y, z
 
         reason = next((p.reason for p in parts if p.exact is None), "") or self.particular.inexact
-        made = source if self.particular.is_exact and not reason else None
-        return ParametricSurface.from_parts(values, made, names, self.particular.ends, reason)
+        return ParametricSurface.from_parts(values, None if reason else source, names, self.particular.ends, reason)
 
     def coordinates(self, surface: ParametricSurface) -> Components | None:
         """The R of an exact surface, None where it is not among these blends."""
-        found = []
-        for mine, other in zip(self.particular.components, surface.components, strict=True):
-            r = (other - mine) / self.multiplier
-            if self._pole(r) is not None or (self.polynomial and not r.is_polynomial):
-                return None
-            found.append(r)
-        return found[0], found[1], found[2]
+        pairs = zip(self.particular.components, surface.components, strict=True)
+        x, y, z = ((other - mine) / self.multiplier for mine, other in pairs)
+        outside = any(self._pole(r) is not None or (self.polynomial and not r.is_polynomial) for r in (x, y, z))
+        return None if outside else (x, y, z)
 
     def contains(self, surface: ParametricSurface) -> bool:
         """Whether an exact surface is among these blends."""
@@ -287,8 +278,8 @@ def has_polynomial_solution(data: BlendingData, order: int) -> PolynomialCriteri
 def _surface(data: BlendingData, values: Values, source: Callable[[], Components]) -> ParametricSurface:
     """The surface over the data's common domain; `source` is asked only where all of them are exact."""
     reason = next((f"surfaces[{i}]: {s.inexact}" for i, s in enumerate(data.surfaces) if not s.is_exact), "")
-    made = source if data.is_exact else None
-    return ParametricSurface.from_parts(values, made, data.surfaces[0].parameters, data.ends, reason)
+    exact = None if reason else source
+    return ParametricSurface.from_parts(values, exact, data.surfaces[0].parameters, data.ends, reason)
 
 
 def _require_data(data: Any) -> None:

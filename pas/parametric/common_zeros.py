@@ -29,10 +29,10 @@ from pas.algebra.rational import rational, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE, RING
 from pas.bernstein.boxes import box_form
 from pas.bernstein.forms import UNIT_ROUNDOFF, rounded
-from pas.bernstein.search import Cells, Fate, Fates, Limits, search
+from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.mesh.rows import Integers
-from pas.parametric.domain import Ends, ExactDomain
-from pas.parametric.nets import Nets
+from pas.parametric.maps import Ends, ExactDomain
+from pas.parametric.nets import PlacedNets
 from pas.parametric.series import in_one, roots_between
 from pas.verdicts import Status
 
@@ -110,18 +110,10 @@ def _maps(interval: Ends) -> list[tuple[fmpq, ...]]:
 
 
 @dataclass(frozen=True)
-class _Rectangles(Cells):
-    """C rectangles of a chart: lower corners `start` / 2^`steps` (C, 2), and nets of all polynomials on them.
-
-    `table` (C, n+1, m+1, k) and `off` (C,) are those of `Nets`, `steps` (C, 2) the halvings so far, `start` whole
-    numbers of any size.
-    """
+class _Rectangles(PlacedNets):
+    """C rectangles of a chart, and nets (C, n+1, m+1, k) of all polynomials on them."""
 
     chart: RationalChart
-    table: Floats
-    off: Floats
-    start: NDArray[np.object_]
-    steps: Integers
 
     def point(self, number: int, shares: Sequence[Any]) -> list[Fraction]:
         """Where shares of a rectangle's sides end, in the chart."""
@@ -139,20 +131,11 @@ class _Rectangles(Cells):
         greatest = np.abs(self.table).max(axis=(1, 2))
         return ((greatest > 0) & (self.off[:, None] > WORN * greatest)).any(axis=1)
 
-    def halves(self) -> _Rectangles:
-        """Both halves of all, across the parameter along which the coefficients change more."""
+    @property
+    def axes(self) -> Integers:
+        """The parameter along which the coefficients change more, or where none is, the other than at last."""
         changes = [np.abs(np.diff(self.table, axis=a)).max(axis=(1, 2, 3), initial=0.0) for a in (1, 2)]
-        across = np.where(changes[0] == changes[1], self.steps.sum(axis=1) % 2, changes[0] < changes[1])
-        if across.min() == across.max():
-            return self._halved(int(across[0]))
-        return self.select(across == 0)._halved(0).joined([self.select(across == 1)._halved(1)])
-
-    def _halved(self, axis: int) -> _Rectangles:
-        nets = Nets(self.table, self.off).halves(axis)
-        step = (np.arange(2) == axis).astype(int)
-        start = self.start * (1 + step)
-        starts, steps = np.concatenate([start, start + step]), np.concatenate([self.steps + step] * 2)
-        return _Rectangles(self.chart, nets.table, nets.off, starts, steps)
+        return np.where(changes[0] == changes[1], self.steps.sum(axis=1) % 2, changes[0] < changes[1])
 
 
 def without_common_zero(polynomials: Sequence[fmpq_mpoly], chart: RationalChart, effort: int) -> ZeroSearch:
@@ -167,7 +150,7 @@ def without_common_zero(polynomials: Sequence[fmpq_mpoly], chart: RationalChart,
     degrees = [max(int(p.degrees()[a]) for p in polynomials if not p.is_zero()) for a in (0, 1)]
     seeker = _Seeker(polynomials, degrees, effort)
     table, off = seeker.net(chart)
-    whole = _Rectangles(chart, table[None], np.array([off]), np.array([[0, 0]], dtype=object), np.zeros((1, 2), int))
+    whole = _Rectangles(table[None], np.array([off]), np.array([[0, 0]], dtype=object), np.zeros((1, 2), int), chart)
     depth = 200  # halvings in all after which a rectangle counts as undecided: it is then 2^-100 wide each way
     found = search(whole, seeker.judge, seeker.split, Limits(depth, effort), "looking for common zeros")
     if len(found.refuted):
@@ -199,7 +182,7 @@ class _Seeker:
         for number in np.flatnonzero(cells.worn).tolist():
             size = [Fraction(1, 1 << n) for n in cells.steps[number].tolist()]
             table[number], off[number] = self.net(cells.chart.part(cells.point(number, (0, 0)), size))
-        return replace(cells, table=table, off=off).halves()
+        return replace(cells, table=table, off=off).split(cells.axes)
 
     def judge(self, cells: _Rectangles, _: int) -> Fates:
         """Settled where there is no zero."""

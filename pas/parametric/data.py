@@ -1,13 +1,16 @@
-"""Blending data: surfaces P_i(t, h), each to be met where h has its value s_i.
+"""Blending data, surfaces P_i(t, h) each to be met where h has its value s_i, and proofs that they are met.
 
 The Taylor coefficients of P_i in h at s_i, up to the order k, are all that a blend must agree with
 (Perez-Diaz and Sendra 2003).  They are rational functions of t; where these have poles, and where
 numerator and denominator of P_i vanish together (base points), no blend helps: such t are reported.
+
+Contact of order k at h = s_i: for T = A/B and P_i = C/D the Taylor coefficients of A D - C B in h at s_i
+vanish up to order k, as polynomials in t, and B, D do not vanish identically at s_i.  Then (and only
+then) all partial derivatives up to order k agree along the curve.  How T was made is not used.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -17,14 +20,16 @@ import numpy as np
 from flint import fmpq, fmpq_poly
 
 from pas.algebra.brief import brief
-from pas.algebra.inputs import MOST_SURFACES, short, shown
+from pas.algebra.inputs import MOST_SURFACES, check_order, short, shown
 from pas.algebra.rational import Exact, plain, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
 from pas.errors import GeometryError
-from pas.parametric.domain import Domain, ExactDomain, read_domain
 from pas.parametric.hermite import Expansion, distinct
+from pas.parametric.maps import Domain, ExactDomain, read_domain
+from pas.parametric.nets import finite_part
 from pas.parametric.series import Components, rounded_roots, taylor, univariate
 from pas.parametric.surface import ParametricSurface
+from pas.verdicts import Status, Verdict, Verdicts
 
 AXES = "xyz"
 
@@ -94,11 +99,8 @@ class BlendingData:
     @property
     def ends(self) -> ExactDomain:
         """Where a blend is defined: the common t of all surfaces, h from the least value to the greatest; exact."""
-        lows, highs = ([s.ends[0][side] for s in self.surfaces] for side in (0, 1))
-        low, high = (
-            max((e for e in lows if e is not None), default=None),
-            min((e for e in highs if e is not None), default=None),
-        )
+        lows, highs = ([e for s in self.surfaces if (e := s.ends[0][side]) is not None] for side in (0, 1))
+        low, high = max(lows, default=None), min(highs, default=None)
         if low is not None and high is not None and not low < high:
             raise GeometryError(
                 f"the domains of the surfaces have no t in common (from {float(low):.6g} to {float(high):.6g})"
@@ -164,9 +166,8 @@ class BlendingData:
                 if taylor(component.denominator, value, 0)[0].is_zero():
                     raise GeometryError(f"{name}: the denominator of {axis} vanishes there for every t; move its value")
             return
-        low, high = surface.domain[0]
-        start = low if math.isfinite(low) else high - 1 if math.isfinite(high) else -1.0
-        places = start + ((high if math.isfinite(high) else start + 2) - start) * np.array([1, 2, 3, 5, 6]) / 7
+        low, high = finite_part(surface.domain[0])
+        places = low + (high - low) * np.array([1, 2, 3, 5, 6]) / 7
         if not np.isfinite(surface.with_domain(None).on_grid(places, to_float(value))).all(axis=-1).any():
             raise GeometryError(f"{name}: it has no finite value there")
 
@@ -184,9 +185,7 @@ def _expansion(component: RationalFunction, value: fmpq, order: int) -> Expansio
     above = taylor(component.numerator, value, order)
     below = taylor(component.denominator, value, order)
     lead = below[0]
-    powers = [fmpq_poly([1])]
-    for _ in range(order + 1):
-        powers.append(powers[-1] * lead)
+    powers = [lead**j for j in range(order + 2)]
     if all(d.is_zero() for d in below[1:]):
         tops, bottom = above, lead
     else:
@@ -213,3 +212,71 @@ def _isolated(
         roots = [root for root in rounded_roots(factor) if domain[0] <= root <= domain[1]]
         found += [IsolatedPoint(number, axis, root, value, text, kind) for root in roots]
     return sorted(found, key=lambda p: p.t)
+
+
+@dataclass(frozen=True)
+class ParametricCertificate(Verdicts):
+    """All verdicts about one blend: one on each contact, one on regularity."""
+
+    contacts: tuple[Verdict, ...]
+    regular: Verdict
+
+    __repr__ = brief
+
+    @property
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """All verdicts in the order of proof."""
+        return (*self.contacts, self.regular)
+
+
+def contact_verdicts(surface: ParametricSurface, data: BlendingData, order: int) -> tuple[Verdict, ...]:
+    """One verdict for each surface of the data on the contact of order `order` of any surface with it.
+
+    Raises `ValueError` for a negative order.
+    """
+    k = check_order(order)
+    return tuple(_contact(surface, data.surfaces[i], value, i, k) for i, value in enumerate(data.values))
+
+
+def contact_order(first: RationalFunction, second: RationalFunction, value: fmpq, highest: int) -> int:
+    """The greatest j <= highest up to which all derivatives in h agree at h = value; -1 for none."""
+    a, b, c, d = (taylor(p, value, highest) for f in (first, second) for p in (f.numerator, f.denominator))
+    if b[0].is_zero() or d[0].is_zero():
+        return -1
+    for j in range(highest + 1):
+        difference = sum((a[m] * d[j - m] - c[m] * b[j - m] for m in range(j + 1)), fmpq_poly([0]))
+        if not difference.is_zero():
+            return j - 1
+    return highest
+
+
+def _contact(surface: ParametricSurface, other: ParametricSurface, value: fmpq, number: int, order: int) -> Verdict:
+    name = surface.parameters[1]
+    claim = f"contact of order {order} with surfaces[{number}] at {name} = {short(plain(value))}"
+    if not surface.is_exact or not other.is_exact:
+        return _compared(surface, other, value, order, claim)
+    for axis, mine, theirs in zip(AXES, surface.components, other.components, strict=True):
+        reached = contact_order(mine, theirs, value, order)
+        if reached < order:
+            return Verdict(Status.REFUTED, claim, f"the derivatives of {axis} of order {reached + 1} differ")
+    return Verdict(Status.PROVED, claim, f"all derivatives up to order {order} are identical")
+
+
+def _compared(surface: ParametricSurface, other: ParametricSurface, value: fmpq, order: int, claim: str) -> Verdict:
+    """What derivatives at points along the curve say, where identities are out of reach."""
+    samples, interval = 64, finite_part(surface.domain[0])
+    points = np.column_stack([np.linspace(*interval, samples), np.full(samples, to_float(value))])
+    worst, size, compared = 0.0, 0.0, 0
+    for j in range(order + 1):
+        both = np.stack([s.with_domain(None).derivative(points, 0, j) for s in (surface, other)])
+        known = both[:, np.isfinite(both).all(axis=(0, 2))]
+        size, compared = max(size, float(np.abs(known).max(initial=0.0))), compared + known.shape[1]
+        off = float(np.abs(known[0] / 2 - known[1] / 2).max(initial=0.0))  # halves, whose difference is finite
+        worst = max(worst, 2 * (off / size) if size > 0 else 0.0)
+    if not compared:
+        return Verdict(
+            Status.UNDECIDED, claim, f"not exact data; no derivative is finite at the {samples} points tried"
+        )
+    reason = f"not exact data; the derivatives at {samples} points differ by {worst:.1e} of their size at most"
+    agree = worst <= 1e-3  # differences in place of derivatives of the sixth order err by 1e-4
+    return Verdict(Status.HOLDS_MEASURED if agree else Status.FAILS_MEASURED, claim, reason)

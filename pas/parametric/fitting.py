@@ -20,12 +20,11 @@ from pas.algebra.inputs import check_tolerance, shown
 from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import exact, to_float
-from pas.bernstein.boxes import product
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.errors import GeometryError
 from pas.limits import WorkLimits, checkpoint, limited
-from pas.parametric.domain import DomainLike
-from pas.parametric.maps import ParametricMap
+from pas.parametric.maps import DomainLike, ParametricMap
+from pas.parametric.meshing import distances
 from pas.parametric.nets import Framed, Nets, exact_net, exact_rectangle
 from pas.parametric.patches import Knots, RationalPatch
 from pas.parametric.surface import ParametricSurface
@@ -59,14 +58,6 @@ class HasSurface(Protocol):
         """The surface that it is."""
 
 
-def surface_of(thing: ParametricSurface | HasSurface) -> ParametricSurface:
-    """A surface itself, or that of a blend; raises `TypeError` for what has none."""
-    found = thing if isinstance(thing, ParametricSurface) else getattr(thing, "surface", None)
-    if not isinstance(found, ParametricSurface):
-        raise TypeError(f"surface must be a parametric surface or a blend of such, not {shown(thing)}")
-    return found
-
-
 @limited("fitting a patch", "a coarser tolerance or a smaller domain")
 def fit_patch(
     surface: ParametricSurface | HasSurface,
@@ -79,9 +70,12 @@ def fit_patch(
     By default a thousandth of its extent.  For a blend, of its `surface`.  It interpolates at the Greville abscissae of
     uniform knots (Farin 2002).
 
-    Raises `ValueError` for an infinite domain, `GeometryError` for a pole or where MOST spans do not suffice.
+    Raises `TypeError` for what is no surface, `ValueError` for an infinite domain, `GeometryError` for a pole or where
+    MOST spans do not suffice.
     """
-    whole = surface_of(surface)
+    whole = surface if isinstance(surface, ParametricSurface) else getattr(surface, "surface", None)
+    if not isinstance(whole, ParametricSurface):
+        raise TypeError(f"surface must be a parametric surface or a blend of such, not {shown(surface)}")
     rectangle = exact_rectangle(whole, domain)
     framed = Framed.of(whole.with_domain(rectangle))
     aim = RELATIVE_TOLERANCE * framed.size if tolerance is None else framed.inside(check_tolerance(tolerance))
@@ -93,7 +87,7 @@ def fit_patch(
         away = _compared(framed.surface, knots, points) if nets is None else _bound(nets, knots, points, moved)
         deviation = framed.outside(away)
         if away <= aim:
-            control, ends = framed.points_outside(points), (outer[0], outer[1])
+            control, ends = np.ldexp(points, framed.exponent), (outer[0], outer[1])
             return FittedPatch(control, np.ones(points.shape[:2]), ends, None, deviation, nets is not None)
         if max(spans) >= MOST:
             raise GeometryError(
@@ -186,14 +180,8 @@ def _bound(nets: Nets, knots: Knots, points: Floats, moved: Sequence[float]) -> 
         checkpoint("bounding the distance of a B-spline", number / len(strips))
         cells = _spread(strips.select(np.array([number])), 1, len(second))
         pieces = np.einsum("ai,ijx,cbj->cabx", first[number], points, second, optimize=True)
-        tops, weights = cells.table[..., :3], cells.table[..., 3:]
-        least = weights.min(axis=(1, 2, 3)) - cells.off
-        if not (least > 0).all():
-            return float("inf")
-        errors = product(tops, np.ones((1, DEGREE + 1, DEGREE + 1, 1))) - product(weights, pieces)
-        far = 1.0 + np.abs(pieces).max(axis=(1, 2, 3))
-        slack = 2 * far * (cells.off + PRODUCT * np.abs(cells.table).max(axis=(1, 2, 3)))
-        worst = max(worst, float(((lengths(errors).max(axis=(1, 2)) + slack) / least).max()))
+        errors, slack = distances(cells, pieces, PRODUCT)
+        worst = max(worst, float((lengths(errors).max(axis=(1, 2)) + slack).max()))
     steps = [float(lengths(np.diff(points, axis=axis)).max()) for axis in (0, 1)]
     return worst + sum(6 * DEGREE * share * step for share, step in zip(moved, steps, strict=True))
 

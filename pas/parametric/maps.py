@@ -10,11 +10,12 @@ regular; `regularity` decides the latter for exact ones.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import cache, cached_property
-from typing import Any, Self
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 from flint import fmpq
@@ -29,11 +30,21 @@ from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import scaled, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, Vector, VectorLike, plain, to_float, vector
-from pas.algebra.rational_function import PARAMETERS, RationalFunction
+from pas.algebra.rational import Exact, Vector, VectorLike, plain, rational, to_float, to_floats, to_fraction, vector
+from pas.algebra.rational_function import PARAMETERS, RationalFunction, total
 from pas.limits import checkpoint
-from pas.parametric.domain import Domain, DomainLike, ExactDomain, read_domain
 from pas.parametric.series import Components, composed
+
+Interval = tuple[float, float]
+Domain = tuple[Interval, Interval]
+Ends = tuple[Fraction | None, Fraction | None]
+"""Exact ends; None at infinity."""
+
+IntervalLike: TypeAlias = Sequence[Exact | None] | None
+DomainLike: TypeAlias = Sequence[IntervalLike] | None
+"""What is taken for an interval and for two of them; None stands for an end at infinity, and for both."""
+
+ExactDomain = tuple[Ends, Ends]
 
 Text = tuple[str, str, str]
 """Three components as expressions."""
@@ -46,16 +57,14 @@ CHUNK = 1 << 14
 class ParametricMap:
     """A map (x, y, z)(t, h).
 
-    Each of `x`, `y`, `z` is a string (`"2*t/(1 + t^2)"`, `"h*sin(t)"`), a sympy expression, a
-    number, or a callable of two numpy arrays.  It is exact where all three are rational functions
-    with rational coefficients.  `domain` is a pair of closed intervals, `((0, 1), (None, 2))`,
-    None for an end at infinity; without it the domain is the whole plane.  It is kept in doubles,
-    and `ends` has the exact numbers, None for infinite ones.
+    Each of `x`, `y`, `z` is a string (`"2*t/(1 + t^2)"`, `"h*sin(t)"`), a sympy expression, a number, or a callable of
+    two numpy arrays.  It is exact where all three are rational functions with rational coefficients.  `domain` is a
+    pair of closed intervals, `((0, 1), (None, 2))`, None for an end at infinity; without it the domain is the whole
+    plane.  It is kept in doubles, and `ends` has the exact numbers, None for infinite ones.
 
-    Derivatives of callables are automatic: by Taylor arithmetic through numpy's elementary
-    functions, else by central differences (relative error about 1e-10 for the first, 1e-7 for the
-    second).  Or give them: `derivatives` maps orders (i, j) to a callable that returns the three
-    components of d^(i+j) P / dt^i dh^j; then no others are made up.
+    Derivatives of callables are automatic: by Taylor arithmetic through numpy's elementary functions, else by central
+    differences (relative error about 1e-10 for the first, 1e-7 for the second).  Or give them: `derivatives` maps
+    orders (i, j) to a callable that returns the three components of d^(i+j) P / dt^i dh^j; then no others are made up.
 
     Raises `ValueError` for unknown variables, unreadable expressions or an empty domain.
     """
@@ -82,7 +91,7 @@ class ParametricMap:
         exact = [p.exact for p in parts if p.exact is not None]
         if len(exact) == 3:
             whole: Components = (exact[0], exact[1], exact[2])
-            self._fill(names, domain, _exact_values(whole), lambda: whole)
+            self._fill(names, domain, _exact_values(whole), lambda: whole, "", None)
             return
         formulas = [p.formula for p in parts]
         values: Values = lambda t, h: (formulas[0](t, h), formulas[1](t, h), formulas[2](t, h))  # noqa: E731
@@ -101,27 +110,16 @@ class ParametricMap:
         inexact: str = "",
         text: Text | None = None,
     ) -> Self:
-        """A map with its own way of evaluation; `source` makes its exact components when asked.
-
-        `text` are expressions that come to the same, where there are any: they can be saved.
-        """
+        """A map with its own way of evaluation; `source` makes its exact components when asked, `text` are expressions
+        that come to the same, where there are any: they can be saved."""
         result = cls.__new__(cls)
         result._fill(_names(parameters), domain, values, source, inexact, text)
         return result
 
-    def _fill(
-        self,
-        parameters: Names,
-        domain: DomainLike,
-        values: Values,
-        source: Callable[[], Components] | None,
-        inexact: str = "",
-        text: Text | None = None,
-    ) -> None:
-        rounded, ends = read_domain(domain, parameters)
-        fields = {"parameters": parameters, "domain": rounded, "ends": ends, "values": values}
-        for name, value in (fields | {"source": source, "inexact": inexact, "text": text}).items():
-            object.__setattr__(self, name, value)
+    def _fill(self, parameters: Names, domain: DomainLike, *others: Any) -> None:
+        """Set the fields, `others` being the last four."""
+        for field, value in zip(fields(self), (parameters, *read_domain(domain, parameters), *others), strict=True):
+            object.__setattr__(self, field.name, value)
 
     @property
     def is_exact(self) -> bool:
@@ -158,8 +156,7 @@ class ParametricMap:
     @property
     def degrees(self) -> tuple[int, int]:
         """The greatest degrees of numerators and denominators in each parameter."""
-        first, second = zip(*(c.degrees for c in self.components), strict=True)
-        return max(first), max(second)
+        return max(c.degrees[0] for c in self.components), max(c.degrees[1] for c in self.components)
 
     @property
     def is_polynomial(self) -> bool:
@@ -180,38 +177,37 @@ class ParametricMap:
         """
         first, second = (np.atleast_1d(np.asarray(v, dtype=float)) for v in (t, h))
         self._check(first, second)
-        result = np.empty((3, len(first), len(second)))
+        result = np.empty((len(first), len(second), 3))
         step = max(1, CHUNK // max(len(second), 1))
         with np.errstate(all="ignore"):
             for start in range(0, len(first), step):
                 checkpoint("evaluating a surface on a grid", start / len(first))
                 rows = slice(start, start + step)
                 for axis, part in enumerate(self.values(first[rows, None], second[None, :])):
-                    result[axis, rows] = part
-        return np.moveaxis(result, 0, -1)
+                    result[rows, :, axis] = part
+        return result
 
     def derivative(self, points: ArrayLike, first: int = 0, second: int = 0) -> Floats:
         """Partial derivatives of orders `first` in t, `second` in h at `points` (..., 2): (..., 3)."""
         orders = check_derivative(first, "first"), check_derivative(second, "second")
-
-        def at(t: Floats, h: Floats) -> tuple[Any, ...]:
-            parts = self.values(*variables(t, h, orders))
-            return tuple(p.derivative(*orders) if isinstance(p, Jet) else 0.0 * t for p in parts)
-
-        return self._chunked(points, at if sum(orders) else self.values, ())
+        return self.partials(points, orders)[..., 0, :] if sum(orders) else self(points)
 
     def tangents(self, points: ArrayLike) -> Floats:
         """Both tangent vectors, dP/dt and dP/dh, at `points` (..., 2): shape (..., 2, 3)."""
+        return self.partials(points, (1, 0), (0, 1))
+
+    def partials(self, points: ArrayLike, *orders: tuple[int, int]) -> Floats:
+        """Partial derivatives of k orders at `points` (..., 2), from one expansion: (..., k, 3)."""
+        highest = max(i for i, _ in orders), max(j for _, j in orders)
 
         def at(t: Floats, h: Floats) -> tuple[Any, ...]:
-            parts = self.values(*variables(t, h, (1, 1)))
-            both = np.zeros((3, 2, *t.shape))
-            for row, part in zip(both, parts, strict=True):
-                if isinstance(part, Jet):
-                    row[0], row[1] = part.derivative(1, 0), part.derivative(0, 1)
-            return tuple(both)
+            result = np.zeros((3, len(orders), *t.shape))
+            for rows, part in zip(result, self.values(*variables(t, h, highest)), strict=True):
+                for row, order in zip(rows, orders, strict=True):
+                    row[:] = part.derivative(*order) if isinstance(part, Jet) else 0.0 if any(order) else part
+            return tuple(result)
 
-        return np.moveaxis(self._chunked(points, at, (2,)), 0, -2)
+        return np.moveaxis(self._chunked(points, at, (len(orders),)), 0, -2)
 
     def normals(self, points: ArrayLike) -> Floats:
         """Unit normals, along dP/dt x dP/dh, at `points` (..., 2): (..., 3); nan where that is zero."""
@@ -242,19 +238,15 @@ class ParametricMap:
         if len(rows) != 3:
             raise ValueError(f"matrix must have 3 rows, not {len(rows)}")
         shift = vector(offset, "offset")
-        table = np.array([[to_float(c) for c in row] for row in rows])
-        start = [to_float(c) for c in shift]
+        table, start = np.array([to_floats(row) for row in rows]), to_floats(shift)
 
         def values(t: Any, h: Any) -> tuple[Any, ...]:
             p = self.values(t, h)
             return tuple(r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + s for r, s in zip(table, start, strict=True))
 
         def source() -> Components:
-            x, y, z = (
-                sum((c * a for c, a in zip(self.components, row, strict=True)), RationalFunction(s, self.parameters))
-                for row, s in zip(rows, shift, strict=True)
-            )
-            return x, y, z
+            x, y, z = (total([c * a for c, a in zip(self.components, row, strict=True)]) for row in rows)
+            return x + shift[0], y + shift[1], z + shift[2]
 
         made = source if self.is_exact else None
         text = None if self.text is None else _moved_text(self.text, rows, shift)
@@ -316,17 +308,43 @@ def _exact_values(components: Components) -> Values:
 
 def _text_of(expressions: Sequence[Any]) -> Text | None:
     """The expressions as strings; None where one is a callable."""
-    found: list[Any] = [as_text(e) if hasattr(e, "free_symbols") or isinstance(e, str) else e for e in expressions]
-    if any(callable(e) and not isinstance(e, RationalFunction) for e in found):
+    if any(callable(e) and not isinstance(e, RationalFunction) and not hasattr(e, "free_symbols") for e in expressions):
         return None
-    x, y, z = (e if isinstance(e, str) else str(RationalFunction(e)) for e in found)
+    x, y, z = (as_text(e) or str(RationalFunction(e)) for e in expressions)
     return x, y, z
 
 
 def _moved_text(text: Text, rows: Sequence[Vector], shift: Vector) -> Text:
     """The expressions after p -> rows p + shift."""
-    x, y, z = (
-        " + ".join([*(f"({plain(c)})*({e})" for c, e in zip(row, text, strict=True)), f"({plain(s)})"])
-        for row, s in zip(rows, shift, strict=True)
-    )
+    parts = ([f"({plain(c)})*({e})" for c, e in zip(row, text, strict=True)] for row in rows)
+    x, y, z = (" + ".join([*part, f"({plain(s)})"]) for part, s in zip(parts, shift, strict=True))
     return x, y, z
+
+
+def read_domain(domain: DomainLike, names: Names) -> tuple[Domain, ExactDomain]:
+    """Two intervals as the user writes them, in doubles and exact, as proofs take them.
+
+    Raises `ValueError` for anything else, empty intervals and ends that doubles do not hold or tell apart.
+    """
+    domain = (None, None) if domain is None else domain
+    if not hasattr(domain, "__len__") or len(domain) != 2:
+        raise ValueError(f"domain must be two intervals such as ((0, 1), (None, 2)), not {shown(domain)}")
+    first, second = (_interval(i, name) for i, name in zip(domain, names, strict=True))
+    return (first[0], second[0]), (first[1], second[1])
+
+
+def _interval(given: IntervalLike, name: str) -> tuple[Interval, Ends]:
+    interval = (None, None) if given is None else given
+    if isinstance(interval, str) or not hasattr(interval, "__len__") or len(interval) != 2:
+        raise ValueError(f"the domain of {name} must be an interval such as (0, 1), not {shown(interval)}")
+    infinite = [end is None or (isinstance(end, float) and math.isinf(end)) for end in interval]
+    what = f"an end of the domain of {name}"
+    ends = [None if no else rational(end, what) for end, no in zip(interval, infinite, strict=True)]
+    low = -math.inf if ends[0] is None else to_float(ends[0])
+    high = math.inf if ends[1] is None else to_float(ends[1])
+    if any(not no and math.isinf(end) for end, no in zip((low, high), infinite, strict=True)):
+        raise ValueError(f"{what} is beyond the range of doubles (1.8e308): {shown(interval)}")
+    if not low < high:
+        raise ValueError(f"the domain of {name} must be an interval (low, high) with low < high, not {shown(interval)}")
+    first, last = (None if e is None else to_fraction(e) for e in ends)
+    return (low, high), (first, last)

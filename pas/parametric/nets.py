@@ -12,9 +12,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import comb
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from flint import fmpq, fmpq_mpoly
@@ -29,10 +29,13 @@ from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells
 from pas.bernstein.subdivision import halved, halves
 from pas.errors import GeometryError
-from pas.parametric.domain import Domain, DomainLike, Interval
-from pas.parametric.maps import ParametricMap
+from pas.mesh.rows import Integers
+from pas.parametric.maps import Domain, DomainLike, Interval, ParametricMap
 
 Rectangle = tuple[tuple[fmpq, fmpq], tuple[fmpq, fmpq]]
+
+SMALLEST = math.ulp(0.0)
+"""By which the smallest numbers err that doubles hold."""
 
 
 def exact_rectangle(surface: ParametricMap, domain: DomainLike = None) -> Rectangle:
@@ -69,6 +72,13 @@ def finite_domain(surface: ParametricMap, domain: DomainLike = None) -> Domain:
     return first, second
 
 
+def finite_part(interval: Interval) -> Interval:
+    """An interval itself, or of an infinite one a part, at least 2 long, in which samples are taken."""
+    low, high = interval
+    start = low if math.isfinite(low) else min(-1.0, high - 2.0)
+    return start, high if math.isfinite(high) else max(1.0, start + 2.0)
+
+
 @dataclass(frozen=True)
 class Framed:
     """`surface` is P(low + (high - low) u, ...) / 2^exponent over [0, 1]^2, with `bounded` P and its finite domain."""
@@ -87,7 +97,10 @@ class Framed:
 
         def values(u: Any, v: Any) -> tuple[Any, ...]:
             parts = bounded.values(_moved(u, first), _moved(v, second))
-            return tuple(_scaled(part, -exponent) for part in parts)
+            return tuple(
+                Jet(np.ldexp(p.coefficients, -exponent)) if isinstance(p, Jet) else np.ldexp(p, -exponent)
+                for p in parts
+            )
 
         made = ParametricMap.from_parts(values, None, bounded.parameters, ((0, 1), (0, 1)), "it is framed")
         return cls(bounded, made, exponent, math.ldexp(size, -exponent))
@@ -95,19 +108,15 @@ class Framed:
     @property
     def unit(self) -> fmpq:
         """2^exponent."""
-        return fmpq(2) ** self.exponent if self.exponent >= 0 else 1 / fmpq(2) ** -self.exponent
+        return fmpq(2) ** self.exponent
 
     def inside(self, length: float) -> float:
         """A length of the model's in this frame; at most 1e300."""
-        return min(_ldexp(length, -self.exponent), 1e300)
+        return min(float(np.ldexp(length, -self.exponent)), 1e300)
 
     def outside(self, length: float) -> float:
         """A bound of this frame in the model's lengths, rounded upwards, points being rounded to doubles."""
-        return math.nextafter(_ldexp(length, self.exponent), math.inf) + 2 * math.ulp(0.0)
-
-    def points_outside(self, points: Floats) -> Floats:
-        """Points of this frame in space."""
-        return np.asarray(np.ldexp(points, self.exponent))
+        return math.nextafter(float(np.ldexp(length, self.exponent)), math.inf) + 2 * SMALLEST
 
     def exact_parameters(self, shares: Sequence[fmpq]) -> list[fmpq]:
         """Exact parameters of the surface from those of the unit square; the domain must be finite."""
@@ -149,18 +158,6 @@ def _moved(u: Any, interval: Interval) -> Any:
     coefficients = u.coefficients * width
     coefficients[0, 0] = place
     return Jet(coefficients)
-
-
-def _scaled(part: Any, exponent: int) -> Any:
-    return Jet(np.ldexp(part.coefficients, exponent)) if isinstance(part, Jet) else np.ldexp(part, exponent)
-
-
-def _ldexp(number: float, exponent: int) -> float:
-    return float(np.ldexp(number, exponent))
-
-
-SMALLEST = math.ulp(0.0)
-"""By which the smallest numbers err that doubles hold."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,11 +204,37 @@ class Nets(Cells):
     table: Floats
     off: Floats
 
-    def halves(self, axis: int) -> Nets:
+    def halves(self, axis: int) -> Self:
         """The first halves of all cells along a parameter, then the second ones."""
         greatest = np.abs(self.table).max(axis=(1, 2, 3))
         off = self.off + (self.table.shape[1 + axis] + 2) * UNIT_ROUNDOFF * greatest
-        return Nets(np.concatenate(halved(self.table, axis)), np.concatenate([off, off]))
+        others = {name: np.concatenate([a, a]) for name, a in self._arrays.items() if name not in ("table", "off")}
+        return replace(self, table=np.concatenate(halved(self.table, axis)), off=np.concatenate([off, off]), **others)
+
+    def split(self, axes: Integers) -> Self:
+        """Both halves of all cells, each along a parameter of its own, `axes` (C,)."""
+        if axes.min() == axes.max():
+            return self.halves(int(axes[0]))
+        first, second = (self.select(axes == axis).halves(axis) for axis in (0, 1))
+        return first.joined([second])
+
+
+@dataclass(frozen=True)
+class PlacedNets(Nets):
+    """Nets on parts of the unit square, whose lower corners are at `start` / 2^`steps` (C, 2).
+
+    `steps` are the halvings so far, `start` whole numbers of any size.
+    """
+
+    start: NDArray[Any]
+    steps: Integers
+
+    def halves(self, axis: int) -> Self:
+        """The first halves of all cells along a parameter, then the second ones."""
+        step, count, both = (np.arange(2) == axis).astype(int), len(self), super().halves(axis)
+        start = both.start * (1 + step)
+        start[count:] += step
+        return replace(both, start=start, steps=both.steps + step)
 
 
 def exact_net(surface: ParametricMap, rectangle: Rectangle) -> ExactNet:

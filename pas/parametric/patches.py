@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import Any, Unpack
 
 import numpy as np
@@ -33,7 +34,7 @@ from pas.errors import GeometryError
 from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.parametric.domain import DomainLike
+from pas.parametric.maps import DomainLike
 from pas.parametric.nets import ExactNet, bernstein_at, bernstein_polynomials, exact_net, exact_rectangle
 from pas.parametric.series import Components
 from pas.parametric.surface import ParametricSurface
@@ -133,8 +134,7 @@ class RationalPatch(Shape):
         if not self.is_bezier:
             reason = "a B-spline with inner knots is no rational function"
             return ParametricSurface.from_parts(self._values, None, parameters, self.domain, reason)
-        made = self._components(parameters)
-        return ParametricSurface(*made, parameters=parameters, domain=self.domain)
+        return ParametricSurface(*self._components(parameters), parameters=parameters, domain=self.domain)
 
     def __str__(self) -> str:
         m, n = self.degrees
@@ -167,19 +167,14 @@ class RationalPatch(Shape):
         exact = self.exact
         points, weights = (self.points, self.weights) if exact is None else (exact.points, exact.weights)
         ends = np.array(self.domain) if exact is None else exact.rectangle
-        bases = [
-            bernstein_polynomials(d, g, *map(rational, e))
+        first, second = (
+            enumerate(bernstein_polynomials(d, g, *map(rational, e)))
             for d, g, e in zip(self.degrees, GENERATORS, ends, strict=True)
-        ]
-        sums = [ONE * 0] * 4
-        for i, first in enumerate(bases[0]):
-            rows = [ONE * 0] * 4
-            for j, second in enumerate(bases[1]):
-                w = rational(weights[i, j])
-                four = (*(w * rational(points[i, j, axis]) for axis in range(3)), w)
-                rows = [row + second * c for row, c in zip(rows, four, strict=True)]
-            sums = [s + first * row for s, row in zip(sums, rows, strict=True)]
-        x, y, z = (RationalFunction.quotient(top, sums[3], names) for top in sums[:3])
+        )
+        terms = [(f * g * rational(weights[i, j]), points[i, j]) for (i, f), (j, g) in product(first, second)]
+        below = sum((term for term, _ in terms), ONE * 0)
+        tops = (sum((term * rational(p[axis]) for term, p in terms), ONE * 0) for axis in range(3))
+        x, y, z = (RationalFunction.quotient(top, below, names) for top in tops)
         return x, y, z
 
 

@@ -25,12 +25,13 @@ import numpy as np
 from flint import arb, ctx, fmpq_mpoly
 
 from pas.algebra.lengths import lengths, scaled
-from pas.algebra.rational import plain, to_float
+from pas.algebra.rational import cross, plain, to_float
 from pas.algebra.rational_function import ONE, PARAMETERS, RationalFunction
 from pas.algebra.roots import exact, real_roots
 from pas.limits import WorkLimits, limited
 from pas.parametric.common_zeros import UNIT_SQUARE, ZeroSearch, charts_of, without_common_zero
 from pas.parametric.maps import ParametricMap
+from pas.parametric.nets import finite_part
 from pas.parametric.series import in_one
 from pas.verdicts import Status, Verdict
 
@@ -108,8 +109,7 @@ def _expected_size(surface: ParametricMap) -> int:
 
 def _sampled(surface: ParametricMap, claim: str, why: str) -> Verdict:
     """What the tangents on a grid say: how small the sine between them and their lengths become."""
-    ends = [(max(low, min(-1.0, high - 2)), min(high, max(1.0, low + 2))) for low, high in surface.domain]
-    t, h = (np.linspace(low, high, 33) for low, high in ends)
+    t, h = (np.linspace(*finite_part(interval), 33) for interval in surface.domain)
     tangents = surface.tangents(np.stack(np.meshgrid(t, h, indexing="ij"), axis=-1))
     known = tangents[np.isfinite(tangents).all(axis=(-1, -2))]
     if not len(known):
@@ -128,8 +128,8 @@ def _sampled(surface: ParametricMap, claim: str, why: str) -> Verdict:
 def normal_numerators(surface: ParametricMap) -> list[fmpq_mpoly]:
     """Three polynomials that vanish together exactly where the normal does, away from poles."""
     parts = [(c.numerator, c.denominator) for c in surface.components]
-    p, q = ([n.derivative(i) * d - n * d.derivative(i) for n, d in parts] for i in (0, 1))
-    return [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+    first, second = ([n.derivative(i) * d - n * d.derivative(i) for n, d in parts] for i in (0, 1))
+    return list(cross(first, second))
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,9 @@
 """Ready-made parametric surfaces: planes, closed quadrics, torus, helicoid, revolution, tubes.
 
-Circles are parametrised rationally, by t -> ((1 - t^2)/(1 + t^2), 2t/(1 + t^2)), t the tangent of half the
-angle; t over all reals gives all points but (-1, 0).  So these surfaces are exact and lie exactly on
-their implicit equations.  With `angle=True` the parameter is the angle itself: closed, with a finite
-domain, but not exact.  All sizes are exact numbers, lengths in the model's units.  Standard position is along
-the z-axis; `ParametricSurface.moved` places them.
+Circles are parametrised rationally, by t -> ((1 - t^2)/(1 + t^2), 2t/(1 + t^2)), t the tangent of half the angle; t
+over all reals gives all points but (-1, 0).  So these surfaces are exact and lie exactly on their implicit equations.
+With `angle=True` the parameter is the angle itself: closed, with a finite domain, but not exact.  All sizes are exact
+numbers, lengths in the model's units.  Standard position is along the z-axis; `ParametricSurface.moved` places them.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from flint import fmpq
 from pas.algebra.inputs import short, shown
 from pas.algebra.rational import Exact, VectorLike, plain, positive, rational, vector
 from pas.algebra.rational_function import FunctionLike
-from pas.parametric.domain import IntervalLike
+from pas.parametric.maps import IntervalLike
 from pas.parametric.surface import ParametricSurface
 
 COSINE, SINE = "((1 - {0}^2)/(1 + {0}^2))", "(2*{0}/(1 + {0}^2))"
@@ -66,8 +65,7 @@ def ellipsoid(a: Exact = 1, b: Exact = 1, c: Exact = 1, angle: bool = False) -> 
     """x^2/a^2 + y^2/b^2 + z^2/c^2 = 1: t goes round, h from -1 (lower pole) to 1 (upper pole).
 
     h is the tangent of half the latitude; the normal vanishes at the poles.  `a`, `b` and `c` are in the model's units;
-    with `angle` t is the angle in radians.
-    Raises `ValueError` for a size that is not positive.
+    with `angle` t is the angle in radians.  Raises `ValueError` for a size that is not positive.
     """
     sizes = _positive(a=a, b=b, c=c)
     return _ringed(sizes[:2], COSINE.format("h"), f"{plain(sizes[2])}*{SINE.format('h')}", angle, (-1, 1))
@@ -90,8 +88,7 @@ def two_sheet_hyperboloid(a: Exact = 1, b: Exact = 1, c: Exact = 1, angle: bool 
     """x^2/a^2 + y^2/b^2 - z^2/c^2 = -1, the upper sheet: t goes round, h >= 1, z/c = (h + 1/h)/2.
 
     The normal vanishes at the vertex h = 1.  The lower sheet is the mirror image: see `moved`.  `a`, `b` and `c` are in
-    the model's units; with `angle` t is the angle in radians.
-    Raises `ValueError` for a size that is not positive.
+    the model's units; with `angle` t is the angle in radians.  Raises `ValueError` for a size that is not positive.
     """
     sizes = _positive(a=a, b=b, c=c)
     return _ringed(sizes[:2], "((h^2 - 1)/(2*h))", f"{plain(sizes[2])}*(h^2 + 1)/(2*h)", angle, (1, None))

@@ -1,37 +1,74 @@
-"""Solids that parametric surfaces bound: closed ones, and such as end in planes, where flat faces close them.
+"""Solids that parametric surfaces bound: closed ones, and such as end in plane curves, which flat faces close.
 
 The inside is where the signed distance is not positive.  The foot of a point near the surface is found by Newton's
 method in the parameters, from the nearest of samples; it is accurate to rounding where the surface bends less sharply
 than samples are apart.  At a flat end the surface is continued along its normals, and the end's plane cuts it.
 
-Not guaranteed: that features between samples are seen.
+Not guaranteed: that features between samples are seen, nor that a surface does not pass through itself, which is looked
+for at some hundred places.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from pas.algebra.jets import Jet, variables
+from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
+from pas.certify.graph_proofs import crossed
+from pas.errors import GeometryError
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Integers
-from pas.parametric.flat_ends import FlatEdge, closed, is_end
+from pas.mesh.topology import Edges
 from pas.parametric.maps import ParametricMap
 from pas.parametric.tiling import closes
 from pas.solid.functions import Distance
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Bools, combined
 
+AROUND, FLAT = 128, 1e-7
+"""Points of an edge; and how far it may be off its plane, over the surface's size."""
+
 NEAR = 2.0
 """Distance, over that of samples, up to which feet are found; the distance of others is that of the nearest sample."""
 
 STILL = 1e-8
 """Step of Newton's method, over the surface's size, after which a foot is right to rounding."""
+
+
+@dataclass(frozen=True)
+class FlatEdge:
+    """The closed plane curve (M, 3) in which a surface ends where parameter number `axis` has an end of its domain.
+
+    The body is below its plane, through the `middle`, across the unit vector `outwards`.
+    """
+
+    axis: int
+    side: int
+    loop: Floats
+    middle: Floats
+    outwards: Floats
+
+    def heights(self, points: Floats) -> Floats:
+        """How far points (N, 3) are above the plane."""
+        return np.asarray((points - self.middle) @ self.outwards)
+
+    def covers(self, points: Floats) -> Bools:
+        """Which points (N, 3) have their feet on the plane within the curve: a ray there crosses it an odd time."""
+        frame = np.linalg.svd(self.outwards[None])[2][1:]
+        places, corners = (points - self.middle) @ frame.T, (self.loop - self.middle) @ frame.T
+        result = (np.abs(places) <= np.abs(corners).max(axis=0)).all(axis=1)
+        x, y = places[result].T
+        odd = np.zeros(len(x), dtype=bool)
+        for (a, b), (c, d) in zip(np.roll(corners, 1, axis=0).tolist(), corners.tolist(), strict=True):
+            if b != d:
+                odd ^= ((b > y) != (d > y)) & (x < a + (y - b) * (c - a) / (d - b))
+        result[result] = odd
+        return np.asarray(result)
 
 
 @dataclass(frozen=True)
@@ -89,16 +126,12 @@ class SurfaceDistance(Distance):
         direction = away / np.where(np.abs(value) < 1e-12 * self._size, np.inf, value)[:, None]
         gradient = np.where((np.abs(value) < 1e-9 * self._size)[:, None], feet.normals, direction)
         for edge in self.edges:
-            on = self.is_at(edge, feet.parameters)
+            on = is_end(self.surface, edge.axis, edge.side, feet.parameters)
             near = on & (distance < NEAR * self.gap)
             value[near], gradient[near] = above[near], feet.normals[near]
             beyond = np.flatnonzero(on & ~near & (edge.heights(points) > 0))
             value[beyond] = np.where(edge.covers(points[beyond]), -1.0, 1.0) * distance[beyond]
         return np.concatenate([value[:, None], gradient], axis=1)
-
-    def is_at(self, edge: FlatEdge, parameters: Floats) -> Bools:
-        """Which parameters (N, 2) are on an edge."""
-        return is_end(self.surface, edge.axis, edge.side, parameters)
 
     def decided_within(self, centers: Floats, radii: Floats) -> tuple[Bools, Bools]:
         """Whether it is certainly <= 0, and certainly > 0, in balls of given centres (N, 3) and radii (N,)."""
@@ -165,16 +198,8 @@ class SurfaceDistance(Distance):
 
     def _expanded(self, place: Floats) -> tuple[Floats, Floats, Floats]:
         """Points (N, 3), first derivatives (N, 2, 3) and second ones (N, 2, 2, 3)."""
-        with np.errstate(all="ignore"):
-            parts = self.surface.values(*variables(place[:, 0], place[:, 1], (2, 2)))
-        result = np.zeros((3, 3, 3, len(place)))
-        for axis, part in enumerate(parts):
-            for i, j in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)):
-                whole = part.derivative(i, j) if isinstance(part, Jet) else part if i == j == 0 else 0.0
-                result[axis, i, j] = whole
-        point, t, h = result[:, 0, 0].T, result[:, 1, 0].T, result[:, 0, 1].T
-        second = [[result[:, 2, 0].T, result[:, 1, 1].T], [result[:, 1, 1].T, result[:, 0, 2].T]]
-        return point, np.stack([t, h], axis=1), np.stack([np.stack(row, axis=1) for row in second], axis=1)
+        rows = self.surface.partials(place, (0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+        return rows[:, 0], rows[:, 1:3], rows[:, [[3, 4], [4, 5]]]
 
 
 class FlatEnd(Distance):
@@ -183,20 +208,16 @@ class FlatEnd(Distance):
     def __init__(self, distance: SurfaceDistance, number: int) -> None:
         self.distance, self.number = distance, number
 
-    @cached_property
+    @property
     def edge(self) -> FlatEdge:
         """Where the surface ends."""
         return self.distance.edges[self.number]
-
-    @cached_property
-    def _tree(self) -> cKDTree:
-        return cKDTree(self.edge.loop)
 
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4)."""
         edge, gap = self.edge, self.distance.gap
         heights = edge.heights(points)
-        near = np.isfinite(self._tree.query(points, distance_upper_bound=NEAR * gap)[0])
+        near = np.isfinite(cKDTree(edge.loop).query(points, distance_upper_bound=NEAR * gap)[0])  # of AROUND points
         far = np.flatnonzero(~near)
         near[far] = edge.covers(points[far])
         high = far[near[far] & (heights[far] > 0)]  # of which some are in other parts of the body
@@ -234,3 +255,93 @@ def _solved(matrix: Floats, right: Floats) -> Floats:
 
 def _determinant(matrix: Floats) -> Floats:
     return np.asarray(matrix[:, 0, 0] * matrix[:, 1, 1] - matrix[:, 0, 1] * matrix[:, 1, 0])
+
+
+def is_end(surface: ParametricMap, axis: int, side: int, parameters: Floats) -> Bools:
+    """Which parameters (N, 2) are at an end of the domain: the lower one of parameter number `axis`, or the upper."""
+    low, high = surface.domain[axis]
+    share = (parameters[:, axis] - low) / (high - low)
+    return np.asarray(share <= 1e-12 if side == 0 else share >= 1 - 1e-12)
+
+
+def closed(surface: ParametricMap, mesh: Mesh) -> tuple[tuple[FlatEdge, ...], float]:
+    """The edges in which a surface of a given mesh ends, and the side, 1 or -1, on which its normals point outwards.
+
+    Raises `GeometryError` where it bounds no body, or is seen to pass through itself.
+    """
+    assert mesh.parameters is not None
+    size = float(np.ptp(mesh.points, axis=0).max())
+    around, used = Edges(mesh.triangles, len(mesh.points)).rim, np.zeros(len(mesh.points), dtype=bool)
+    wraps = [closes(surface, axis, size) for axis in (0, 1)]
+    edges, fans = list[FlatEdge](), list[Integers]()
+    for axis, side in product((0, 1), (0, 1)):
+        rows = around[is_end(surface, axis, side, mesh.parameters[around.ravel()]).reshape(-1, 2).all(axis=1)]
+        if len(rows) and wraps[1 - axis] and not wraps[axis]:
+            used[rows] = True
+            fans.append(np.column_stack([rows[:, ::-1], np.full(len(rows), len(mesh.points) + len(edges))]))
+            edges.append(_edge(surface, axis, side, size))
+    open_ = around[~used[around].all(axis=1)]
+    if len(open_):
+        raise GeometryError(
+            f"the surface bounds no body: it has an edge near {shown_point(mesh.points[open_[0, 0]])} that is no "
+            "closed curve at one end of its domain, and only such are closed by flat faces"
+        )
+    points = np.concatenate([mesh.points, *(edge.middle[None] for edge in edges)])
+    triangles = np.concatenate([mesh.triangles, *fans])
+    side_of = -1.0 if float(np.linalg.det(points[triangles] - points.mean(axis=0)).sum()) < 0 else 1.0
+    turned = []
+    for edge, fan in zip(edges, fans, strict=True):
+        a, b, c = points[fan].transpose(1, 0, 2)
+        up = side_of * float(np.cross(b - a, c - a).sum(axis=0) @ edge.outwards)  # its plane is seen from outside
+        turned.append(replace(edge, outwards=edge.outwards * np.sign(up)))
+        _check_below(turned[-1], mesh, fan, size)
+    _check_simple(points, triangles, mesh, side_of, np.unique(around))
+    return tuple(turned), side_of
+
+
+def _edge(surface: ParametricMap, axis: int, side: int, size: float) -> FlatEdge:
+    """The edge at an end of the domain; raises `GeometryError` where it is in no plane."""
+    low, high = surface.domain[1 - axis]
+    place = np.empty((AROUND, 2))
+    place[:, axis], place[:, 1 - axis] = surface.domain[axis][side], low + (high - low) * np.arange(AROUND) / AROUND
+    loop = surface(place)
+    middle = loop.mean(axis=0)
+    outwards = np.linalg.svd(loop - middle, full_matrices=False)[2][2]
+    off = float(np.abs((loop - middle) @ outwards).max())
+    if off > FLAT * size:
+        end = f"{surface.parameters[axis]} = {surface.domain[axis][side]:.6g}"
+        raise GeometryError(
+            f"the surface bounds no body: its edge at {end} is in no plane (it is off by {off:.3g}), and only plane "
+            "ends are closed by flat faces"
+        )
+    return FlatEdge(axis, side, loop, middle, outwards)
+
+
+def _check_below(edge: FlatEdge, mesh: Mesh, fan: Integers, size: float) -> None:
+    """Raise `GeometryError` where the surface is above the plane of its end beside it."""
+    beside = mesh.triangles[np.isin(mesh.triangles, fan).sum(axis=1) > 1]
+    heights = edge.heights(mesh.points[beside.ravel()]).reshape(-1, 3).max(axis=1)
+    if heights.max(initial=0.0) > FLAT * size:
+        place = mesh.points[beside[int(heights.argmax()), 0]]
+        raise GeometryError(
+            f"the surface bounds no body: near {shown_point(place)} it goes on beyond the plane in which it ends, "
+            "where no flat face closes it"
+        )
+
+
+def _check_simple(points: Floats, triangles: Integers, mesh: Mesh, side: float, edged: Integers) -> None:
+    """Raise `GeometryError` where a closed mesh is not once around what is just inside of it, or is around what is out,
+    at some vertices that are not among the `edged` ones."""
+    rows, places = np.setdiff1d(np.unique(mesh.triangles), edged), 300
+    rows = rows[np.unique(np.linspace(0, len(rows) - 1, places).astype(int))]
+    step = 4 * (mesh.deviation or 0.0)
+    origin = points.max(axis=0) + np.ptp(points, axis=0) * [0.317, 0.419, 0.523]
+    for sign, times in ((1, 0), (-1, -round(side))):
+        ends = mesh.points[rows] + sign * side * step * mesh.point_normals[rows]
+        found, known = crossed(points, triangles, origin, ends)
+        wrong = rows[known & (found != times)]
+        if len(wrong):
+            raise GeometryError(
+                f"the surface bounds no body: near {shown_point(mesh.points[wrong[0]])} it passes through itself, or "
+                f"is thinner than {2 * step:.3g}"
+            )

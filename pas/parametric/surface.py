@@ -1,56 +1,45 @@
-"""Parametric surfaces: maps of two parameters that can be proved, meshed within a tolerance, drawn and saved.
+"""Parametric surfaces, which can be proved, meshed within a tolerance, drawn and saved; curves on them, and curvatures.
 
-For a mesh the rectangle of parameters is halved until the surface P differs little enough from the bilinear interpolant
-B of a cell's corners, across the direction in which it bends more.  If |P - B| <= e on a cell and q is the length of
-B's mixed derivative, a triangle with vertices P(v), all v in the cell, is at most 2 e + q/4 away from P at equal
-parameters: B differs by q/4 from its own linear interpolant (the variance of a variable in [0, 1] is at most 1/4),
-and both this and B miss P by e.  That holds whatever points of its sides a cell shares with smaller neighbours.
+Meshes are made in the surface's own frame, so that neither its units nor those of the parameters matter.  Sides that
+close up share their vertices, sides and lines that shrink to a point have one vertex, no triangle has two equal
+vertices, and triangles are oriented along dP/dt x dP/dh.
 
-Guaranteed: for exact surfaces e is a bound, the greatest Bernstein coefficient of the numerator of P - B over the
-least weight, and rounding is counted in, that of the vertices too.  For others it is measured at points of each cell;
-features between these are missed.  All is done in the surface's own frame (`framed`), so that neither its units nor
-those of the parameters matter.  Sides that close up share their vertices, sides and lines that shrink to a point
-have one vertex, no triangle has two equal vertices, and triangles are oriented along dP/dt x dP/dh.  Not
-guaranteed: that the surface does not pass through itself.
+A path s -> (t(s), h(s)) gives the curve P(t(s), h(s)); with it come the surface's normals along the curve and the
+direction across the curve in the tangent plane, which is what a blend starts from.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
-from itertools import pairwise
-from typing import Unpack
+from functools import cached_property
+from typing import Any, Unpack
 
 import numpy as np
-from flint import fmpq
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, AffineShape
-from pas.algebra.inputs import check_tolerance
-from pas.algebra.lengths import lengths
+from pas.algebra.brief import brief
+from pas.algebra.callables import ComponentLike, component
+from pas.algebra.expressions import Formula, Names
+from pas.algebra.inputs import check_derivative, check_tolerance, short, shown
+from pas.algebra.jets import Jet, variables
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.bernstein.search import Cells, Fate, Fates, Limits, search
-from pas.errors import GeometryError, MeshError
+from pas.algebra.rational import Exact, plain, rational
+from pas.algebra.rational_function import RationalFunction
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Integers
-from pas.parametric.bounds import Examination, NetPoints, bounded, measured, surface_points
-from pas.parametric.domain import DomainLike
-from pas.parametric.maps import ParametricMap
-from pas.parametric.nets import Framed, Nets, Rectangle, exact_net, exact_rectangle
+from pas.parametric.maps import DomainLike, ParametricMap
+from pas.parametric.meshing import CellMesher
+from pas.parametric.nets import Framed, exact_rectangle
 from pas.parametric.regularity import regularity
+from pas.parametric.series import Components
 from pas.parametric.solids import solid_of
-from pas.parametric.tiling import GRID, SEAM, Placing, assemble
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
 from pas.solid.solid import Solid
 from pas.verdicts import Findings
-
-LARGEST = 1_000_000
-"""Cells; twice as many triangles would not fit into the memory of a small machine."""
 
 ParametricMesh = Mesh
 """What the meshes of parametric surfaces were called."""
@@ -98,18 +87,8 @@ class ParametricSurface(ParametricMap, AffineShape["ParametricSurface"], Shape):
         wanted = RELATIVE_TOLERANCE * framed.size
         if tolerance is not None:
             wanted = framed.inside(check_tolerance(tolerance, framed.outside(framed.size)))
-        welding = min(SEAM * framed.size, wanted / 16)
-        aim = wanted - 4 * welding  # the rest is for vertices: their rounding, and welding them
-        nets = _nets(framed, rectangle, np.array([0, GRID, 0, GRID]))
-        place: Placing = surface_points(framed.surface) if nets is None else NetPoints(framed, nets.table[0], welding)
-        examine = measured(framed.surface) if nets is None else bounded
-
-        def made(parts: tuple[int, int], even: bool) -> Mesh:
-            starts = [(_nets(framed, rectangle, cell), cell[None]) for cell in _first_cells(parts)]
-            leaves, worst = _leaves(starts, _Halving(examine, framed, aim, even))
-            return _assembled(framed, leaves, worst, place, wanted, nets is not None)
-
-        return self._kept((wanted, rectangle, how), lambda: how.best_of(partial(made, *way) for way in WAYS[how]))
+        makers = (CellMesher(framed, rectangle, wanted, *way).mesh for way in WAYS[how])
+        return self._kept((wanted, rectangle, how), lambda: how.best_of(makers))
 
     def _moved(self, map_: Affine) -> ParametricSurface:
         return self.moved(map_.matrix, map_.shift)
@@ -127,157 +106,151 @@ class ParametricSurface(ParametricMap, AffineShape["ParametricSurface"], Shape):
         return solid_of(self, self.mesh(), face)
 
 
-def _assembled(framed: Framed, leaves: Integers, worst: float, place: Placing, wanted: float, proved: bool) -> Mesh:
-    """The mesh of cells whose greatest bound is given."""
-    tiles = assemble(framed.surface, leaves, place, framed.size)
-    if not len(tiles.triangles):
-        raise GeometryError(f"the surface is a curve as far as doubles tell, less than {SEAM:.0e} as wide as long")
-    if tiles.away > wanted - worst:
-        raise MeshError(_too_fine(framed.outside(wanted)))
-    return Mesh.smooth(
-        framed.points_outside(tiles.points),
-        tiles.triangles,
-        tiles.normals,
-        parameters=framed.parameters_outside(tiles.shares),
-        deviation=framed.outside((worst + tiles.away) * (1 + 2.0**-40)),  # for the rounding of the sum of bounds
-        proved=proved,
-    )
+@dataclass(frozen=True, eq=False, init=False)
+class SurfaceCurve:
+    """The curve P(t(s), h(s)) on a parametric surface.
+
+    `t` and `h` are expressions in the one parameter `parameter`: strings, sympy expressions, numbers or
+    callables of one array.  Raises `ValueError` for one that cannot be read.
+    """
+
+    surface: ParametricSurface
+    parameter: str
+    path: tuple[Formula, Formula]
+    exact_path: tuple[RationalFunction, RationalFunction] | None
+
+    __repr__ = brief
+
+    def __init__(self, surface: ParametricSurface, t: ComponentLike, h: ComponentLike, parameter: str = "s") -> None:
+        if not isinstance(surface, ParametricSurface):
+            raise TypeError(f"surface must be a ParametricSurface, not {shown(surface)}")
+        if not isinstance(parameter, str) or not parameter.isidentifier():
+            raise ValueError(f"parameter must be a name such as 's', not {shown(parameter)}")
+        names: Names = (parameter, "")
+        first, second = (
+            component(one_parameter(e), names, name) for e, name in zip((t, h), surface.parameters, strict=True)
+        )
+        exact = None if first.exact is None or second.exact is None else (first.exact, second.exact)
+        object.__setattr__(self, "surface", surface)
+        object.__setattr__(self, "parameter", parameter)
+        object.__setattr__(self, "path", (first.formula, second.formula))
+        object.__setattr__(self, "exact_path", exact)
+
+    @property
+    def components(self) -> Components:
+        """The exact coordinates as rational functions of the parameter; raises `ValueError` where there are none."""
+        if self.exact_path is None:
+            raise ValueError("the path of this curve is not exact; give it as rational functions over Q")
+        x, y, z = (c.substitute(*self.exact_path) for c in self.surface.components)
+        return x, y, z
+
+    def parameters(self, s: ArrayLike) -> Floats:
+        """The surface's parameters (t, h) at `s` (...): shape (..., 2)."""
+        array = np.asarray(s, dtype=float)
+        return np.stack([np.broadcast_to(f(array, 0.0), array.shape) for f in self.path], axis=-1)
+
+    def __call__(self, s: ArrayLike) -> Floats:
+        """Points at `s` (...): shape (..., 3).  Raises `ValueError` outside the surface's domain."""
+        return self.surface(self.parameters(s))
+
+    def derivative(self, s: ArrayLike, order: int = 1) -> Floats:
+        """The derivative of the points of this order at `s` (...): shape (..., 3)."""
+        check_derivative(order, "order")
+        array = np.asarray(s, dtype=float)
+        self.surface(self.parameters(array))  # speaks up outside the domain
+        line, _ = variables(array, np.zeros_like(array), (order, 0))
+        with np.errstate(all="ignore"):
+            inner = [f(line, 0.0) for f in self.path]
+            parts = self.surface.values(*inner)
+        flat = np.zeros(array.shape)
+        return np.stack([p.derivative(order, 0) if isinstance(p, Jet) else flat for p in parts], axis=-1)
+
+    def tangents(self, s: ArrayLike) -> Floats:
+        """Unit tangents at `s` (...): (..., 3); nan where the curve stops."""
+        return unit(self.derivative(s))
+
+    def normals(self, s: ArrayLike) -> Floats:
+        """The surface's unit normals along the curve at `s` (...): (..., 3)."""
+        return self.surface.normals(self.parameters(s))
+
+    def across(self, s: ArrayLike) -> Floats:
+        """Unit vectors in the tangent plane across the curve, normal x tangent, at `s` (...): (..., 3)."""
+        return unit(np.cross(self.normals(s), self.tangents(s)))
 
 
-def _first_cells(parts: tuple[int, int]) -> Integers:
-    """The cells (n m, 4) into which the rectangle is cut first: multiples of 2^-13, that they can be halved often."""
-    fine = 1 << 13
-    first, second = ([round(GRID / fine * k / n) * fine for k in range(n + 1)] for n in parts)
-    return np.array([[*a, *b] for a in pairwise(first) for b in pairwise(second)])
+def iso_curve(surface: ParametricSurface, t: Exact | None = None, h: Exact | None = None) -> SurfaceCurve:
+    """The curve along which one parameter is constant: `iso_curve(surface, h="1/2")` runs along t.
+
+    Its parameter is the surface's other one.  Raises `ValueError` unless exactly one of the two is given, and
+    where that lies outside the domain.
+    """
+    if (t is None) == (h is None):
+        raise ValueError("give exactly one of t and h: the parameter that is constant")
+    fixed = 0 if h is None else 1
+    value = rational(t if h is None else h, surface.parameters[fixed])
+    if not surface.contains(value, fixed):
+        low, high = surface.domain[fixed]
+        raise ValueError(
+            f"{surface.parameters[fixed]} = {short(plain(value))} lies outside the domain [{low:.6g}, {high:.6g}]"
+        )
+    free = surface.parameters[1 - fixed]
+    return SurfaceCurve(surface, free if fixed else value, value if fixed else free, free)
 
 
-def _nets(framed: Framed, rectangle: Rectangle, cell: Integers) -> Nets | None:
-    """The net of an exact surface on a cell (4,), unless it is too large to work with: then it is measured."""
-    if not framed.bounded.is_exact:
-        return None
-    sides = zip(rectangle, cell.reshape(2, 2).tolist(), strict=True)
-    first, second = (
-        (low + (high - low) * fmpq(p, GRID), low + (high - low) * fmpq(q, GRID)) for (low, high), (p, q) in sides
-    )
-    exact = exact_net(framed.bounded, (first, second))
-    size = exact.weights.shape
-    return exact.rounded(framed.unit) if size[0] * size[1] <= 3000 and max(size) <= 500 else None
+def one_parameter(expression: Any) -> Any:
+    """A callable of one array as one of two; an expression as it is."""
+    symbolic = hasattr(expression, "free_symbols") or isinstance(expression, RationalFunction)
+    return (lambda s, _: expression(s)) if callable(expression) and not symbolic else expression
 
 
 @dataclass(frozen=True)
-class GridCells(Cells):
-    """C cells of the grid: (first, last) in both parameters (C, 4), how often they were halved, and what was seen.
+class Forms:
+    """First and second forms (N, 2, 2) and unit normals (N, 3) of a surface at N places; nan at poles.
 
-    `bounds` are those of the distance, `floors` the part that no halving takes away, `axes` the parameters across which
-    to halve, and `done` are those that stay.  `table` and `off` are the cells' `Nets`, None where there are none.
+    With P_t, P_h and the normal N = P_t x P_h / |P_t x P_h| these are I = [P_i . P_j] and II = -[P_ij . N], whose sign
+    is that of a ball with its normals outwards: the principal curvatures are the eigenvalues of I^-1 II, the normal
+    curvature in a direction u is II(u, u) / I(u, u) (do Carmo 1976, chapter 3).
     """
 
-    places: Integers
-    halvings: Integers
-    bounds: Floats
-    floors: Floats
-    axes: Integers
-    done: NDArray[np.bool_]
-    table: Floats | None
-    off: Floats | None
+    first: Floats
+    second: Floats
+    normals: Floats
 
-
-@dataclass
-class _Halving:
-    """How cells are seen, judged and halved until they are within `aim`; `count` are those that stay.
-
-    Where they are to be `even` none is long that has four sides.
-    """
-
-    examine: Examination
-    framed: Framed
-    aim: float
-    even: bool
-    count: int = 0
-
-    def seen(self, nets: Nets | None, places: Integers, halvings: Integers) -> GridCells:
-        """Cells with their bounds; nothing measured is believed before three halvings each way."""
+    @classmethod
+    def at(cls, surface: ParametricSurface, parameters: Floats) -> Forms:
+        """The forms at parameters (N, 2)."""
+        p, q, *bends = np.moveaxis(surface.partials(parameters, (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)), -2, 0)
+        cross = np.cross(p, q)
+        length = np.linalg.norm(cross, axis=-1)
+        sizes = np.linalg.norm(p, axis=-1) * np.linalg.norm(q, axis=-1)
         with np.errstate(all="ignore"):
-            errors = self.examine(nets, places)
-            bounds, axes = errors.bounds_and_axes
-        if nets is None:
-            bounds[halvings < 6] = math.inf
-        axes = np.where(np.isfinite(bounds), axes, halvings % 2)
-        done = bounds <= self.aim
-        if self.even:
-            done &= ~_long(errors.corners, axes, done)
-        table, off = (None, None) if nets is None else (nets.table, nets.off)
-        return GridCells(places, halvings, bounds, errors.least, axes, done, table, off)
+            normals = cross / np.where(length > 1e-12 * sizes, length, np.nan)[:, None]
+        first = _symmetric(*((u * v).sum(axis=-1) for u, v in ((p, p), (p, q), (q, q))))
+        return cls(first, _symmetric(*(-(b * normals).sum(axis=-1) for b in bends)), normals)
 
-    def judge(self, cells: GridCells, _: int) -> Fates:
-        """Raises `MeshError` or `GeometryError` where halving on would be in vain."""
-        self.count += int(cells.done.sum())
-        far = cells.select(cells.bounds > self.aim)
-        if 2 * float(far.floors.max(initial=0.0)) > self.aim:
-            raise MeshError(_too_fine(self.framed.outside(self.aim)))
-        if not cells.done.all():
-            self._require_hope(far, self.count + len(cells))
-        return np.where(cells.done, int(Fate.KEEP), int(Fate.SPLIT))
+    @property
+    def principal(self) -> Floats:
+        """Principal curvatures (N, 2), the larger first, positive where it bends like a ball with normals outwards."""
+        (a, b, c), (e, f, g) = ((m[:, 0, 0], m[:, 0, 1], m[:, 1, 1]) for m in (self.first, self.second))
+        with np.errstate(all="ignore"):
+            area = a * c - b * b
+            mean = (e * c - 2 * f * b + g * a) / (2 * area)
+            gauss = (e * g - f * f) / area
+            half = np.sqrt(np.maximum(mean * mean - gauss, 0.0))
+        return np.stack([mean + half, mean - half], axis=1)
 
-    def _require_hope(self, far: GridCells, count: int) -> None:
-        """A cell without a bound after 32 halvings is 2e-5 wide each way, and reported as a pole; after 40 any cell is,
-        since smooth surfaces have run out of triangles before."""
-        lost = far.select((far.halvings >= 40) | ~np.isfinite(far.bounds))
-        if len(lost) and (lost.halvings.max() >= 32 or count > LARGEST):
-            values = self.framed.parameters_outside(lost.places[0].reshape(2, 2).mean(axis=1) / GRID)
-            names = self.framed.bounded.parameters
-            place = ", ".join(f"{name} = {x:.6g}" for name, x in zip(names, values, strict=True))
-            what = "the surface has a pole, jumps, or numerator and denominator vanish together,"
-            raise GeometryError(f"{what} near {place}; give a domain that avoids it")
-        if count > LARGEST:
-            tolerance = self.framed.outside(self.aim)
-            raise MeshError(f"the tolerance {tolerance:.3g} needs more than {2 * LARGEST} triangles; give a larger one")
+    def along(self, directions: Floats) -> Floats:
+        """Normal curvatures (N,) in directions (2,) or (N, 2) of the parameters."""
+        ways = np.broadcast_to(directions, (len(self.normals), 2))
+        with np.errstate(all="ignore"):
+            above, below = (np.einsum("ni,nij,nj->n", ways, form, ways) for form in (self.second, self.first))
+            return np.asarray(above / below)
 
-    def split(self, cells: GridCells) -> GridCells:
-        """Both halves of all."""
-        first, *second = (self._halved(part, axis) for axis in (0, 1) if len(part := cells.select(cells.axes == axis)))
-        return first.joined(second)
-
-    def _halved(self, cells: GridCells, axis: int) -> GridCells:
-        starts, ends = cells.places[:, 2 * axis], cells.places[:, 2 * axis + 1]
-        width = ends - starts
-        if ((width % 2 == 1) & (width > 1)).any():
-            raise MeshError("a third of the rectangle cannot be halved that often")
-        left, right = cells.places.copy(), cells.places.copy()
-        left[:, 2 * axis + 1] = right[:, 2 * axis] = (starts + ends) // 2
-        nets = None if cells.table is None or cells.off is None else Nets(cells.table, cells.off).halves(axis)
-        return self.seen(nets, np.concatenate([left, right]), np.tile(cells.halvings + 1, 2))
+    def principal_for(self, normals: Floats) -> Floats:
+        """`principal` as seen from the side to which `normals` (N, 3) point."""
+        turned = (self.normals * normals).sum(axis=1) < 0
+        return np.where(turned[:, None], -self.principal[:, ::-1], self.principal)
 
 
-def _leaves(starts: Sequence[tuple[Nets | None, Integers]], halving: _Halving) -> tuple[Integers, float]:
-    """Cells (C, 4) as (first, last) in both parameters on a grid of GRID steps, and the greatest bound.
-
-    Some are searched at a time, not to fill the memory; those at poles come first.
-    """
-    pending = [halving.seen(nets, places, np.zeros(len(places), dtype=np.intp)) for nets, places in starts]
-    leaves, worst = list[Integers](), 0.0
-    while pending:
-        cells = pending.pop()
-        batch = 1 << 18  # coefficients of the cells that are searched at a time
-        most = batch // (4 if cells.table is None else cells.table[0].size)
-        found = search(cells, halving.judge, halving.split, Limits(cells=most), "meshing a surface")
-        leaves.append(found.kept.places)
-        worst = max(worst, float(found.kept.bounds.max(initial=0.0)))
-        order = np.argsort(~np.isfinite(found.open.bounds), kind="stable")
-        pending += [found.open.select(rows) for rows in np.array_split(order, 4) if len(rows)]
-    return np.concatenate(leaves), worst
-
-
-def _long(corners: Floats, axes: Integers, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which chosen cells (C,) of given corners (C, 2, 2, 3) are over 1.5 times as long as wide, and are to be halved
-    across, which is written to `axes`."""
-    sides = [lengths(np.diff(corners, axis=axis)).reshape(-1, 2) for axis in (1, 2)]
-    whole = np.min([side.min(axis=1) for side in sides], axis=0) > SEAM
-    first, second = (side.sum(axis=1) for side in sides)
-    result = chosen & whole & ((first > 1.5 * second) | (second > 1.5 * first))
-    axes[result] = np.where(first > second, 0, 1)[result]
-    return np.asarray(result)
-
-
-def _too_fine(tolerance: float) -> str:
-    return f"the tolerance {tolerance:.3g} is finer than doubles resolve on this surface; give a larger one"
+def _symmetric(a: Floats, b: Floats, c: Floats) -> Floats:
+    return np.stack([np.stack([a, b], axis=-1), np.stack([b, c], axis=-1)], axis=-2)

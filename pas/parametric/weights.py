@@ -2,12 +2,11 @@
 
     f_i = N_i / (N_i + (1 - u_i) (h - s_i)^m),   N_i = u_i prod_{j != i} (h - s_j)^m,   m >= k + 1
 
-(for two surfaces Hartmann 2001, with u_2 = 1 - u_1 so that f_1 + f_2 = 1; for more Perez-Diaz and Sendra
-2003, theorem 7, corrected).  f_i is 1 up to order m - 1 at s_i and 0 up to order m - 1 at the other values.
-With m even and 0 < u_i < 1 no denominator has a real zero: it is a sum of two squares that vanish
-nowhere together.  The printed exponent m = k + 1 has real poles for even k and more than two
-surfaces.  For two surfaces m = k + 1 is kept: a pole, if any, lies outside the interval (and both
-signs are chosen so that there is none inside).
+(for two surfaces Hartmann 2001, with u_2 = 1 - u_1 so that f_1 + f_2 = 1; for more Perez-Diaz and Sendra 2003, theorem
+7, corrected).  f_i is 1 up to order m - 1 at s_i and 0 up to order m - 1 at the other values.  With m even and 0 < u_i
+< 1 no denominator has a real zero: it is a sum of two squares that vanish nowhere together.  The printed exponent m = k
++ 1 has real poles for even k and more than two surfaces.  For two surfaces m = k + 1 is kept: a pole, if any, lies
+outside the interval (and both signs are chosen so that there is none inside).
 
 For more than two surfaces the f_i do not add up to 1, so the blend depends on the origin of space;
 normalised weights f_i / sum f_j do, keep the order of contact, and commute with affine maps.

@@ -11,10 +11,10 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.mesh.mesh import Mesh
-from pas.parametric.curves import Forms
 from pas.parametric.generatrix.blend import GeneratrixBlend
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.sphere import SphereBlend
+from pas.parametric.surface import Forms
 from pas.render.neighbours import collar
 from pas.render.parametric import UNKNOWN, blend_curves, combs_on, principal_on
 from pas.render.scene import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Comb, Layer, Scene

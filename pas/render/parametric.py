@@ -14,10 +14,9 @@ from pas.algebra.rational import to_float
 from pas.errors import LimitError, PasError
 from pas.mesh.mesh import Mesh
 from pas.parametric.blends import ParametricBlend
-from pas.parametric.curves import Forms
-from pas.parametric.domain import Domain
+from pas.parametric.maps import Domain
 from pas.parametric.nets import extent, finite_domain
-from pas.parametric.surface import ParametricSurface
+from pas.parametric.surface import Forms, ParametricSurface
 from pas.render.scene import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Comb, Layer, Scene
 
 Line = tuple[Floats, Floats]

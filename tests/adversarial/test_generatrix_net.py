@@ -292,7 +292,7 @@ def test_measured_contacts_of_parametric_blends():
     right = pas.hermite_blend(data, 1).prove()
     assert all(v.status is Status.HOLDS_MEASURED for v in right.contacts)
     other = pas.BlendingData([waves[0], pas.ParametricSurface("t", "h", "sin(t)*h/3 + h^2/50")])
-    from pas.parametric.proofs import contact_verdicts
+    from pas.parametric.data import contact_verdicts
 
     wrong = contact_verdicts(pas.hermite_blend(data, 1).surface, other, 1)
     assert [v.status for v in wrong] == [Status.HOLDS_MEASURED, Status.FAILS_MEASURED]

@@ -13,8 +13,8 @@ from parametric_cases import ONE, POWERS, Case, H, T, case, number
 from parametric_contacts import contact_case
 
 import pas
+from pas.parametric.data import contact_verdicts
 from pas.parametric.nets import extent
-from pas.parametric.proofs import contact_verdicts
 from pas.parametric.regularity import base_points, regularity
 from pas.parametric.surface import ParametricSurface
 from pas.verdicts import Status

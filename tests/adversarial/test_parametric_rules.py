@@ -15,13 +15,12 @@ from parametric_cases import ONE, H, T
 
 import pas
 from pas.parametric.blends import ParametricBlend, hermite_blend
-from pas.parametric.bounds import NetPoints, bounded
 from pas.parametric.common_zeros import UNIT_SQUARE, avoids_origin, without_common_zero
-from pas.parametric.data import BlendingData
+from pas.parametric.data import BlendingData, contact_verdicts
 from pas.parametric.fitting import FittedPatch, _bound, _knots, _outer
 from pas.parametric.generatrix.crossings import is_injective
+from pas.parametric.meshing import NetPoints, bounded
 from pas.parametric.nets import Framed, Nets, exact_net, exact_rectangle
-from pas.parametric.proofs import contact_verdicts
 from pas.parametric.regularity import positive_on_unit_square, regularity
 from pas.parametric.series import roots_and_sides, roots_between
 from pas.parametric.surface import ParametricSurface
@@ -230,7 +229,7 @@ def test_bounds_of_cells_count_their_rounding(far, weight):
     nets, low, size, draw = exact.rounded(), [Fraction(0), Fraction(0)], [Fraction(1), Fraction(1)], Random(far)
     finite = 0
     for step in range(12):
-        look = bounded(nets, np.zeros((1, 4), dtype=int))
+        look = bounded(nets)
         if np.isfinite(look.slack).all():
             finite += 1
             reach = Fraction(float(np.linalg.norm(look.errors[0], axis=-1).max())) + Fraction(float(look.slack[0]))

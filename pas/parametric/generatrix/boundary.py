@@ -22,10 +22,9 @@ from pas.algebra.inputs import short, shown
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Exact
+from pas.algebra.rational import Exact, cross
 from pas.algebra.rational_function import RationalFunction
 from pas.errors import GeometryError
-from pas.parametric.curves import SurfaceCurve
 from pas.parametric.generatrix.paths import (
     CHECKED,
     NAMES,
@@ -34,7 +33,6 @@ from pas.parametric.generatrix.paths import (
     ExactCurve,
     by_length,
     closes,
-    exact_cross,
     on_unit_interval,
     read_path,
     require_boundary,
@@ -44,7 +42,7 @@ from pas.parametric.generatrix.paths import (
 )
 from pas.parametric.generatrix.quadric import within_reach
 from pas.parametric.series import composed
-from pas.parametric.surface import ParametricSurface
+from pas.parametric.surface import ParametricSurface, SurfaceCurve
 
 
 @dataclass(frozen=True)
@@ -127,7 +125,7 @@ class Boundary:
         if path.is_exact and vectors.is_exact:
             exact = ExactCurve(path.components, vectors.components, tangent is None)
         field: Curve = lambda s: value_at(vectors, s)  # noqa: E731
-        return cls._of(*_along(path), field, closed, name, has_normal=tangent is None, exact=exact, side=side)
+        return part(*_along(path), field, closed=closed, name=name, has_normal=tangent is None, exact=exact, side=side)
 
     @classmethod
     def on_implicit(
@@ -156,7 +154,7 @@ class Boundary:
         else:
             require_on(f, path, name)
         field: Curve = lambda s: f.gradient(value_at(path, s))  # noqa: E731
-        return cls._of(*_along(path), field, closed, name, exact=exact, side=side, surface=f)
+        return part(*_along(path), field, closed=closed, name=name, exact=exact, side=side, surface=f)
 
     @classmethod
     def on_parametric(
@@ -170,39 +168,23 @@ class Boundary:
         """A curve on a parametric surface, such as `iso_curve(surface, h=1)`, over an interval of its parameter."""
         if not isinstance(curve, SurfaceCurve):
             raise TypeError(f"curve must be a SurfaceCurve, made by iso_curve or SurfaceCurve, not {shown(curve)}")
-        (low, high), line = on_unit_interval(interval, name)
-        own: Curve = lambda s: low + (high - low) * s  # noqa: E731
-        curve.surface(curve.parameters(own(CHECKED)))  # speaks up outside the domain
+        ends, line = on_unit_interval(interval, name)
+        low, high = ends
+        curve.surface(curve.parameters(low + (high - low) * CHECKED))  # speaks up outside the domain
         exact = None
         if curve.surface.is_exact and curve.exact_path is not None:
             t, h = (RationalFunction(p, NAMES).substitute(line, line) for p in curve.exact_path)
             first, second = ([c.diff(*o).substitute(t, h) for c in curve.surface.components] for o in ((1, 0), (0, 1)))
             x, y, z = (c.substitute(t, h) for c in curve.surface.components)
-            exact = ExactCurve((x, y, z), exact_cross(first, second), True)
+            exact = ExactCurve((x, y, z), cross(first, second), True)
 
         def field(s: Floats) -> Floats:
-            tangents = curve.surface.tangents(curve.parameters(own(s)))
+            tangents = curve.surface.tangents(curve.parameters(s))
             return np.cross(tangents[..., 0, :], tangents[..., 1, :])
 
-        return cls._of(
-            lambda s: curve(own(s)),
-            lambda s: (high - low) * curve.derivative(own(s)),
-            field,
-            closed,
-            name,
-            exact=exact,
-            side=side,
-            surface=curve.surface,
-            parameters=lambda s: curve.parameters(own(s)),
-        )
-
-    @classmethod
-    def _of(
-        cls, curve: Curve, velocity: Curve, field: Curve, closed: bool | None, name: str, **others: Any
-    ) -> Boundary:
-        """One whose field is a normal unless said, and closed, if that is None, as it is found to be."""
-        shut = closes(curve(CHECKED)) if closed is None else closed
-        return cls(curve, velocity, field, **({"has_normal": True} | others), closed=shut, name=name)
+        parameters: Curve = lambda s: curve.parameters(low + (high - low) * s)  # noqa: E731
+        known: dict[str, Any] = {"exact": exact, "surface": curve.surface, "parameters": parameters}
+        return part(curve, curve.derivative, field, ends, closed=closed, name=name, side=side, **known)
 
     @classmethod
     def from_points(
@@ -218,8 +200,7 @@ class Boundary:
         Both are interpolated by cubic splines (periodic for closed curves, whose first point is not to be
         repeated, else natural) over the chords' lengths; the normals between are then made perpendicular to the curve.
         """
-        curve, velocity, direction = splined(points, normals, closed, name)
-        return cls(curve, velocity, direction, True, closed, name, None, side)
+        return cls(*splined(points, normals, closed, name), True, closed, name, None, side)
 
     def own(self, s: ArrayLike) -> Floats:
         """The curve's own parameters at the blend's `s` (...)."""
@@ -283,6 +264,28 @@ class Boundary:
     def _shaped(self, function: Curve, s: ArrayLike) -> Floats:
         own = self.own(s)
         return np.asarray(function(own.ravel()), dtype=float).reshape(*own.shape, 3)
+
+
+def part(
+    curve: Curve,
+    velocity: Curve,
+    direction: Curve,
+    ends: tuple[float, float] = (0.0, 1.0),
+    closed: bool | None = None,
+    has_normal: bool = True,
+    **others: Any,
+) -> Boundary:
+    """The part of a curve between two of its parameters; `closed` None: as it is found to be."""
+    low, width = ends[0], ends[1] - ends[0]
+    shut = closes(curve(low + width * CHECKED)) if closed is None else closed
+    return Boundary(
+        lambda s: curve(low + width * s),
+        lambda s: width * velocity(low + width * s),
+        lambda s: direction(low + width * s),
+        has_normal,
+        shut,
+        **others,
+    )
 
 
 def _along(path: ParametricSurface) -> tuple[Curve, Curve]:

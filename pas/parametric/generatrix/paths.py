@@ -22,12 +22,11 @@ from pas.algebra.inputs import shown
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, rational, to_float
-from pas.algebra.rational_function import GENERATORS, RationalFunction, total
+from pas.algebra.rational import Exact, cross, dot, rational, to_float
+from pas.algebra.rational_function import GENERATORS, RationalFunction
 from pas.errors import GeometryError
-from pas.parametric.curves import one_parameter
 from pas.parametric.series import Components, in_one, zeros_in_unit_interval
-from pas.parametric.surface import ParametricSurface
+from pas.parametric.surface import ParametricSurface, one_parameter
 
 NAMES: Names = ("s", "t")
 
@@ -69,11 +68,10 @@ def space_curve(expression: CurveLike, name: str) -> ParametricSurface:
         return ParametricSurface(first, second, third, NAMES)
     if isinstance(expression, str) or not hasattr(expression, "__len__") or len(expression) != 3:
         raise TypeError(f"{name} must be three expressions in s or one callable, not {shown(expression)}")
-    parts: list[Any] = []
-    for entry, axis in zip(expression, "xyz", strict=True):
-        made = component(one_parameter(entry), ("s", ""), f"{axis} of {name}")
-        parts.append(made.formula if made.exact is None else RationalFunction(made.exact, NAMES))
-    x, y, z = parts
+    read = (
+        component(one_parameter(e), ("s", ""), f"{axis} of {name}") for e, axis in zip(expression, "xyz", strict=True)
+    )
+    x, y, z = (made.formula if made.exact is None else made.exact for made in read)
     return ParametricSurface(x, y, z, NAMES)
 
 
@@ -101,9 +99,8 @@ def value_at(path: ParametricSurface, s: Floats, order: int = 0) -> Floats:
 def splined(points: ArrayLike, normals: ArrayLike, closed: bool, name: str) -> tuple[Curve, Curve, Curve]:
     """C, C' and N as functions of s in [0, 1]: periodic or natural cubic splines over the chords' lengths.
 
-    The interpolated normals are made perpendicular to C', which changes them between the samples, and at a
-    sample only as far as they were not.  Raises `ValueError` for arrays of other shapes, `GeometryError` for
-    repeated points.
+    The interpolated normals are made perpendicular to C', which changes them between the samples, and at a sample only
+    as far as they were not.  Raises `ValueError` for arrays of other shapes, `GeometryError` for repeated points.
     """
     from scipy.interpolate import CubicSpline
 
@@ -177,17 +174,17 @@ class ExactCurve:
     @cached_property
     def across(self) -> Components:
         """N x C', or V."""
-        return exact_cross(self.field, self.velocity) if self.has_normal else self.field
+        return cross(self.field, self.velocity) if self.has_normal else self.field
 
     @cached_property
     def normal(self) -> Components:
         """N, or V x C'."""
-        return self.field if self.has_normal else exact_cross(self.field, self.velocity)
+        return self.field if self.has_normal else cross(self.field, self.velocity)
 
     @property
     def lies_in_plane(self) -> bool:
         """Whether C' and the field across it are perpendicular to the normal, identically."""
-        return all(exact_dot(v, self.normal).is_zero for v in (self.velocity, self.across))
+        return all(dot(v, self.normal).is_zero for v in (self.velocity, self.across))
 
     def require_regular(self, name: str) -> None:
         """Raise `GeometryError` where a pole, C' = 0 or a vanishing field lies in [0, 1]."""
@@ -198,16 +195,6 @@ class ExactCurve:
         _refuse(name, what, [c.numerator for c in self.field])
         if not self.has_normal:
             _refuse(name, "the tangent vector given is along the curve", [c.numerator for c in self.normal])
-
-
-def exact_cross(a: Sequence[RationalFunction], b: Sequence[RationalFunction]) -> Components:
-    """The vector product."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-def exact_dot(a: Sequence[RationalFunction], b: Sequence[RationalFunction]) -> RationalFunction:
-    """The scalar product."""
-    return total([x * y for x, y in zip(a, b, strict=True)])
 
 
 def _refuse(name: str, what: str, polynomials: Sequence[fmpq_mpoly]) -> None:

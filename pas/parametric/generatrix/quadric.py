@@ -32,10 +32,9 @@ from pas.algebra.brief import brief
 from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Vector, exact, rational, to_float, to_fraction
+from pas.algebra.rational import Vector, square_root, to_floats, to_fraction
 from pas.algebra.roots import between, real_roots
 from pas.parametric.hermite import taylor_basis
-from pas.parametric.series import square_root
 
 Inertia = tuple[int, int]
 """Numbers of positive and of negative eigenvalues."""
@@ -153,18 +152,17 @@ def read_plane(plane: PolynomialLike, name: str = "the plane") -> tuple[Vector, 
     polynomial = Polynomial(plane)
     if polynomial.degree != 1:
         raise ValueError(f"{name} must be a polynomial of degree 1 such as 'z - 1', not {short(str(polynomial))}")
-    c = {e: rational(v) for e, v in polynomial.coefficients().items()}
-    zero = fmpq(0)
-    normal = (c.get((1, 0, 0), zero), c.get((0, 1, 0), zero), c.get((0, 0, 1), zero))
-    greatest = to_fraction(max(map(abs, normal)))
-    scale = fmpq(1) if REACH[0] <= greatest <= REACH[1] else rational(greatest)
+    c = polynomial.raw.to_dict()
+    normal = [c.get(e, fmpq(0)) for e in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
+    greatest = max(map(abs, normal))
+    scale = 1 if REACH[0] <= to_fraction(greatest) <= REACH[1] else greatest
     x, y, z = (n / scale for n in normal)
-    return (x, y, z), -c.get((0, 0, 0), zero) / scale
+    return (x, y, z), -c.get((0, 0, 0), fmpq(0)) / scale
 
 
 def to_array(matrix: fmpq_mat) -> Floats:
     """The entries rounded to doubles."""
-    return np.array([[to_float(c) for c in row] for row in matrix.tolist()])
+    return np.array([to_floats(row) for row in matrix.tolist()])
 
 
 def plane_text(normal: Vector, offset: fmpq) -> str:
@@ -173,9 +171,6 @@ def plane_text(normal: Vector, offset: fmpq) -> str:
     equation = Polynomial({(1, 0, 0): x, (0, 1, 0): y, (0, 0, 1): z, (0, 0, 0): -offset})
     return f"{short(str(equation))} = 0"
 
-
-DEGREE = 4
-"""Of D in cos a, sin a."""
 
 PLANES = ((1, 1), (1, 0), (0, 1))
 
@@ -234,8 +229,7 @@ class Rulings:
 def members(first: Quadric, second: Quadric) -> list[Member]:
     """The two quadrics, and a member for each interval and each rational multiple root of det(A + mu B)."""
     a, b = first.matrix, second.matrix
-    mixed = (a + b * mu for mu in _candidates(a, b))
-    return [Member(m, inertia(m)) for m in (a, b, *mixed)]
+    return [Member(m, inertia(m)) for m in (a, b, *(a + b * mu for mu in _candidates(a, b)))]
 
 
 def _candidates(a: fmpq_mat, b: fmpq_mat) -> Iterator[fmpq]:
@@ -284,7 +278,7 @@ def _frame(member: Member) -> Floats:
 
 
 def planes_of(member: Member) -> list[tuple[fmpq, ...]]:
-    """The planes of a member of rank one or two: one or two, exact where they are rational, else rounded to doubles.
+    """The planes of a member of rank one or two: one or two, exact where they are rational, else to 2^-60.
 
     Q = sum d_i (row_i)^2 by completing squares; d1 x^2 - d2 y^2 = 0 are the planes x +- sqrt(d2 / d1) y.
     """
@@ -292,8 +286,7 @@ def planes_of(member: Member) -> list[tuple[fmpq, ...]]:
     if len(squares) == 1:
         return [tuple(squares[0][1])]
     (d1, x), (d2, y) = squares
-    root = square_root(abs(d2 / d1))
-    ratio = exact(to_float(abs(d2 / d1)) ** 0.5) if root is None else root
+    ratio = square_root(abs(d2 / d1))
     return [tuple(a + sign * ratio * b for a, b in zip(x, y, strict=True)) for sign in (1, -1)]
 
 

@@ -24,7 +24,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import PolynomialLike
 from pas.algebra.rational import Exact, Vector, dot, exact, to_float, to_floats, two_across
 from pas.errors import GeometryError
-from pas.parametric.generatrix.boundary import Boundary, ContactBounds
+from pas.parametric.generatrix.boundary import Boundary, ContactBounds, part
 from pas.parametric.generatrix.paths import on_unit_interval
 from pas.parametric.generatrix.quadric import Quadric, plane_text, read_plane, to_array
 
@@ -81,8 +81,7 @@ class _Plane:
         return cls(normal, offset, (x, y, z), two_across(normal))
 
     def place(self, a: fmpq, b: fmpq) -> tuple[fmpq, ...]:
-        u, v = self.basis
-        return tuple(p + a * x + b * y for p, x, y in zip(self.point, u, v, strict=True))
+        return tuple(p + a * x + b * y for p, x, y in zip(self.point, *self.basis, strict=True))
 
     def vector(self, a: Any, b: Any) -> Floats:
         """a u + b v, rounded."""
@@ -116,21 +115,19 @@ def plane_section(
     name = f"the section of {short(str(f))} = 0 by {plane_text(normal, offset)}" if name is None else name
     if branch not in (1, -1):
         raise ValueError(f"branch must be 1 or -1, not {shown(branch)}")
-    closed = conic.kind is ConicKind.ELLIPSE
-    if closed:
-        low, high = 0.0, 2.0 * np.pi
-    elif interval is None:
+    closed, ends = conic.kind is ConicKind.ELLIPSE, (0.0, 2.0 * np.pi)
+    if not closed and interval is None:
         raise GeometryError(
             f"{name} is a {conic.kind.value}, an open curve: say which part, for example interval=(-1, 1)"
         )
-    else:
-        (low, high), _ = on_unit_interval(interval, name)
+    if not closed and interval is not None:
+        ends, _ = on_unit_interval(interval, name)
     sign = branch if conic.kind is ConicKind.HYPERBOLA else 1
-    return Boundary(
-        lambda s: conic(low + (high - low) * s, 0, sign),
-        lambda s: (high - low) * conic(low + (high - low) * s, 1, sign),
-        lambda s: f.gradient(conic(low + (high - low) * s, 0, sign)),
-        has_normal=True,
+    return part(
+        lambda u: conic(u, 0, sign),
+        lambda u: conic(u, 1, sign),
+        lambda u: f.gradient(conic(u, 0, sign)),
+        ends,
         closed=closed,
         name=name,
         side=side,

@@ -18,10 +18,10 @@ import numpy as np
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import check_tolerance, shown, shown_point
-from pas.algebra.lengths import unit
+from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, VectorLike, positive, rational, to_float, to_floats, vector
+from pas.algebra.rational import Exact, VectorLike, dot, positive, to_float, to_floats, vector
 from pas.errors import GeometryError, MeshError
 from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
@@ -113,12 +113,14 @@ class SphereBlend(Shape):
         """The blends on grids of a size, whose last points in t are the circles, and the sphere."""
         n, m = size
         count, origin = n * m, np.array(self.center)
-        tubes = [_outward(blend.mesh(size=size), m, origin) for blend in self.blends]
-        rims = [np.arange(n) * m + m - 1 + number * count for number in range(len(tubes))]
+        tubes, rim = [blend.mesh(size=size) for blend in self.blends], np.arange(m - 1, count, m)
+        outwards = [((tube.points[rim] - origin) * tube.point_normals[rim]).sum() >= 0 for tube in tubes]
+        tubes = [tube if out else tube.flipped for tube, out in zip(tubes, outwards, strict=True)]
+        circles = [(tube.points[rim] - origin) / self.radius for tube in tubes]
         points = np.concatenate([tube.points for tube in tubes])
-        circles = [(points[rim] - origin) / self.radius for rim in rims]
         free = _between(circles, n)
         faces = _hull(np.concatenate([*circles, free]), len(circles), n)
+        rims = [rim + number * count for number in range(len(tubes))]
         numbers = np.concatenate([*rims, len(points) + np.arange(len(free))])
         triangles = [tube.triangles + number * count for number, tube in enumerate(tubes)]
         mesh = Mesh.smooth(
@@ -142,10 +144,8 @@ class SphereBlend(Shape):
 
 def _sphere_deviation(mesh: Mesh, blend: SphereBlend) -> float:
     """How far the triangles on the sphere are inside it at most: where their planes come nearest to the centre."""
-    corners = mesh.triangles[mesh.faces == mesh.names.index(SPHERE)].T
-    a, b, c = (mesh.points[corner] - blend.center for corner in corners)
-    normal = np.cross(b - a, c - a)
-    heights = np.abs((normal * a).sum(axis=1)) / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
+    a, b, c = (mesh.points[mesh.triangles[mesh.faces == mesh.names.index(SPHERE)]] - blend.center).transpose(1, 0, 2)
+    heights = np.abs((np.nan_to_num(unit(np.cross(b - a, c - a))) * a).sum(axis=1))
     return float((blend.radius - heights).max(initial=0.0))
 
 
@@ -162,13 +162,6 @@ def _grid_deviation(blend: GeneratrixBlend, size: tuple[int, int]) -> float:
         (points[1::2, 1::2], corners[:-1, :-1], corners[1:, 1:]),  # of the diagonals that `connectivity` draws
     )
     return max(float(np.linalg.norm(p - (a + b) / 2, axis=-1).max()) for p, a, b in middles)
-
-
-def _outward(tube: Mesh, m: int, origin: Floats) -> Mesh:
-    rim = slice(m - 1, None, m)
-    if ((tube.points[rim] - origin) * tube.point_normals[rim]).sum() >= 0:
-        return tube
-    return tube.flipped
 
 
 def _between(circles: Sequence[Floats], n: int) -> Floats:
@@ -220,10 +213,10 @@ def blend_through_sphere(
     Raises `ValueError` for fewer than two boundaries or a radius not positive, `GeometryError` for open
     boundaries, ones that reach into the sphere, and circles that cannot be disjoint.
     """
-    items, middle, size = tuple(boundaries), vector(center, "center"), rational(radius, "radius")
+    items, middle = tuple(boundaries), vector(center, "center")
     if len(items) < 2:
         raise ValueError(f"a blend through a sphere needs at least two boundaries, not {len(items)}")
-    positive(size, "radius")
+    size = positive(radius, "radius")
     o, r = np.array(to_floats(middle)), to_float(size)
     directions, widths = zip(*(_seen(item, i, o, r) for i, item in enumerate(items)), strict=True)
     gaps = _gaps(np.array(directions))
@@ -233,12 +226,13 @@ def blend_through_sphere(
     else:
         chosen = tuple(map(float, angles))
         _require_disjoint(chosen, gaps, len(items))
-    coordinates = (Polynomial(v) - Polynomial(c) for v, c in zip("xyz", middle, strict=True))
+    coordinates = [Polynomial(v) - Polynomial(c) for v, c in zip("xyz", middle, strict=True)]
     f = sum((p * p for p in coordinates), Polynomial(-size * size))
-    circles = tuple(
-        plane_section(f, _plane(u, o, r * math.cos(a)), name=f"circle {i} on the sphere")
-        for i, (u, a) in enumerate(zip(directions, chosen, strict=True))
+    planes = (
+        dot(coordinates, list(map(Polynomial, u.tolist()))) - r * math.cos(a)
+        for u, a in zip(directions, chosen, strict=True)
     )
+    circles = tuple(plane_section(f, p, name=f"circle {i} on the sphere") for i, p in enumerate(planes))
     blends = tuple(generatrix_blend(item, circle, shape) for item, circle in zip(items, circles, strict=True))
     return SphereBlend((float(o[0]), float(o[1]), float(o[2])), r, circles, chosen, blends)
 
@@ -250,7 +244,7 @@ def _seen(boundary: Any, number: int, center: Floats, radius: float) -> tuple[Fl
     if not boundary.closed:
         raise GeometryError(f"boundaries[{number}] ({boundary.name}) is open; circles on a sphere are closed")
     points = boundary(np.linspace(0, 1, 256, endpoint=False))
-    away = np.linalg.norm(points - center, axis=1)
+    away = lengths(points - center)
     if away.min() <= radius:
         where = shown_point(points[int(away.argmin())], 6)
         raise GeometryError(
@@ -294,9 +288,3 @@ def _require_disjoint(angles: Sequence[float], gaps: Floats, number: int) -> Non
                 f"the circles {i} and {j} overlap: their half-angles {angles[i]:.4g} + {angles[j]:.4g} must be less "
                 f"than {gaps[i, j]:.4g}, the angle between their directions"
             )
-
-
-def _plane(direction: Floats, center: Floats, distance: float) -> Polynomial:
-    offset = float(direction @ center) + distance
-    x, y, z = map(float, direction)
-    return Polynomial({(1, 0, 0): x, (0, 1, 0): y, (0, 0, 1): z, (0, 0, 0): -offset})

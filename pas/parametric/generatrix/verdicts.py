@@ -26,19 +26,18 @@ from math import comb
 import numpy as np
 
 from pas.algebra.brief import brief
-from pas.algebra.lengths import exponent, lengths
+from pas.algebra.lengths import exponent, lengths, unit
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import dot, rational
+from pas.algebra.rational import dot
 from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction
-from pas.bernstein.search import Cells, Fate, Fates, Limits, search
-from pas.bernstein.subdivision import halves
+from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.contacts.ends import triple
-from pas.mesh.rows import Integers
 from pas.parametric.common_zeros import avoids_origin
 from pas.parametric.generatrix.align import alignment
 from pas.parametric.generatrix.crossings import crossings, double_point, is_injective
 from pas.parametric.generatrix.form import GeneratrixForm
-from pas.parametric.generatrix.paths import NAMES, exact_dot
+from pas.parametric.generatrix.paths import NAMES
+from pas.parametric.nets import PlacedNets
 from pas.parametric.regularity import regularity
 from pas.verdicts import Status, Verdict, Verdicts
 
@@ -107,15 +106,15 @@ def _touches(blend: GeneratrixForm, number: int) -> bool:
     def at_end(order: tuple[int, int]) -> list[RationalFunction]:
         return [c.diff(*order).substitute(s, end) for c in blend.surface.components]
 
-    on = all(c == d for c, d in zip(at_end((0, 0)), exact.curve, strict=True))
-    return on and all(exact_dot(at_end(order), exact.normal).is_zero for order in ((1, 0), (0, 1)))
+    on = at_end((0, 0)) == list(exact.curve)
+    return on and all(dot(at_end(order), exact.normal).is_zero for order in ((1, 0), (0, 1)))
 
 
 def _measured_contact(blend: GeneratrixForm, number: int, claim: str) -> Verdict:
     boundary, samples = blend.boundaries[number], 257
     s = np.linspace(0.0, 1.0, samples)
     places, points = np.stack([s, np.full(samples, float(number))], axis=-1), boundary(s)
-    sines = np.linalg.norm(np.cross(blend.surface.normals(places), boundary.normals(s)), axis=-1)
+    sines = lengths(np.cross(blend.surface.normals(places), boundary.normals(s)))
     gaps = lengths(blend.surface(places) - points)
     if not (np.isfinite(sines).all() and np.isfinite(gaps).all()):
         i = int(np.flatnonzero(~np.isfinite(sines + gaps))[0])
@@ -154,8 +153,8 @@ def _chords_agree(blend: GeneratrixForm) -> bool | None:
     for boundary in blend.boundaries:
         if boundary.closed or boundary.exact is None:
             return None
-        start, end = (1, 0) if boundary.backwards else (0, 1)
-        chords.append([rational(c.at(end, 0)) - rational(c.at(start, 0)) for c in boundary.exact.curve])
+        sign = -1 if boundary.backwards else 1
+        chords.append([(c.at(1, 0) - c.at(0, 0)) * sign for c in boundary.exact.curve])
     product = dot(*chords)
     return None if product == 0 else bool(product > 0)
 
@@ -198,46 +197,31 @@ def _normal_forms(controls: Floats, slopes: Floats) -> Floats:
     m = len(controls) - 1
     legs = np.diff(controls, axis=0)
     forms = np.zeros((controls.shape[1], 2 * m, 3))
-    for i in range(m + 1):
-        for j in range(m):
-            weight = comb(m, i) * comb(m - 1, j) / comb(2 * m - 1, i + j)
-            forms[:, i + j] += weight * np.cross(slopes[i], legs[j])
+    for i, j in np.ndindex(m + 1, m):
+        weight = comb(m, i) * comb(m - 1, j) / comb(2 * m - 1, i + j)
+        forms[:, i + j] += weight * np.cross(slopes[i], legs[j])
     return forms
-
-
-@dataclass(frozen=True)
-class _NormalArcs(Cells):
-    """Bernstein forms (C, k, 3) of normals over parts of generatrices (C,), of one width, that begin at t (C,)."""
-
-    forms: Floats
-    rows: Integers
-    starts: Floats
-    width: float = 1.0
-
-    def halves(self) -> _NormalArcs:
-        """Both halves of all."""
-        starts = np.concatenate([self.starts, self.starts + self.width / 2])
-        return _NormalArcs(np.concatenate(halves(self.forms, 1)), np.tile(self.rows, 2), starts, self.width / 2)
 
 
 def _vanishing(forms: Floats, halvings: int) -> tuple[int, float] | None:
     """Of curves of vectors (n, k, 3), Bernstein forms in t, the number of one that may meet the origin, and t near."""
 
-    def judge(arcs: _NormalArcs, _: int) -> Fates:
-        clear = avoids_origin(arcs.forms[:, :, None], 1e-13 * np.abs(arcs.forms).max(axis=(1, 2)))
-        return np.where(clear, int(Fate.SETTLED), int(Fate.SPLIT))
+    def judge(arcs: PlacedNets, _: int) -> Fates:
+        return np.where(avoids_origin(arcs.table, arcs.off), int(Fate.SETTLED), int(Fate.SPLIT))
 
-    whole, limits = _NormalArcs(forms, np.arange(len(forms)), np.zeros(len(forms))), Limits(halvings, 1 << 20)
-    left = search(whole, judge, _NormalArcs.halves, limits, "looking for vanishing normals").open
-    first = left.rows.argmin() if len(left) else 0
-    return (int(left.rows[first]), float(left.starts[first] + left.width / 2)) if len(left) else None
+    rows, off = np.arange(len(forms)), 1e-13 * np.abs(forms).max(axis=(1, 2))
+    start = np.stack([0 * rows, rows], axis=1)  # the second place, never halved, tells the curve
+    whole, limits = PlacedNets(forms[:, :, None], off, start, 0 * start), Limits(halvings, 1 << 20)
+    left = search(whole, judge, lambda arcs: arcs.halves(0), limits, "looking for vanishing normals").open
+    if not len(left):
+        return None
+    place, row = left.start[left.start[:, 1].argmin()].tolist()
+    return row, (place + 0.5) / 2**halvings
 
 
 def _largest_turn(normals: Floats, closed: bool) -> tuple[float, tuple[int, int]]:
     """The greatest angle in degrees between normals (n, m, 3) of neighbours in s, and where."""
-    rows = np.concatenate([normals, normals[:1]]) if closed else normals
-    with np.errstate(all="ignore"):
-        rows = rows / np.linalg.norm(rows, axis=-1, keepdims=True)
+    rows = unit(np.concatenate([normals, normals[:1]]) if closed else normals)
     cosine = np.nan_to_num((rows[1:] * rows[:-1]).sum(axis=-1), nan=-1.0)
     i, j = np.unravel_index(int(cosine.argmin()), cosine.shape)
     return float(np.degrees(np.arccos(np.clip(cosine[i, j], -1.0, 1.0)))), (int(i), int(j))
