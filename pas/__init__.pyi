@@ -1,5 +1,6 @@
 """The public names of pas and their homes, one line each: loaded when first used, and seen by editors and mypy."""
 
+from . import network as network
 from . import solid as solid
 from ._version import __version__ as __version__
 from .algebra.ideal import Ideal as Ideal

@@ -198,9 +198,10 @@ class Kind(Generic[S]):
     What most kinds need not say: `facts`, what programs read of a shape beside its verdicts; for files,
     `mesh(shape, settings)`, its triangles; `parts` by name, each with a colour; `patches(shape, domain)`, which are
     exact; `piecewise`, the piecewise surface that it is, at which rays can be cast instead of meshing it;
-    `body(shape, length)`, the solid with it in its boundary; `solid(shape)`, the solid that it is. `meshed` says that
-    it is a mesh already, for which tolerances mean nothing; `open` that it always ends at edges, so that it bounds no
-    body; `curved` that its layers know the curvature of the surface, for colours and combs.
+    `body(shape, length)`, the solid with it in its boundary; `solid(shape)`, the solid that it is; `placed(shape,
+    settings)`, closed meshes with the shifts (M, 3) to where they stand, of what consists of a few in many places.
+    `meshed` says that it is a mesh already, for which tolerances mean nothing; `open` that it always ends at edges, so
+    that it bounds no body; `curved` that its layers know the curvature of the surface, for colours and combs.
     """
 
     name: str
@@ -215,6 +216,7 @@ class Kind(Generic[S]):
     patches: Callable[[S, Any], Sequence[Any]] | None = None
     piecewise: Callable[[S], Any] | None = None
     body: Callable[[S, Any], Any] | None = None
+    placed: Callable[[S, MeshSettings], Sequence[tuple[Any, Floats]]] | None = None
     solid: Callable[[S], Any] | None = None
     meshed: bool = False
     open: bool = False
@@ -247,6 +249,7 @@ KINDS: Registry[Kind[Any]] = Registry(
         "rational patch": "pas.kinds.parametric:PATCH",
         "mesh": "pas.kinds.solids:MESH",
         "layout": "pas.kinds.piecewise:LAYOUT",
+        "network": "pas.kinds.networks:NETWORK",
     },
 )
 """All kinds of shapes; a user's own is added by `KINDS.register(Kind(...))`."""

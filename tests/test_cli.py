@@ -110,7 +110,7 @@ def test_meshes_are_read_by_others(made, tmp_path, capsys, suffix):
 @pytest.mark.parametrize(
     "style", [[], ["--zebra"], ["--highlights"], ["--curvature"], ["--combs"], *(["--style", name] for name in STYLES)]
 )
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(12)
 def test_render(made, tmp_path, capsys, style):
     path = tmp_path / "a.png"
     code, out, _ = run(capsys, "render", made / "equal_gc1.pas.json", "-o", path, "--tolerance", "0.05", *style)
@@ -149,18 +149,16 @@ def test_debug_shows_the_traceback(capsys):
     assert "Traceback" in err
 
 
-def test_module_version_and_help():
-    for arguments, words in (
-        (["--version"], f"pas {__version__}\n"),
-        (["--version", "--verbose"], "\npython-flint "),
-        (["--help"], "blend"),
-        (["blend", "--help"], "[[pipes]]"),
-    ):
-        done = subprocess.run([sys.executable, "-m", "pas", *arguments], capture_output=True, text=True, check=True)
-        assert words in done.stdout
-    done = subprocess.run([sys.executable, "-m", "pas"], capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert "commands" in done.stdout
+def test_module_version_and_help(capsys):
+    done = subprocess.run(
+        [sys.executable, "-m", "pas", "--version", "--verbose"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.startswith(f"pas {__version__}\n") and "\npython-flint " in done.stdout
+    with pytest.raises(SystemExit):
+        main(["blend", "--help"])
+    assert "[[pipes]]" in capsys.readouterr().out
+    assert main([]) == 2
+    assert "commands" in capsys.readouterr().out
 
 
 def test_unprovable_problems_write_what_they_found(tmp_path, capsys):
@@ -214,6 +212,8 @@ def test_exit_codes_follow_one_rule(name, prove, made, checked, again, tmp_path,
     assert run(capsys, "check", project)[0] == checked
     if again is not None:
         assert run(capsys, "check", project, "--independent")[0] == again
+    if name != REFUTED:
+        return
     for command in (["mesh", project, "-o"], ["render", project, "-o"], ["write", project]):  # which print no verdicts
         suffix = {"mesh": ".obj", "render": ".png", "write": ".glb"}[command[0]]
         assert run(capsys, *command, file.with_suffix(suffix), "--tolerance", 0.1)[0] == 0
@@ -236,10 +236,13 @@ def test_help_says_what_exit_codes_mean(capsys):
     assert EXPLAINED in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("command", ["blend", "parametric"])
 @pytest.mark.parametrize(
-    ("path", "wanted"),
-    [("corners/published_proved", 0), ("parametric/example_1", 1), ("parametric/generatrix/quadrics", 0)],
+    ("path", "command", "wanted"),
+    [
+        ("corners/published_proved", "parametric", 0),
+        ("parametric/example_1", "blend", 1),
+        ("parametric/generatrix/quadrics", "blend", 0),
+    ],
 )
 def test_both_commands_take_every_problem(command, path, wanted, tmp_path, capsys):
     file = ROOT / f"examples/{path}.toml"

@@ -247,19 +247,12 @@ def test_the_command_line_draws_combs(tmp_path):
     from pas.cli import main
 
     project = str(solved(EQUAL, 1).save(tmp_path / "a.pas.json"))
-    for number, words in enumerate(
-        (
-            ["--combs"],
-            ["--curvature", project],
-            ["--curvature", "gauss", "--combs"],
-            ["--highlights"],
-            ["--style", "min"],
-        )
-    ):
+    asked = (["--combs"], ["--curvature", project], ["--curvature", "gauss", "--combs"])
+    for number, words in enumerate(asked):
         given = words if project in words else [project, *words]
         assert main(["render", *given, "-o", str(tmp_path / f"{number}.png"), "--tolerance", "0.05"]) == 0
-    pictures = [(tmp_path / f"{number}.png").read_bytes() for number in range(5)]
-    assert len(set(pictures)) == 5
+    pictures = [(tmp_path / f"{number}.png").read_bytes() for number in range(len(asked))]
+    assert len(set(pictures)) == len(asked)
     solved(EQUAL, 1).draw(tmp_path / "b.png", style="mean", tolerance=0.05)
     assert (tmp_path / "b.png").read_bytes() == pictures[1]
 

@@ -85,10 +85,11 @@ def test_ends_that_are_far_out_and_radii_that_differ_much_are_told():
 
 def test_the_command_line_tells_as_well(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    path = tmp_path / "narrow.toml"
-    pipes = "".join(f"[[pipes]]\naxis = {axis}\nradius = 1\nclip = 'auto'\n" for axis in ("[1, 0, 0]", "[5, 1, 0]"))
+    path = tmp_path / "reducer.toml"
+    ends = (("[1, 0, 0]", 11), ("[-1, 0, 0]", 1))
+    pipes = "".join(f"[[pipes]]\naxis = {axis}\nradius = {radius}\nclip = 'auto'\n" for axis, radius in ends)
     path.write_text(f"order = 1\n{pipes}[energy]\nkind = 'thin-plate'\n")
     assert main(["blend", str(path), "--no-picture", "--tolerance", "0.5"]) == 0
     written = capsys.readouterr()
-    assert "pas: contact " in written.err and "times the largest radius" in written.err
+    assert "pas: contact " in written.err and "times as wide as" in written.err
     assert "unusual " in written.out

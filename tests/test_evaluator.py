@@ -81,7 +81,7 @@ def test_values_and_derivatives_are_exact_to_rounding(name):
             for axis in along:
                 derivative = derivative.diff(axis)
             size = max(map(abs, patch.coefficients().values())) / known.scale ** len(along)
-            for row in np.flatnonzero(pieces == piece)[:200]:
+            for row in np.flatnonzero(pieces == piece)[:50]:
                 error = found[len(along)][(row, *along)] - exact_value(derivative, points[row])
                 assert abs(error) < 2e-12 * (1 + 1e-3 * known.target.reach) * float(size), (along, points[row])
 
@@ -342,7 +342,7 @@ def test_all_crossings_of_a_surface_of_many_sheets_are_found(number):
 
 @pytest.mark.parametrize("degree", [1, 6, 14, 15, 16, 22, HIGHEST, HIGHEST + 1])
 @pytest.mark.parametrize("bounded", [False, True])
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(5)
 def test_rays_of_high_degree_and_in_all_of_space(degree, bounded):
     """Products of planes, whose crossings are known; doubles decide them, but for those above the highest degree."""
     if bounded and degree > 16:
@@ -387,7 +387,7 @@ def test_crossings_far_away_are_right_to_rounding():
 
 @pytest.mark.parametrize("name", ["corner", "torus in a box", "torus anywhere"])
 def test_doubles_and_exact_arithmetic_find_the_same_crossings(name):
-    known, points = evaluator(name), sample(evaluator(name), 300)
+    known, points = evaluator(name), sample(evaluator(name), 100)
     local = LocalRays.of(known.target, 3 * points, -points)
     (rays, lengths, sides), undecided = known.target.in_doubles(local, False)
     assert undecided.sum() <= 3

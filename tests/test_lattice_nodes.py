@@ -87,7 +87,7 @@ SLOWLY = [
 
 
 @pytest.mark.parametrize(("name", "order", "slenderness", "title"), FAIR)
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(10)
 def test_thick_struts_of_lattices_are_fair(name, order, slenderness, title):
     check_fair(name, order, slenderness, title)
 

@@ -195,7 +195,7 @@ def arcs(layout, piece):
 
 
 @pytest.mark.parametrize("name", ["elbow", "unequal at 120 degrees", "T", "Y", "off centre"])
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(3)
 def test_nodes_are_proved_and_fair(name):
     blend = pas.blend(NODES[name], 1)
     assert blend.certificate.proved

@@ -175,12 +175,16 @@ def test_a_command_that_draws_gives_up_before_any_file_is_in_its_place(command, 
 
     body, clock = parts()[0]["box"].shape, Clock(1.0)
     monkeypatch.setattr(sys.modules[Teapot.__module__], "teapot", lambda *_, **__: Teapot("paper", body, body, body))
-    problem = [str(ROOT / "examples/corners/published_proved.toml")] if command == "blend" else []
+    small, made = tmp_path / "small.toml", tmp_path / "made"
+    text = (ROOT / "examples/corners/published_proved.toml").read_text()
+    made.mkdir()
+    small.write_text(f"{text}\n[picture]\nsize = [40, 30]\n")
+    problem = [str(small)] if command == "blend" else []
 
     def run(seconds):
         """How many files there are then, and what was said."""
-        main([command, *problem, "-o", str(tmp_path), "--tolerance", "0.5", "--seconds", str(seconds)])
-        files = list(tmp_path.iterdir())
+        main([command, *problem, "-o", str(made), "--tolerance", "0.5", "--seconds", str(seconds)])
+        files = list(made.iterdir())
         for file in files:
             file.unlink()
         return len(files), (capsys.readouterr().err.splitlines() or [""])[-1]

@@ -139,7 +139,8 @@ def test_no_surface_is_said():
         empty.triangulate(1e-2)
 
 
-@pytest.mark.parametrize("degree", [5, pytest.param(6, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("degree", [5, 6])
 def test_a_long_thin_arm_beside_the_centre(degree):
     """Some rays from the centre leave through its end without having met the surface, and meet it at distances that
     are very different on both sides of its axis."""

@@ -123,7 +123,7 @@ def test_published_higher_order_multipliers_satisfy_the_system(facts, key, order
         (UNIT, EQUAL, 3, (5, 6)),
     ],
 )
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 def test_generators_span_all_solutions_of_each_degree(clips, radii, order, degrees):
     partition, system = corner(clips, radii, order)
     generators = system.generators()

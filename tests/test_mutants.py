@@ -17,7 +17,7 @@ FEWEST = 40
 
 def test_every_list_is_valid():
     known = mutants()
-    assert {m.list: list(flaws(m)) for m in known if list(flaws(m))} == {}
+    assert {m.list: found for m in known if (found := list(flaws(m)))} == {}
     assert [name for name, times in Counter((m.list, m.name) for m in known).items() if times > 1] == []
 
 
@@ -76,23 +76,22 @@ KILLED = ("positive", "return 1", "return 2", "::test_positive")
 
 
 def test_a_mutant_that_never_ends_is_killed_where_the_list_says_so(tree, capsys):
-    loop = ("if x > 0:", "while x > 0:\\n        continue\\n    if x > 0:", "::test_positive")
+    loop = ("if x > 0:", "while x > 0:\\n        __import__('time').sleep(1)\\n    if x > 0:", "::test_positive")
     options = tree(("unannounced", *loop), ("announced", *loop), more="hangs = true\n")
-    assert main([*options, "--seconds", "3"]) == 1
+    assert main([*options, "--seconds", "1"]) == 1
     printed = capsys.readouterr().out
     assert "1 of 2 killed" in printed
     assert "signs: unannounced: hangs" in printed
 
 
 def test_only_killed_mutants_count(tree, capsys):
-    zero = ("zero", "else 0", "else 1", "")
     not_tested = ("not tested", "return -1", "return -2", "::test_positive")
     not_importable = ("import", "def sign(x)", "def signs(x)", "")
-    options = tree(KILLED, zero, not_tested, not_importable)
+    options = tree(KILLED, not_tested, not_importable)
     assert main(options) == 1
     printed = capsys.readouterr().out
-    assert "1 of 4 killed" in printed
-    for said in ("signs: zero: SURVIVED", "signs: not tested: SURVIVED", "signs: import: tests cannot be run"):
+    assert "1 of 3 killed" in printed
+    for said in ("signs: not tested: SURVIVED", "signs: import: tests cannot be run"):
         assert said in printed
 
 

@@ -46,7 +46,7 @@ SHAPES = {
 
 
 @pytest.mark.parametrize("kind", SHAPES)
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 def test_the_same_verb_gives_the_same_type(kind):
     shape = SHAPES[kind]()
     coarse, fine = shape.mesh(0.05), shape.mesh(tolerance=0.01)

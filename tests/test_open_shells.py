@@ -54,7 +54,7 @@ def thicknesses(mesh, names, most=150):
     return np.array(result)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", OPEN)
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
 def test_thin_walls(name, tolerance):
@@ -73,7 +73,7 @@ def test_thin_walls(name, tolerance):
 
 
 @pytest.mark.parametrize("name", ["bowl", "pipe", "angle"])
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(3)
 def test_rays_through_a_thin_wall(name):
     shape, faces, thickness, *_ = OPEN[name]
     mesh = shape.shell(thickness, open=faces).mesh(1e-3)
@@ -84,16 +84,17 @@ def test_rays_through_a_thin_wall(name):
     assert found.min() > thickness - 2 * mesh.deviation - 1e-9
 
 
+@pytest.mark.slow
 def test_a_blend_as_a_thin_pipe():
     body = fair(UNEQUAL, 1).solid("1/2")
     ends = [f"neighbour {i} end" for i in (1, 2, 3)]
-    mesh = body.shell(0.01, open=ends).mesh(1e-2)
+    mesh = body.shell(0.04, open=ends).mesh(2e-2)
     assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, -2)
-    assert mesh.deviation < 0.01 / 3
+    assert mesh.deviation < 0.04 / 3
     assert len(intersecting(mesh.points, mesh.triangles)) == 0
     rims = [mesh.face_areas[end] for end in ends]
     radii = [float(pas.Polynomial(str(r)).dense(0)[0]) for r in ("1/3", "1/4", "2/5")]
-    assert sorted(rims) == pytest.approx(sorted(pi * (r**2 - (r - 0.01) ** 2) for r in radii), rel=0.2)
+    assert sorted(rims) == pytest.approx(sorted(pi * (r**2 - (r - 0.04) ** 2) for r in radii), rel=0.2)
 
 
 def test_a_shell_of_a_shell_is_moved_with_it():

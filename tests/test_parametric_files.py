@@ -238,7 +238,8 @@ def test_problem_files_are_checked(tmp_path, capsys, change, words):
 
 
 def test_the_command_writes_three_files(tmp_path, capsys):
-    assert main(["parametric", str(problem(tmp_path, TEXT)), "-o", str(tmp_path / "out"), "--tolerance", "0.01"]) == 0
+    file = problem(tmp_path, TEXT + "\n[picture]\nsize = [80, 60]\n")
+    assert main(["parametric", str(file), "-o", str(tmp_path / "out"), "--tolerance", "0.01"]) == 0
     out = capsys.readouterr().out
     assert out.count(": proved;") == 3
     assert "(proved)" in out

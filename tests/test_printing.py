@@ -40,7 +40,7 @@ SLOW = ("hollow corner",)
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in SOLIDS])
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(3)
 def test_files_for_printing_are_sound(name, tmp_path):
     mesh = SOLIDS[name]().mesh()
     path = pas.write_solid(mesh, tmp_path / "part.stl")

@@ -12,6 +12,7 @@ from matplotlib.path import Path
 from pas import solid
 from pas.algebra.rational import square_root
 from pas.errors import GeometryError
+from pas.mesh.projection import distances
 from pas.mesh.quality import Quality
 
 RNG = np.random.default_rng
@@ -176,8 +177,12 @@ def test_parts_that_cross_are_one_set():
 @pytest.mark.parametrize("letter", ["o", "R", "g", "8", "i", "%"])
 def test_letters_are_exact(letter):
     profile = solid.text(letter, 10)
-    mesh = profile.extrude(2).mesh(1e-2)
+    body = profile.extrude(2)
+    mesh = body.mesh(1e-2)
     assert mesh.is_closed and mesh.volume == pytest.approx(2 * area(profile, 1e-6), rel=5e-3)
+    found = body.face_mesh(1e-2).mesh
+    off = [distances(body.field, found.points[corners], found.labels) for corners in found.triangles.T]
+    assert np.max(off) < 1e-12  # each triangle is on the function of its face, which shares its name with others
     corners = np.concatenate(profile.polygons(0.1))
     points = RNG(0).uniform(corners.min(axis=0), corners.max(axis=0), (2000, 2))
     assert (profile.contains(points) == inside(profile, points)).mean() > 0.999
@@ -302,3 +307,13 @@ def test_volume_and_area_of_what_is_swept():
     assert shape.volume() == pytest.approx(16 * (12 - (4 - np.pi) / 4), rel=1e-4)
     assert shape.area() == pytest.approx(4 * (2 * (12 - (4 - np.pi) / 4) + 2 * (10 + np.pi)), rel=1e-4)
     assert solid.circle((3, 0), 1).revolve().volume() == pytest.approx(6 * np.pi**2, rel=1e-3)
+
+
+@pytest.mark.parametrize("depth", [1, 3])
+def test_notches_between_sides_in_one_line_are_cut(depth):
+    """Both sides are one plane, which the arc crosses in two lines: its chord's wall says where one of them is."""
+    top = solid.sketch().line_to(10, 0).line_to(10, 4).line_to(7, 4)
+    body = top.arc_to(3, 4, through=(5, 4 - depth)).line_to(0, 4).close().extrude(3)
+    cut = body - solid.cylinder((1, 1, -1), (1, 1, 4), "1/2")
+    assert cut.mesh(0.02).is_closed
+    assert cut.volume(0.02) == pytest.approx(body.volume(0.02) - 0.75 * np.pi, rel=2e-4)

@@ -90,6 +90,7 @@ def test_nothing_is_left_out(name):
 
 
 @pytest.mark.parametrize(("name", "number"), each(FACES))
+@pytest.mark.sampled(3)
 def test_each_face_at_each_power(name, number):
     """A patch plus pi^m: exactly C^(m-1) across the one face, whichever of its patches it is."""
     known, _ = base(name)
@@ -132,6 +133,7 @@ def divided(product: Polynomial, factor: Polynomial) -> Polynomial:
 
 
 @pytest.mark.parametrize(("name", "number"), each(CELLS, but="corner GC^2"))
+@pytest.mark.sampled(3)
 def test_a_bubble_in_each_cell(name, number):
     """All patches times a small ball inside the cell: the surface has a second sheet, there alone."""
     known, _ = base(name)
@@ -147,6 +149,7 @@ def test_a_bubble_in_each_cell(name, number):
 
 
 @pytest.mark.parametrize(("name", "number"), each(PIECES, but="corner GC^2"))
+@pytest.mark.sampled(3)
 def test_a_second_sheet_in_each_piece(name, number):
     """One patch alone comes down to zero again, between the surface and the walls of its piece."""
     known, _ = base(name)
@@ -192,6 +195,7 @@ def test_each_wall_is_reached_alone(name, number):
 
 @pytest.mark.parametrize("where", ["outside", "inside", "on the curve"])
 @pytest.mark.parametrize(("name", "number"), each(CLIP_FACES, but="corner GC^2"))
+@pytest.mark.sampled(3)
 def test_alpha_on_each_clip_face(name, number, where):
     """All patches times a small ball on a clip face: alpha is negative there, off the curve or on it."""
     known, _ = base(name)
@@ -383,6 +387,7 @@ TWO = ["(y - 1/2)^2 + z^2 - 1/16", "(y + 1/2)^2 + 2*z^2 - 1/9"]
 
 @pytest.mark.parametrize(("axes", "sign"), TURNS)
 @pytest.mark.parametrize("middle", ["0", "(1 - x^2)^2/8"])
+@pytest.mark.sampled(3)
 def test_two_contacts_in_one_clip_face(axes, sign, middle):
     """Two tubes between two walls, apart or joined: each patch is negative inside both curves, positive outside."""
     box = pas.SingleCell((-1, -1, -1), (1, 1, 1))

@@ -89,7 +89,7 @@ def test_a_lattice_of_turned_nodes_is_solved_once(solved, session):
     ids=["turned", "scaled", "reflected", "multiplied"],
 )
 @pytest.mark.parametrize("nodes", [CORNER, ELBOW], ids=["corner", "elbow"])
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(3)
 def test_what_was_carried_over_holds(nodes, change, solved):
     blended(nodes)
     times = len(solved)

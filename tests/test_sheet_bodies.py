@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import read
 from flint import fmpq
 
 import pas
@@ -39,6 +40,9 @@ NODES = {
 }
 """Contacts or struts, and the order."""
 
+SOLVED = {"T": lambda: read("tee"), "plate": lambda: read("hollow_foot").outer}
+"""Those that are read from files."""
+
 OPEN = ("plate", "nozzle")
 QUICK = ("T", "plate")
 CASES, HOLLOW = (
@@ -54,7 +58,8 @@ def blends():
     def of(name):
         if name not in made:
             items, order = NODES[name]
-            made[name] = pas.blend(items if hasattr(items[0], "contact") else struts(items, order), order)
+            contacts = items if hasattr(items[0], "contact") else struts(items, order)
+            made[name] = SOLVED[name]() if name in SOLVED else pas.blend(contacts, order)
         return made[name]
 
     return of
@@ -95,10 +100,10 @@ def test_nodes_are_bounded_by_their_sheets(name, blends):
     r, size = radius(blend), len(blend.surface.contacts)
     body = blend.solid(reach(blend))
     assert body.sheets is not None
-    for share in (1e-2, 1e-3):
+    for share in (1e-2, 4e-3):
         mesh = is_sound(body.mesh(share * r), body, share * r, 2)
     assert mesh.names == body.faces and len(mesh.names) == 1 + 2 * size + (name in OPEN)
-    assert mesh.volume == pytest.approx(body.volume(1e-2 * r), rel=2e-3)
+    assert mesh.volume == pytest.approx(body.volume(1e-2 * r), rel=3e-3)
     assert mesh.area == pytest.approx(body.area(1e-2 * r), rel=2e-3)
 
 
@@ -106,32 +111,36 @@ def test_nodes_are_bounded_by_their_sheets(name, blends):
 def test_hollow_nodes_are_bounded_by_their_sheets(name, blends):
     blend = blends(name)
     r, size = radius(blend), len(blend.surface.contacts)
-    body = blend.hollow("17/8" if r > 10 else "1/24" if r < 1 / 2 else "1/16").solid(reach(blend))
+    thickness = "17/8" if r > 10 else "1/24" if r < 1 / 2 else "1/16"
+    wall = read("hollow_foot") if name == "plate" else blend.hollow(thickness)
+    body = wall.solid(reach(blend))
     assert body.sheets is not None
     mesh = is_sound(body.mesh(1e-2 * r), body, 1e-2 * r, 2 * (2 - size))
     assert len(mesh.names) == 2 * (1 + size) + size
     assert {f"inside of neighbour {size}", "inside of blend", f"neighbour {size} end"} <= {*mesh.names}
-    assert body.volume(1e-2 * r) == pytest.approx(body.mesh(1e-3 * r).volume, rel=2e-2)
+    assert body.volume(1e-2 * r) == pytest.approx(body.mesh(4e-3 * r).volume, rel=2e-2)
 
 
-def test_the_lattice_says_the_same(blends):
-    for body in (blends("cone").solid(1), blends("T").solid((1, 2, "1/2")), blends("plate").solid(("1/2", 1))):
-        lattice = replace(body, sheets=None)
-        assert lattice.volume(1e-2) == pytest.approx(body.volume(1e-2), rel=1e-3)
-        assert lattice.area(1e-2) == pytest.approx(body.area(1e-2), rel=1e-3)
-        assert {*lattice.mesh(1e-2).names} == {*body.mesh(1e-2).names}
+@pytest.mark.parametrize("name, lengths", [("plate", ("1/2", 1)), ("T", (1, 2, "1/2")), ("cone", 1)])
+@pytest.mark.sampled(3)
+def test_the_lattice_says_the_same(name, lengths, blends):
+    body = blends(name).solid(lengths)
+    lattice = replace(body, sheets=None)
+    assert lattice.volume(1e-2) == pytest.approx(body.volume(1e-2), rel=1e-3)
+    assert lattice.area(1e-2) == pytest.approx(body.area(1e-2), rel=1e-3)
+    assert {*lattice.mesh(1e-2).names} == {*body.mesh(1e-2).names}
 
 
 def test_each_neighbour_has_its_length(blends):
     blend = blends("T")
     planes = [contact.rim.plane for contact in blend.surface.contacts]
     body = blend.solid([1, 0, "5/2"])
-    mesh = is_sound(body.mesh(1e-2), body, 1e-2, 2)
+    mesh = is_sound(body.mesh(3e-2), body, 3e-2, 2)
     heights = [plane(mesh.points) / np.linalg.norm(plane.gradient(np.zeros(3))) for plane in planes]
     assert [h.max() for h in heights] == pytest.approx([1, 0, 2.5], abs=1e-9)
     assert "neighbour 2" not in mesh.names and "neighbour 2 end" in mesh.names
-    wall = blend.hollow("1/8").solid([1, 0, "5/2"])
-    assert is_sound(wall.mesh(1e-2), wall, 1e-2, -2).volume < mesh.volume
+    wall = read("hollow_elbow").solid([0, "5/2"])
+    assert is_sound(wall.mesh(3e-2), wall, 3e-2, 0).volume < mesh.volume
     assert len(body.joints) == 2 and body.proved and wall.proved
     with pytest.raises(ValueError, match="one number, or 3, one for each neighbour, not 2"):
         blend.solid([1, 2])
@@ -156,12 +165,12 @@ def test_qualities(blends):
 
 
 def test_set_operations_go_by_exact_faces(blends):
-    body = blends("cone").solid(1)
-    bore = solid.cylinder((0, 0, 0), (0, 5, 0), "1/2", "bore")
+    body = blends("T").solid(2)
+    bore = solid.cylinder((0, 0, 0), (0, 6, 0), "1/2", "bore")
     flange = solid.cylinder((0, "11/4", 0), (0, 3, 0), 2, "flange")
     made = (body | flange) - bore
     assert made.sheets is None
-    mesh = made.mesh(2e-2)
+    mesh = made.mesh(5e-2)
     assert mesh.is_closed and {"bore", "flange", "blend", "neighbour 1"} <= {*mesh.names}
     assert body.cap("y - 5/2", "cut").sheets is None and body.renamed("all").sheets is None
 

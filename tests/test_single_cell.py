@@ -51,7 +51,7 @@ def test_bad_cells(make, words):
 
 @pytest.mark.parametrize("contacts", [COAXIAL, ELBOW, THREE, SPHERES, SKEW, CURVED])
 @pytest.mark.parametrize("order", [0, 1, 2])
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 def test_all_methods_give_the_same_space(contacts, order):
     for degree in range(2, 6):
         linear, *others = (pas.solutions(contacts, order, degree, pas.SingleCell(), method=m) for m in METHODS)
@@ -133,7 +133,7 @@ def test_trivial_part_of_a_corner():
     (THREE, BOX, 1),
     (SPHERES, ((-2, -3, -3), (1, 3, 3)), 2),
 ])  # fmt: skip
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(3)
 def test_single_surface_blends_are_proved(contacts, box, order, tmp_path):
     blend = pas.blend(contacts, order, partition=pas.SingleCell(*box))
     assert blend.certificate.proved

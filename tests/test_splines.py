@@ -125,6 +125,7 @@ def test_continuous_splines_are_as_many_as_domain_points(degree):
 
 
 @pytest.mark.parametrize(("seed", "boundary"), [(0, False), pytest.param(4, False, marks=pytest.mark.slow), (4, True)])
+@pytest.mark.sampled(2)
 def test_both_constructions_agree_on_meshes(seed, boundary):
     partition = freudenthal(2, seed, boundary)
     for order, degree in ((1, 2), (2, 2)) if boundary else ((1, 2), (1, 3), (2, 3)):

@@ -364,6 +364,7 @@ def test_no_random_move_is_called_proved_that_the_independent_checker_does_not_p
     assert counts[True] > 80 and counts[False] > 25
 
 
+@pytest.mark.slow
 def test_a_document_far_from_the_last_one_is_followed():
     """On a busy machine the first move may come before the shape that it begins from."""
     quartic = {name: value for name, value in GALLERY["Elbow of one quartic"]["problem"].items() if name != "degree"}
@@ -465,7 +466,7 @@ LONG_TO_MESH = ("Helicoid to pipe", "Round an obstacle")
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[pytest.mark.slow] if name in LONG_TO_MESH else []) for name in GALLERY]
 )
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(8)
 def test_formats_that_are_offered_are_written_and_no_others(name):
     made = StudioSession()
     offered = made.solve(GALLERY[name]).head["formats"]
@@ -508,6 +509,11 @@ def test_what_has_no_mesh_is_drawn_by_rays_and_its_export_says_why():
     assert moved.head["kind"] == "moved" and set(moved.arrays) == {"coefficients"}
 
 
+def with_thin_plate(document):
+    """Chosen at once, and as unfair as that may be."""
+    return {**document, "problem": {**document["problem"], "energy": {"kind": "thin-plate"}}}
+
+
 def with_radius(document, radius):
     first, *others = document["problem"]["pipes"]
     return {**document, "problem": {**document["problem"], "pipes": [{**first, "radius": radius}, *others]}}
@@ -519,7 +525,8 @@ def with_radius(document, radius):
         (CORNER, r""),
         (changed(degree=3, pipes=[{**p, "radius": "1/3"} for p in CORNER["problem"]["pipes"]]),
          r"sharpness 1\.0\d above 1\.02; bulge 0\.\d+ above 0\.05"),
-        (with_radius(GALLERY["T joint"], "1.4"), r"2\.\d* times as sharp as its sharpest neighbour, .* no room .*"),
+        (with_thin_plate(with_radius(GALLERY["T joint"], "1.4")),
+         r"bulge .*; waist .*; 2\d\.\d times as sharp as its sharpest neighbour, .* no room .*"),
     ],
 )  # fmt: skip
 def test_what_is_not_fair_is_named_though_all_is_proved(document, unfair):

@@ -74,7 +74,7 @@ def test_every_style_paints_every_layer(name):
 
 @pytest.mark.parametrize("kind", OTHERS)
 @pytest.mark.parametrize("options", [{"style": "gauss"}, {"combs": True}], ids=["colours", "combs"])
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 def test_what_has_no_curvature_says_so_before_it_is_meshed(kind, options, tmp_path, monkeypatch):
     shape = sample(kind)
     monkeypatch.setattr(type(shape), "mesh", lambda *_, **__: pytest.fail("it was meshed"))
@@ -104,7 +104,7 @@ def test_every_kind_is_painted_in_every_style_or_says_why_not(kind):
 
 
 @pytest.mark.parametrize("kind", CURVED)
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 def test_curvatures_are_known_where_a_kind_says_so(kind, tmp_path):
     scene = scene_of(sample(kind), Picture(style="mean", combs=True))
     first = scene.layers[0]
@@ -126,7 +126,7 @@ def test_curvatures_are_known_where_a_kind_says_so(kind, tmp_path):
 @pytest.mark.sampled(2)
 def test_meshes_without_parameters_have_no_curvature(kind, tmp_path):
     """Those of other grids or of files: refused, and not given the curvatures of other points."""
-    mesh = replace(sample(kind).mesh(0.02), parameters=None)
+    mesh = replace(sample(kind).mesh(0.1), parameters=None)
     with pytest.raises(ValueError, match="does not say the parameters of its points"):
         pas.draw(sample(kind), tmp_path / "a.png", mesh=mesh, style="mean")
     assert pas.draw(sample(kind), tmp_path / "a.png", mesh=mesh, combs=True, size=(80, 60)).exists()
@@ -336,7 +336,7 @@ def test_a_wrong_style_gets_the_same_sentence_everywhere(tmp_path, capsys):
 def test_a_problem_file_says_how_it_is_drawn(tmp_path, capsys):
     text = "degree = 3\n" + (ROOT / "examples/corners/equal_gc1.toml").read_text()
     problem = tmp_path / "a.toml"
-    problem.write_text(text + '\n[picture]\nstyle = "max"\ncombs = true\n')
+    problem.write_text(text + '\n[picture]\nstyle = "max"\ncombs = true\nsize = [80, 60]\n')
     found = pas.read_problem(problem)
     assert (found.style, found.picture.combs) == ("max", True)
     assert main(["blend", str(problem), "-o", str(tmp_path / "out"), "--tolerance", "0.05"]) == 0

@@ -31,6 +31,7 @@ FOUR = pas.struts([((1, 5, -3), "3/2"), ((-6, 1, 2), 1), ((4, -5, 2), "6/5"), ((
 
 
 @pytest.mark.parametrize("contacts", [CORNER, FOUR], ids=["corner", "four pipes"])
+@pytest.mark.sampled(2)
 def test_a_blend_is_the_same_on_one_thread_and_on_three(contacts):
     with threadpool_limits(1, "blas"):
         one = coefficients(contacts, 1)

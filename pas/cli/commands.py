@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -103,7 +104,7 @@ def run_mesh(options: argparse.Namespace) -> CommandResult:
     if not mesh.is_closed:
         check_open(options.output)
     whole = kind.parts is None
-    path = write_as(mesh if whole else shape, options.output, MeshSettings() if whole else settings, open=True)
+    path = write_as(mesh if whole else shape, options.output, MeshSettings() if whole else settings, open=True).path
     return CommandResult(f"{path}: {size_of(mesh)}", {"written": [str(path)], **size_record(mesh)})
 
 
@@ -155,8 +156,14 @@ def _written(shape: Any, options: argparse.Namespace) -> CommandResult:
 
     mesh = settings_of(MeshSettings, options)
     shape, unit = _sized(shape, options, options.unit)
-    path = write_as(shape, options.output, mesh, unit=unit, sew=options.sew, open=bool(options.open))
-    return CommandResult(str(path), {"written": [str(path)]})
+    made = write_as(shape, options.output, mesh, unit=unit, sew=options.sew, open=bool(options.open))
+    lines = [str(made.path)] if not made.reports else [f"{made.path}: {report}" for report in made.reports]
+    return CommandResult("\n".join(lines), {"written": [str(made.path)], **_told(made.reports)})
+
+
+def _told(reports: Sequence[Any]) -> dict[str, Any]:
+    """What files tell of their parts, as a record."""
+    return {"reports": [asdict(report) for report in reports]} if reports else {}
 
 
 def _sized(shape: Any, options: argparse.Namespace, unit: str | None = None) -> tuple[Any, str | None]:
@@ -187,6 +194,7 @@ def run_build(options: argparse.Namespace) -> CommandResult:
     certificate: Verdicts = shape.certificate
     clock.passed("prove")
     listed = part_list_of(shape, Request(problem.name, problem.mesh))
+    reports: list[Any] = []
     with ExitStack() as stack:
         folders = {path.parent: stack.enter_context(together(path.parent)) for path in outputs}
         for path, suffix in zip(outputs, suffixes, strict=True):
@@ -197,12 +205,14 @@ def run_build(options: argparse.Namespace) -> CommandResult:
                 shape.draw(place, **given(problem.picture))
             else:
                 mesh = problem.mesh if "tolerance" in FORMATS[suffix].content.options else MeshSettings()
-                write_as(shape, place, mesh, unit=unit)
+                reports += write_as(shape, place, mesh, unit=unit).reports
             clock.passed(path.name)
     files = [str(path) for path in outputs]
     lines = [str(shape), "", *([f"unit: {unit}"] if unit else []), str(listed), "", clock_line(clock)]
     lines += ["", "written:", *(f"  {name}" for name in files)] if files else []
+    lines += [f"  {report}" for report in reports]
     record = {
+        **_told(reports),
         "name": problem.name,
         "written": files,
         "unit": unit,
@@ -262,21 +272,22 @@ def run_teapot(options: argparse.Namespace) -> CommandResult:
     from pas.designs.teapot import teapot
     from pas.exchange.files import together
 
-    settings = replace(MeshSettings(0.001), **given(settings_of(MeshSettings, options)))
     folder = output_folder(options.output)
     clock = Clock()
-    pot = teapot(
+    built = teapot(
         options.style,
         lid_height=options.lid_height,
         spout_tilt=options.spout_tilt,
         handle_size=options.handle_size,
     )
+    pot, unit = _sized(built, options, options.unit)
+    usual = MeshSettings(0.001 if pot is built else None)
     clock.passed("build and prove")
-    mesh = pot.meshed(settings)
+    mesh = pot.meshed(replace(usual, **given(settings_of(MeshSettings, options))))
     clock.passed("mesh", f" ({len(mesh.triangles)} triangles)")
     text = str(pot)
     with together(folder) as place:
-        written = [mesh.write(place / "teapot.stl"), pot.assembly.save(place / "teapot.pas.json")]
+        written = [mesh.write(place / "teapot.stl", unit=unit), pot.assembly.save(place / "teapot.pas.json")]
         _draw(pot, str(place / "teapot.png"), {"mesh": mesh, "four_views": True}, written, clock)
     files = [str(folder / path.name) for path in written]
     record = {"written": files, "seconds": clock.seconds, **size_record(mesh), "proved": pot.certificate.proved}

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any, NoReturn
 
-from pas.cli import commands
+from pas.cli import commands, networks
 from pas.cli.common import EXIT_CODES, CommandResult, add_settings
 from pas.errors import meant
 from pas.exchange.formats import Request, Sizing
@@ -56,9 +56,9 @@ def value(names: str, metavar: str, text: str, kind: Callable[[str], Any] = str,
     return lambda parser: parser.add_argument(*names.split(), type=kind, metavar=metavar, help=text, **more)
 
 
-def settings(kind: type[Any], usual: str = "") -> Add:
-    """The options of a class of settings."""
-    return lambda parser: add_settings(parser, kind, usual)
+def settings(kind: type[Any], usual: str = "", leave: tuple[str, ...] = ()) -> Add:
+    """The options of a class of settings, but those to leave out."""
+    return lambda parser: add_settings(parser, kind, usual, leave)
 
 
 def project(text: str = "a project file") -> Add:
@@ -97,14 +97,12 @@ def _styles(parser: argparse.ArgumentParser) -> None:
 
 
 FOLDER = value("-o --output", "DIR", "folder to write to (default: here)", default=".")
+DEGREE = value("--degree", "N", "this degree, or lowest: the lowest that is proved; else one that is fair", _degree)
 PROBLEM = (
     value("problem", "PROBLEM.toml", "the problem file, of whatever kind"),
     FOLDER,
     value("--order", "K", "contact of order K, instead of the file's", int),
-    value(
-        "--degree", "N",
-        "this degree only, or lowest for the lowest that is proved, instead of the lowest that is fair", _degree,
-    ),
+    DEGREE,
     value("--tension", "T", "of the surface: from 0 (full) over 4.6 (as usual) up (slim), instead of the file's"),
     settings(MeshSettings, "the file's, or 0.001 of the size"),
     flag("--no-picture", "do not draw NAME.png"),
@@ -178,11 +176,7 @@ COMMANDS = (
         (
             value("problem", "PART.toml", "the part file"),
             value(
-                "-o --output",
-                "OUT",
-                "a file to write, by its suffix: .step, .3mf, .stl, .png, .pas.json, .csv, ...; "
-                "more than one may be given",
-                action="append",
+                "-o --output", "OUT", "a file, by its suffix such as .step or .png; may be repeated", action="append"
             ),
             value("--unit", "UNIT", "of the part's lengths, such as mm or inch, instead of the file's"),
             settings(Sizing),
@@ -259,9 +253,34 @@ COMMANDS = (
             value("--lid-height", "Z", "height of the knob's top", default="7/5"),
             value("--spout-tilt", "T", "how far the spout leans outwards", default="0"),
             value("--handle-size", "S", "factor of the handle's size", default="1"),
-            settings(MeshSettings, "0.001"),
+            value("--unit", "UNIT", "of its lengths, such as mm or inch"),
+            settings(Sizing),
+            settings(MeshSettings, "0.001, or that of its size where it is scaled"),
         ),
         "Prints the part list with the verdict on each joint; writes teapot.stl, teapot.pas.json and teapot.png.",
+    ),
+    Command(
+        "network",
+        networks.run_network,
+        "look into a network of struts, or make a body of it: proved nodes, exact struts",
+        (
+            value("action", "ACTION", "check (what is wrong), classes (of its nodes), or build"),
+            value("source", "FILE", "a graph (.npz, .csv, .obj, .3mf), or cubic, BCC, FCC, octet, diamond, Kelvin"),
+            value("-o --output", "OUT", "of build: a file to write; may be said again", action="append", default=[]),
+            value("--cells", "X,Y,Z", "of a lattice: how many, as 4 or 4,4,2 (default: 1)"),
+            value("--cell-size", "S", "of a lattice: the side of a cell (default: 1)", default=1),
+            value("--radius", "R", "of all struts, instead of the file's (of a lattice by default: 1/20)"),
+            value("--grid", "G", "of the points of a file (default: 1/1024)", default="1/1024"),
+            value("--order", "K", "the k of GC^k (default: 1)", int, default=1),
+            DEGREE,
+            value("--cache", "DIR", "keeps blends; a run that was ended goes on from it"),
+            value("--blocks", "DIR", "for STL files of some 20 000 struts each"),
+            flag("--collapse", "struts too short for any blend become points"),
+            flag("--whole", "of check: loose ends and several pieces are wrong, too"),
+            settings(Request, leave=("sew", "open")),
+            settings(MeshSettings, "3 % of the least radius"),
+        ),
+        "`pas network build octet --cells 4 --radius 1/20 -o block.3mf` writes each kind of node once.",
     ),
     Command(
         "studio",

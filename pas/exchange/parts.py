@@ -21,11 +21,13 @@ from pas.solid.measures import PartList
 
 @dataclass(frozen=True)
 class Piece:
-    """One part as files see it: its name, colour (red, green, blue up to 255) and mesh."""
+    """One part as files see it: its name, colour (red, green, blue up to 255), mesh, and shifts (M, 3) if it is in
+    many places."""
 
     name: str
     color: tuple[int, int, int]
     mesh: Mesh
+    places: Floats | None = None
 
 
 def parts_of(thing: Any, request: Request) -> list[Piece]:
@@ -84,6 +86,18 @@ def require_closed(thing: Any, parts: Sequence[Piece], file: str) -> None:
 TRIANGLES: Content[list[Piece]] = Content(
     "triangles", _checked_parts, tuple(f.name for f in fields(MeshSettings)), _is_of_shapes
 )
+
+
+def _placed_parts(thing: Any, request: Request) -> list[Piece]:
+    """Closed bodies in many places, of what consists of such; of all else its parts."""
+    placed = None if isinstance(thing, list | tuple) else kind_of(thing, "shape").placed
+    if placed is None:
+        return _checked_parts(thing, request)
+    bodies = placed(thing, request.mesh)
+    return [Piece(f"{request.name} {n + 1}", _rgb(COLORS[0]), *body) for n, body in enumerate(bodies)]
+
+
+PLACED: Content[list[Piece]] = replace(TRIANGLES, of=_placed_parts)
 
 
 def _parts(shape: Any, request: Request) -> list[Piece]:

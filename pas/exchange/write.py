@@ -27,6 +27,7 @@ and .msh files have no unit and refuse one.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, TypeAlias, Unpack
 
@@ -34,7 +35,7 @@ from pas.algebra.inputs import check_flag
 from pas.exchange.files import replacing, target
 from pas.exchange.formats import FORMATS, Request, suffixes_of
 from pas.exchange.parts import require_closed
-from pas.limits import WorkLimits, checkpoint, limited
+from pas.limits import WorkLimits, checkpoint, limited, note
 from pas.parametric.maps import DomainLike
 from pas.settings import MeshSettings
 from pas.shape import Shape
@@ -79,13 +80,20 @@ def write(
     and a surface with edges where a body is meant, `TypeError` for what no such file holds, `MissingLibraryError` where
     a package for the format is absent, and what meshing raises.
     """
-    return write_as(
-        thing, path, MeshSettings(tolerance, domain=domain), unit=unit, sew=sew, open=check_flag(open, "open")
-    )
+    mesh = MeshSettings(tolerance, domain=domain)
+    return write_as(thing, path, mesh, unit=unit, sew=sew, open=check_flag(open, "open")).path
 
 
-def write_as(thing: Writable, path: str | Path, mesh: MeshSettings, **options: Any) -> Path:
-    """`write` by settings of the mesh; `options` are the others of a `Request`."""
+@dataclass(frozen=True)
+class Written:
+    """A file, and what its format tells of its parts (of STEP a `StepReport` each), one line of text each."""
+
+    path: Path
+    reports: tuple[Any, ...] = ()
+
+
+def write_as(thing: Writable, path: str | Path, mesh: MeshSettings, **options: Any) -> Written:
+    """`write` by settings of the mesh; `options` are the others of a `Request`.  Reports are told to `progress`."""
     target(path, tuple(FORMATS), "a shape")
     place = Path(path)
     format_ = FORMATS[place.suffix.lower()]
@@ -96,8 +104,10 @@ def write_as(thing: Writable, path: str | Path, mesh: MeshSettings, **options: A
         require_closed(thing, content, place.name)
     with replacing(place) as temporary:
         checkpoint(f"writing {place.name}")
-        format_.write(content, temporary, request)
-    return place
+        reports = format_.write(content, temporary, request) or ()
+    for report in reports:
+        note(str(report))
+    return Written(place, tuple(reports))
 
 
 def check_open(path: str | Path) -> str:

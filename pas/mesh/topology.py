@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from functools import cached_property
 
 import numpy as np
@@ -138,6 +139,29 @@ def piece_count(triangles: Integers) -> int:
     size = int(triangles.max(initial=-1)) + 1
     ends = triangles[:, [0, 1, 1, 2]].reshape(-1, 2)
     return len(distinct(connected(ends, size)[triangles])) if size else 0
+
+
+def chains(edges: Integers, corners: Collection[int] = ()) -> list[Integers]:
+    """The vertices of each curve that edges (E, 2) make, in order; closed ones have their first vertex at the end, too.
+
+    Curves begin and end in given vertices, and where not just two edges meet.
+    """
+    ends: dict[int, list[tuple[int, int]]] = {}
+    for number, (a, b) in enumerate(edges.tolist()):
+        ends.setdefault(a, []).append((number, b))
+        ends.setdefault(b, []).append((number, a))
+    used, curves, inner = set(), [], {v for v, found in ends.items() if len(found) == 2} - set(corners)
+    for vertex in sorted(ends, key=lambda v: v in inner):
+        for first, _ in ends[vertex]:
+            edge, curve = first, [vertex]
+            while edge not in used:
+                used.add(edge)
+                curve.append(next(other for number, other in ends[curve[-1]] if number == edge))
+                if curve[-1] in inner:
+                    edge = next(number for number, _ in ends[curve[-1]] if number != edge)
+            if len(curve) > 1:
+                curves.append(np.array(curve))
+    return curves
 
 
 class Edges:

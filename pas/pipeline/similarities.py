@@ -46,7 +46,7 @@ def similarities(before: Sequence[Anchor], after: Sequence[Anchor]) -> Iterator[
     ranks = [fmpq_mat([list(v) for v in _vectors(before[:size])]).rank() for size in sizes]
     base = before[: sizes[ranks.index(max(ranks))]]
     for chosen in permutations(after, len(base)):
-        found = _linear_part(_vectors(base), _vectors(chosen))
+        found = linear_maps(_vectors(base), _vectors(chosen))
         if found is not None:
             for matrix, scale in found:
                 image = Affine(matrix, ORIGIN).exact(base[0].point)
@@ -62,7 +62,7 @@ def _vectors(anchors: Sequence[Anchor]) -> list[Vector]:
     return [*ways, *along]
 
 
-def _linear_part(before: list[Vector], after: list[Vector]) -> list[tuple[Matrix, fmpq]] | None:
+def linear_maps(before: list[Vector], after: list[Vector]) -> list[tuple[Matrix, fmpq]] | None:
     """The linear similarities that take some vectors to others, and their scales; None where there is none."""
     scale = _root(dot(after[0], after[0]) / dot(before[0], before[0]))
     if scale is None:

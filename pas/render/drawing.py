@@ -78,7 +78,7 @@ def draw_scene(scene: Scene, picture: Picture, path: str | Path) -> Path:
     plotter = plotted(offscreen_pyvista(), scene, picture, off_screen=True)
     with closing(plotter), replacing(path) as temporary:
         checkpoint("rendering a picture")
-        _picture(plotter, picture).save(temporary, format="png")
+        _picture(plotter, picture).save(temporary, format="png", compress_level=4)  # quicker than 6
     return Path(path)
 
 

@@ -12,6 +12,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.contacts.contact import Contact
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Integers
+from pas.mesh.topology import chains
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.form import connectivity
 from pas.parametric.surface import ParametricSurface
@@ -145,26 +146,3 @@ def _outwards(mesh: Mesh) -> Mesh:
     turned = (np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) * normals[triangles[:, 0]]).sum(axis=1) < 0
     triangles[turned] = triangles[turned][:, [0, 2, 1]]
     return Mesh.smooth(points, triangles, normals)
-
-
-def chains(edges: Integers) -> list[Integers]:
-    """The vertices of each curve that edges (E, 2) make, in order; closed ones have their first vertex at the end, too.
-
-    Curves begin and end where not just two edges meet.
-    """
-    ends: dict[int, list[tuple[int, int]]] = {}
-    for number, (a, b) in enumerate(edges.tolist()):
-        ends.setdefault(a, []).append((number, b))
-        ends.setdefault(b, []).append((number, a))
-    used, curves = set(), []
-    for vertex in sorted(ends, key=lambda v: len(ends[v]) == 2):
-        for first, _ in ends[vertex]:
-            edge, curve = first, [vertex]
-            while edge not in used:
-                used.add(edge)
-                curve.append(next(other for number, other in ends[curve[-1]] if number == edge))
-                if len(ends[curve[-1]]) == 2:
-                    edge = next(number for number, _ in ends[curve[-1]] if number != edge)
-            if len(curve) > 1:
-                curves.append(np.array(curve))
-    return curves

@@ -16,8 +16,9 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
 from pas.mesh.mesh import Mesh
+from pas.mesh.topology import chains
 from pas.piecewise import PiecewiseSurface
-from pas.render.neighbours import chains, contact_rim
+from pas.render.neighbours import contact_rim
 from pas.render.scene import Comb
 from pas.surface.geometry import FIRST, Geometry
 

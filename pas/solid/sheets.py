@@ -24,7 +24,7 @@ from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.projection import pair_normals
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Integers, norms
 from pas.mesh.topology import Edges
 from pas.mesh.walls import End, ring
 from pas.piecewise import PiecewiseSurface
@@ -278,15 +278,18 @@ def face_mesh(mesh: Mesh, field: SolidField, tolerance: float, quality: Quality)
     """
     columns = field.evaluator.columns[: field.evaluator.used]
     points = field.evaluator.local(mesh.points)
-    first = np.array([int(np.argmax(mesh.faces == face)) for face in range(len(mesh.names))])
-    numbers = np.zeros(len(mesh.names), dtype=np.intp)
+    numbers, sides = np.zeros((2, len(mesh.names)), dtype=np.intp)
     for face, name in enumerate(mesh.names):
         known = np.array([n for n, c in enumerate(columns) if name in c.names])
-        jets = field.evaluator.jets(points[mesh.triangles[first[face], :1]].repeat(len(known), axis=0), known)
-        off = np.abs(jets[:, 0]) / np.linalg.norm(jets[:, 1:], axis=1)
-        numbers[face] = known[np.argmin(np.nan_to_num(off, nan=np.inf))]
-    slopes = field.evaluator.jets(points[mesh.triangles[first, 0]], numbers)[:, 1:]
-    sides = (slopes * mesh.normals[first, 0]).sum(axis=1) < 0
+        rows = np.flatnonzero(mesh.faces == face)[:16]
+        corners, normals = points[mesh.triangles[rows]].reshape(-1, 3), mesh.normals[rows].reshape(-1, 3)
+        jets = field.evaluator.jets(np.tile(corners, (len(known), 1)), known.repeat(len(corners)))
+        jets = (jets / np.maximum(norms(jets[:, 1:]), 1e-300)[:, None]).reshape(len(known), -1, 4)
+        cosines = (jets[..., 1:] * normals).sum(axis=-1)
+        # Where two faces meet both are zero, so that one corner does not tell, nor do normals alone.
+        off = (np.abs(jets[..., 0]) + 1 - np.abs(cosines)).mean(axis=1)
+        best = int(np.argmin(np.nan_to_num(off, nan=np.inf)))
+        numbers[face], sides[face] = known[best], cosines[best].sum() < 0
     made = Labelled.of(points, mesh.triangles, (2 * numbers + sides)[mesh.faces])
     if quality is Quality.ANGLES:
         return refined_faces(made, field, tolerance / field.scale, quality)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import tomllib
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from conftest import EQUAL, ROOT, solved
@@ -166,8 +168,9 @@ def problems() -> list[Base]:
     ]
 
 
-def projects(folder: Path) -> list[Base]:
-    """Project files of every kind, written to a folder."""
+@cache
+def projects() -> tuple[Base, ...]:
+    """Project files of every kind, made once for all tests of this process."""
     check, rough = ("check", "{}"), ("--tolerance", "0.4", "-o", "a.stl")
     independent = (("check", "{}", "--independent"), ("check", "{}", "--independent", "--json"))
     as_json = ("check", "{}", "--json")
@@ -213,13 +216,15 @@ def projects(folder: Path) -> list[Base]:
         "net": (pas.bezier_patches(surface)[0], (check, as_json, mesh)),
         "tetra": (tetra, (check, as_json, ("write", "{}", "a.ply"))),
     }
-    return [
-        Base(f"{name}.pas.json", thing.save(folder / f"{name}.pas.json").read_text(), commands)
-        for name, (thing, commands) in things.items()
-    ]
+    with TemporaryDirectory() as folder:
+        return tuple(
+            Base(f"{name}.pas.json", thing.save(Path(folder) / f"{name}.pas.json").read_text(), commands)
+            for name, (thing, commands) in things.items()
+        )
 
 
-def further(folder: Path) -> list[Base]:
+@cache
+def further() -> tuple[Base, ...]:
     """Project files of the kinds that no changed file is drawn of, and of blends with wishes and a given basis."""
     outer = pas.blend([pas.Pipe((1, 0, 0), 1, 2), pas.Pipe((-1, 0, 0), "1/2", 2)], 1, energy=pas.ThinPlate())
     inner = [pas.Contact("y^2 + z^2 - 4/9", "x - 2"), pas.Contact("y^2 + z^2 - 1/9", "-x - 2")]
@@ -242,10 +247,11 @@ def further(folder: Path) -> list[Base]:
         "a part": solid.assembly(ball=solid.ball((0, 0, 0), 1))["ball"],
         "teapot": pas.teapot("paper"),
     }
-    return [
-        Base(f"{name}.pas.json", thing.save(folder / f"{name}.pas.json").read_text(), ())
-        for name, thing in things.items()
-    ]
+    with TemporaryDirectory() as folder:
+        return tuple(
+            Base(f"{name}.pas.json", thing.save(Path(folder) / f"{name}.pas.json").read_text(), ())
+            for name, thing in things.items()
+        )
 
 
 def _on(blend: pas.ParametricBlend, domain: Any) -> pas.ParametricBlend:

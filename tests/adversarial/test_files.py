@@ -19,7 +19,6 @@ import sys
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -37,7 +36,7 @@ WAIT = 1200.0
 LONGEST_SENTENCE = 800
 """Characters of a message; those of our own sentences stay below 400, of which a part is quoted from the file."""
 
-FEW, MANY, CHUNKS = 160, 10_000, 4
+FEW, MANY, CHUNKS = 60, 10_000, 4
 
 BLENDS = ("corner.pas.json", "elbow.pas.json")
 """Files that both checkers take."""
@@ -96,9 +95,8 @@ def worker() -> Iterator[Worker]:
 
 @cache
 def bases() -> tuple[Base, ...]:
-    """The good files, made once for all tests of this process."""
-    with TemporaryDirectory() as folder:
-        return (*problems(), *projects(Path(folder)))
+    """The good files."""
+    return (*problems(), *projects())
 
 
 def case(number: int, known: tuple[Base, ...]) -> tuple[Base, tuple[str, ...], bytes]:

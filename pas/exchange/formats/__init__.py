@@ -7,7 +7,7 @@ function that writes that.  `FORMATS.register(Format(...))` adds one from outsid
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -153,7 +153,8 @@ def _no_library() -> None:
 class Format(Generic[C]):
     """A file format by its suffix, `name`, such as ".stl".
 
-    `write(content, path, request)` writes to a path that exists already and becomes the file when it returns;
+    `write(content, path, request)` writes to a path that exists already and becomes the file when it returns what is to
+    be told of its parts, one dataclass each with a `str` of one line, or None;
     `require` raises `MissingLibraryError` where a package that it needs is absent, before any work; `limits` says of a
     thing of which the content can be made whether such files can hold it; `bodies` that they are taken for closed
     bodies, as for printing, and `closed` that they are for nothing else; `unitless` that they have no unit, neither
@@ -162,7 +163,7 @@ class Format(Generic[C]):
 
     name: str
     content: Content[C]
-    write: Callable[[C, Path, Request], None]
+    write: Callable[[C, Path, Request], Sequence[Any] | None]
     require: Callable[[], object] = _no_library
     limits: Callable[[Any], bool] | None = None
     bodies: bool = False

@@ -9,7 +9,8 @@ points have `parameters` where all parts are meshes of parametric surfaces.  In 
 edges.
 
 3MF, by lib3mf: one named object a part, its colour and the unit of lengths.  Guaranteed: each part is an object of its
-own in the file's build, of the type "surface" where it is open (3MF core 1.3, 4.1).  Not guaranteed: more than single
+own in the file's build, of the type "surface" where it is open (3MF core 1.3, 4.1); what stands in many places is
+written once, as components of one object.  Not guaranteed: more than single
 precision, which is what lib3mf takes.
 """
 
@@ -24,6 +25,7 @@ import numpy as np
 from pas.errors import library
 from pas.exchange.formats import Format, Request
 from pas.exchange.parts import (
+    PLACED,
     TRIANGLES,
     Piece,
     counted_on,
@@ -106,13 +108,19 @@ def require_lib3mf() -> Any:
     )
 
 
+def three_mf_unit(name: str) -> Any:
+    """The unit of lib3mf that has this name in `UNITS`."""
+    units = {unit.lower(): unit for unit in ("MicroMeter", "MilliMeter", "CentiMeter", "Meter", "Inch", "Foot")}
+    return getattr(require_lib3mf().ModelUnit, units[name])
+
+
 def write_3mf(parts: Sequence[Piece], path: Path, request: Request) -> None:
     """All parts."""
     lib3mf = require_lib3mf()
     wrapper = lib3mf.get_wrapper()
     model = wrapper.CreateModel()
-    units = {unit.lower(): unit for unit in ("MicroMeter", "MilliMeter", "CentiMeter", "Meter", "Inch", "Foot")}
-    model.SetUnit(getattr(lib3mf.ModelUnit, units[request.told_unit]))
+    model.SetUnit(three_mf_unit(request.told_unit))
+    together: Any = None
     for part in parts:
         checkpoint()
         item = model.AddMeshObject()
@@ -122,7 +130,17 @@ def write_3mf(parts: Sequence[Piece], path: Path, request: Request) -> None:
         item.SetGeometry(_records(lib3mf.Position, points, "<f4"), _records(lib3mf.Triangle, triangles, "<u4"))
         group = model.AddColorGroup()
         item.SetObjectLevelProperty(group.GetResourceID(), group.AddColor(wrapper.RGBAToColor(*part.color, 255)))
-        model.AddBuildItem(item, wrapper.GetIdentityTransform())
+        if part.places is None:
+            model.AddBuildItem(item, wrapper.GetIdentityTransform())
+            continue
+        if together is None:
+            together = model.AddComponentsObject()
+            together.SetName(request.name)
+            model.AddBuildItem(together, wrapper.GetIdentityTransform())
+        matrices = np.zeros((len(part.places), 4, 3), dtype="<f4")
+        matrices[:, :3], matrices[:, 3] = np.eye(3), part.places
+        for transform in (lib3mf.Transform * len(matrices)).from_buffer_copy(matrices.tobytes()):
+            together.AddComponent(item, transform)
     checkpoint()
     writer = model.QueryWriter("3mf")
     writer.SetDecimalPrecision(9)  # its usual six would round a part of a few units visibly
@@ -135,4 +153,4 @@ def _records(kind: Any, rows: Any, number: str) -> Any:
     return (kind * len(rows)).from_buffer_copy(data)
 
 
-THREE_MF = Format(".3mf", TRIANGLES, write_3mf, require_lib3mf, is_closed, bodies=True, closed=True)
+THREE_MF = Format(".3mf", PLACED, write_3mf, require_lib3mf, is_closed, bodies=True, closed=True)

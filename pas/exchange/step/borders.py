@@ -8,16 +8,21 @@ which it was cut.  A corner is on all of its borders.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from pas.algebra.monomials import Floats
-from pas.exchange.step.charts import NEAR, Atlas, Integers
+from pas.errors import GeometryError
+from pas.exchange.step.carriers import Plane
+from pas.exchange.step.charts import NEAR, Atlas, CommonZeros, Functions, Sheet
 from pas.limits import checkpoint
+from pas.mesh.halfedges import following
+from pas.mesh.rows import Integers
+from pas.mesh.topology import chains
 
 DEGREE = 5
 
@@ -36,15 +41,11 @@ class CurveKind(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A curve from parameter `start` to `end`: origin + t first, origin + cos t first + sin t second, or a spline.
-
-    `error` is the largest distance from what it stands for that was measured.
-    """
+    """A curve from parameter `start` to `end`: origin + t first, origin + cos t first + sin t second, or a spline."""
 
     kind: CurveKind
     start: float
     end: float
-    error: float
     origin: Floats | None = None
     first: Floats | None = None
     second: Floats | None = None
@@ -74,17 +75,18 @@ def curve_through(points: Floats, placed: Callable[[Floats], Floats], tolerance:
     found = _line(dense) or _conic(dense)
     if found is not None:
         return found
-    number = 9
-    most_points = 1025
+    number, most_points = 9, 1025
     while True:
         checkpoint()
         knots = resampled(dense, 2 * number - 1, placed)
         lengths = _lengths(knots)
+        if np.diff(lengths).min() <= 0:
+            raise GeometryError(f"the curve in which two faces meet is too short for splines, {lengths[-1]:.1e}")
         spline = make_interp_spline(lengths[::2], knots[::2], k=DEGREE)
         between = spline(np.concatenate([lengths[1::2], (lengths[1:] + lengths[:-1])[[0, 1, -2, -1]] / 2]))
         error = float(np.linalg.norm(placed(between) - between, axis=1).max())
         if error <= tolerance or number >= most_points:
-            return Curve(CurveKind.SPLINE, 0.0, float(lengths[-1]), error, spline=spline)
+            return Curve(CurveKind.SPLINE, 0.0, float(lengths[-1]), spline=spline)
         number, dense = 2 * number - 1, knots
 
 
@@ -110,7 +112,7 @@ def _line(points: Floats) -> Curve | None:
     way = way / length
     moved = points - points[0]
     off = float(np.linalg.norm(moved - (moved @ way)[:, None] * way, axis=1).max())
-    return Curve(CurveKind.LINE, 0.0, length, off, points[0], way) if off < EXACT * length else None
+    return Curve(CurveKind.LINE, 0.0, length, points[0], way) if off < EXACT * length else None
 
 
 def _conic(points: Floats) -> Curve | None:
@@ -164,171 +166,99 @@ def _conic(points: Floats) -> Curve | None:
     if off > 10 * EXACT * size or (np.diff(turn) <= 0).any():
         return None
     kind = CurveKind.CIRCLE if radius else CurveKind.ELLIPSE
-    return Curve(kind, start, end, float(off), place, first, second)
+    return Curve(kind, start, end, place, first, second)
 
 
 @dataclass(frozen=True, eq=False)
 class ChartBorder:
     """The border of the chart on its left and the one on its right, along a `chain` of vertices.
 
-    `functions` are those that are zero on it, by number; `order` says with what smoothness GC^k the charts are meant to
-    go on in each other, 0 where they are not.
+    `functions` are those that are zero on it; `order` says with what smoothness GC^k the charts are meant to go on in
+    each other, 0 where they are not.
     """
 
     left: int
     right: int
     chain: tuple[int, ...]
-    functions: tuple[int, ...]
+    functions: Functions
     order: int
 
 
-@dataclass(eq=False)
 class Borders:
-    """All borders of an atlas, and what they are made of."""
+    """All `borders` of an atlas; `points` (3,) are the corners between them, by vertex.
 
-    atlas: Atlas
-    orders: Callable[[int, int], int]
-    points: dict[int, Floats] = field(default_factory=dict)
+    `orders` is the order of the joint that is claimed between faces of two labels along points (N, 3).
+    """
 
-    def __post_init__(self) -> None:
-        twins, triangles = self.atlas._twins, self.atlas.triangles
-        chart = np.repeat(self.atlas.chart, 3)
-        starts, ends = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    def __init__(self, atlas: Atlas, orders: Callable[[int, int, Floats], int]) -> None:
+        self.atlas = atlas
+        twins, chart = atlas.twins, np.repeat(atlas.chart, 3)
         halves = np.flatnonzero(chart != chart[twins])
-        self.sides = {(int(starts[h]), int(ends[h])): (int(chart[h]), int(chart[twins[h]])) for h in halves}
-        self.chains = self._chains()
-        self.borders = [self._border(*chain) for chain in self.chains]
-        self._place_corners()
-
-    def _chains(self) -> list[tuple[int, int, tuple[int, ...]]]:
-        """Each border's charts, left and right, and its vertices; the left one has the lower number."""
-        after: dict[int, list[tuple[int, int, int]]] = defaultdict(list)
-        for (a, b), (left, right) in self.sides.items():
-            if left < right:
-                after[a].append((b, left, right))
-                after[b].append((a, left, right))
-        special = self._special(np.array(sorted(after), dtype=np.intp)) | self._kinks()
-        self.corners = {
-            v for v, found in after.items() if len(found) != 2 or found[0][1:] != found[1][1:] or v in special
-        }
-        chains, seen = [], set()
-        for start in [*sorted(self.corners), *sorted(set(after) - self.corners)]:
-            for way, left, right in after[start]:
-                if frozenset((start, way)) in seen:
-                    continue
-                chain = [start, way]
-                seen.add(frozenset(chain))
-                while chain[-1] not in self.corners and chain[-1] != start:
-                    last = next(x for x, _, _ in after[chain[-1]] if x != chain[-2])
-                    seen.add(frozenset((chain[-1], last)))
-                    chain.append(last)
-                if self.sides[chain[0], chain[1]][0] != left:
-                    chain.reverse()
-                chains.append((left, right, tuple(chain)))
-        return chains
-
-    def _special(self, vertices: Integers) -> set[int]:
-        """The vertices at singular points of faces, such as a cone's apex, which they are put on."""
-        found = set()
-        for point in self.atlas.field.special_points:
-            off = np.linalg.norm(self.atlas.points[vertices] - point, axis=1)
-            for vertex in vertices[off < NEAR].tolist():
-                found.add(vertex)
-                self.points[vertex] = point
-        return found
-
-    def _kinks(self) -> set[int]:
-        """The vertices in which curves cross that two quadrics share, in planes: borders turn there."""
-        pairs: dict[tuple[int, int], set[int]] = defaultdict(set)
-        for edge, charts in self.sides.items():
-            pairs[charts] |= set(edge)
-        found = set()
-        for (left, right), vertices in pairs.items():
-            planes = self.atlas.planes_between(left, right)
-            for vertex in vertices if len(planes) > 1 else ():
-                found |= (
-                    {vertex} if sum(abs(self.atlas.points[vertex] @ n - d) < NEAR for n, d in planes) > 1 else set()
-                )
-        return found
-
-    def _border(self, left: int, right: int, chain: tuple[int, ...]) -> ChartBorder:
-        functions, order = self.atlas.meeting(left, right, self.atlas.points[list(chain)])
-        labels = self.atlas.sheets[left].label, self.atlas.sheets[right].label
-        return ChartBorder(left, right, chain, functions, max(order, self.orders(*labels)))
-
-    def _place_corners(self) -> None:
-        through: dict[int, dict[int, None]] = defaultdict(dict)
+        ends = np.stack([atlas.triangles.ravel(), atlas.triangles[:, [1, 2, 0]].ravel()], axis=1)[halves]
+        after = following(halves)  # on the border of the same chart, turning around the end within it
+        while (inner := chart[after] == chart[twins[after]]).any():
+            after[inner] = following(twins[after[inner]])
+        self._halves = dict(zip(map(tuple, ends.tolist()), halves.tolist(), strict=True))
+        self._after = dict(zip(halves.tolist(), after.tolist(), strict=True))
+        sides = np.stack([chart[halves], chart[twins[halves]]], axis=1)
+        once = sides[:, 0] < sides[:, 1]
+        edges, sides = ends[once], sides[once]
+        self.points = self._special(np.unique(edges))
+        self.borders = []
+        for found in chains(edges, {*self.points, *self._kinks(edges, sides)}):
+            sided = [(int(chart[self._halves[a, b]]), way) for a, b, way in ((*found[:2], 1), (*found[1::-1], -1))]
+            (left, way), (right, _) = sorted(sided)
+            chain = found[::way]
+            one, other = atlas.sheets[left], atlas.sheets[right]
+            order = 9 if one is other else orders(one.label, other.label, atlas.points[chain])  # 9: one function
+            functions = atlas.meeting(left, right, atlas.points[chain])
+            self.borders.append(ChartBorder(left, right, tuple(chain.tolist()), functions, order))
+        through: dict[int, dict[Sheet | Plane, None]] = defaultdict(dict)
         for border in self.borders:
             for end in (border.chain[0], border.chain[-1]):
                 through[end] |= dict.fromkeys(border.functions)
-        for vertex, numbers in through.items():
-            if vertex in self.points:
-                continue
-            start = self.atlas.points[vertex]
-            if len(numbers) == 2 and vertex in self.corners:
-                start = self._touching(start, tuple(numbers))
-            self.points[vertex] = self.atlas.functions.placed(start[None], tuple(numbers))[0]
+        for vertex in through.keys() - self.points.keys():
+            self.points[vertex] = CommonZeros((*through[vertex],)).placed(atlas.points[[vertex]])[0]
 
-    def _touching(self, point: Floats, numbers: tuple[int, ...]) -> Floats:
-        """Where two surfaces touch and their curves cross: both are zero, and their gradients parallel."""
-        step = 1e-5  # of the differences that give second derivatives, in local coordinates
-        around = step * np.concatenate([np.eye(3), -np.eye(3)])
-        for _ in range(8):
-            units, rows, values, bends = [], list[Floats](), list[float](), []
-            for number in numbers:
-                jets = self.atlas.functions.jets(point[None], number)[0]
-                size = float(np.linalg.norm(jets[1:]))
-                units.append(jets[1:] / size)
-                values.append(jets[0] / size)
-                slopes = self.atlas.functions.jets(point + around, number)[:, 1:]
-                bends.append((slopes[:3] - slopes[3:]) / (2 * step * size))
-            rows = [*units, *(np.cross(units[0], bends[1]) - np.cross(units[1], bends[0])).T]
-            values += np.cross(*units).tolist()
-            step = np.linalg.lstsq(np.array(rows), np.array(values), rcond=1e-6)[0]
-            point = point - step
-            if np.linalg.norm(step) < 1e-14:
-                break
-        return np.asarray(point)
+    def _special(self, vertices: Integers) -> dict[int, Floats]:
+        """The vertices at singular points of faces, such as a cone's apex, which they are put on."""
+        found: dict[int, Floats] = {}
+        for point in self.atlas.field.special_points:
+            off = np.linalg.norm(self.atlas.points[vertices] - point, axis=1)
+            found |= dict.fromkeys(vertices[off < NEAR].tolist(), point)
+        return found
+
+    def _kinks(self, edges: Integers, sides: Integers) -> Iterator[int]:
+        """The vertices in which curves cross that two quadrics share, in planes: borders turn there."""
+        for left, right in np.unique(sides, axis=0).tolist():
+            planes = self.atlas.planes_between(left, right)
+            if len(planes) > 1:
+                vertices = np.unique(edges[(sides == (left, right)).all(axis=1)])
+                near = [np.abs(plane.heights(self.atlas.points[vertices])) < NEAR for plane in planes]
+                yield from vertices[np.sum(near, axis=0) > 1].tolist()
 
     def curve(self, border: ChartBorder, tolerance: float) -> Curve:
         """The curve of a border, splines within a tolerance, in local coordinates."""
         points = np.array([self.points.get(v, self.atlas.points[v]) for v in border.chain])
-        return curve_through(points, lambda x: self.atlas.functions.placed(x, border.functions), tolerance)
+        return curve_through(points, CommonZeros(border.functions).placed, tolerance)
 
-    def loops(self, chart: int) -> list[list[tuple[ChartBorder, bool]]]:
-        """The borders around a chart, loop by loop, the chart on their left; each with whether it runs forward."""
-        first: dict[tuple[int, int], tuple[ChartBorder, bool]] = {}
-        for border in self.borders:
-            if border.left == chart:
-                first[border.chain[0], border.chain[1]] = border, True
-            if border.right == chart:
-                first[border.chain[-1], border.chain[-2]] = border, False
+    def loops(self, chart: int) -> list[list[tuple[int, bool]]]:
+        """The borders around a chart, loop by loop, the chart on their left: numbers, and whether they run forward."""
+        first: dict[int, tuple[int, bool]] = {}
+        last: dict[tuple[int, bool], int] = {}
+        for number, border in enumerate(self.borders):
+            for side, forward in ((border.left, True), (border.right, False)):
+                if side == chart:
+                    chain = border.chain if forward else border.chain[::-1]
+                    first[self._halves[chain[0], chain[1]]] = number, forward
+                    last[number, forward] = self._halves[chain[-2], chain[-1]]
         found = []
         while first:
-            begin = next(iter(first))
-            loop = [first.pop(begin)]
-            while True:
-                border, forward = loop[-1]
-                last, end = border.chain[-2:] if forward else border.chain[1::-1]
-                following = self._next(last, end)
-                if following == begin:
-                    break
-                loop.append(first.pop(following))
+            begin = following_half = next(iter(first))
+            loop = []
+            while following_half in first:
+                loop.append(first.pop(following_half))
+                following_half = self._after[last[loop[-1]]]
+            assert following_half == begin
             found.append(loop)
         return found
-
-    def _next(self, start: int, end: int) -> tuple[int, int]:
-        """The half edge on the same chart's border that follows one, turning around its end within the chart."""
-        chart = self.sides[start, end][0]
-        corner = self._third[start, end]
-        while (end, corner) not in self.sides or self.sides[end, corner][0] != chart:
-            corner = self._third[corner, end]
-        return end, corner
-
-    @property
-    def _third(self) -> dict[tuple[int, int], int]:
-        if not hasattr(self, "_thirds"):
-            triangles = self.atlas.triangles
-            starts, ends, thirds = (triangles[:, [k, (k + 1) % 3, (k + 2) % 3]].ravel().tolist() for k in range(3))
-            self._thirds = dict(zip(zip(starts, ends, strict=True), thirds, strict=True))
-        return self._thirds

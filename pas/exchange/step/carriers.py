@@ -15,12 +15,34 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from flint import fmpq, fmpq_mat
+from flint import fmpq, fmpq_mat, fmpq_poly
 
 from pas.algebra.affine import quadratic_form
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import to_float
+
+
+@dataclass(frozen=True)
+class Plane:
+    """The points with normal.x = height, where `normal` is of length 1."""
+
+    normal: tuple[float, float, float]
+    height: float
+
+    @classmethod
+    def of(cls, normal: Floats, height: float) -> Plane:
+        """The plane with a unit normal (3,)."""
+        x, y, z = normal.tolist()
+        return cls((x, y, z), float(height))
+
+    def heights(self, points: Floats) -> Floats:
+        """How far points (..., 3) are above it (...)."""
+        return np.asarray(points @ np.array(self.normal) - self.height)
+
+    def jets(self, points: Floats) -> Floats:
+        """Heights and their gradients (N, 4) at points (N, 3)."""
+        return np.concatenate([self.heights(points)[:, None], np.broadcast_to(self.normal, points.shape)], axis=1)
 
 
 class CarrierKind(Enum):
@@ -122,8 +144,8 @@ def _of_revolution(form: fmpq_mat) -> tuple[fmpq, fmpq, fmpq_mat] | None:
     return root, other, fmpq_mat(3, 1, column)
 
 
-def reducible_planes(first: Polynomial, second: Polynomial) -> list[tuple[Floats, float]]:
-    """Planes n.x = d, as (n, d) with |n| = 1, that hold all common points of two quadrics, where there are such.
+def reducible_planes(first: Polynomial, second: Polynomial) -> list[Plane]:
+    """Planes that hold all common points of two quadrics, where there are such.
 
     That is so where a multiple of one less the other is of rank 2: two planes cross in it, and the quadrics meet in
     conics, as cylinders of one radius do whose axes cross.
@@ -135,25 +157,15 @@ def reducible_planes(first: Polynomial, second: Polynomial) -> list[tuple[Floats
     nodes = [fmpq(n) for n in range(-2, 3)]
     vandermonde = fmpq_mat(5, 5, [n**k for n in nodes for k in range(5)])
     row = vandermonde.solve(fmpq_mat(5, 1, [(one - two * n).det() for n in nodes]))
-    factors = _roots([row[k, 0] for k in range(5)])
-    found = []
-    for root in factors:
-        pencil = one - two * root
-        if pencil.rank() == 2:
-            found += _planes(pencil)
-    return found
+    determinant = fmpq_poly([row[k, 0] for k in range(5)])
+    roots = [fmpq(1), fmpq(-1)]  # where all members of the pencil are singular, as those of parallel cylinders
+    if determinant.degree() > 0:
+        roots = [-f[0] / f[1] for f, _ in determinant.factor()[1] if f.degree() == 1]
+    pencils = [one - two * root for root in roots]
+    return [plane for pencil in pencils if pencil.rank() == 2 for plane in _planes(pencil)]
 
 
-def _roots(coefficients: list[fmpq]) -> list[fmpq]:
-    from flint import fmpq_poly
-
-    polynomial = fmpq_poly(coefficients)
-    if polynomial.degree() < 1:
-        return [fmpq(1), fmpq(-1)]  # all members of the pencil are singular, as those of parallel cylinders
-    return [-f[0] / f[1] for f, _ in polynomial.factor()[1] if f.degree() == 1]
-
-
-def _planes(pencil: fmpq_mat) -> list[tuple[Floats, float]]:
+def _planes(pencil: fmpq_mat) -> list[Plane]:
     """The planes whose product a symmetric matrix (4, 4) of rank 2 is; none where they are not real."""
     matrix = np.array([[to_float(pencil[i, j]) for j in range(4)] for i in range(4)])
     values, vectors = np.linalg.eigh(matrix / np.abs(matrix).max())
@@ -165,7 +177,7 @@ def _planes(pencil: fmpq_mat) -> list[tuple[Floats, float]]:
         plane = np.sqrt(-low) * vectors[:, 0] + sign * np.sqrt(high) * vectors[:, -1]
         size = float(np.linalg.norm(plane[:3]))
         if size > 0:
-            found.append((plane[:3] / size, -float(plane[3]) / size))
+            found.append(Plane.of(plane[:3] / size, -float(plane[3]) / size))
     return found
 
 

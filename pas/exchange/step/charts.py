@@ -6,82 +6,29 @@ the walls between these, so that each chart is on one polynomial; `Atlas.cut` di
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
-from pas.exchange.step.carriers import Carrier, carrier_of, reducible_planes
+from pas.exchange.step.carriers import Carrier, Plane, carrier_of, reducible_planes
 from pas.mesh.field import place_of
+from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton
+from pas.mesh.rows import Integers
 from pas.mesh.topology import connected, twins_of
 from pas.solid.field import SolidField
 from pas.solid.functions import Pieces
 
-Integers = NDArray[np.intp]
-Plane = tuple[Floats, float]
-"""The points with n.x = d, as (n, d) with |n| = 1."""
-
-
-class CommonZeros:
-    """CommonZeros by number, in a solid's local coordinates, as `pas.mesh.projection` wants them."""
-
-    def __init__(self) -> None:
-        self._jets: list[Callable[[Floats], Floats]] = []
-        self._numbers: dict[object, int] = {}
-
-    def number(self, key: object, jets: Callable[[Floats], Floats]) -> int:
-        """That of a function, by a key."""
-        if key not in self._numbers:
-            self._numbers[key] = len(self._jets)
-            self._jets.append(jets)
-        return self._numbers[key]
-
-    def plane(self, plane: Plane) -> int:
-        """That of a plane."""
-        normal, height = plane
-
-        def jets(points: Floats) -> Floats:
-            values = points @ normal - height
-            return np.concatenate([values[:, None], np.broadcast_to(normal, points.shape)], axis=1)
-
-        return self.number((*normal.tolist(), height), jets)
-
-    def jets(self, points: Floats, label: int | Integers) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3) of one function, or of each point's own (N,)."""
-        labels = np.asarray(label, dtype=np.intp)
-        if labels.ndim == 0 or (labels == labels[:1]).all():
-            return self._jets[int(labels.ravel()[0])](points)
-        result = np.empty((len(points), 4))
-        for number in np.unique(labels):
-            rows = labels == number
-            result[rows] = self._jets[int(number)](points[rows])
-        return result
-
-    def placed(self, points: Floats, numbers: tuple[int, ...]) -> Floats:
-        """Points (N, 3) moved onto the common zeros of functions."""
-        if not len(points):
-            return points
-        each = np.tile(np.array(numbers, dtype=np.intp), (len(points), 1))
-        # How far a step may move a point of a mesh, in local coordinates, when it is put on its curve.
-        reach = 0.05
-        return newton(points, self, each, np.full(len(points), reach))
-
-
-Bools = NDArray[np.bool_]
-
-ON_PLANE = 1e-9
-"""Heights over a plane, in a solid's local coordinates, below which points are on it."""
-
-NEAR = 1e-6
-"""Distance, in local coordinates, within which all points of a border are on the plane that it was cut by."""
+ON_PLANE, NEAR = 1e-9, 1e-6
+"""In a solid's local coordinates: heights over a plane below which points are on it, and the distance within which all
+points of a border are on the plane that it was cut by."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +50,26 @@ class Sheet:
         return np.asarray(slopes / np.maximum(np.linalg.norm(slopes, axis=1, keepdims=True), 1e-300))
 
 
+Functions = tuple[Sheet | Plane, ...]
+
+
+@dataclass(frozen=True)
+class CommonZeros:
+    """Some functions by number, as Newton's method wants them."""
+
+    functions: Functions
+
+    def jets(self, points: Floats, labels: int | Integers) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3) of one function, whose number stands once or N times."""
+        return self.functions[int(np.ravel(labels)[0])].jets(points)
+
+    def placed(self, points: Floats) -> Floats:
+        """Points (N, 3) moved to where all functions are zero."""
+        each = np.tile(np.arange(len(self.functions)), (len(points), 1))
+        reach = np.full(len(points), 0.05)  # how far a step may move a point
+        return newton(points, self, each, reach) if len(points) else points
+
+
 class Atlas:
     """The charts of a mesh: `points` (N, 3), `triangles` (T, 3), the number of the `chart` (T,) of each.
 
@@ -111,29 +78,27 @@ class Atlas:
 
     def __init__(self, mesh: Labelled, field: SolidField) -> None:
         self.field = field
-        self.points, self.triangles = np.array(mesh.points), np.array(mesh.triangles)
-        self.functions = CommonZeros()
+        self.points, self.triangles, self.chart = mesh.points, mesh.triangles, mesh.labels  # until there are charts
         self._between: dict[frozenset[int], list[Plane]] = {}
-        self.planes: dict[int, list[Plane]] = {int(label): [] for label in np.unique(mesh.labels)}
-        self.chart = np.array(mesh.labels, dtype=np.intp)  # until there are charts, their labels
-        self.sheets = {label: self._sheet(label) for label in self.planes}
-        pieces = {label: self._pieces(label) for label in self.planes}
-        for label, function in pieces.items():
-            for wall in [] if function is None else _walls(function, field):
-                self._cut(np.flatnonzero(self.chart == label), wall)
-                self.planes[label].append(wall)
-        sheets, self.sheets = self.sheets, {}
-        labels, self.chart = self.chart, np.full(len(self.triangles), -1, dtype=np.intp)
-        for label, function in pieces.items():
-            rows = np.flatnonzero(labels == label)
+        self._seams: dict[int, Sheet] = {}
+        self._sheets = {label: self._sheet(label) for label in np.unique(mesh.labels).tolist()}
+        self.sheets, self.planes = self._sheets, dict[int, list[Plane]]()
+        for label in self._sheets:
+            function = self._pieces(label)
+            self.planes[label] = [] if function is None else _walls(function, field)
+            for wall in self.planes[label]:
+                self._cut(label, wall)
+        labels, self.chart, self.sheets = self.chart, np.full(len(self.triangles), -1), {}
+        for label, sheet in self._sheets.items():
+            rows, function = np.flatnonzero(labels == label), self._pieces(label)
             if function is None:
-                self._add(rows, sheets[label])
+                self._add(rows, sheet)
                 continue
-            partition, middles = function.partition, self.points[self.triangles[rows]].mean(axis=1)
-            local = partition.frame.local_points(field.world(middles))
-            number = partition.local.location.pieces(local.T, np.inf)
-            for piece in np.unique(number):
-                self._add(rows[number == piece], _piece_sheet(function, int(piece), label, field))
+            middles = field.world(self.points[self.triangles[rows]].mean(axis=1))
+            partition = function.partition
+            number = partition.local.location.pieces(partition.frame.local_points(middles).T, np.inf)
+            for piece in np.unique(number).tolist():
+                self._add(rows[number == piece], _piece_sheet(function, piece, label, field))
 
     def _pieces(self, label: int) -> Pieces | None:
         function = self.field.evaluator.columns[label // 2].function
@@ -142,14 +107,14 @@ class Atlas:
     def _sheet(self, label: int) -> Sheet:
         polynomial = self.field.evaluator.polynomial(label // 2)
         carrier = None if polynomial is None else carrier_of(polynomial)
-        return Sheet(lambda points: self.field.jets(points, label), label, polynomial, carrier)
+        return Sheet(partial(self.field.jets, label=label), label, polynomial, carrier)
 
     def _add(self, rows: Integers, sheet: Sheet) -> list[int]:
         """Each connected part of some triangles as a new chart; returns the charts."""
-        inside = np.full(len(self.triangles), -1, dtype=np.intp)
+        inside = np.full(len(self.triangles), -1)
         inside[rows] = np.arange(len(rows))
-        halves = np.flatnonzero(np.repeat(inside >= 0, 3))
-        ends = np.stack([inside[halves // 3], inside[self._twins[halves] // 3]], axis=1)
+        halves = (3 * rows[:, None] + np.arange(3)).ravel()
+        ends = np.stack([inside[halves // 3], inside[self.twins[halves] // 3]], axis=1)
         part = connected(ends[ends[:, 1] >= 0], len(rows))
         first = max(self.sheets, default=-1) + 1
         self.chart[rows] = first + part
@@ -158,7 +123,8 @@ class Atlas:
         return made
 
     @property
-    def _twins(self) -> Integers:
+    def twins(self) -> Integers:
+        """The twins (3 T,) of half edges."""
         return twins_of(self.triangles, len(self.points))
 
     def rows(self, chart: int) -> Integers:
@@ -168,7 +134,7 @@ class Atlas:
     def cut(self, chart: int, plane: Plane) -> list[int]:
         """A chart divided by a plane, into the charts that are returned."""
         sheet = self.sheets[chart]
-        self._cut(self.rows(chart), plane)
+        self._cut(chart, plane)
         self.planes[sheet.label].append(plane)
         del self.sheets[chart]
         rows = self.rows(chart)
@@ -176,84 +142,63 @@ class Atlas:
         return [*self._add(rows[above], sheet), *self._add(rows[~above], sheet)]
 
     def _heights(self, plane: Plane) -> Floats:
-        heights = self.points @ plane[0] - plane[1]
+        heights = plane.heights(self.points)
         return np.asarray(np.where(np.abs(heights) < ON_PLANE, 0.0, heights))
 
-    def _cut(self, rows: Integers, plane: Plane) -> None:
-        """Triangles divided where a plane crosses them, and their neighbours with them; charts stay as they are."""
-        heights = self._heights(plane)
-        size, ends = len(self.points), np.stack([self.triangles, self.triangles[:, [1, 2, 0]]], axis=2)
-        keys = ends.min(axis=2) * size + ends.max(axis=2)
-        wanted = np.unique(keys[rows][heights[ends[rows]].prod(axis=2) < 0])
-        if not len(wanted):
+    def _cut(self, chart: int, plane: Plane) -> None:
+        """A chart's triangles divided where a plane crosses them, and their neighbours with them."""
+        mesh, heights = Labelled.of(self.points, self.triangles, self.chart), self._heights(plane)
+        edges, charts = mesh.topology.edge_table
+        crossed = np.flatnonzero((heights[edges].prod(axis=1) < 0) & (charts == chart).any(axis=1))
+        if not len(crossed):
             return
-        low, high = wanted // size, wanted % size
-        share = heights[low] / (heights[low] - heights[high])
-        added = self.points[low] + share[:, None] * (self.points[high] - self.points[low])
-        self.points = np.concatenate([self.points, self._placed(added, wanted, keys, plane)])
-        place = np.searchsorted(wanted, keys).clip(max=len(wanted) - 1)
-        crossed = wanted[place] == keys
-        middle, number = size + place, crossed.sum(axis=1)
-        made, source = [self.triangles[number == 0]], [np.flatnonzero(number == 0)]
-        for side in range(3):
-            next_, last = (side + 1) % 3, (side + 2) % 3
-            one = np.flatnonzero((number == 1) & crossed[:, side])
-            a, b, c = self.triangles[one][:, [side, next_, last]].T
-            m = middle[one, side]
-            made += [np.stack(t, axis=1) for t in ((a, m, c), (m, b, c))]
-            two = np.flatnonzero((number == 2) & ~crossed[:, side])  # the side is whole, its opposite corner cut off
-            a, b, c = self.triangles[two][:, [side, next_, last]].T
-            m, n = middle[two, next_], middle[two, last]
-            made += [np.stack(t, axis=1) for t in ((c, n, m), (a, b, m), (a, m, n))]
-            source += [one, one, two, two, two]
-        self.triangles, self.chart = np.concatenate(made), self.chart[np.concatenate(source)]
+        crossed = crossed[np.argsort(-mesh.lengths[crossed], kind="stable")]  # the order in which they are halved
+        finer, edges, charts = halved(mesh, crossed), edges[crossed], charts[crossed]
+        low, high = heights[edges].T
+        start, end = self.points[edges].transpose(1, 0, 2)
+        added = start + (low / (low - high))[:, None] * (end - start)
+        self.points = np.concatenate([self.points, self._placed(added, edges, charts, plane)])
+        self.triangles, self.chart = finer.triangles, finer.labels.copy()
 
-    def _placed(self, added: Floats, wanted: Integers, keys: Integers, plane: Plane) -> Floats:
-        """New points (K, 3) on edges of some keys moved onto the charts beside these, and onto a plane."""
-        order = np.argsort(keys.ravel(), kind="stable")
-        first = np.searchsorted(keys.ravel()[order], wanted)
-        pairs = np.sort(self.chart[order[np.stack([first, first + 1], axis=1)] // 3], axis=1)
-        result, number = added.copy(), self.functions.plane(plane)
-        for pair in np.unique(pairs, axis=0):
-            rows = np.flatnonzero((pairs == pair).all(axis=1))
-            left, right = pair.tolist()
+    def _placed(self, added: Floats, edges: Integers, charts: Integers, plane: Plane) -> Floats:
+        """New points (K, 3) on edges (K, 2) between charts (K, 2) moved onto these, and onto a plane."""
+        result = added.copy()
+        for left, right in np.unique(charts, axis=0).tolist():
+            rows = np.flatnonzero((charts == (left, right)).all(axis=1))
             if left != right:
                 for row in rows.tolist():  # of several cuts each point may be on another
-                    functions = (*self.meeting(left, right, added[[row]])[0], number)
-                    result[[row]] = self.functions.placed(added[[row]], functions)
+                    functions = (*self.meeting(left, right, added[[row]]), plane)
+                    result[[row]] = CommonZeros(functions).placed(added[[row]])
                 continue
-            sheet, ends = self.sheets[left], np.stack([wanted // len(self.points), wanted % len(self.points)])[:, rows]
-            on = np.zeros(len(rows), dtype=np.intp)  # an edge that is on an earlier plane stays there
-            for place, (normal, height) in enumerate(self.planes[sheet.label], start=1):
-                on[(np.abs(self.points[ends] @ normal - height) < ON_PLANE).all(axis=0)] = place
+            sheet = self.sheets[left]
+            on = np.full(len(rows), -1)  # an edge that is on another plane stays there
+            others = [other for other in self.planes[sheet.label] if other != plane]
+            for place, other in enumerate(others):
+                on[(np.abs(other.heights(self.points[edges[rows]])) < ON_PLANE).all(axis=1)] = place
             for place in np.unique(on).tolist():
-                earlier = [self.functions.plane(p) for p in self.planes[sheet.label][place - 1 : place] if place]
-                some = rows[on == place]
-                result[some] = self.functions.placed(added[some], (self._number(sheet), *earlier, number))
+                some, before = rows[on == place], others[place : place + 1] if place >= 0 else []
+                result[some] = CommonZeros((sheet, *before, plane)).placed(added[some])
         return result
 
-    def meeting(self, left: int, right: int, points: Floats) -> tuple[tuple[int, ...], int]:
-        """The functions whose common zeros are where two charts meet near points (N, 3), and the order GC^k of contact.
+    def meeting(self, left: int, right: int, points: Floats) -> Functions:
+        """The functions whose common zeros are where two charts meet near points (N, 3).
 
-        That is 9 where one face was cut, and 0 where nothing says that the faces touch.
+        Raises `GeometryError` where a face meets itself elsewhere than where it was cut.
         """
         sheets = self.sheets[left], self.sheets[right]
         labels = sheets[0].label, sheets[1].label
         if labels[0] == labels[1]:
-            planes = self.planes[labels[0]]
-            off = [float(np.abs(points @ n - d).max()) for n, d in planes]
-            if not off or min(off) > NEAR:
+            plane, off = _nearest(self.planes[labels[0]], points)
+            if plane is None or off > NEAR:
                 place = place_of(self.field, points[len(points) // 2])
                 raise GeometryError(f"the face {self.field.face(labels[0])!r} meets itself near {place}")
-            return (self._number(sheets[0]), self.functions.plane(planes[int(np.argmin(off))])), 9
+            return sheets[0], plane
         placing = self.field.functions(tuple(sorted(labels)))
         if {p // 2 for p in placing} != {label // 2 for label in labels}:
-            return tuple(self.functions.number(p, partial(_jets, self.field, p)) for p in placing), 1
-        planes = self.planes_between(left, right)
-        off = [float(np.abs(points @ n - d).max()) for n, d in planes]
-        if off:
-            return (self._number(sheets[0]), self.functions.plane(planes[int(np.argmin(off))])), 0
-        return (self._number(sheets[0]), self._number(sheets[1])), 0
+            made = (Sheet(partial(self.field.jets, label=p), p) for p in placing)
+            return tuple(self._seams.setdefault(p, sheet) for p, sheet in zip(placing, made, strict=True))
+        plane, _ = _nearest(self.planes_between(left, right), points)
+        return sheets[0], sheets[1] if plane is None else plane
 
     def planes_between(self, left: int, right: int) -> list[Plane]:
         """The planes that hold all common points of two charts' quadrics, where there are such."""
@@ -265,12 +210,11 @@ class Atlas:
             self._between[key] = reducible_planes(one.polynomial, other.polynomial)
         return self._between[key]
 
-    def _number(self, sheet: Sheet) -> int:
-        return self.functions.number(sheet, sheet.jets)
 
-
-def _jets(field: SolidField, label: int, points: Floats) -> Floats:
-    return field.jets(points, label)
+def _nearest(planes: Sequence[Plane], points: Floats) -> tuple[Plane | None, float]:
+    """The plane from which points (N, 3) are least far, and how far; None of none."""
+    off = [float(np.abs(plane.heights(points)).max()) for plane in planes]
+    return (planes[int(np.argmin(off))], min(off)) if off else (None, np.inf)
 
 
 def _walls(function: Pieces, field: SolidField) -> list[Plane]:
@@ -280,9 +224,9 @@ def _walls(function: Pieces, field: SolidField) -> list[Plane]:
         row = face.plane.dense(1)
         size = float(np.linalg.norm(row[1:]))
         normal, height = row[1:] / size, -row[0] / size
-        plane = normal, float(height - normal @ field.world(np.zeros(3))) / field.scale
-        signed = np.array([*normal, plane[1]]) * (1 if normal[np.argmax(np.round(np.abs(normal), 6))] > 0 else -1)
-        found.setdefault(tuple((np.round(signed, 9) + 0.0).tolist()), plane)
+        height = float(height - normal @ field.world(np.zeros(3))) / field.scale
+        signed = np.array([*normal, height]) * (1 if normal[np.argmax(np.round(np.abs(normal), 6))] > 0 else -1)
+        found.setdefault(tuple((np.round(signed, 9) + 0.0).tolist()), Plane.of(normal, height))
     return list(found.values())
 
 

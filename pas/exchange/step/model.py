@@ -8,7 +8,9 @@ within the tolerance between the points at which that was measured, some thousan
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,8 +19,9 @@ from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
 from pas.exchange.step.borders import Borders
-from pas.exchange.step.charts import Atlas
-from pas.exchange.step.division import Graph, divide
+from pas.exchange.step.charts import NEAR, Atlas
+from pas.exchange.step.division import divide
+from pas.exchange.step.parameters import SplinePatch
 from pas.exchange.step.shapes import ShapeMaker
 from pas.settings import RELATIVE_TOLERANCE
 from pas.solid.measures import curved_measures
@@ -45,15 +48,15 @@ def is_valid(shape: Any) -> bool:
     return bool(BRepCheck_Analyzer(shape).IsValid()) and all(map(BRep_Tool.IsClosed_s, explored(shape, "SHELL")))
 
 
-def adaptive_volume(shape: Any) -> float:
-    """The volume of the solids in a shape, negative where they are inside out."""
+def adaptive_volume(shape: Any, error: float = 5e-7) -> float:
+    """The volume of the solids in a shape, negative where they are inside out, by quadrature that aims at a relative
+    error: one that does not adapt is off by 13 % on some valid solids.
+    """
     from OCP.BRepGProp import BRepGProp
     from OCP.GProp import GProp_GProps
 
     found = GProp_GProps()
-    # Relative error that quadrature of volumes aims at: without adapting it is off by 13 % on some valid solids.
-    quadrature = 5e-7
-    BRepGProp.VolumeProperties_s(shape, found, quadrature, False, False)
+    BRepGProp.VolumeProperties_s(shape, found, error, False, False)
     return float(found.Mass())
 
 
@@ -64,24 +67,15 @@ def largest_tolerance(shape: Any) -> float:
     return float(ShapeAnalysis_ShapeTolerance().Tolerance(shape, 1))
 
 
-@dataclass(frozen=True)
-class Smoothness:
-    """The largest angle between normals, in radians, and the largest jump of curvature over the largest curvature."""
-
-    angle: float
-    curvature_jump: float
-
-
-def smoothness(maker: ShapeMaker) -> Smoothness:
-    """Across the borders at which charts are claimed to go on in each other: GC^1 for angles, GC^2 for curvatures."""
-    angle = jump = 0.0
-    largest = 0.0
-    # Points along a border at which it is looked at.
-    across = 17
+def smoothness(maker: ShapeMaker) -> tuple[float, float]:
+    """How smoothly charts go on in each other where that is claimed: across GC^1 borders the largest angle between
+    normals, in radians, across GC^2 ones the largest jump of curvature, over the largest curvature.
+    """
+    angle = jump = largest = 0.0
     for border, curve in zip(maker.borders.borders, maker.curves, strict=True):
         if border.order < 1:
             continue
-        places = curve.parameters(across + 2)[1:-1]
+        places = curve.parameters(19)[1:-1]
         step = (curve.end - curve.start) * 1e-4
         along = curve(places + step) - curve(places - step)
         along /= np.linalg.norm(along, axis=1, keepdims=True)
@@ -89,9 +83,8 @@ def smoothness(maker: ShapeMaker) -> Smoothness:
         sines = np.linalg.norm(np.cross(one, other), axis=1)
         angle = max(angle, float(np.arctan2(sines, (one * other).sum(axis=1)).max()))
         largest = max(largest, float(np.abs([k, m]).max()))
-        if border.order > 1:
-            jump = max(jump, float(np.abs(k - m).max()))
-    return Smoothness(angle, jump / largest if largest else 0.0)
+        jump = max(jump, float(np.abs(k - m).max()) if border.order > 1 else 0.0)
+    return angle, jump / largest if largest else 0.0
 
 
 def _across(maker: ShapeMaker, chart: int, points: Floats, along: Floats) -> tuple[Floats, Floats]:
@@ -103,16 +96,13 @@ def _across(maker: ShapeMaker, chart: int, points: Floats, along: Floats) -> tup
     for row, uv in enumerate(maker.parameters[chart].uv(points).tolist()):
         maker.surfaces[chart].D2(*uv, point, *vectors)
         found[row] = [(v.X(), v.Y(), v.Z()) for v in vectors]
-    u, v, uu, vv, uv_ = found.transpose(1, 0, 2)
-    normals = np.cross(u, v) * (1.0 if maker.natural[chart] else -1.0)
+    first, second = found[:, :2], found[:, [2, 4, 4, 3]]
+    normals = np.cross(first[:, 0], first[:, 1]) * (1.0 if maker.natural[chart] else -1.0)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    across = np.cross(normals, along)
-    first = np.stack([[(u * u).sum(1), (u * v).sum(1)], [(u * v).sum(1), (v * v).sum(1)]]).transpose(2, 0, 1)
-    second = np.stack(
-        [[(uu * normals).sum(1), (uv_ * normals).sum(1)], [(uv_ * normals).sum(1), (vv * normals).sum(1)]]
-    ).transpose(2, 0, 1)
-    parts = np.linalg.solve(first, np.stack([(across * u).sum(1), (across * v).sum(1)], axis=1)[..., None])
-    return normals, (parts.transpose(0, 2, 1) @ second @ parts)[:, 0, 0]
+    metric = first @ first.transpose(0, 2, 1)
+    parts = np.linalg.solve(metric, first @ np.cross(normals, along)[..., None])
+    bends = (second @ normals[..., None]).reshape(-1, 2, 2)
+    return normals, (parts.transpose(0, 2, 1) @ bends @ parts)[:, 0, 0]
 
 
 COARSER = 10
@@ -142,11 +132,11 @@ class StepReport:
     curvature_jump: float
 
     def __str__(self) -> str:
+        others = "" if self.exact == self.faces else f", the others within {self.distance:.1e} of the solid's"
         return (
-            f"{self.name}: {self.faces} faces, {self.exact} of them exact, the others within {self.distance:.1e} of "
-            f"the solid; edges within {self.gap:.1e} of their faces; volume {self.volume:.7g}, "
-            f"{self.volume_difference:+.1e} from the mesh's; smooth joints within {self.angle:.1e} "
-            f"rad, curvature within {self.curvature_jump:.1e} of the largest"
+            f"{self.name}: {self.faces} faces, {self.exact} of them exact{others}; edges within {self.gap:.1e}; "
+            f"volume {self.volume:.7g}, {self.volume_difference:+.1e} from the mesh's; where faces go on smoothly "
+            f"normals differ by {self.angle:.1e} rad at most, curvatures by {self.curvature_jump:.1e} of the largest"
         )
 
 
@@ -182,49 +172,46 @@ def step_part(
     found = solid.face_mesh(min(COARSER * within, RELATIVE_TOLERANCE * COARSER * size))
     measured = curved_measures(found, field).scaled(field.scale, field.world(np.zeros(3)))
     atlas = Atlas(found.mesh, field)
-    local = within / field.scale
-    parameters = divide(atlas, local / 4, within / size / 4)
-    borders = Borders(atlas, lambda one, other: _order(solid, one, other))
-    # Distance of splines from the curves in which faces meet, in local coordinates.
-    near = 1e-8
-    curves = [borders.curve(border, near) for border in borders.borders]
-    maker = ShapeMaker(borders, parameters, curves)
-    smooth = smoothness(maker)
+    parameters = divide(atlas, within / field.scale / 4, within / size / 3)
+    borders = Borders(atlas, partial(_order, solid))
+    near = 1e-8  # of splines to the curves in which faces meet, in local coordinates
+    maker = ShapeMaker(borders, parameters, [borders.curve(border, near) for border in borders.borders])
+    angle, jump = smoothness(maker)
     solids = [_joined(made, name) for made in maker.solids()]
     shape = _in_world(solids, field.scale, field.world(np.zeros(3)))
-    graphs = [p for p in parameters.values() if isinstance(p, Graph)]
+    off = [p.distance * field.scale for p in parameters.values() if isinstance(p, SplinePatch) and p.weights is None]
     faces = len(explored(shape, "FACE"))
-    distance = max((p.distance for p in graphs), default=0.0) * field.scale
-    report = StepReport(
-        name,
-        faces,
-        faces - len(graphs),
-        distance,
-        maker.gap * field.scale,
-        measured.volume,
-        0.0,
-        smooth.angle,
-        smooth.curvature_jump,
-    )
-    bound = measured.area * within
-    return StepPart(name, color, shape, len(solids), measured.volume, bound, max(within, 1e-6 * size), report)
+    report = StepReport(name, faces, faces - len(off), max(off, default=0.0), 0.0, measured.volume, 0.0, angle, jump)
+    bound, loosest = measured.area * within, max(within, 1e-6 * size)
+    return StepPart(name, color, shape, len(solids), measured.volume, bound, loosest, report)
 
 
-def _order(solid: Solid, one: int, other: int) -> int:
-    """The order of the joint that is claimed between faces of two labels; 0 where there is none."""
-    columns = solid.field.evaluator.columns
-    names = set(columns[one // 2].names), set(columns[other // 2].names)
-    orders = [
-        j.order
-        for j in solid.joints
-        if (j.first in names[0] and j.second in names[1]) or (j.first in names[1] and j.second in names[0])
-    ]
-    return max(orders, default=0)
+def _order(solid: Solid, one: int, other: int, points: Floats) -> int:
+    """The order of the joint along local points (N, 3) that is claimed between faces of two labels; 0 without one.
+
+    Between pieces of one face it is the highest of its joints.
+    """
+    field = solid.field
+    names = [field.evaluator.columns[label // 2].names for label in (one, other)]
+    if one == other:
+        return max((j.order for j in solid.joints if {j.first, j.second} & {*names[0]}), default=1)
+    places, order = field.world(points), 0
+    for joint in solid.joints:
+        if any(joint.first in a and joint.second in b for a, b in (names, names[::-1])):
+            slopes = [np.linalg.norm(f.gradient(places), axis=1) for f in joint.along]
+            off = [np.abs(f(places)) / np.maximum(g, 1e-300) for f, g in zip(joint.along, slopes, strict=True)]
+            order = max(order, joint.order if np.max(off) < NEAR * field.scale else 0)
+    return order
 
 
 def _joined(solid: Any, name: str) -> Any:
     """A valid solid with faces joined that are on one surface, where what comes of it is as good."""
+    from OCP.BRep import BRep_Tool
+    from OCP.BRepGProp import BRepGProp
+    from OCP.Geom import Geom_BSplineSurface
+    from OCP.GProp import GProp_GProps
     from OCP.ShapeUpgrade import ShapeUpgrade_UnifySameDomain
+    from OCP.TopoDS import TopoDS
 
     if not is_valid(solid):
         raise GeometryError(
@@ -233,31 +220,37 @@ def _joined(solid: Any, name: str) -> Any:
         )
     joining = ShapeUpgrade_UnifySameDomain(solid, True, True, False)
     joining.Build()
-    found = joining.Shape()
-    whole = explored(found, "SOLID")
-    if len(whole) != 1 or not is_valid(found):
+    found = explored(joining.Shape(), "SOLID")
+    if len(found) != 1 or not is_valid(found[0]):
         return solid
-    before, after = adaptive_volume(solid), adaptive_volume(found)
-    # Share of a solid's volume by which that with joined faces may differ, twice what quadrature allows itself.
-    same = 1e-6
-    return whole[0] if abs(after - before) < same * abs(before) else solid
+    areas = []
+    for some in (solid, found[0]):
+        faces, area = [*map(TopoDS.Face, explored(some, "FACE"))], GProp_GProps()
+        exact = [face for face in faces if not isinstance(BRep_Tool.Surface_s(face), Geom_BSplineSurface)]
+        BRepGProp.SurfaceProperties_s(compound(exact), area, 1e-7, False)  # splines are as they were
+        areas.append(area.Mass())
+    return found[0] if abs(areas[1] - areas[0]) < 1e-6 * areas[0] else solid
 
 
-def _in_world(solids: list[Any], scale: float, place: Any) -> Any:
+def _in_world(solids: list[Any], scale: float, place: Floats) -> Any:
     """Solids in the user's coordinates, several as a compound."""
-    from OCP.BRep import BRep_Builder
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
     from OCP.gp import gp_Pnt, gp_Trsf, gp_Vec
-    from OCP.TopoDS import TopoDS_Compound
 
     move = gp_Trsf()
     move.SetScale(gp_Pnt(0, 0, 0), scale)
     move.SetTranslationPart(gp_Vec(*place.tolist()))
     moved = [BRepBuilderAPI_Transform(solid, move, True).Shape() for solid in solids]
-    if len(moved) == 1:
-        return moved[0]
+    return moved[0] if len(moved) == 1 else compound(moved)
+
+
+def compound(shapes: Sequence[Any]) -> Any:
+    """Several shapes as one."""
+    from OCP.BRep import BRep_Builder
+    from OCP.TopoDS import TopoDS_Compound
+
     builder, result = BRep_Builder(), TopoDS_Compound()
     builder.MakeCompound(result)
-    for solid in moved:
-        builder.Add(result, solid)
+    for shape in shapes:
+        builder.Add(result, shape)
     return result

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.exchange.step.carriers import Carrier, CarrierKind
-from pas.exchange.step.charts import ON_PLANE, Plane
+from pas.exchange.step.carriers import Carrier, CarrierKind, Plane
+from pas.exchange.step.charts import ON_PLANE
 
 GAP = 0.5
 """The angle, in radians, that a chart must leave free around an axis, so that they do not close; half of it is
@@ -61,22 +61,24 @@ def carrier_parameters(carrier: Carrier, points: Floats, corners: Floats) -> Car
     """
     axis, moved = carrier.axis, points - carrier.place
     if carrier.kind is CarrierKind.PLANE:
-        return CarrierParameters(carrier, axis, _across(axis))
+        return CarrierParameters(carrier, axis, across(axis))
     if carrier.kind is CarrierKind.SPHERE:
         return _on_sphere(carrier, moved)
-    first = _across(axis)
+    first = across(axis)
     free, start = _free(_angles(moved, axis, first))
     height = moved @ axis
     if free < GAP:
-        turn = _away(_angles(corners - carrier.place, axis, first), math.tau / 2)
+        _, turn = _free(_angles(corners - carrier.place, axis, first), math.tau / 2)
         normal = np.cos(turn) * np.cross(axis, first) - np.sin(turn) * first
-        return normal, float(normal @ carrier.place)
+        return Plane.of(normal, normal @ carrier.place)
     begin = np.cos(start) * first + np.sin(start) * np.cross(axis, first)
     if carrier.kind is CarrierKind.TORUS:
         radii = np.linalg.norm(moved - height[:, None] * axis, axis=1) - carrier.radius
         free, tube = _free(np.arctan2(height, radii))
         if free < GAP:
-            return axis, float(axis @ carrier.place + 0.0371 * carrier.minor)  # where nothing else is expected to be
+            return Plane.of(
+                axis, float(axis @ carrier.place) + 0.0371 * carrier.minor
+            )  # where nothing else is expected
         return CarrierParameters(carrier, axis, begin, tube)
     if carrier.kind is CarrierKind.CONE and height.mean() < 0:
         axis, height = -axis, -height
@@ -94,7 +96,7 @@ def _on_sphere(carrier: Carrier, moved: Floats) -> CarrierParameters | Plane:
         if cosines[:, pole].max() > np.cos(GAP / 2):
             break
         axis = directions[pole]
-        first = _across(axis)
+        first = across(axis)
         free, start = _free(_angles(moved, axis, first))
         if free >= GAP:
             begin = np.cos(start) * first + np.sin(start) * np.cross(axis, first)
@@ -102,10 +104,10 @@ def _on_sphere(carrier: Carrier, moved: Floats) -> CarrierParameters | Plane:
     heights = units @ directions.T
     spread = np.minimum((heights > 0).mean(axis=0), (heights < 0).mean(axis=0)) + heights.std(axis=0)
     normal = directions[int(np.argmax(np.round(spread, 3)))]
-    return normal, float(normal @ carrier.place)
+    return Plane.of(normal, normal @ carrier.place)
 
 
-def _across(axis: Floats) -> Floats:
+def across(axis: Floats) -> Floats:
     """A unit vector across a unit axis."""
     first = np.cross(axis, np.eye(3)[int(np.argmin(np.round(np.abs(axis), 6)))])
     return np.asarray(first / np.linalg.norm(first))
@@ -127,35 +129,37 @@ def _free(angles: Floats, period: float = math.tau) -> tuple[float, float]:
     return float(gaps[most]), float((ordered[most] + gaps[most] / 2) % period)
 
 
-def _away(angles: Floats, period: float) -> float:
-    """An angle that is far from given ones (N,), up to a period."""
-    return _free(angles, period)[1]
-
-
 _FROM_VALUES = np.array([[0.0, 1.0, 0.0], [-0.5, 0.0, 0.5], [0.5, -1.0, 0.5]])
 """Coefficients of a parabola, constant first, from its values at -1, 0 and 1."""
 
 
 @dataclass(frozen=True, eq=False)
-class QuadricPatch:
-    """A rational patch on a quadric seen from `eye` (3,), with `frame` (3, 3): the rows first, second and axis.
+class SplinePatch:
+    """A spline over what is seen of a chart along the last row of `frame` (3, 3), with the others as axes.
 
-    `knots` are those of the two directions; `poles` (m, m, 3) and `weights` (m, m) those of the patch.
+    Rational patches of quadrics, with `weights` (m, m), are seen from the point `origin` (3,), graphs of heights over
+    the plane through it from far away.  `knots` are those of the two directions, `poles` (m, m, 3) the control points.
+    Of what is not exact `distance` is the largest from the function's zeros, in local coordinates, at many points.
     """
 
-    eye: Floats
+    origin: Floats
     frame: Floats
+    degree: int
     knots: tuple[Floats, Floats]
     poles: Floats
-    weights: Floats
+    weights: Floats | None = None
+    distance: float = 0.0
 
     def uv(self, points: Floats) -> Floats:
         """The parameters (N, 2) of points (N, 3)."""
-        seen = (points - self.eye) @ self.frame.T
-        return np.asarray(seen[:, :2] / seen[:, 2:])
+        seen = (points - self.origin) @ self.frame.T
+        return np.asarray(seen[:, :2] if self.weights is None else seen[:, :2] / seen[:, 2:])
 
 
-def quadric_patch(matrix: Floats, points: Floats, middle: Floats, normal: Floats) -> QuadricPatch | None:
+Parameters = CarrierParameters | SplinePatch
+
+
+def quadric_patch(matrix: Floats, points: Floats, middle: Floats, normal: Floats) -> SplinePatch | None:
     """The patch of a quadric with symmetric matrix (4, 4) that has points (N, 3) on it, seen from opposite a middle.
 
     That is through the quadric's centre; where it has none, against the mean unit normal (3,).  None where no point of
@@ -163,15 +167,10 @@ def quadric_patch(matrix: Floats, points: Floats, middle: Floats, normal: Floats
     """
     form, slope = matrix[:3, :3], matrix[:3, 3]
     sizes = np.linalg.svd(form, compute_uv=False)
-    way = normal
-    if sizes[-1] > 1e-9 * sizes[0]:
-        way = middle + np.linalg.solve(form, slope)
-        way = way / max(float(np.linalg.norm(way)), 1e-300)
-    value, rise, bend = (
-        middle @ form @ middle + 2 * middle @ slope + matrix[3, 3],
-        -2 * way @ (form @ middle + slope),
-        way @ form @ way,
-    )
+    way = normal if sizes[-1] <= 1e-9 * sizes[0] else middle + np.linalg.solve(form, slope)
+    way = way / max(float(np.linalg.norm(way)), 1e-300)
+    value = middle @ form @ middle + 2 * middle @ slope + matrix[3, 3]
+    rise, bend = -2 * way @ (form @ middle + slope), way @ form @ way
     under = rise * rise - 4 * bend * value
     if under < 0 or abs(bend) * float(np.ptp(points, axis=0).max()) < 1e-6 * abs(rise):
         return None  # there is none, or further away than a million times the chart's size
@@ -181,37 +180,29 @@ def quadric_patch(matrix: Floats, points: Floats, middle: Floats, normal: Floats
         gradient = 2 * (form @ eye + slope)
         eye = eye - (eye @ form @ eye + 2 * eye @ slope + matrix[3, 3]) / (gradient @ gradient) * gradient
     axis = (middle - eye) / np.linalg.norm(middle - eye)
-    first = np.cross(axis, np.eye(3)[int(np.argmin(np.round(np.abs(axis), 6)))])
-    first /= np.linalg.norm(first)
+    first = across(axis)
     frame = np.stack([first, np.cross(axis, first), axis])
     seen = (points - eye) @ frame.T
     if seen[:, 2].min() <= 0.01 * np.linalg.norm(seen, axis=1).max():
         return None
     uv = seen[:, :2] / seen[:, 2:]
-    # By how much of its sides a patch is larger than its chart.
-    margin = 0.02
-    room = margin * float(np.ptp(uv, axis=0).max())
+    room = 0.02 * float(np.ptp(uv, axis=0).max())  # by which a patch is larger than its chart
     low, high = uv.min(axis=0) - room, uv.max(axis=0) + room
-    middle, half = (low + high) / 2, (high - low) / 2
-    grid = np.stack(
-        np.meshgrid(*(m + h * np.array([-1, 0, 1]) for m, h in zip(middle, half, strict=True)), indexing="ij"), -1
-    )
-    ways = grid @ frame[:2] + axis
+    center, half = (low + high) / 2, (high - low) / 2
+    sides = [c + h * np.array([-1, 0, 1]) for c, h in zip(center, half, strict=True)]
+    ways = np.stack(np.meshgrid(*sides, indexing="ij"), -1) @ frame[:2] + axis
     bends = np.einsum("ijx,xy,ijy->ij", ways, form, ways)
-    across = ways @ (form @ eye + slope)
-    both = np.concatenate([bends[..., None] * eye - 2 * across[..., None] * ways, bends[..., None]], axis=2)
+    turned = ways @ (form @ eye + slope)
+    both = np.concatenate([bends[..., None] * eye - 2 * turned[..., None] * ways, bends[..., None]], axis=2)
     coefficients = np.einsum("ik,jl,klx->ijx", _FROM_VALUES, _FROM_VALUES, both) * np.sign(bends[1, 1])
-    # The smallest weight of a patch, over the largest.
-    least_weight = 1e-3
-    # Spans a side that are tried until all weights are positive, as CAD programs want them.
-    spans = (1, 2, 4, 8)
-    for parts in spans:
+    for parts in (1, 2, 4, 8):  # spans a side, until all weights are positive, as CAD programs want them
         knots = np.concatenate([[-1.0, -1.0], np.linspace(-1, 1, parts + 1), [1.0, 1.0]])
         a, b = knots[1:-2], knots[2:-1]
         blossoms = np.stack([np.ones_like(a), (a + b) / 2, a * b], axis=1)  # of 1, u and u^2
         control = np.einsum("mi,nj,ijx->mnx", blossoms, blossoms, coefficients)
         weights = control[..., 3]
-        if weights.min() > least_weight * weights.max():
-            both_knots = (middle[0] + half[0] * knots, middle[1] + half[1] * knots)
-            return QuadricPatch(eye, frame, both_knots, control[..., :3] / weights[..., None], weights / weights.max())
+        if weights.min() > 1e-3 * weights.max():
+            both_knots = (center[0] + half[0] * knots, center[1] + half[1] * knots)
+            poles = control[..., :3] / weights[..., None]
+            return SplinePatch(eye, frame, 2, both_knots, poles, weights / weights.max())
     return None

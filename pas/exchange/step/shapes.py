@@ -7,16 +7,17 @@ absolute; the whole is then moved to where it belongs.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from pas.algebra.monomials import Floats
-from pas.exchange.step.borders import DEGREE, Borders, ChartBorder, Curve, CurveKind
+from pas.exchange.step.borders import DEGREE, Borders, Curve, CurveKind
 from pas.exchange.step.carriers import CarrierKind
-from pas.exchange.step.division import Graph, Parameters
-from pas.exchange.step.parameters import CarrierParameters, QuadricPatch
+from pas.exchange.step.parameters import CarrierParameters, Parameters, SplinePatch
+from pas.limits import checkpoint
 from pas.mesh.topology import connected
 
 LEAST = 1e-7
@@ -24,7 +25,11 @@ LEAST = 1e-7
 
 
 class ShapeMaker:
-    """The solid of an atlas with parameters and curves for its charts and borders, in local coordinates."""
+    """The solid of an atlas with parameters and curves for its charts and borders, in local coordinates.
+
+    `surfaces` are by chart, and `natural` says of which of them the own normal points outwards; `gap` is the largest
+    distance of an edge from its faces.
+    """
 
     def __init__(self, borders: Borders, parameters: dict[int, Parameters], curves: Sequence[Curve]) -> None:
         from OCP.BRep import BRep_Builder
@@ -32,48 +37,39 @@ class ShapeMaker:
         self.borders, self.parameters, self.curves = borders, parameters, curves
         self._builder = BRep_Builder()
         self.surfaces = {chart: surface_of(found) for chart, found in parameters.items()}
-        self.gap = 0.0
         self.natural = {chart: self._is_natural(chart) for chart in parameters}
-        self._edges()
-        self.faces = {chart: self._face(chart) for chart in parameters}
+        self.gap = LEAST
+        self._vertices: dict[int, Any] = {}
+        self._edges = [self._edge(number) for number in range(len(curves))]
 
-    def _edges(self) -> None:
+    def _edge(self, number: int) -> Any:
+        """The edge of a border, with a curve in the parameters of each chart beside it, and its vertices."""
         from OCP.TopAbs import TopAbs_Orientation
         from OCP.TopLoc import TopLoc_Location
         from OCP.TopoDS import TopoDS_Edge, TopoDS_Vertex
 
-        builder, here = self._builder, TopLoc_Location()
-        self.vertices: dict[int, Any] = {}
-        self.edges: dict[int, Any] = {}
-        reach: dict[int, float] = {}
-        for border, curve in zip(self.borders.borders, self.curves, strict=True):
-            edge = TopoDS_Edge()
-            tolerance = LEAST
-            pcurves = []
-            for chart in (border.left, border.right):
-                found = self.parameters[chart]
-                if isinstance(found, CarrierParameters) and found.carrier.kind is CarrierKind.PLANE:
-                    continue
-                flat = flat_curve(found, curve)
-                pcurves.append((chart, flat))
-                tolerance = max(tolerance, self._gap(chart, flat, curve))
-            self.gap = max(self.gap, tolerance)
-            builder.MakeEdge(edge, curve_of(curve), tolerance)
-            for chart, flat in pcurves:
-                builder.UpdateEdge(edge, flat_spline(flat), self.surfaces[chart], here, tolerance)
-            ends = border.chain[0], border.chain[-1]
-            for end, way in zip(
-                ends, (TopAbs_Orientation.TopAbs_FORWARD, TopAbs_Orientation.TopAbs_REVERSED), strict=True
-            ):
-                if end not in self.vertices:
-                    self.vertices[end] = TopoDS_Vertex()
-                    builder.MakeVertex(self.vertices[end], point_of(self.borders.points[end]), LEAST)
-                reach[end] = max(reach.get(end, LEAST), tolerance)
-                builder.Add(edge, self.vertices[end].Oriented(way))
-            builder.Range(edge, curve.start, curve.end)
-            self.edges[id(border)] = edge
-        for end, tolerance in reach.items():
-            builder.UpdateVertex(self.vertices[end], 1.01 * tolerance)
+        builder, border, curve = self._builder, self.borders.borders[number], self.curves[number]
+        flats = {}
+        tolerance = LEAST
+        for chart in (border.left, border.right):
+            found = self.parameters[chart]
+            if isinstance(found, SplinePatch) or found.carrier.kind is not CarrierKind.PLANE:
+                flats[chart] = flat_curve(found, curve)
+                tolerance = max(tolerance, self._gap(chart, flats[chart], curve))
+        self.gap = max(self.gap, tolerance)
+        edge = TopoDS_Edge()
+        builder.MakeEdge(edge, curve_of(curve), tolerance)
+        for chart, flat in flats.items():
+            builder.UpdateEdge(edge, flat_spline(flat), self.surfaces[chart], TopLoc_Location(), tolerance)
+        ways = TopAbs_Orientation.TopAbs_FORWARD, TopAbs_Orientation.TopAbs_REVERSED
+        for end, way in zip((border.chain[0], border.chain[-1]), ways, strict=True):
+            if end not in self._vertices:
+                self._vertices[end] = TopoDS_Vertex()
+                builder.MakeVertex(self._vertices[end], point_of(self.borders.points[end]), LEAST)
+            builder.UpdateVertex(self._vertices[end], 1.01 * tolerance)  # which never makes it smaller
+            builder.Add(edge, self._vertices[end].Oriented(way))
+        builder.Range(edge, curve.start, curve.end)
+        return edge
 
     def _gap(self, chart: int, flat: BSpline, curve: Curve) -> float:
         """How far a curve is at most from what its parameters say on a chart: twice the largest distance at points.
@@ -81,8 +77,7 @@ class ShapeMaker:
         It is a little larger between them, and Open Cascade looks at others.
         """
         places = curve.parameters(33)
-        points = [self.surfaces[chart].Value(*uv) for uv in flat(places).tolist()]
-        there = np.array([(p.X(), p.Y(), p.Z()) for p in points])
+        there = np.array([_floats(self.surfaces[chart].Value(*uv)) for uv in flat(places).tolist()])
         return 2 * float(np.linalg.norm(there - curve(places), axis=1).max())
 
     def _face(self, chart: int) -> Any:
@@ -90,17 +85,16 @@ class ShapeMaker:
         from OCP.TopAbs import TopAbs_Orientation
         from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Wire
 
-        builder, face, surface = self._builder, TopoDS_Face(), self.surfaces[chart]
-        builder.MakeFace(face, surface, LEAST)
-        natural = self.natural[chart]
+        builder, face, natural = self._builder, TopoDS_Face(), self.natural[chart]
+        builder.MakeFace(face, self.surfaces[chart], LEAST)
         for loop in self.borders.loops(chart):
             wire = TopoDS_Wire()
             builder.MakeWire(wire)
-            directed = loop if natural else [(border, not forward) for border, forward in reversed(loop)]
-            for number, (border, forward) in enumerate(directed):
-                way = TopAbs_Orientation.TopAbs_FORWARD if forward else TopAbs_Orientation.TopAbs_REVERSED
-                builder.Add(wire, TopoDS.Edge(self.edges[id(border)].Oriented(way)))
-                apex = self._apex(chart, directed[number], directed[(number + 1) % len(directed)])
+            directed = loop if natural else [(number, not forward) for number, forward in reversed(loop)]
+            for one, other in pairwise([*directed, directed[0]]):
+                way = TopAbs_Orientation.TopAbs_FORWARD if one[1] else TopAbs_Orientation.TopAbs_REVERSED
+                builder.Add(wire, TopoDS.Edge(self._edges[one[0]].Oriented(way)))
+                apex = self._apex(chart, one, other)
                 if apex is not None:
                     builder.Add(wire, apex)
             wire.Closed(True)
@@ -108,21 +102,17 @@ class ShapeMaker:
         return face if natural else TopoDS.Face(face.Reversed())
 
     def _is_natural(self, chart: int) -> bool:
-        """Whether the surface's own normal points outwards."""
         from OCP.gp import gp_Pnt, gp_Vec
 
-        atlas, found = self.borders.atlas, self.parameters[chart]
-        rows = atlas.rows(chart)
-        corners = atlas.points[atlas.triangles[rows]]
+        atlas = self.borders.atlas
+        corners = atlas.points[atlas.triangles[atlas.rows(chart)]]
         areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-        middle = corners[int(np.argmax(areas))].mean(axis=0)
-        point, u, v = gp_Pnt(), gp_Vec(), gp_Vec()
-        self.surfaces[chart].D1(*found.uv(middle[None])[0].tolist(), point, u, v)
-        normal = u.Crossed(v)
-        outwards = atlas.sheets[chart].normals(middle[None])[0]
-        return bool(np.array([normal.X(), normal.Y(), normal.Z()]) @ outwards > 0)
+        middle = corners[int(np.argmax(areas))].mean(axis=0)[None]
+        u, v = gp_Vec(), gp_Vec()
+        self.surfaces[chart].D1(*self.parameters[chart].uv(middle)[0].tolist(), gp_Pnt(), u, v)
+        return bool(_floats(u.Crossed(v)) @ atlas.sheets[chart].normals(middle)[0] > 0)
 
-    def _apex(self, chart: int, one: tuple[ChartBorder, bool], other: tuple[ChartBorder, bool]) -> Any:
+    def _apex(self, chart: int, one: tuple[int, bool], other: tuple[int, bool]) -> Any:
         """The edge without length at a cone's apex, between two others that meet there; None elsewhere."""
         from OCP.TopAbs import TopAbs_Orientation
         from OCP.TopLoc import TopLoc_Location
@@ -131,12 +121,12 @@ class ShapeMaker:
         found = self.parameters[chart]
         if not isinstance(found, CarrierParameters) or found.carrier.kind is not CarrierKind.CONE:
             return None
-        vertex = one[0].chain[-1 if one[1] else 0]
+        vertex = self.borders.borders[one[0]].chain[-1 if one[1] else 0]
         if np.linalg.norm(self.borders.points[vertex] - found.carrier.place) > LEAST:
             return None
         ends = []
-        for (border, forward), last in ((one, True), (other, False)):
-            curve = self.curves[self.borders.borders.index(border)]
+        for (number, forward), last in ((one, True), (other, False)):
+            curve = self.curves[number]
             ends.append(flat_curve(found, curve)(curve.end if forward == last else curve.start))
         if np.linalg.norm(ends[0] - ends[1]) < LEAST:
             return None
@@ -145,55 +135,46 @@ class ShapeMaker:
         builder.MakeEdge(edge)
         builder.UpdateEdge(edge, flat_spline(flat), self.surfaces[chart], TopLoc_Location(), LEAST)
         builder.Degenerated(edge, True)
-        builder.Add(edge, self.vertices[vertex].Oriented(TopAbs_Orientation.TopAbs_FORWARD))
-        builder.Add(edge, self.vertices[vertex].Oriented(TopAbs_Orientation.TopAbs_REVERSED))
+        for way in (TopAbs_Orientation.TopAbs_FORWARD, TopAbs_Orientation.TopAbs_REVERSED):
+            builder.Add(edge, self._vertices[vertex].Oriented(way))
         builder.Range(edge, 0.0, 1.0)
         return edge
 
     def solids(self) -> list[Any]:
         """A solid for each outer surface, with the surfaces of its cavities."""
+        from OCP.BRepClass3d import BRepClass3d_SolidClassifier
+        from OCP.TopAbs import TopAbs_State
         from OCP.TopoDS import TopoDS_Shell, TopoDS_Solid
 
-        charts = sorted(self.faces)
-        place = {chart: number for number, chart in enumerate(charts)}
-        ends = np.array([(place[b.left], place[b.right]) for b in self.borders.borders], dtype=np.intp).reshape(-1, 2)
-        part = connected(ends, len(charts))
-        atlas = self.borders.atlas
-        shells, corners = [], []
+        atlas, charts, solids = self.borders.atlas, np.array(sorted(self.parameters)), []
+        ends = np.array([(b.left, b.right) for b in self.borders.borders], dtype=np.intp).reshape(-1, 2)
+        part = connected(np.searchsorted(charts, ends), len(charts))
+        shells = []
         for number in range(int(part.max()) + 1):
-            mine = [chart for chart, p in zip(charts, part, strict=True) if p == number]
+            mine = charts[part == number].tolist()
             shell = TopoDS_Shell()
             self._builder.MakeShell(shell)
             for chart in mine:
-                self._builder.Add(shell, self.faces[chart])
+                checkpoint("making faces")
+                self._builder.Add(shell, self._face(chart))
             shell.Closed(True)
-            shells.append(shell)
-            corners.append(atlas.points[atlas.triangles[np.isin(atlas.chart, mine)]])
-        volumes = [float(np.einsum("ti,ti->", c[:, 0], np.cross(c[:, 1], c[:, 2]))) for c in corners]
-        solids = {}
-        for number in np.flatnonzero(np.array(volumes) > 0).tolist():
-            solids[number] = TopoDS_Solid()
-            self._builder.MakeSolid(solids[number])
-            self._builder.Add(solids[number], shells[number])
-        for number in np.flatnonzero(np.array(volumes) <= 0).tolist():
-            point = corners[number][0].mean(axis=0)
-            around = [k for k in solids if _winding(corners[k], point) > 0.5]
-            self._builder.Add(solids[min(around, key=lambda k: volumes[k])], shells[number])
-        return list(solids.values())
-
-
-def _winding(corners: Floats, point: Floats) -> float:
-    """How often a closed mesh with corners (T, 3, 3) goes around a point (van Oosterom and Strackee 1983)."""
-    a, b, c = (corners - point).transpose(1, 0, 2)
-    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
-    over = np.einsum("ti,ti->t", a, np.cross(b, c))
-    under = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
-    return float(np.arctan2(over, under).sum() / (2 * np.pi))
+            a, b, c = atlas.points[atlas.triangles[np.isin(atlas.chart, mine)]].transpose(1, 0, 2)
+            shells.append((float((a * np.cross(b, c)).sum()), shell, a[0]))
+        for volume, shell, point in sorted(shells, key=lambda found: -found[0]):
+            if volume > 0:
+                solids.append(TopoDS_Solid())
+                self._builder.MakeSolid(solids[-1])
+                self._builder.Add(solids[-1], shell)
+                continue
+            where = [BRepClass3d_SolidClassifier(solid, point_of(point), LEAST).State() for solid in solids]
+            around = [solid for solid, state in zip(solids, where, strict=True) if state == TopAbs_State.TopAbs_IN]
+            self._builder.Add((around or solids)[-1], shell)  # the smallest of them
+        return solids
 
 
 def flat_curve(found: Parameters, curve: Curve) -> BSpline:
     """A curve in the parameters of a chart, by its own parameter: straight where it is that, else a quintic spline."""
-    if isinstance(found, Graph) and curve.spline is not None:
+    if curve.spline is not None and isinstance(found, SplinePatch) and found.weights is None:
         return BSpline(curve.spline.t, found.uv(curve.spline.c), DEGREE)
     number = 9
     while True:
@@ -221,45 +202,41 @@ def _continued(found: Parameters, uv: Floats) -> Floats:
 
 def surface_of(found: Parameters) -> Any:
     """Open Cascade's surface with some parameters."""
-    from OCP.collections import Array2_double, Array2_gp_Pnt
-    from OCP.Geom import (
-        Geom_BSplineSurface,
-        Geom_ConicalSurface,
-        Geom_CylindricalSurface,
-        Geom_Plane,
-        Geom_SphericalSurface,
-        Geom_ToroidalSurface,
-    )
+    from OCP import Geom
     from OCP.gp import gp_Ax3, gp_Dir
 
-    if isinstance(found, Graph | QuadricPatch):
-        grid = found.poles
-        poles = Array2_gp_Pnt(1, grid.shape[0], 1, grid.shape[1])
-        for i, j in np.ndindex(grid.shape[:2]):
-            poles.SetValue(i + 1, j + 1, point_of(grid[i, j]))
-        (u, many), (v, times) = (knots_of(k) for k in found.knots)
-        if isinstance(found, Graph):
-            return Geom_BSplineSurface(poles, u, v, many, times, DEGREE, DEGREE)
-        weights = Array2_double(1, grid.shape[0], 1, grid.shape[1])
-        for i, j in np.ndindex(grid.shape[:2]):
-            weights.SetValue(i + 1, j + 1, float(found.weights[i, j]))
-        return Geom_BSplineSurface(poles, weights, u, v, many, times, 2, 2)
-    carrier = found.carrier
-    place = carrier.place
+    if isinstance(found, SplinePatch):
+        return spline_surface(found.poles, found.weights, found.knots, (found.degree, found.degree))
+    carrier, place = found.carrier, found.carrier.place
     if carrier.kind is CarrierKind.CONE:
         place = place + found.height * found.axis
     axes = gp_Ax3(point_of(place), gp_Dir(*found.axis.tolist()), gp_Dir(*found.start.tolist()))
     match carrier.kind:
         case CarrierKind.PLANE:
-            return Geom_Plane(axes)
+            return Geom.Geom_Plane(axes)
         case CarrierKind.CYLINDER:
-            return Geom_CylindricalSurface(axes, carrier.radius)
+            return Geom.Geom_CylindricalSurface(axes, carrier.radius)
         case CarrierKind.CONE:
-            return Geom_ConicalSurface(axes, float(np.arctan(carrier.radius)), found.height * carrier.radius)
+            return Geom.Geom_ConicalSurface(axes, float(np.arctan(carrier.radius)), found.height * carrier.radius)
         case CarrierKind.SPHERE:
-            return Geom_SphericalSurface(axes, carrier.radius)
+            return Geom.Geom_SphericalSurface(axes, carrier.radius)
         case CarrierKind.TORUS:
-            return Geom_ToroidalSurface(axes, carrier.radius, carrier.minor)
+            return Geom.Geom_ToroidalSurface(axes, carrier.radius, carrier.minor)
+
+
+def spline_surface(poles: Floats, weights: Floats | None, knots: Sequence[Floats], degrees: tuple[int, int]) -> Any:
+    """Open Cascade's spline with control points (m, n, 3), weights (m, n) or none, and all knots of both directions."""
+    from OCP.collections import Array2_double, Array2_gp_Pnt
+    from OCP.Geom import Geom_BSplineSurface
+
+    rows, columns = poles.shape[:2]
+    points, values = Array2_gp_Pnt(1, rows, 1, columns), Array2_double(1, rows, 1, columns)
+    for i, j in np.ndindex(rows, columns):
+        points.SetValue(i + 1, j + 1, point_of(poles[i, j]))
+        values.SetValue(i + 1, j + 1, 1.0 if weights is None else float(weights[i, j]))
+    (u, many), (v, times) = (knots_of(k) for k in knots)
+    given = (points,) if weights is None else (points, values)
+    return Geom_BSplineSurface(*given, u, v, many, times, *degrees)
 
 
 def curve_of(curve: Curve) -> Any:
@@ -270,8 +247,8 @@ def curve_of(curve: Curve) -> Any:
 
     if curve.spline is not None:
         poles = Array1_gp_Pnt(1, len(curve.spline.c))
-        for i, pole in enumerate(curve.spline.c):
-            poles.SetValue(i + 1, point_of(pole))
+        for i, pole in enumerate(curve.spline.c, start=1):
+            poles.SetValue(i, point_of(pole))
         return Geom_BSplineCurve(poles, *knots_of(curve.spline.t), DEGREE)
     assert curve.origin is not None and curve.first is not None
     if curve.second is None:
@@ -289,8 +266,8 @@ def flat_spline(spline: BSpline) -> Any:
     from OCP.gp import gp_Pnt2d
 
     poles = Array1_gp_Pnt2d(1, len(spline.c))
-    for i, pole in enumerate(spline.c.tolist()):
-        poles.SetValue(i + 1, gp_Pnt2d(*pole))
+    for i, pole in enumerate(spline.c.tolist(), start=1):
+        poles.SetValue(i, gp_Pnt2d(*pole))
     return Geom2d_BSplineCurve(poles, *knots_of(spline.t), spline.k)
 
 
@@ -299,6 +276,10 @@ def point_of(point: Floats) -> Any:
     from OCP.gp import gp_Pnt
 
     return gp_Pnt(*map(float, point))
+
+
+def _floats(point: Any) -> Floats:
+    return np.array([point.X(), point.Y(), point.Z()])
 
 
 def knots_of(knots: Floats) -> tuple[Any, Any]:

@@ -1,0 +1,90 @@
+"""`pas network`: graphs of struts looked into, mended and made a body."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pas.cli.common import DONE, FAILED, CommandResult, settings_of
+from pas.errors import meant
+from pas.settings import MeshSettings
+
+if TYPE_CHECKING:
+    from pas.network.network import Network
+
+
+def run_network(options: argparse.Namespace) -> CommandResult:
+    """`pas network check`, `classes` or `build`."""
+    action = _ACTIONS.get(options.action)
+    if action is None:
+        guess = meant(options.action, _ACTIONS) or f"; there are {', '.join(_ACTIONS)}"
+        raise ValueError(f"there is no action {options.action!r} on networks{guess}")
+    if action is not _build and options.output:
+        raise ValueError(f"pas network {options.action} writes nothing; -o is for pas network build")
+    return action(_network(options), options)
+
+
+def _network(options: argparse.Namespace) -> Network:
+    """The network of a file, or the block of cells whose name stands in the place of one."""
+    from pas.network.lattices import UNIT_CELLS, lattice
+    from pas.network.network import Network
+
+    if "." not in Path(options.source).name:
+        cells = [int(n) for n in str(options.cells or 1).split(",")]
+        return lattice(
+            options.source, cells * 3 if len(cells) == 1 else cells, options.radius or "1/20", options.cell_size
+        )
+    if options.cells:
+        raise ValueError(f"--cells is for unit cells by name ({', '.join(UNIT_CELLS)}), not for {options.source}")
+    return Network.read(options.source, options.radius, options.grid)
+
+
+def _check(network: Network, options: argparse.Namespace) -> CommandResult:
+    problems = network.check(whole=options.whole)
+    lines = [f"{network!r}"[1:-1], *map(str, problems), f"{len(problems) or 'no'} problem{'s' * (len(problems) != 1)}"]
+    record = {"problems": [vars(problem) for problem in problems]}
+    return CommandResult("\n".join(lines), record, FAILED if problems else DONE)
+
+
+def _classes(network: Network, options: argparse.Namespace) -> CommandResult:
+    found = network.classes()
+    record = [
+        {"count": one.count, "symmetries": one.symmetries, "struts": [[*way, str(r)] for way, r in one.struts]}
+        for one in found
+    ]
+    return CommandResult("\n".join([f"{network!r}"[1:-1], *map(str, found)]), {"classes": record})
+
+
+def _build(network: Network, options: argparse.Namespace) -> CommandResult:
+    from pas.exchange.files import target
+    from pas.exchange.write import write_as
+
+    graphs, bodies = (".npz", ".csv"), (".pas.json", ".3mf", ".stl", ".obj", ".ply", ".glb", ".vtp", ".png")
+    for name in options.output:
+        target(name, graphs + bodies, "a network")
+    mesh = settings_of(MeshSettings, options)
+    changes: tuple[str, ...] = ()
+    if options.collapse:
+        network, changes = network.repair(collapse=True)
+    part = network.blend(options.order, options.degree, cache=options.cache)
+    certificate, written = part.certificate, []
+    for name in options.output:
+        write: Any = {".pas.json": part.save, ".png": part.draw, **dict.fromkeys(graphs, network.write)}
+        verb = next((write[suffix] for suffix in write if name.lower().endswith(suffix)), None)
+        written.append(verb(name) if verb else write_as(part, name, mesh, unit=options.unit))
+    if options.blocks:
+        written += part.write_blocks(options.blocks, mesh.tolerance)
+    lines = [*changes, str(part), "", "written:", *(f"  {path}" for path in written)]
+    record = {
+        "changes": list(changes),
+        "density": part.density,
+        "genus": part.genus,
+        "proved": certificate.proved,
+        "verdicts": [verdict.to_record() for verdict in certificate.verdicts],
+        "written": list(map(str, written)),
+    }
+    return CommandResult("\n".join(lines), record, DONE if certificate.proved else FAILED)
+
+
+_ACTIONS = {"check": _check, "classes": _classes, "build": _build}

@@ -1,0 +1,69 @@
+"""Bodies of networks as a kind of shapes: the graph, where its clips are, and the blends of its classes of nodes.
+
+On reading, kinds and classes of nodes and their ends are found anew; blends are those of the file, proved anew when
+their verdicts are asked for.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.rational import rational, to_fraction
+from pas.exchange.records import kept
+from pas.exchange.schema import NUMBER, WHOLE, Table, list_of
+from pas.kinds.piecewise import BLEND
+from pas.network.network import Network
+from pas.network.nodes import matched, placed_ends
+from pas.network.part import NetworkPart
+from pas.render.scene import solid_layers
+from pas.shape import Kind
+
+
+def _graph(thing: NetworkPart) -> dict[str, Any]:
+    network = thing.network
+    return {
+        "grid": network.grid,
+        "points": network.places.tolist(),
+        "edges": network.edges.tolist(),
+        "radii": network.radii,
+        "sizes": network.sizes.tolist(),
+        "order": thing.order,
+        "blends": list(thing.blends.values()),
+    }
+
+
+def _part(
+    grid: str, points: list[Any], edges: list[Any], radii: list[str], sizes: list[int], order: int, blends: list[Any]
+) -> NetworkPart:
+    """The part of a file; raises `ValueError` where the blends are not those of its nodes."""
+    if len(sizes) != len(edges) or not all(0 <= size < len(radii) for size in sizes):
+        raise ValueError("sizes must say of each strut which of the radii it has")
+    places = np.array(points, dtype=float).reshape(-1, 3) * float(to_fraction(rational(grid, "grid")))
+    network = Network(places, np.array(edges).reshape(-1, 2), [radii[size] for size in sizes], grid)
+    placed = placed_ends(network, order)
+    return NetworkPart(network, order, placed, matched(network, placed.kinds, order, blends))
+
+
+NETWORK = Kind(
+    "network",
+    NetworkPart,
+    *kept(
+        Table(
+            {
+                "grid": NUMBER,
+                "points": list_of(list_of(WHOLE, 3)),
+                "edges": list_of(list_of(WHOLE, 2)),
+                "radii": list_of(NUMBER),
+                "sizes": list_of(WHOLE),
+                "order": WHOLE,
+                "blends": list_of(BLEND.schema),
+            },
+            make=_part,
+            entries=_graph,
+        )
+    ),
+    solid_layers,
+    placed=NetworkPart.bodies,
+)

@@ -1,0 +1,27 @@
+"""Networks of struts: graphs whose nodes become proved blends and whose struts exact cylinders.
+
+from pas import network
+
+net = network.lattice("octet", cells=(4, 4, 4), radius="1/20")
+part = net.blend(order=1)
+part.mesh(1e-3)
+"""
+
+from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
+from pas.network.lattices import UnitCell, lattice, voronoi
+from pas.network.network import Network
+from pas.network.nodes import NodeClass
+from pas.network.part import NetworkMesh, NetworkPart
+
+__all__ = [
+    "Network",
+    "NetworkError",
+    "NetworkMesh",
+    "NetworkPart",
+    "NetworkProblem",
+    "NodeClass",
+    "StrutGraph",
+    "UnitCell",
+    "lattice",
+    "voronoi",
+]

@@ -1,0 +1,189 @@
+"""Which nodes are the same: kinds, told apart by the struts' vectors, and classes of kinds up to rotations and
+reflections.
+
+A kind is what the nodes have in common whose struts have the same vectors, radii and given clips; there are as many as
+a lattice has orientations of nodes.  Classes are those of kinds, by an exact canonical form: arms are numbered by their
+products with a frame of at most three independent ones, of all frames that for which what is written down is least.
+Products with three independent vectors determine a vector, and those of a frame the frame up to a rotation or
+reflection; so kinds have one form iff one is the other turned.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from flint import fmpq
+
+from pas.algebra.rational import Vector, cross, dot
+from pas.mesh.rows import Integers
+from pas.network.graph import StrutGraph
+from pas.pipeline.similarities import linear_maps
+
+AUTO = 0
+"""Of clips in parts of a strut's length: that the program is to find it."""
+
+
+@dataclass(frozen=True)
+class NodeKind:
+    """The arms of nodes: vectors in steps of the grid, numbers of radii, and clips in 64ths of the vector (0: auto)."""
+
+    arms: tuple[tuple[tuple[int, int, int], int, int], ...]
+
+    @cached_property
+    def vectors(self) -> Integers:
+        """The arms' vectors (n, 3), in steps."""
+        return np.array([arm[0] for arm in self.arms], dtype=np.int64)
+
+    @cached_property
+    def form(self) -> CanonicalForm:
+        """Its canonical form."""
+        return canonical_form(self)
+
+    @property
+    def straight(self) -> bool:
+        """Whether it has two arms in line with one radius, which needs no blend."""
+        return len(self.arms) == 2 and self.arms[0][1] == self.arms[1][1] and self.form.rank == 1
+
+
+@dataclass(frozen=True)
+class CanonicalForm:
+    """A kind's `key`, which it shares with the kinds that are it turned; how it is turned to that, and its symmetries.
+
+    `order` lists its arms in the order of the key, `frame` those of the frame, `rank` of these are independent;
+    `symmetries` is the number of rotations and reflections that take it to itself, 0 where there are infinitely many.
+    """
+
+    key: tuple[Any, ...]
+    order: tuple[int, ...]
+    frame: tuple[int, ...]
+    symmetries: int
+
+    @property
+    def rank(self) -> int:
+        """The dimension that its arms span."""
+        return len(self.frame)
+
+
+@dataclass(frozen=True, eq=False)
+class Kinds:
+    """The kinds of a network: that of each point (N,), and which of its kind's arms each strut is at both ends (E, 2).
+
+    Points without struts have the kind -1.
+    """
+
+    kinds: tuple[NodeKind, ...]
+    of: Integers
+    slots: Integers
+
+    @cached_property
+    def classes(self) -> dict[tuple[Any, ...], list[int]]:
+        """The numbers of the kinds of each class, by its key."""
+        found: dict[tuple[Any, ...], list[int]] = {}
+        for number, kind in enumerate(self.kinds):
+            found.setdefault(kind.form.key, []).append(number)
+        return found
+
+    @cached_property
+    def counts(self) -> Integers:
+        """The number of points of each kind."""
+        return np.bincount(self.of[self.of >= 0], minlength=len(self.kinds))
+
+    def nodes(self, kinds: Sequence[int]) -> tuple[int, ...]:
+        """The numbers of the points of some kinds."""
+        return tuple(np.flatnonzero(np.isin(self.of, kinds)).tolist())
+
+
+def kinds_of(network: StrutGraph, clips: Integers) -> Kinds:
+    """The kinds of the points of a network with given clips (E, 2), in 64ths of the struts or 0."""
+    edges, count = network.edges, len(network.places)
+    vectors = np.concatenate([network.vectors, -network.vectors])
+    labels = np.stack([np.tile(network.sizes, 2), clips.T.ravel()], axis=1)
+    rows = np.concatenate([vectors, labels], axis=1)
+    codes, firsts = _ranked(rows)
+    owners = edges.T.ravel()
+    order = np.lexsort((codes, owners))
+    valence = network.valence
+    starts = np.concatenate([[0], np.cumsum(valence)[:-1]])
+    places = np.arange(len(owners)) - starts[owners[order]]
+    slots = np.empty(len(owners), dtype=np.int64)
+    slots[order] = places
+    table = np.full((count, int(valence.max(initial=0))), -1, dtype=np.int64)
+    table[owners[order], places] = codes[order]
+    used = np.flatnonzero(valence)
+    _, first, of = np.unique(_ranked(table[used])[0], return_index=True, return_inverse=True)
+    arms = [[rows[firsts[code]].tolist() for code in table[node] if code >= 0] for node in used[first]]
+    kinds = tuple(NodeKind(tuple(((x, y, z), size, clip) for x, y, z, size, clip in kind)) for kind in arms)
+    kind_of = np.full(count, -1, dtype=np.int64)
+    kind_of[used] = of
+    return Kinds(kinds, kind_of, slots.reshape(2, -1).T)
+
+
+def _ranked(rows: Integers) -> tuple[Integers, Integers]:
+    """A number for each row, equal for equal rows and in their order, and the first row of each number."""
+    codes = np.zeros(len(rows), dtype=np.int64)
+    for column in rows.T:
+        values, ranks = np.unique(column, return_inverse=True)
+        codes = np.unique(codes * len(values) + ranks, return_inverse=True)[1]
+    return codes, np.unique(codes, return_index=True)[1]
+
+
+def canonical_form(kind: NodeKind) -> CanonicalForm:
+    """The canonical form of a kind, see above."""
+    arms = kind.arms
+    exact = [tuple(map(fmpq, vector)) for vector, _, _ in arms]
+    products = (kind.vectors @ kind.vectors.T).tolist()
+    frames: list[tuple[int, ...]] = [()]
+    told: list[tuple[int, ...]] = []
+    while len(frames[0]) < 3:
+        further = [
+            ((*arms[i][1:], products[i][i], *(products[i][j] for j in frame)), (*frame, i))
+            for frame in frames
+            for i in range(len(arms))
+            if _independent([exact[j] for j in (*frame, i)])
+        ]
+        if not further:
+            break
+        least = min(value for value, _ in further)
+        told.append(least)
+        frames = [frame for value, frame in further if value == least]
+    written = [_written(arms, products, frame) for frame in frames]
+    best = min(rows for rows, _ in written)
+    number = next(n for n, (rows, _) in enumerate(written) if rows == best)
+    rank = len(frames[number])
+    same = sum(rows == best for rows, _ in written)
+    symmetries = (0, 0, 2 * same, same)[rank]
+    return CanonicalForm((tuple(told), best), written[number][1], frames[number], symmetries)
+
+
+def _written(arms: Any, products: Any, frame: tuple[int, ...]) -> tuple[tuple[Any, ...], tuple[int, ...]]:
+    """All arms as products with a frame, sorted, and their order."""
+    rows = [(*arm[1:], products[i][i], *(products[i][j] for j in frame)) for i, arm in enumerate(arms)]
+    order = tuple(sorted(range(len(arms)), key=rows.__getitem__))
+    return tuple(rows[i] for i in order), order
+
+
+def _independent(vectors: Sequence[Any]) -> bool:
+    if len(vectors) == 1:
+        return any(vectors[0])
+    normal = cross(vectors[0], vectors[1])
+    return any(normal) if len(vectors) == 2 else bool(dot(normal, vectors[2]))
+
+
+def turn(before: NodeKind, after: NodeKind) -> tuple[Vector, Vector, Vector]:
+    """The exact rotation or reflection that takes one kind to another of its class, arms in the order of the key."""
+    old = [_exact(before, i) for i in before.form.frame]
+    new = [_exact(after, i) for i in after.form.frame]
+    for matrix, _ in linear_maps(old, new) or ():
+        ours = [tuple(dot(row, _exact(before, i)) for row in matrix) for i in before.form.order]
+        if ours == [_exact(after, i) for i in after.form.order]:
+            return matrix
+    raise AssertionError("kinds of one class are turned to one another")
+
+
+def _exact(kind: NodeKind, number: int) -> Vector:
+    x, y, z = map(fmpq, kind.arms[number][0])
+    return x, y, z

@@ -1,0 +1,121 @@
+"""That nothing of a network meets but what should: nodes lie in balls, struts in cylinders, and those that share no
+point are farther apart than these are thick.
+
+What shares a node meets only where it should by the proofs of the node: its surface is crossed once by each ray from
+the centre, and not at all in the directions of its clips' circles, in which the struts go away from it.  Neighbours are
+kept apart by a plane across their strut.  All distances are compared with room for rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from pas.limits import checkpoint
+from pas.mesh.rows import Floats, Integers
+from pas.network.graph import StrutGraph
+from pas.verdicts import Status, Verdict
+
+ROUNDING = 1e-9
+"""Of the longest strut: distances are taken to be so much smaller than they come out."""
+
+AT_ONCE = 4096
+"""Struts whose neighbours are looked at together, so that memory is bounded."""
+
+CLAIM = "nothing else meets"
+
+
+def crossing(network: StrutGraph) -> Iterator[tuple[int, int, float]]:
+    """Struts without a common point that come nearer than their radii: two numbers and the distance of their axes."""
+    for first, second, distance in _near_struts(network):
+        close = distance < network.thickness[first] + network.thickness[second] + _slack(network)
+        yield from _listed(first, second, distance, close)
+
+
+def clearance(network: StrutGraph, reach: Floats) -> Verdict:
+    """The verdict that no two struts, nodes of so much `reach` (N,), or node and strut meet that share no point.
+
+    Of each pair the least distance is that of segments and points in doubles.
+    """
+    for i, j, distance in crossing(network):
+        reason = f"the struts {i} and {j} come within {distance:.4g} of one another"
+        return Verdict(Status.UNDECIDED, CLAIM, reason, _place(network.points[network.edges[i]].mean(axis=0)))
+    for i, other, free in _near_nodes(network, reach):
+        reason = f"the node {i}, which reaches {reach[i]:.4g} far, may meet {other}, {free:.4g} away"
+        return Verdict(Status.UNDECIDED, CLAIM, reason, _place(network.points[i]))
+    reason = "struts and nodes that share no point are farther apart than they are thick"
+    return Verdict(Status.PROVED, CLAIM, reason, measure=len(network.edges))
+
+
+def _place(point: Floats) -> tuple[float, float, float]:
+    x, y, z = point.tolist()
+    return x, y, z
+
+
+def _slack(network: StrutGraph) -> float:
+    return ROUNDING * float(network.lengths.max(initial=0) + np.abs(network.points).max(initial=0))
+
+
+def _near(points: Floats, others: Floats, distance: float) -> Iterator[tuple[Integers, Integers]]:
+    """Pairs of points and others within a distance, as many points at once as memory is for."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(others)
+    order = np.lexsort(points.T)
+    for start in range(0, len(points), AT_ONCE):
+        checkpoint("looking for what meets", start / len(points))
+        own = order[start : start + AT_ONCE]
+        found = cKDTree(points[own]).sparse_distance_matrix(tree, distance, output_type="ndarray")
+        yield own[found["i"]], found["j"]
+
+
+def _near_struts(network: StrutGraph) -> Iterator[tuple[Integers, Integers, Floats]]:
+    edges, points = network.edges, network.points
+    if not len(edges):
+        return
+    middles = points[edges].mean(axis=1)
+    far = float(network.lengths.max() + 2 * network.thickness.max())
+    for first, second in _near(middles, middles, far):
+        apart = (first < second) & (edges[first][:, :, None] != edges[second][:, None, :]).all(axis=(1, 2))
+        i, j = first[apart], second[apart]
+        yield i, j, segment_distances(points[edges[i]], points[edges[j]])
+
+
+def _near_nodes(network: StrutGraph, reach: Floats) -> Iterator[tuple[int, str, float]]:
+    """Nodes that may meet a strut that does not end there, or a node that is no neighbour: number, what, distance."""
+    edges, points = network.edges, network.points
+    used, slack = np.flatnonzero(network.valence), _slack(network)
+    far = float(network.lengths.max() / 2 + reach.max() + network.thickness.max())
+    for here, strut in _near(points[used], points[edges].mean(axis=1), far):
+        apart = (edges[strut] != used[here][:, None]).all(axis=1)
+        node, other = used[here[apart]], strut[apart]
+        distance = segment_distances(np.stack([points[node]] * 2, axis=1), points[edges[other]])
+        close = distance < reach[node] + network.thickness[other] + slack
+        yield from ((n, f"strut {m}", d) for n, m, d in _listed(node, other, distance, close))
+    overlapping = 2 * reach.max() + slack > network.lengths.min()
+    neighbours = set(map(tuple, np.sort(edges, axis=1).tolist())) if overlapping else set()
+    for first, second in _near(points[used], points[used], 2 * float(reach.max()) + slack):
+        node, other = used[first[first < second]], used[second[first < second]]
+        distance = np.linalg.norm(points[node] - points[other], axis=1)
+        close = distance < reach[node] + reach[other] + slack
+        for n, m, d in _listed(node, other, distance, close):
+            if (n, m) not in neighbours:
+                yield n, f"node {m}", d
+
+
+def _listed(first: Integers, second: Integers, distance: Floats, close: Any) -> Iterator[tuple[int, int, float]]:
+    return zip(first[close].tolist(), second[close].tolist(), distance[close].tolist(), strict=True)
+
+
+def segment_distances(first: Floats, second: Floats) -> Floats:
+    """The least distances of segments (M, 2, 3) from others, of which the first may be points (Ericson 2005, 5.1.9)."""
+    u, v, w = first[:, 1] - first[:, 0], second[:, 1] - second[:, 0], first[:, 0] - second[:, 0]
+    a, b, c, d, e = (np.einsum("ni,ni->n", *pair) for pair in ((u, u), (u, v), (v, v), (u, w), (v, w)))
+    det = a * c - b * b
+    parallel = det <= 1e-12 * a * c
+    s = np.clip(np.where(parallel, 0.0, b * e - c * d) / np.where(parallel, 1.0, det), 0.0, 1.0)
+    t = np.clip((b * s + e) / c, 0.0, 1.0)
+    s = np.where(a > 0, np.clip((b * t - d) / np.where(a > 0, a, 1.0), 0.0, 1.0), 0.0)
+    return np.asarray(np.linalg.norm(w + s[:, None] * u - t[:, None] * v, axis=1))

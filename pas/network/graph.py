@@ -1,0 +1,167 @@
+"""Graphs of points and struts with radii, on an exact grid, and what is wrong with them.
+
+Points are whole multiples of the grid, so that directions of struts are exact vectors: nodes are the same, up to a
+rotation or reflection, where these are, which is decided exactly (`pas.network.classes`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.inputs import shown, whole
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import Exact, positive, to_fraction
+from pas.errors import GeometryError
+from pas.mesh.rows import Integers
+
+LARGEST = 2**20
+"""Components of a strut in the grid: their products in three factors fit into 64 bits with their sums."""
+
+
+@dataclass(frozen=True)
+class NetworkProblem:
+    """What is wrong with a network: the kind in a word or two, the numbers of its points or struts, and a sentence."""
+
+    kind: str
+    ids: tuple[int, ...]
+    sentence: str
+
+    def __str__(self) -> str:
+        return self.sentence
+
+
+class NetworkError(GeometryError):
+    """A network that cannot be made; `problems` has all that was found, with the numbers of points and struts."""
+
+    MOST_TOLD = 5
+
+    def __init__(self, problems: Sequence[NetworkProblem]) -> None:
+        told = [str(problem) for problem in problems[: self.MOST_TOLD]]
+        if more := len(problems) - len(told):
+            told.append(f"and {more} more, see network.check()")
+        super().__init__("; ".join(told))
+        self.problems = tuple(problems)
+
+
+class StrutGraph:
+    """Points, struts between them, and the radii of these.
+
+    `points` (N, 3) are rounded to multiples of the `grid` (the model's units), `edges` (E, 2) are numbers of points,
+    `radii` one exact number or one for each strut.  `places` (N, 3) are the points as whole numbers of the grid;
+    `sizes` (E,) says which of the different radii `radii` each strut has.
+
+    Raises `ValueError` for arrays of other shapes, numbers of points that do not exist, radii that are not positive,
+    a grid that is not positive or so fine that a strut is longer than 2^20 of its steps; `TypeError` for what are no
+    numbers.
+    """
+
+    def __init__(self, points: Any, edges: Any, radii: Any, grid: Exact = "1/1024") -> None:
+        self.grid: Fraction = to_fraction(positive(grid, "grid"))
+        self.places: Integers = _places(points, self.grid)
+        self.edges: Integers = _edges(edges)
+        if len(self.edges) and not 0 <= self.edges.min() <= self.edges.max() < len(self.places):
+            least, most = self.edges.min(), self.edges.max()
+            wrong = least if least < 0 else most
+            raise ValueError(f"edges must be numbers of the {len(self.places)} points, from 0 on; {wrong} is none")
+        self.radii, self.sizes = _radii(radii, len(self.edges))
+        self.points: Floats = np.asarray(self.places * float(self.grid), dtype=np.float64)
+        longest = int(np.abs(self.vectors).max(initial=0))
+        if longest >= LARGEST:
+            raise ValueError(
+                f"the grid {self.grid} is too fine: a strut is {longest} steps long, and {LARGEST} is the most"
+            )
+        for array in (self.places, self.edges, self.sizes, self.points):
+            array.setflags(write=False)
+
+    @cached_property
+    def vectors(self) -> Integers:
+        """Of each strut, from its first point to its second (E, 3), in steps of the grid."""
+        return np.asarray(self.places[self.edges[:, 1]] - self.places[self.edges[:, 0]])
+
+    @cached_property
+    def lengths(self) -> Floats:
+        """Of the struts (E,), in the model's units."""
+        return np.asarray(np.linalg.norm(self.vectors, axis=1) * float(self.grid))
+
+    @cached_property
+    def thickness(self) -> Floats:
+        """The radius of each strut (E,), in the model's units."""
+        return np.array([float(r) for r in self.radii])[self.sizes] if len(self.edges) else np.zeros(0)
+
+    @cached_property
+    def valence(self) -> Integers:
+        """The number of struts at each point (N,)."""
+        return np.bincount(self.edges.ravel(), minlength=len(self.places))
+
+    @property
+    def pieces(self) -> int:
+        """The number of connected pieces of the graph, points without struts left out."""
+        return len(np.unique(self.components[self.edges[:, 0]]))
+
+    @cached_property
+    def components(self) -> Integers:
+        """The number of the connected piece of each point (N,)."""
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+
+        ones, count = np.ones(len(self.edges)), len(self.places)
+        return np.asarray(connected_components(coo_array((ones, tuple(self.edges.T)), shape=(count, count)))[1])
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {len(self.places)} points, {len(self.edges)} struts>"
+
+
+def _places(points: Any, grid: Fraction) -> Integers:
+    try:
+        given = np.asarray(points, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(f"points must be numbers (N, 3), not {shown(points)}") from None
+    if given.ndim != 2 or given.shape[1] != 3:
+        raise ValueError(f"points must have the shape (N, 3), not {given.shape}")
+    if not np.isfinite(given).all():
+        number = int((~np.isfinite(given)).any(axis=1).argmax())
+        raise ValueError(f"point {number} is not finite: {given[number].tolist()}")
+    steps = given * grid.denominator / grid.numerator
+    if np.abs(steps).max(initial=0) >= 2.0**52:
+        raise ValueError(f"the grid {grid} is too fine for points as far out as {np.abs(given).max():.4g}")
+    return np.rint(steps).astype(np.int64)
+
+
+def _edges(edges: Any) -> Integers:
+    given = np.asarray(edges)
+    if given.size == 0:
+        return np.zeros((0, 2), dtype=np.int64)
+    if given.ndim != 2 or given.shape[1] != 2 or not np.issubdtype(given.dtype, np.integer):
+        raise ValueError(f"edges must be whole numbers of points (E, 2), not {given.dtype} {given.shape}")
+    return given.astype(np.int64)
+
+
+def _radii(radii: Any, count: int) -> tuple[tuple[Fraction, ...], Integers]:
+    """The different radii, the least first, and which of them each strut has (E,)."""
+    if isinstance(radii, str) or not hasattr(radii, "__len__"):
+        return (to_fraction(positive(radii, "radius")),), np.zeros(count, dtype=np.int64)
+    if len(radii) != count:
+        raise ValueError(f"radii must be one number, or one for each of the {count} struts, not {len(radii)}")
+    known: dict[Any, Fraction] = {}
+    for number, value in enumerate(radii):
+        if value not in known:
+            known[value] = to_fraction(positive(value, f"radii[{number}]"))
+    values = tuple(sorted(set(known.values())))
+    ranks = {value: number for number, value in enumerate(values)}
+    return values, np.array([ranks[known[value]] for value in radii], dtype=np.int64)
+
+
+def counted(cells: Any, what: str = "cells") -> tuple[int, int, int]:
+    """Three whole numbers from 1 on: one number for all, or three; raises `ValueError` and `TypeError`."""
+    given = (cells,) * 3 if isinstance(cells, int) else tuple(cells)
+    if len(given) != 3:
+        raise ValueError(f"{what} must be one whole number or three, not {shown(cells)}")
+    most = 10_000
+    x, y, z = (whole(n, what, 1, most) for n in given)
+    return x, y, z

@@ -1,0 +1,170 @@
+"""Lattices as blocks of unit cells, and foams of random cells.
+
+A block holds the cells' struts that have both ends in it, the far sides included.  Names are those of the literature
+on architected materials (Deshpande, Fleck and Ashby 2001): octet is the octet truss, FCC only its struts from corners
+to the middles of faces, Kelvin the edges of truncated octahedra.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import permutations, product
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.inputs import whole
+from pas.algebra.rational import Exact, positive, to_fraction
+from pas.mesh.rows import Integers
+from pas.network.graph import counted
+from pas.network.network import Network
+from pas.registry import Registry
+
+Whole3 = tuple[int, int, int]
+
+
+@dataclass(frozen=True)
+class UnitCell:
+    """A cell that repeats: its side in steps, the sites in it, and the struts of one cell.
+
+    A strut (a, b, (x, y, z)) goes from site a to the site b of the cell that many cells away.  Each strut is said once.
+    """
+
+    period: int
+    sites: tuple[Whole3, ...]
+    struts: tuple[tuple[int, int, Whole3], ...]
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        whole(self.period, "period", 1, 2**16)
+        for number, site in enumerate(self.sites):
+            if len(site) != 3 or not all(0 <= c < self.period for c in site):
+                raise ValueError(f"sites[{number}] must be three whole numbers from 0 to {self.period - 1}, not {site}")
+        for number, (a, b, _) in enumerate(self.struts):
+            if not 0 <= a < len(self.sites) > b >= 0:
+                raise ValueError(f"struts[{number}] must join two of the {len(self.sites)} sites, not {a} and {b}")
+
+    @classmethod
+    def along(
+        cls, period: int, sites: Iterable[Whole3], directions: Iterable[Whole3], starts: Sequence[Whole3] = ()
+    ) -> UnitCell:
+        """The cell whose struts go from all sites, or those of `starts`, along directions to where there is a site."""
+        known = tuple(sorted(sites))
+        struts = []
+        for a in starts or known:
+            for way in directions:
+                end = [p + w for p, w in zip(a, way, strict=True)]
+                site = tuple(c % period for c in end)
+                if site in known:
+                    x, y, z = (c // period for c in end)
+                    struts.append((known.index(a), known.index(site), (x, y, z)))
+        return cls(period, known, tuple(struts))
+
+
+def _signed(values: Whole3) -> set[Whole3]:
+    return {(x, y, z) for v in permutations(values) for x, y, z in product(*({c, -c} for c in v))}
+
+
+def _half(values: Whole3) -> list[Whole3]:
+    """One of each two opposite vectors."""
+    return sorted(v for v in _signed(values) if v > (0, 0, 0))
+
+
+def _kelvin() -> UnitCell:
+    corners = _signed((0, 1, 2))
+    sites = {(x % 4, y % 4, z % 4) for x, y, z in corners} | {((x + 2) % 4, (y + 2) % 4, (z + 2) % 4)
+                                                              for x, y, z in corners}  # fmt: skip
+    return UnitCell.along(4, sites, _half((0, 1, 1)))
+
+
+def _faces(step: int = 1) -> list[Whole3]:
+    """The corner of a cell and the middles of its faces, which are so many steps from it along two axes."""
+    return [(0, 0, 0), (step, step, 0), (step, 0, step), (0, step, step)]
+
+
+UNIT_CELLS: Registry[UnitCell] = Registry(
+    "unit cell",
+    {
+        "cubic": UnitCell.along(1, [(0, 0, 0)], _half((0, 0, 1))),
+        "BCC": UnitCell.along(2, [(0, 0, 0), (1, 1, 1)], _half((1, 1, 1))),
+        "FCC": UnitCell.along(2, _faces(), _signed((0, 1, 1)), [(0, 0, 0)]),
+        "octet": UnitCell.along(2, _faces(), _half((0, 1, 1))),
+        "diamond": UnitCell.along(
+            4,
+            [*_faces(2), *((x + 1, y + 1, z + 1) for x, y, z in _faces(2))],
+            [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)],
+            _faces(2),
+        ),
+        "Kelvin": _kelvin(),
+    },
+)
+"""Unit cells by name; one's own is added by `UNIT_CELLS.register` or given as it is."""
+
+
+def lattice(unit: str | UnitCell, cells: int | Sequence[int] = 1, radius: Exact = "1/20", size: Exact = 1) -> Network:
+    """A block of so many unit cells of an exact `size` (the model's units), with struts of that radius.
+
+        pas.network.lattice("octet", cells=(20, 20, 20), radius="1/20")
+
+    `unit` is "cubic", "BCC", "FCC", "octet", "Kelvin" or "diamond", or a `UnitCell`.  Raises `ValueError` for another
+    name, numbers of cells that are not positive, a radius or size that is not.
+    """
+    cell = unit if isinstance(unit, UnitCell) else UNIT_CELLS[_known(unit)]
+    counts = np.array(counted(cells))
+    step = to_fraction(positive(size, "size")) / cell.period
+    places, edges = _block(cell, counts)
+    return Network(places * float(step), edges, radius, step)
+
+
+def _known(name: Any) -> str:
+    """The name of a unit cell, however its letters are written."""
+    names = {known.lower(): known for known in UNIT_CELLS}
+    return names.get(str(name).lower(), str(name))
+
+
+def _block(cell: UnitCell, counts: Any) -> tuple[Integers, Integers]:
+    """Places in steps (N, 3), in the order of their coordinates, and struts (E, 2) of a block of cells."""
+    sizes = counts * cell.period
+    origins = np.stack(np.meshgrid(*(np.arange(-1, n + 1) for n in counts), indexing="ij"), axis=-1).reshape(-1, 3)
+    sites = np.array(cell.sites)
+    ends = []
+    for a, b, offset in cell.struts:
+        first = origins * cell.period + sites[a]
+        second = (origins + offset) * cell.period + sites[b]
+        inside = ((np.minimum(first, second) >= 0) & (np.maximum(first, second) <= sizes)).all(axis=1)
+        ends.append(np.stack([_number(first[inside], sizes), _number(second[inside], sizes)], axis=1))
+    used, edges = np.unique(np.concatenate(ends), return_inverse=True)
+    spans = np.concatenate([[1], np.cumprod(sizes[::-1] + 1)])[2::-1]
+    return used[:, None] // spans % (sizes + 1), edges.reshape(-1, 2)
+
+
+def _number(places: Integers, sizes: Any) -> Integers:
+    """One number for each place of a block, in the order of coordinates."""
+    return np.asarray((places[:, 0] * (sizes[1] + 1) + places[:, 1]) * (sizes[2] + 1) + places[:, 2])
+
+
+def voronoi(seeds: int, radius: Exact = "1/100", size: Exact = 1, *, seed: int = 0, grid: Exact = "1/4096") -> Network:
+    """The edges of the Voronoi cells of so many random points in a cube of that size: an open foam.
+
+    The points are those of numpy's default generator for the number `seed`, mirrored in the sides of the cube, so that
+    these are sides of cells.  Many edges are short: `repair(collapse=True)` makes points of those that no blends fit.
+    Raises `ValueError` for fewer than 2 seeds.
+    """
+    from scipy.spatial import Voronoi
+
+    most = 1_000_000
+    inside = np.random.default_rng(seed).random((whole(seeds, "seeds", 2, most), 3))
+    near = inside[(np.minimum(inside, 1 - inside) < 1).any(axis=1)]
+    mirrored = [np.where(np.arange(3) == axis, 2 * side - near, near) for axis in range(3) for side in (0, 1)]
+    found = Voronoi(np.concatenate([inside, *mirrored]))
+    rounds = [np.array(ridge) for ridge in found.ridge_vertices]
+    pairs = np.concatenate([np.stack([ridge, np.roll(ridge, -1)], axis=1) for ridge in rounds])
+    edge = 1e-9
+    bounded = ((found.vertices > -edge) & (found.vertices < 1 + edge)).all(axis=1)
+    kept = np.unique(np.sort(pairs[(pairs >= 0).all(axis=1) & bounded[pairs].all(axis=1)], axis=1), axis=0)
+    used, edges = np.unique(kept, return_inverse=True)
+    cube = to_fraction(positive(size, "size"))
+    step = cube * to_fraction(positive(grid, "grid"))
+    joined = Network(found.vertices[used] * float(cube), edges.reshape(-1, 2), radius, step).repair()[0]
+    return joined

@@ -1,0 +1,239 @@
+"""The nodes of networks by classes: where their struts begin, and one proved blend for each class.
+
+Clips are first placed as `pas.struts` does, as near as a fair blend leaves room for.  Where those at both ends leave
+less than 1/32 of a strut between them, they share the strut in their proportion, and the other clips are placed again,
+until no strut is short.  Every such round fixes two clips at least, so it ends.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from pas.algebra.inputs import check_order
+from pas.algebra.monomials import Floats
+from pas.contacts.contact import as_contact
+from pas.contacts.endless import AUTO as AUTO_CLIP
+from pas.contacts.endless import Pipe
+from pas.errors import PasError
+from pas.exchange.container import read
+from pas.limits import checkpoint
+from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
+from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
+from pas.pipeline.blend import blend, struts
+from pas.pipeline.result import Blend
+from pas.shape import KINDS
+
+PARTS, STRAIGHT = 64, 2
+"""Shared clips are whole 64ths of a strut, of which at least two remain straight."""
+
+Degree = int | Literal["lowest"] | None
+
+
+@dataclass(frozen=True, eq=False)
+class NodeClass:
+    """Nodes that are one another turned: the `kind` that stands for them, and the numbers of their points.
+
+    `ends` are where its arms end, in parts of their vectors; None until they have been placed.
+    """
+
+    kind: NodeKind
+    nodes: tuple[int, ...]
+    radii: tuple[Fraction, ...]
+    ends: tuple[float, ...] | None = None
+
+    @property
+    def count(self) -> int:
+        """The number of nodes."""
+        return len(self.nodes)
+
+    @property
+    def struts(self) -> tuple[tuple[tuple[int, int, int], Fraction], ...]:
+        """Direction in steps of the grid and radius (the model's units) of each arm."""
+        return tuple((vector, self.radii[size]) for vector, size, _ in self.kind.arms)
+
+    @property
+    def symmetries(self) -> int:
+        """The number of rotations and reflections that take it to itself; 0 where there are infinitely many."""
+        return self.kind.form.symmetries
+
+    @property
+    def blended(self) -> bool:
+        """Whether it takes a blend: not at ends of struts, nor where one goes straight on."""
+        return len(self.kind.arms) > 1 and not self.kind.straight
+
+    def __str__(self) -> str:
+        sides = {0: "symmetric about an axis", 1: "no symmetry"}.get(self.symmetries, f"{self.symmetries} symmetries")
+        arms = len(self.kind.arms)
+        return f"{self.count} node{'s' * (self.count > 1)} of {arms} strut{'s' * (arms > 1)}, {sides}"
+
+
+def classes(network: StrutGraph) -> tuple[NodeClass, ...]:
+    """See `Network.classes`."""
+    found = kinds_of(network, np.zeros((len(network.edges), 2), dtype=np.int64))
+    made = [
+        NodeClass(found.kinds[numbers[0]], found.nodes(numbers), network.radii) for numbers in found.classes.values()
+    ]
+    return tuple(sorted(made, key=lambda one: -one.count))
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedEnds:
+    """The kinds of a network with all its ends: `ends[kind][arm]`, in parts of the arm's vector."""
+
+    kinds: Kinds
+    ends: Floats
+
+
+def placed_ends(network: StrutGraph, order: int) -> PlacedEnds:
+    """Where the struts of all nodes begin, see above; raises `NetworkError` for nodes that have no room."""
+    check_order(order)
+    clips = np.zeros((len(network.edges), 2), dtype=np.int64)
+    known: dict[Any, tuple[float, ...]] = {}
+    while True:
+        kinds = kinds_of(network, clips)
+        ends = _ends(kinds, network, order, known)
+        kind_at = kinds.of[network.edges]
+        at = ends[kind_at, kinds.slots]
+        short = at.sum(axis=1) > (PARTS - STRAIGHT) / PARTS
+        if not short.any():
+            return PlacedEnds(kinds, ends)
+        shared = np.floor((PARTS - STRAIGHT) * at[short] / at[short].sum(axis=1, keepdims=True)).astype(np.int64)
+        if (fixed := (clips[short] == shared).all(axis=1)).any():
+            numbers = np.flatnonzero(short)[fixed]
+            raise NetworkError([_too_short(network, int(number)) for number in numbers])
+        clips[short] = np.maximum(shared, (at[short] > 0).astype(np.int64))
+
+
+def _too_short(network: StrutGraph, number: int) -> NetworkProblem:
+    a, b = network.edges[number].tolist()
+    sentence = f"strut {number} from point {a} to {b} is too short for the blends at its ends"
+    return NetworkProblem("too short", (number,), sentence)
+
+
+def _ends(kinds: Kinds, network: StrutGraph, order: int, known: dict[Any, tuple[float, ...]]) -> Floats:
+    """The ends of all kinds (K, most arms), those of a class found once; raises `NetworkError`."""
+    table = np.zeros((len(kinds.kinds), max((len(kind.arms) for kind in kinds.kinds), default=0)))
+    problems = []
+    for key, numbers in kinds.classes.items():
+        first = kinds.kinds[numbers[0]]
+        if key not in known:
+            checkpoint(f"placing the ends of {len(kinds.classes)} classes of nodes")
+            try:
+                pipes = pipes_of(first, network, order)
+                known[key] = tuple(float(pipes[i].clip) for i in first.form.order)
+            except PasError as error:
+                problems.append(_without(kinds.nodes(numbers), error))
+                continue
+        for number in numbers:
+            table[number, list(kinds.kinds[number].form.order)] = known[key]
+    if problems:
+        raise NetworkError(problems)
+    return table
+
+
+def _without(nodes: tuple[int, ...], error: Exception) -> NetworkProblem:
+    told = ", ".join(map(str, nodes[:3])) + (f" and {len(nodes) - 3} more" if len(nodes) > 3 else "")
+    return NetworkProblem("no blend", nodes, f"the node{'s' * (len(nodes) > 1)} {told}: {error}")
+
+
+def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe]:
+    """The arms of a kind as pipes with ends, in steps of the grid; raises `GeometryError` for ones without room."""
+    radii = [radius / network.grid for radius in network.radii]
+    items = [
+        (vector, radii[size], AUTO_CLIP if clip == AUTO else Fraction(clip, PARTS)) for vector, size, clip in kind.arms
+    ]
+    if len(items) == 1 or kind.straight:
+        return [Pipe(vector, radius, 0) for vector, radius, _ in items]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # on clips that are far out, which networks share anyway
+        return struts(items, order)
+
+
+def blends(
+    network: StrutGraph,
+    kinds: Kinds,
+    order: int,
+    degree: Degree,
+    cache: str | Path | None,
+    map_: Callable[..., Any],
+) -> dict[tuple[Any, ...], Blend]:
+    """A proved blend for the first kind of each class that takes one, by the class's key.
+
+    Raises `NetworkError` with all nodes for which there is none.
+    """
+    folder = None if cache is None else Path(cache)
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+    elif map_ is not map:
+        raise ValueError("the map of another engine hands blends over in files: give the folder as cache=")
+    wanted = {key: Job(pipes, order, degree, folder) for key, pipes in _blended(network, kinds, order)}
+    found, problems = {}, []
+    results: Iterator[Any] = iter(map_(solved, wanted.values()))
+    for done, (key, result) in enumerate(zip(wanted, results, strict=True)):
+        checkpoint("blending nodes", (done + 1) / len(wanted))
+        if isinstance(result, str):
+            problems.append(_without(kinds.nodes(kinds.classes[key]), PasError(result)))
+        else:
+            found[key] = KINDS["blend"].read(read(result)) if isinstance(result, Path) else result
+    if problems:
+        raise NetworkError(problems)
+    return found
+
+
+def _blended(network: StrutGraph, kinds: Kinds, order: int) -> Iterator[tuple[tuple[Any, ...], tuple[Pipe, ...]]]:
+    """The key of each class that takes a blend, and the arms of its first kind."""
+    for key, numbers in kinds.classes.items():
+        kind = kinds.kinds[numbers[0]]
+        if len(kind.arms) > 1 and not kind.straight:
+            yield key, tuple(pipes_of(kind, network, order))
+
+
+def matched(network: StrutGraph, kinds: Kinds, order: int, found: Sequence[Blend]) -> dict[tuple[Any, ...], Blend]:
+    """Which of some blends is that of which class; raises `ValueError` for a class of which none is."""
+    known = {(b.surface.order, b.surface.contacts): b for b in found}
+    result = {}
+    for key, pipes in _blended(network, kinds, order):
+        wanted = order, tuple(map(as_contact, pipes))
+        if wanted not in known:
+            raise ValueError(f"blends has none for the node {kinds.nodes(kinds.classes[key])[0]}")
+        result[key] = known[wanted]
+    return result
+
+
+@dataclass(frozen=True)
+class Job:
+    """One blend to be found: the pipes, the order, the degree, and the folder in which it is kept."""
+
+    pipes: tuple[Pipe, ...]
+    order: int
+    degree: Degree
+    folder: Path | None
+
+    @cached_property
+    def path(self) -> Path | None:
+        """The file that keeps it."""
+        if self.folder is None:
+            return None
+        told = repr([(tuple(map(str, p.axis)), str(p.radius), str(p.clip)) for p in self.pipes])
+        name = hashlib.sha256(f"{told} {self.order} {self.degree}".encode()).hexdigest()[:32]
+        return self.folder / f"{name}.pas.json"
+
+
+def solved(job: Job) -> Blend | Path | str:
+    """The blend of a job, or the file that keeps it; of a node without one the sentence that says why."""
+    if job.path is not None and job.path.exists():
+        return job.path
+    try:
+        found = blend(job.pipes, job.order, job.degree)
+    except PasError as error:
+        return str(error)
+    return found if job.path is None else found.save(job.path)

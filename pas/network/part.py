@@ -1,0 +1,315 @@
+"""The bodies of networks: proved nodes, exact struts, and meshes of any size made of few."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Unpack
+
+import numpy as np
+
+from pas.algebra.inputs import check_tolerance, whole
+from pas.algebra.monomials import Floats
+from pas.certify.mesh_proofs import MeshCertificate
+from pas.errors import MeshError
+from pas.limits import WorkLimits, checkpoint, limited
+from pas.mesh.mesh import Mesh
+from pas.mesh.quality import Quality, manifold
+from pas.network.clearance import clearance
+from pas.network.graph import NetworkError, StrutGraph
+from pas.network.nodes import Degree, NodeClass, PlacedEnds, blends, placed_ends
+from pas.network.placing import PlacedPieces
+from pas.network.problems import check
+from pas.pipeline.result import Blend
+from pas.pipeline.search import excess
+from pas.settings import MeshSettings
+from pas.shape import Shape
+from pas.verdicts import Findings, Status, Verdict
+
+USUAL, FINE = 0.03, 0.02
+"""Of the least radius: the tolerance of meshes, and of those by which it is proved how far nodes reach."""
+
+MOST_TRIANGLES = 40_000_000
+"""Of one mesh, which take some 10 GB; more are written by pieces, see `NetworkPart.write`."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NetworkPart(Shape):
+    """The body of a network: a blend for each class of its nodes, a cylinder for each strut, flat ends.
+
+    `placed` says where struts end at nodes, `blends` has the blend of each class by its key, in steps of the grid.
+    """
+
+    network: StrutGraph
+    order: int
+    placed: PlacedEnds
+    blends: Mapping[Any, Blend]
+    kind = "network"
+
+    @cached_property
+    def classes(self) -> tuple[NodeClass, ...]:
+        """The classes of its nodes with their ends, the most frequent first."""
+        kinds, made = self.placed.kinds, []
+        for numbers in kinds.classes.values():
+            first = kinds.kinds[numbers[0]]
+            ends = tuple(self.placed.ends[numbers[0]][: len(first.arms)].tolist())
+            made.append(NodeClass(first, kinds.nodes(numbers), self.network.radii, ends))
+        return tuple(sorted(made, key=lambda one: -one.count))
+
+    def blend_of(self, one: NodeClass) -> Blend | None:
+        """The blend of a class of nodes, in steps of the grid around the origin; None where none is needed."""
+        return self.blends.get(one.kind.form.key)
+
+    @property
+    def unfair(self) -> tuple[NodeClass, ...]:
+        """The classes whose blends are proved and not within the limits of fairness."""
+        return tuple(one for one in self.classes if (b := self.blend_of(one)) is not None and excess(b) > 0)
+
+    @cached_property
+    def certificate(self) -> Findings:
+        """That every node is proved, is its class turned, meets its struts, and that nothing else meets.
+
+        A node is the blend of its class under an exact rotation or reflection, which keeps every claim of it; struts
+        are the cylinders that these blends are proved to meet, on one exact axis from node to node.
+        """
+        return Findings((self._nodes(), self._struts(), self._apart(), clearance(self.network, self._reach)))
+
+    def _nodes(self) -> Verdict:
+        claim = f"every node meets its struts with GC^{self.order}"
+        for one in self.classes:
+            found = self.blend_of(one)
+            if found is not None and not found.certificate.proved:
+                return Verdict(
+                    Status.UNDECIDED, claim, f"the blend of {one} is not proved ({found.certificate.counts})"
+                )
+        turned = len(self.placed.kinds.kinds)
+        reason = f"{len(self.blends)} proved blends in {turned} exact positions; cylinders between them"
+        return Verdict(Status.PROVED, claim, reason, measure=turned)
+
+    def _struts(self) -> Verdict:
+        claim = "every strut is straight between its nodes"
+        free = 1 - self._ends.sum(axis=1)
+        number = int(free.argmin())
+        status = Status.PROVED if free[number] > 0 else Status.REFUTED
+        return Verdict(status, claim, f"at least {100 * free[number]:.3g} % of its length, of strut {number}")
+
+    @property
+    def _ends(self) -> Floats:
+        """Where each strut begins and ends (E, 2), in parts of its length."""
+        kinds = self.placed.kinds
+        return np.asarray(self.placed.ends[kinds.of[self.network.edges], kinds.slots])
+
+    @cached_property
+    def _extent(self) -> tuple[PlacedPieces, Floats]:
+        """Fine meshes of the kinds of nodes, and how far each surface is from them at most (K,), proved; inf if not."""
+        step = float(self.network.grid)
+        pieces = self._pieces(FINE * float(min(self.network.radii)))
+        bounds = np.zeros(len(self.placed.kinds.kinds))
+        for key, numbers in self.placed.kinds.classes.items():
+            if key in self.blends:
+                mesh = self.blends[key].surface.mesh(pieces.tolerance / step)
+                bounds[numbers] = step * _bound(mesh.certificate)
+        return pieces, bounds
+
+    @cached_property
+    def _reach(self) -> Floats:
+        """The radius of a ball around each point that holds its node (N,)."""
+        pieces, bounds = self._extent
+        radii = [np.linalg.norm(p.points, axis=1).max() + b for p, b in zip(pieces.nodes, bounds, strict=True)]
+        kinds = self.placed.kinds.of
+        return np.where(kinds >= 0, np.array(radii)[kinds], 0.0)
+
+    def _apart(self) -> Verdict:
+        claim = "neighbouring nodes are apart"
+        pieces, bounds = self._extent
+        for strut in pieces.struts:
+            (a, b), axis = strut.kinds, strut.vector / np.linalg.norm(strut.vector)
+            here = (pieces.nodes[a].points @ axis).max() + bounds[a]
+            there = (pieces.nodes[b].points @ -axis).max() + bounds[b]
+            if not here + there < np.linalg.norm(strut.vector) * (1 - 1e-12):
+                one, other = self.network.edges[strut.edges[0]].tolist()
+                return Verdict(Status.UNDECIDED, claim, f"no plane was found between the nodes {one} and {other}")
+        return Verdict(Status.PROVED, claim, "a plane across each strut is between them", measure=len(pieces.struts))
+
+    @property
+    def genus(self) -> int:
+        """Of its surface, summed over its pieces: struts - nodes + pieces."""
+        used = int((self.network.valence > 0).sum())
+        return len(self.network.edges) - used + self.network.pieces
+
+    @cached_property
+    def volume(self) -> float:
+        """The volume in the model's units, cubed, of the mesh within the usual tolerance."""
+        return self._pieces(self._usual).volume
+
+    @property
+    def density(self) -> float:
+        """The volume over that of the box of the network's points: how much of it is material."""
+        sides = np.ptp(self.network.points, axis=0)
+        return self.volume / float(sides.prod()) if sides.all() else float("nan")
+
+    @property
+    def _usual(self) -> float:
+        return USUAL * float(min(self.network.radii))
+
+    @cached_property
+    def _made(self) -> dict[float, PlacedPieces]:
+        return {}
+
+    def _pieces(self, tolerance: float) -> PlacedPieces:
+        """What meshes of a tolerance consist of, kept."""
+        if tolerance not in self._made:
+            self._made[tolerance] = PlacedPieces(self.network, self.placed, dict(self.blends), tolerance)
+        return self._made[tolerance]
+
+    def pieces(self, tolerance: float | None = None) -> PlacedPieces:
+        """The meshes of the kinds of nodes and struts, and their places, of which `mesh` and files consist."""
+        return self._pieces(self._usual if tolerance is None else check_tolerance(tolerance))
+
+    @limited("meshing a network", "a coarser tolerance")
+    def mesh(
+        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
+    ) -> NetworkMesh:
+        """Triangles within `tolerance` (the model's units; by default 3 % of the least radius), watertight.
+
+        Its faces are "nodes" and "struts".  Raises `MeshError` for more than 40 million triangles.
+        """
+        Quality.of(quality)
+        pieces = self.pieces(tolerance)
+        counts = np.array([len(p.triangles) for p in pieces.nodes])[self.placed.kinds.of[self.placed.kinds.of >= 0]]
+        total = int(counts.sum()) + sum(len(s.triangles) * len(s.edges) for s in pieces.struts)
+        if total > MOST_TRIANGLES:
+            raise MeshError(
+                f"the mesh would have {total} triangles, and {MOST_TRIANGLES} is the most; write a .3mf or .glb file, "
+                "which holds each kind of node once, or give a coarser tolerance"
+            )
+
+        def made() -> NetworkMesh:
+            points, triangles, normals, faces = pieces.mesh()
+            known = points, triangles, faces, ("nodes", "struts"), normals
+            return NetworkMesh(*known, deviation=pieces.deviation, part=self, tolerance=pieces.tolerance)
+
+        return self._kept((pieces.tolerance,), made)
+
+    @property
+    def bounding_box(self) -> Floats:
+        """Two corners (2, 3) of the smallest box with sides along the axes, up to the usual tolerance."""
+        pieces = self.pieces()
+        found = []
+        for kind, piece in enumerate(pieces.nodes):
+            places = self.network.points[self.placed.kinds.of == kind]
+            found += [places.min(axis=0) + piece.points.min(axis=0), places.max(axis=0) + piece.points.max(axis=0)]
+        return np.stack([np.min(found, axis=0), np.max(found, axis=0)])
+
+    @property
+    def description(self) -> str:
+        """The network, its classes of nodes, and how dense it is."""
+        network = self.network
+        lines = [f"{int((network.valence > 0).sum())} nodes, {len(network.edges)} struts, order {self.order}"]
+        unfair = set(map(id, self.unfair))
+        for one in self.classes:
+            found = self.blend_of(one)
+            how = f"degree {found.surface.degree}" if found is not None else "straight on or an end"
+            lines.append(f"  {one}: {how}{', not fair' if id(one) in unfair else ''}")
+        lines.append(f"genus {self.genus}, volume {self.volume:.6g}, density {self.density:.4g}")
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        return f"{self.description}\n\n{self.certificate}"
+
+    def bodies(self, settings: MeshSettings) -> list[tuple[Mesh, Floats]]:
+        """Closed meshes of the kinds of nodes with halves of their struts, and the places (M, 3) where each stands."""
+        pieces, network = self.pieces(settings.tolerance), self.network
+        return [
+            (Mesh.from_triangles(points, triangles, "node"), network.points[nodes])
+            for points, triangles, nodes in pieces.bodies()
+        ]
+
+    def write_blocks(self, folder: str | Path, tolerance: float | None = None, *, struts: int = 20_000) -> list[Path]:
+        """Write the watertight mesh as STL files of about so many struts each, for what is too large for one mesh.
+
+        A block has the nodes in a box, and the struts that begin there; together the files are the mesh.  One that is
+        there already is not made again, and none is left half written.  Returns the paths.
+
+        Raises `ValueError` for fewer than one strut, and what writing raises.
+        """
+        whole(struts, "struts", 1, len(self.network.edges) + struts)
+        place, pieces = Path(folder), self.pieces(tolerance)
+        place.mkdir(parents=True, exist_ok=True)
+        sides = np.ptp(self.network.places, axis=0) + 1
+        across = max(1, round((len(self.network.edges) / struts) ** (1 / 3)))
+        cells = (self.network.places - self.network.places.min(axis=0)) * across // sides
+        numbers, paths = cells @ (across**2, across, 1), []
+        for number in np.unique(numbers).tolist():
+            checkpoint("writing blocks", number / across**3)
+            path = place / "block-{}-{}-{}.stl".format(*np.unravel_index(number, (across,) * 3))
+            if not path.exists():
+                self._joined(pieces, numbers == number).write(path, open=True)
+            paths.append(path)
+        return paths
+
+    @staticmethod
+    def _joined(pieces: PlacedPieces, nodes: Any = None) -> Mesh:
+        points, triangles, normals, faces = pieces.mesh(nodes)
+        return Mesh(points, triangles, faces, ("nodes", "struts"), normals, deviation=pieces.deviation)
+
+    def __repr__(self) -> str:
+        return f"<NetworkPart: {len(self.network.places)} nodes, {len(self.network.edges)} struts, GC^{self.order}>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NetworkMesh(Mesh):
+    """The mesh of a network's body; its certificate is a proof that it is one."""
+
+    part: NetworkPart | None = field(default=None, kw_only=True)
+    tolerance: float = field(default=0.0, kw_only=True)
+
+    @cached_property
+    def certificate(self) -> Findings:
+        """Whether it is a closed manifold, each node's mesh has the topology of its surface, and how far it is off."""
+        assert self.part is not None
+        pieces = self.part.pieces(self.tolerance)
+        step = float(self.part.network.grid)
+        topology, distance = Verdict(Status.PROVED, "the topology of every node", "by the meshes of their classes"), 0.0
+        for one in self.part.classes:
+            blend = self.part.blend_of(one)
+            if blend is None:
+                continue
+            found = blend.surface.mesh(self.tolerance / step).certificate
+            distance = max(distance, step * _bound(found))
+            for verdict in found.verdicts:
+                if not (verdict.proved or verdict.measured):
+                    topology = Verdict(verdict.status, topology.claim, f"{one}: {verdict.claim}: {verdict.reason}")
+        strips = max((s.deviation for s in pieces.struts), default=0.0)
+        rounding = float(np.abs(self.points).max()) * 2.0**-50
+        bound = max(distance, strips) + rounding
+        claim = "near the surface"
+        near = (
+            Verdict(Status.PROVED, claim, f"within {bound:.3g}: nodes by their classes, strips by their widest angle")
+            if np.isfinite(bound)
+            else Verdict(Status.UNDECIDED, claim, "of some class the distance is not proved")
+        )
+        return Findings((manifold(self.triangles), topology, near))
+
+
+def _bound(certificate: MeshCertificate) -> float:
+    """How far a mesh and its surface are from one another at most; inf where that, or the topology, is not proved.
+
+    With the topology goes that each point of the surface is joined with one of the mesh along the gradient of f, on
+    which the distance is bounded.
+    """
+    decided = all(verdict.proved or verdict.measured for verdict in certificate.verdicts)
+    return certificate.distance if decided and certificate.distance is not None else float("inf")
+
+
+def blend(
+    network: StrutGraph, order: int, degree: Degree, cache: str | Path | None, map_: Callable[..., Any]
+) -> NetworkPart:
+    """See `Network.blend`."""
+    problems = check(network, whole=False)
+    if problems:
+        raise NetworkError(problems)
+    placed = placed_ends(network, order)
+    return NetworkPart(network, order, placed, blends(network, placed.kinds, order, degree, cache, map_))

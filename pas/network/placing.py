@@ -1,0 +1,297 @@
+"""The meshes of a network's nodes in all their places, and the struts between their rings.
+
+The blend of a class is meshed once, and turned into each kind by its exact rotation or reflection; each kind of strut,
+told apart by the kinds of its nodes and its arms there, has one strip of triangles between two rings.  So a mesh of any
+size is a few tables and a place for each node.
+
+A strip merges the vertices of two rings by their angles around the strut.  A triangle of it has two neighbours of one
+ring, and one of the other between them or between which they are, so that its corners are no farther apart, in angle,
+than neighbours of one ring; it is r (1 - cos(angle / 2)) from the cylinder at most.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import acos, ceil, cos, pi, tau
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.monomials import Floats
+from pas.algebra.rational import to_floats
+from pas.mesh.rows import Integers
+from pas.network.classes import NodeKind, turn
+from pas.network.graph import StrutGraph
+from pas.network.nodes import PlacedEnds
+from pas.pipeline.result import Blend
+
+FEWEST = 8
+"""Vertices of the ring at an end of a strut."""
+
+
+@dataclass(frozen=True, eq=False)
+class NodePiece:
+    """The mesh of one kind of node around the origin, in the model's units; `rings` are the vertices on each arm's
+    circle, `deviation` is the largest distance from the surface, as measured."""
+
+    points: Floats
+    triangles: Integers
+    normals: Floats
+    rings: tuple[Integers, ...]
+    deviation: float
+
+    def turned(self, matrix: Floats, order: Any) -> NodePiece:
+        """The image under a rotation or reflection, whose arm `order[i]` is the image of this one's arm i."""
+        rings = [self.rings[0]] * len(self.rings)
+        for place, ring in zip(order, self.rings, strict=True):
+            rings[place] = ring
+        mirrored = np.linalg.det(matrix) < 0
+        triangles = self.triangles[:, ::-1] if mirrored else self.triangles
+        normals = self.normals @ matrix.T
+        return NodePiece(
+            self.points @ matrix.T,
+            triangles,
+            normals[:, ::-1] if mirrored else normals,
+            tuple(rings),
+            self.deviation,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class StrutPiece:
+    """The strip of one kind of strut: triangles over the vertices of its first ring, then of its second.
+
+    `kinds` are those of its nodes, `slots` its arms there, `edges` the numbers of the struts.
+    """
+
+    kinds: tuple[int, int]
+    slots: tuple[int, int]
+    vector: Floats
+    triangles: Integers
+    normals: Floats
+    deviation: float
+    edges: Integers
+
+
+class PlacedPieces:
+    """All pieces of a network's mesh within a tolerance (the model's units)."""
+
+    def __init__(self, network: StrutGraph, placed: PlacedEnds, blends: dict[Any, Blend], tolerance: float) -> None:
+        self.network, self.placed, self.blends, self.tolerance = network, placed, blends, tolerance
+        self.kinds = placed.kinds
+
+    @cached_property
+    def nodes(self) -> list[NodePiece]:
+        """The piece of each kind."""
+        found: list[NodePiece] = [None] * len(self.kinds.kinds)  # type: ignore[list-item]
+        for key, numbers in self.kinds.classes.items():
+            first = self.kinds.kinds[numbers[0]]
+            made = self._piece(first, self.placed.ends[numbers[0]], self.blends.get(key))
+            for number in numbers:
+                kind = self.kinds.kinds[number]
+                matrix = np.array([to_floats(row) for row in turn(first, kind)])
+                order = [kind.form.order[first.form.order.index(i)] for i in range(len(kind.arms))]
+                found[number] = made.turned(matrix, order)
+        return found
+
+    def _piece(self, kind: NodeKind, ends: Floats, blend: Blend | None) -> NodePiece:
+        step = float(self.network.grid)
+        if blend is None:
+            return self._ring(kind)
+        mesh = blend.surface.mesh(self.tolerance / step)
+        arms = zip(
+            kind.vectors * 1.0, ends, (self._radius(kind, i) / step for i in range(len(kind.arms))), strict=False
+        )
+        rings = rings_of(mesh.points, mesh.boundary, list(arms))
+        deviation = float("inf") if mesh.deviation is None else mesh.deviation * step
+        return NodePiece(mesh.points * step, mesh.triangles, mesh.normals, rings, deviation)
+
+    def _radius(self, kind: NodeKind, arm: int) -> float:
+        return float(self.network.radii[kind.arms[arm][1]])
+
+    def _ring(self, kind: NodeKind) -> NodePiece:
+        """A ring where a strut goes straight on; a flat end where there is no other."""
+        radius = self._radius(kind, 0)
+        count = max(FEWEST, ceil(pi / acos(max(0.0, 1 - min(self.tolerance / radius, 1.0)))))
+        axis = kind.vectors[0] / np.linalg.norm(kind.vectors[0])
+        first, second = across(axis)
+        angles = tau * np.arange(count) / count
+        points = radius * (np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second)
+        ring = np.arange(count)
+        if len(kind.arms) > 1:
+            return NodePiece(points, np.zeros((0, 3), np.int64), np.zeros((0, 3, 3)), (ring, ring), 0.0)
+        fan = np.stack([np.zeros(count - 2, np.int64), ring[2:], ring[1:-1]], axis=1)
+        return NodePiece(points, fan, np.broadcast_to(-axis, (len(fan), 3, 3)), (ring,), 0.0)
+
+    @cached_property
+    def struts(self) -> list[StrutPiece]:
+        """The piece of each kind of strut."""
+        edges, kinds, slots = self.network.edges, self.kinds.of, self.kinds.slots
+        rows = np.stack([kinds[edges[:, 0]], slots[:, 0], kinds[edges[:, 1]], slots[:, 1]], axis=1)
+        if not len(rows):
+            return []
+        different, of = np.unique(rows, axis=0, return_inverse=True)
+        order = np.argsort(of.ravel(), kind="stable")
+        groups = np.split(order, np.cumsum(np.bincount(of.ravel()))[:-1])
+        step = float(self.network.grid)
+        found = []
+        for (a, i, b, j), numbers in zip(different.tolist(), groups, strict=True):
+            vector = self.network.vectors[numbers[0]] * step
+            ends = self.nodes[a].points[self.nodes[a].rings[i]], self.nodes[b].points[self.nodes[b].rings[j]]
+            triangles, normals, widest = strip(ends[0], ends[1], vector)
+            radius = float(self.network.radii[self.kinds.kinds[a].arms[i][1]])
+            found.append(
+                StrutPiece((a, b), (i, j), vector, triangles, normals, radius * (1 - cos(widest / 2)), numbers)
+            )
+        return found
+
+    @cached_property
+    def deviation(self) -> float:
+        """The largest distance of any triangle from the surface, as measured, rounding of places included."""
+        far = float(np.abs(self.network.points).max(initial=0)) + max(np.abs(n.points).max() for n in self.nodes)
+        largest = max([n.deviation for n in self.nodes] + [s.deviation for s in self.struts])
+        return largest + far * 2.0**-50
+
+    def mesh(self, chosen: Any = None) -> tuple[Floats, Integers, Floats, Integers]:
+        """Points (N, 3), triangles (T, 3), normals at their corners (T, 3, 3), and whether each is of a strut (T,).
+
+        Of the nodes `chosen` (a mask) and the struts that begin there alone, if it is given; points of the nodes at the
+        other ends of these are there, too.
+        """
+        network, kinds = self.network, self.kinds
+        of = kinds.of if chosen is None else np.where(chosen, kinds.of, -1)
+        mine = np.ones(len(network.edges), dtype=bool) if chosen is None else chosen[network.edges[:, 0]]
+        needed = of >= 0
+        needed[network.edges[mine].ravel()] = True
+        sizes = np.where(needed, np.array([len(n.points) for n in self.nodes])[kinds.of], 0)
+        starts = np.cumsum(sizes) - sizes
+        points = np.empty((int(sizes.sum()), 3))
+        triangles, normals = [], []
+        for kind, piece in enumerate(self.nodes):
+            all_of = np.flatnonzero(needed & (kinds.of == kind))
+            points[starts[all_of][:, None] + np.arange(len(piece.points))] = (
+                piece.points + network.points[all_of][:, None]
+            )
+            own = np.flatnonzero(of == kind)
+            triangles.append((piece.triangles + starts[own][:, None, None]).reshape(-1, 3))
+            normals.append(np.tile(piece.normals, (len(own), 1, 1)))
+        many = sum(map(len, triangles))
+        for strut in self.struts:
+            edges = strut.edges[mine[strut.edges]]
+            rings = [self.nodes[strut.kinds[end]].rings[strut.slots[end]] for end in (0, 1)]
+            both = [starts[network.edges[edges, end]][:, None] + rings[end] for end in (0, 1)]
+            triangles.append(np.concatenate(both, axis=1)[:, strut.triangles].reshape(-1, 3))
+            normals.append(np.tile(strut.normals, (len(edges), 1, 1)))
+        found = np.concatenate(triangles)
+        return points, found, np.concatenate(normals), (np.arange(len(found)) >= many).astype(np.int64)
+
+    @cached_property
+    def volume(self) -> float:
+        """The volume inside the triangles, by the divergence theorem about the network's middle."""
+        middle = self.network.points.mean(axis=0)
+        total = 0.0
+        for kind, piece in enumerate(self.nodes):
+            places = self.network.points[self.kinds.of == kind] - middle
+            total += _volume(piece.points[piece.triangles], places)
+        for strut in self.struts:
+            first, second = (self.nodes[strut.kinds[e]].points[self.nodes[strut.kinds[e]].rings[strut.slots[e]]]
+                             for e in (0, 1))  # fmt: skip
+            corners = np.concatenate([first, second + strut.vector])[strut.triangles]
+            total += _volume(corners, self.network.points[self.network.edges[strut.edges, 0]] - middle)
+        return total
+
+    def bodies(self) -> list[tuple[Floats, Integers, Integers]]:
+        """Closed meshes that together make the whole: points, triangles, and the numbers of the nodes where each is.
+
+        A node has its struts up to the middle of what is straight of them, where they are cut off flat.
+        """
+        edges, kinds = self.network.edges, self.kinds
+        at = self.placed.ends[kinds.of[edges], kinds.slots]
+        cuts = np.zeros((len(kinds.of), self.placed.ends.shape[1]))
+        cuts[edges, kinds.slots] = (1 + at - at[:, ::-1]) / 2
+        used = np.flatnonzero(kinds.of >= 0)
+        different, of = np.unique(np.column_stack([kinds.of, cuts.round(9)])[used], axis=0, return_inverse=True)
+        return [(*self._body(int(row[0]), row[1:]), used[of.ravel() == number]) for number, row in enumerate(different)]
+
+    def _body(self, kind: int, cuts: Floats) -> tuple[Floats, Integers]:
+        piece = self.nodes[kind]
+        points, triangles, count = [piece.points], [piece.triangles], len(piece.points)
+        vectors = self.kinds.kinds[kind].vectors * float(self.network.grid)
+        for vector, ring, cut in zip(vectors, piece.rings, cuts, strict=False):
+            axis = vector / np.linalg.norm(vector)
+            own = ring[np.argsort(angles_around(piece.points[ring], axis))]
+            corners = piece.points[own]
+            points.append(corners + cut * vector - (corners @ axis)[:, None] * axis)
+            here, there = np.arange(len(own)), count + np.arange(len(own))
+            after = np.roll(here, -1)
+            triangles += [
+                np.stack([own[here], own[after], there[here]], axis=1),
+                np.stack([own[after], there[after], there[here]], axis=1),
+                np.stack([np.full(len(own) - 2, count), there[1:-1], there[2:]], axis=1),
+            ]
+            count += len(own)
+        return np.concatenate(points), np.concatenate(triangles)
+
+
+def _volume(corners: Floats, places: Floats) -> float:
+    """Six-fold sums of triangles (T, 3, 3) at each place, as volumes under the origin."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    own = np.einsum("ni,ni->", a, np.cross(b, c)) / 6
+    across_ = np.cross(b - a, c - a).sum(axis=0) / 6
+    return float(own * len(places) + places.sum(axis=0) @ across_)
+
+
+def rings_of(points: Floats, boundary: Integers, arms: Any) -> tuple[Integers, ...]:
+    """The boundary vertices on the circle of each arm (vector, end in parts of it, radius).
+
+    Raises `AssertionError` where a vertex is on none: blends end on the circles of their contacts.
+    """
+    found, seen = [], np.zeros(len(boundary), dtype=bool)
+    for vector, end, radius in arms:
+        length = float(np.linalg.norm(vector))
+        along = points[boundary] @ vector / length
+        outside = np.linalg.norm(points[boundary] - along[:, None] * vector / length, axis=1)
+        on = (np.abs(along - end * length) < 1e-6 * length) & (np.abs(outside - radius) < 1e-6 * length)
+        found.append(boundary[on])
+        seen |= on
+    assert seen.all() and sum(map(len, found)) == len(boundary)
+    return tuple(found)
+
+
+def across(axis: Floats) -> tuple[Floats, Floats]:
+    """Two unit vectors across a unit vector and one another, with it as a right-handed frame."""
+    first = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
+    first /= np.linalg.norm(first)
+    return first, np.cross(axis, first)
+
+
+def angles_around(points: Floats, axis: Floats) -> Floats:
+    """The angles of points around an axis through the origin, from 0 to a full turn."""
+    first, second = across(axis)
+    return np.asarray(np.arctan2(points @ second, points @ first) % tau)
+
+
+def strip(first: Floats, second: Floats, vector: Floats) -> tuple[Integers, Floats, float]:
+    """The triangles between rings around the ends of a vector, over the first ring's vertices and then the second's.
+
+    With the normals of the cylinder at their corners, and the widest angle between neighbours of a ring.
+    """
+    axis = vector / np.linalg.norm(vector)
+    angles = [angles_around(ring, axis) for ring in (first, second)]
+    orders = [np.argsort(a) for a in angles]
+    sides = np.repeat([0, 1], [len(first), len(second)])
+    sorted_ = np.argsort(np.concatenate(angles), kind="stable")
+    latest = [int(orders[0][-1]), len(first) + int(orders[1][-1])]
+    triangles = []
+    for number in sorted_.tolist():
+        side = int(sides[number])
+        a, b = latest[side], latest[1 - side]
+        triangles.append((a, number, b) if side == 0 else (number, a, b))
+        latest[side] = number
+    found = np.array(triangles)
+    turned = np.concatenate(angles)
+    first_, second_ = across(axis)
+    normals = (np.cos(turned)[:, None] * first_ + np.sin(turned)[:, None] * second_)[found]
+    gaps = [np.diff(np.sort(a), append=np.sort(a)[0] + tau).max() for a in angles]
+    return found, normals, float(max(gaps))

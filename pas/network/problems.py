@@ -1,0 +1,177 @@
+"""What is wrong with a network, and what of it can be mended."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import cos, radians
+from typing import TypeVar
+
+import numpy as np
+
+from pas.mesh.rows import Floats, Integers
+from pas.network.clearance import crossing
+from pas.network.graph import NetworkProblem, StrutGraph
+
+LEAST_ANGLE = 10.0
+"""Degrees between struts at a node, below which no pipe ends apart from another (see `pas.struts`)."""
+
+NEAREST = 0.45
+"""Of the least angle at a node: circles seen under more are met by no blend, as those of two struts must be apart."""
+
+
+def check(network: StrutGraph, whole: bool) -> tuple[NetworkProblem, ...]:
+    """See `Network.check`."""
+    found = [*_of_graph(network)]
+    if not found:
+        found += [*_angles(network)]
+    if not found:
+        found += [*_short(network), *_crossing(network)]
+    if whole:
+        ends = np.flatnonzero(network.valence == 1).tolist()
+        found += [NetworkProblem("dangling", (n,), f"point {n} has one strut only, which ends there") for n in ends]
+        if len(network.edges) and network.pieces > 1:
+            found.append(NetworkProblem("disconnected", (), f"there are {network.pieces} pieces that do not meet"))
+    return tuple(found)
+
+
+def _of_graph(network: StrutGraph) -> Iterator[NetworkProblem]:
+    """Loops, struts that are there twice, points in one place and points without struts."""
+    edges = network.edges
+    if not len(edges):
+        yield NetworkProblem("empty", (), "the network has no struts")
+    for number in np.flatnonzero(edges[:, 0] == edges[:, 1]).tolist():
+        yield NetworkProblem("loop", (number,), f"strut {number} begins and ends at point {edges[number, 0]}")
+    for first, second in _repeated(np.sort(edges, axis=1)):
+        yield NetworkProblem("duplicate", (first, second), f"the struts {first} and {second} join the same points")
+    for first, second in _repeated(network.places):
+        yield NetworkProblem("duplicate", (first, second), f"the points {first} and {second} are in one place")
+    for number in np.flatnonzero(network.valence == 0).tolist():
+        yield NetworkProblem("isolated", (number,), f"point {number} has no strut")
+
+
+def _repeated(rows: Integers) -> list[tuple[int, int]]:
+    """Numbers of rows with the number of the first row that is equal, that first."""
+    _, first, of = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    before = first[of.ravel()]
+    again = np.flatnonzero(before != np.arange(len(rows)))
+    return list(zip(before[again].tolist(), again.tolist(), strict=True))
+
+
+def _least_angles(network: StrutGraph) -> tuple[Floats, Integers]:
+    """At both ends of each strut the largest cosine of an angle with another there (E, 2), and that other."""
+    count = len(network.edges)
+    owners, numbers = network.edges.T.ravel(), np.tile(np.arange(count), 2)
+    units = network.vectors / np.linalg.norm(network.vectors, axis=1, keepdims=True)
+    ways = np.concatenate([units, -units])
+    order = np.argsort(owners, kind="stable")
+    starts = np.searchsorted(owners[order], np.arange(len(network.places) + 1))
+    largest, other = np.full(2 * count, -1.0), np.full(2 * count, -1)
+    valence = network.valence
+    for arms in np.unique(valence[valence > 1]).tolist():
+        own = order[starts[:-1][valence == arms][:, None] + np.arange(arms)]
+        products = np.einsum("nai,nbi->nab", ways[own], ways[own])
+        products[:, np.arange(arms), np.arange(arms)] = -2
+        largest[own], other[own] = products.max(axis=2), numbers[np.take_along_axis(own, products.argmax(axis=2), 1)]
+    return largest.reshape(2, -1).T, other.reshape(2, -1).T
+
+
+def _angles(network: StrutGraph) -> Iterator[NetworkProblem]:
+    largest, other = _least_angles(network)
+    for strut, end in np.argwhere(largest > cos(radians(LEAST_ANGLE))).tolist():
+        second = int(other[strut, end])
+        if strut < second:
+            angle = np.degrees(np.arccos(min(1.0, largest[strut, end])))
+            node = network.edges[strut, end]
+            sentence = (
+                f"the struts {strut} and {second} meet at point {node} at {angle:.3g} degrees; "
+                f"{LEAST_ANGLE:g} are the least"
+            )
+            yield NetworkProblem("angle too small", (strut, second), sentence)
+
+
+def shortest(network: StrutGraph) -> Floats:
+    """The length below which no blends fit at the ends of each strut (E,), in the model's units."""
+    angles = np.arccos(np.clip(_least_angles(network)[0], -1, 1))
+    widest = radians(80)
+    free = network.valence[network.edges] > 1
+    near = network.thickness[:, None] / np.tan(np.minimum(NEAREST * angles, widest))
+    return np.asarray(np.where(free, near, 0.0).sum(axis=1))
+
+
+def _short(network: StrutGraph) -> Iterator[NetworkProblem]:
+    least = shortest(network)
+    for number in np.flatnonzero(network.lengths < least).tolist():
+        a, b = network.edges[number].tolist()
+        radius = network.thickness[number] * network.lengths[number] / least[number]
+        sentence = (
+            f"strut {number} from point {a} to {b} is {network.lengths[number]:.4g} long, and blends of the radius "
+            f"{network.thickness[number]:.4g} need {least[number]:.4g}; a radius of {radius:.3g} may fit, or "
+            "repair(collapse=True) makes it a point"
+        )
+        yield NetworkProblem("too short", (number,), sentence)
+
+
+def _crossing(network: StrutGraph) -> Iterator[NetworkProblem]:
+    for i, j, distance in crossing(network):
+        need = network.thickness[i] + network.thickness[j]
+        sentence = f"the struts {i} and {j} pass at {distance:.4g} from one another and are {need:.4g} thick together"
+        yield NetworkProblem("crossing", (i, j), sentence)
+
+
+G = TypeVar("G", bound=StrutGraph)
+
+
+def repair(network: G, collapse: bool) -> tuple[G, tuple[str, ...]]:
+    """See `Network.repair`."""
+    found, changes = _mended(network)
+    while collapse and len(found.edges):
+        short = np.flatnonzero(found.lengths < shortest(found))
+        if not len(short):
+            break
+        first = _apart(found, short)
+        changes += [f"strut {n}, {found.lengths[n]:.4g} long, became a point" for n in first.tolist()]
+        points = found.points.copy()
+        points[found.edges[first]] = points[found.edges[first]].mean(axis=1, keepdims=True)
+        found, more = _mended(_changed(found, points, found.edges, np.arange(len(found.edges))))
+        changes += [line for line in more if not line.startswith("point")]
+    return found, tuple(changes)
+
+
+def _apart(network: StrutGraph, short: Integers) -> Integers:
+    """Of some struts, the shortest first, those that share no point with one before."""
+    taken, chosen = np.zeros(len(network.places), dtype=bool), []
+    for number in short[np.argsort(network.lengths[short], kind="stable")].tolist():
+        a, b = network.edges[number]
+        if not taken[a] and not taken[b]:
+            taken[[a, b]] = True
+            chosen.append(number)
+    return np.array(chosen)
+
+
+def _changed(network: G, points: Floats, edges: Integers, kept: Integers) -> G:
+    """With other points and some of the struts, their radii as they were."""
+    radii = [network.radii[size] for size in network.sizes[kept].tolist()]
+    return type(network)(points, edges[kept], radii, network.grid)
+
+
+def _mended(network: G) -> tuple[G, list[str]]:
+    """Without loops, double struts, double points and points without struts; what was changed."""
+    _, first, of = np.unique(network.places, axis=0, return_index=True, return_inverse=True)
+    target = first[of.ravel()]
+    changes = [f"point {b} became point {a}, where it is" for a, b in _repeated(network.places)]
+    edges = target[network.edges]
+    loops = edges[:, 0] == edges[:, 1]
+    changes += [f"strut {n} was a loop and went" for n in np.flatnonzero(loops).tolist()]
+    order = np.lexsort((np.arange(len(edges)), -network.sizes, edges.max(axis=1), edges.min(axis=1)))
+    order = order[~loops[order]]
+    pairs = np.sort(edges[order], axis=1)
+    new = np.ones(len(order), dtype=bool)
+    new[1:] = (pairs[1:] != pairs[:-1]).any(axis=1)
+    changes += [f"strut {n} was there twice and went" for n in sorted(order[~new].tolist())]
+    kept = np.sort(order[new])
+    used = np.unique(edges[kept])
+    gone = set(range(len(network.places))) - set(used.tolist()) - set(network.edges.ravel().tolist())
+    changes += [f"point {n} had no strut and went" for n in sorted(gone)]
+    numbers = np.full(len(network.places), -1)
+    numbers[used] = np.arange(len(used))
+    return _changed(network, network.points[used], numbers[edges], kept), changes

@@ -1,0 +1,357 @@
+"""Networks of struts: exact classes of nodes, proved bodies, watertight meshes, files, and what is wrong with one."""
+
+from __future__ import annotations
+
+import re
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+
+import manifold3d
+import networkx
+import numpy as np
+import pytest
+
+import pas
+from pas import network
+from pas.cli import main
+from pas.network.classes import kinds_of, turn
+from pas.network.clearance import clearance, segment_distances
+from pas.network.nodes import placed_ends
+from pas.settings import MeshSettings
+
+BLOCKS = {
+    ("cubic", 10): (1331, 3630, 2300),
+    ("BCC", 8): (1241, 4096, 2856),
+    ("octet", 6): (1099, 5616, 4518),
+    ("Kelvin", 5): (1800, 3300, 1501),
+    ("diamond", 5): (1162, 2000, 839),
+}
+"""Nodes, struts and genus of blocks of so many cells."""
+
+CLASSES = {"cubic": (4, 27), "BCC": (4, 27), "octet": (4, 27), "Kelvin": (2, 30), "diamond": (3, 12)}
+"""Classes and kinds of their nodes."""
+
+
+def kinds(net):
+    return kinds_of(net, np.zeros((len(net.edges), 2), dtype=np.int64))
+
+
+@pytest.mark.parametrize(("name", "cells"), BLOCKS)
+def test_blocks_of_lattices(name, cells):
+    net = network.lattice(name, cells)
+    nodes, struts, genus = BLOCKS[name, cells]
+    assert (len(net.points), len(net.edges), net.pieces) == (nodes, struts, 1)
+    assert struts - nodes + 1 == genus
+    assert np.ptp(net.points, axis=0).tolist() == [cells] * 3
+    assert np.ptp(net.lengths) < 1e-12
+    found = kinds(net)
+    assert (len(found.classes), len(found.kinds)) == CLASSES[name]
+    assert sum(one.count for one in net.classes()) == nodes
+    assert not net.check()
+
+
+def test_symmetries_of_classes():
+    found = {len(one.struts): one.symmetries for one in network.lattice("octet", 2).classes()}
+    assert found == {12: 48, 8: 8, 5: 4, 3: 6}
+    assert {len(c.struts): c.symmetries for c in network.lattice("BCC", 1).classes()} == {8: 48, 1: 0}
+
+
+def drawn(seed, struts=5):
+    """A node whose struts have random vectors, and the same node turned by a signed permutation, as two networks."""
+    generator = np.random.default_rng(seed)
+    vectors = generator.integers(-9, 10, (struts, 3))
+    matrix = np.eye(3, dtype=int)[generator.permutation(3)] * generator.choice([-1, 1], 3)
+    order = generator.permutation(struts)
+    edges = np.stack([np.zeros(struts, dtype=int), np.arange(1, struts + 1)], axis=1)
+    radii = generator.integers(1, 3, struts)
+    first = network.Network(np.vstack([[0, 0, 0], vectors]), edges, radii.tolist(), 1)
+    second = network.Network(np.vstack([[0, 0, 0], (vectors @ matrix.T)[order]]), edges, radii[order].tolist(), 1)
+    return first, second
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_nodes_that_are_turned_are_one_class(seed):
+    first, second = (kinds(net) for net in drawn(seed))
+    one, other = first.kinds[first.of[0]], second.kinds[second.of[0]]
+    assert one.form.key == other.form.key
+    matrix = np.array([[float(x) for x in row] for row in turn(one, other)])
+    np.testing.assert_allclose(matrix @ matrix.T, np.eye(3), atol=1e-12)
+    images = one.vectors[list(one.form.order)] @ matrix.T
+    np.testing.assert_allclose(images, other.vectors[list(other.form.order)], atol=1e-9)
+
+
+def test_rotations_that_permute_no_axes_are_found():
+    turned = np.array([[3, 4, 0], [-4, 3, 0], [0, 0, 5]])  # a rotation, five times
+    vectors = np.array([[1, 2, 3], [-2, 1, 0], [1, -1, 4]])
+    edges = [(0, 1), (0, 2), (0, 3)]
+    both = (np.vstack([[0, 0, 0], v]) for v in (5 * vectors, vectors @ turned.T))
+    one, other = (kinds(network.Network(points, edges, 1, 1)) for points in both)
+    assert one.kinds[one.of[0]].form.key == other.kinds[other.of[0]].form.key
+
+
+def test_nodes_that_differ_in_a_radius_are_not_one_class():
+    points, edges = [(0, 0, 0), (3, 0, 0), (0, 3, 0), (0, 0, 3)], [(0, 1), (0, 2), (0, 3)]
+    one = kinds(network.Network(points, edges, 1, 1))
+    other = kinds(network.Network(points, edges, [1, 1, 2], 1))
+    assert one.kinds[one.of[0]].form.key != other.kinds[other.of[0]].form.key
+
+
+def test_nodes_with_arms_as_long_are_not_one_class():
+    ends = [(3, 0, 0), (0, 3, 0), (0, 0, 3)]
+    both = (network.Network([(0, 0, 0), *ends, last], [(0, n) for n in range(1, 5)], 1, 1)
+            for last in ((4, 4, 2), (-4, -4, 2)))  # fmt: skip
+    one, other = map(kinds, both)
+    assert one.kinds[one.of[0]].form.key != other.kinds[other.of[0]].form.key
+
+
+@cache
+def frame():
+    """The edges of a cube, and beside it a line of two struts: nodes of three kinds."""
+    points = [*np.ndindex(2, 2, 2), (3, 0, 0), (3, 1, 0), (3, 2, 0)]
+    edges = [(a, b) for a in range(8) for b in range(a) if np.abs(np.subtract(points[a], points[b])).sum() == 1]
+    edges += [(8, 9), (9, 10)]
+    return network.Network(points, edges, ["1/10"] * len(edges), "1/64")
+
+
+@cache
+def part():
+    return frame().blend(1, "lowest")
+
+
+def test_a_body_is_proved():
+    found = part()
+    assert found.certificate.proved, found.certificate
+    assert found.genus == 5
+    assert [(len(one.struts), one.count, one.symmetries) for one in found.classes] == [(3, 8, 6), (1, 2, 0), (2, 1, 0)]
+    assert [found.blend_of(one) is None for one in found.classes] == [False, True, True]
+
+
+def test_its_mesh_is_watertight_and_proved():
+    mesh = part().mesh()
+    assert mesh.is_closed
+    assert mesh.components == part().network.pieces == 2
+    assert mesh.euler_characteristic == 2 * mesh.components - 2 * part().genus
+    assert mesh.certificate.proved, mesh.certificate
+    other = manifold3d.Manifold(manifold3d.Mesh(mesh.points.astype(np.float32), mesh.triangles.astype(np.uint32)))
+    assert other.status() == manifold3d.Error.NoError
+    assert other.volume() == pytest.approx(part().volume, rel=1e-5) == mesh.volume
+    np.testing.assert_allclose(part().bounding_box, mesh.bounding_box)
+    across = np.cross(*(mesh.points[mesh.triangles[:, i]] - mesh.points[mesh.triangles[:, 0]] for i in (1, 2)))
+    assert ((across[:, None] * mesh.normals).sum(axis=2) > 0).all()
+
+
+def test_struts_of_the_mesh_are_on_their_cylinders():
+    mesh, tolerance = part().mesh(0.002), 0.002
+    middles = mesh.points[mesh.triangles[mesh.faces == 1]].mean(axis=1)
+    ends = frame().points[frame().edges]
+    apart = np.stack([segment_distances(np.stack([m, m], axis=1), np.broadcast_to(e, (len(m), 2, 3)))
+                      for e in ends for m in [middles]])  # fmt: skip
+    off = np.abs(apart.min(axis=0) - 0.1)
+    assert 0 < off.max() < tolerance
+
+
+def test_bodies_in_many_places_make_the_whole(tmp_path):
+    bodies = part().bodies(MeshSettings())
+    assert sum(len(places) for _, places in bodies) == len(frame().points)
+    total = sum(mesh.volume * len(places) for mesh, places in bodies)
+    assert total == pytest.approx(part().volume, rel=1e-3)  # chords of strips and of cut struts differ
+    path = part().write(tmp_path / "frame.3mf", unit="mm")
+    lib3mf = pytest.importorskip("lib3mf")
+    model = lib3mf.get_wrapper().CreateModel()
+    model.QueryReader("3mf").ReadFromFile(str(path))
+    assert model.GetMeshObjects().Count() == len(bodies)
+    components = model.GetComponentsObjects()
+    assert components.MoveNext()
+    assert components.GetCurrentComponentsObject().GetComponentCount() == len(frame().points)
+
+
+def test_blocks_are_the_mesh(tmp_path):
+    paths = part().write_blocks(tmp_path / "blocks", struts=2)
+    assert len(paths) > 2
+    counts = [int(np.fromfile(path, "<u4", 1, offset=80)[0]) for path in paths]
+    assert sum(counts) == len(part().mesh().triangles)
+    before = [path.stat().st_mtime_ns for path in paths]
+    paths[0].unlink()
+    assert part().write_blocks(tmp_path / "blocks", struts=2) == paths
+    after = [path.stat().st_mtime_ns for path in paths]
+    assert before[1:] == after[1:]
+    assert before[0] != after[0]
+
+
+def test_short_struts_are_shared():
+    """Clips that would overlap leave 1/32 of the strut between them."""
+    net = network.Network([(0, 0, 0), (2, 0, 0), (0, 2, 0), (2, 2, 0), (0, 5, 1)],
+                          [(0, 1), (0, 2), (1, 3), (2, 4)], "9/10", "1/8")  # fmt: skip
+    placed = placed_ends(net, 1)
+    ends = placed.ends[placed.kinds.of[net.edges], placed.kinds.slots].sum(axis=1)
+    assert (ends <= 62 / 64).all()
+    assert ends.max() > 0.9
+
+
+def test_a_cache_is_gone_on_from(tmp_path, monkeypatch):
+    net = network.Network([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1), (0, 2)], "1/8", "1/8")
+    with ThreadPoolExecutor(1) as engine:
+        first = net.blend(1, "lowest", cache=tmp_path / "kept", map=engine.map)
+    monkeypatch.setattr("pas.network.nodes.blend", None)
+    second = net.blend(1, "lowest", cache=tmp_path / "kept")
+    assert second.certificate.proved
+    assert (second.mesh().points == first.mesh().points).all()
+    with pytest.raises(ValueError, match="give the folder as cache="):
+        net.blend(1, map=lambda function, items: [function(item) for item in items])
+
+
+def test_foams():
+    foam = network.voronoi(12, "1/100", seed=1)
+    assert foam.pieces == 1
+    assert (foam.points > -1e-9).all() and (foam.points < 1 + 1e-9).all()
+    assert not {p.kind for p in foam.check()} - {"too short", "angle too small", "crossing"}
+    mended, changes = foam.repair(collapse=True)
+    assert "too short" not in {p.kind for p in mended.check()}
+    assert len(changes) > 0
+    assert len(mended.edges) < len(foam.edges)
+    assert mended.pieces == 1
+
+
+SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+WRONG = {
+    "loop": (SQUARE, [(0, 1), (1, 1), (1, 2), (2, 3)], "strut 1 begins and ends at point 1"),
+    "duplicate": (SQUARE, [(0, 1), (1, 2), (2, 3), (1, 0)], "the struts 0 and 3 join the same points"),
+    "isolated": (SQUARE, [(0, 1), (1, 2)], "point 3 has no strut"),
+    "angle too small": ([*SQUARE, (2, 0.1, 0)], [(0, 1), (0, 2), (0, 3), (0, 4)], "at 2.8[0-9]* degrees; 10 are"),
+    "too short": ([*SQUARE, (0.1, 0.1, 0)], [(0, 1), (0, 4), (0, 3), (4, 2)], "strut 1 from point 0 to 4 is"),
+    "crossing": ([*SQUARE, (1, 1, 1)], [(0, 2), (1, 3), (0, 4), (1, 4), (3, 4)], "the struts 0 and 1 pass at 0 from"),
+}
+
+
+@pytest.mark.parametrize("kind", WRONG)
+def test_what_is_wrong_is_said_with_numbers(kind):
+    points, edges, sentence = WRONG[kind]
+    net = network.Network(points, edges, "1/20", "1/1000")
+    found = [problem for problem in net.check() if problem.kind == kind]
+    assert len(found) == 1
+    assert re.search(sentence, found[0].sentence)
+    with pytest.raises(network.NetworkError, match=sentence) as caught:
+        net.blend()
+    assert found[0] in caught.value.problems
+
+
+def test_what_is_asked_of_a_whole():
+    net = network.Network([*SQUARE, (5, 5, 5), (6, 5, 5)], [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5)], "1/20")
+    assert not net.check()
+    assert [p.kind for p in net.check(whole=True)] == ["dangling", "dangling", "disconnected"]
+
+
+def test_what_comes_near_is_seen():
+    """Two struts that pass, a strut by the ball of a node, and the balls of two nodes that are no neighbours."""
+    points = [(0, 0, 0), (4, 0, 0), (2, -2, 0.3), (2, 2, 0.3)]
+    net = network.Network(points, [(0, 1), (2, 3)], "1/10", "1/10")
+    none = np.zeros(4)
+    assert clearance(net, none).proved
+    assert "the struts 0 and 1 come within 0.3" in clearance(net.with_radius("3/20"), none).reason
+    assert "the node 0, which reaches 1.95 far, may meet strut 1" in clearance(net, np.array([1.95, 0, 0, 0])).reason
+    far = network.Network([*points[:2], (2, -2, 3), (2, 2, 3)], [(0, 1), (2, 3)], "1/10", "1/10")
+    assert clearance(far, np.full(4, 2.0)).proved
+    assert "the node 0, which reaches 2.1 far, may meet node 2" in clearance(far, np.full(4, 2.1)).reason
+
+
+def test_repair_says_what_it_does():
+    points = [*SQUARE, (0, 0, 0), (7, 7, 7)]
+    net = network.Network(points, [(0, 1), (1, 0), (1, 2), (2, 2), (4, 3)], ["1/20", "1/10", "1/20", "1/20", "1/20"])
+    mended, changes = net.repair()
+    assert not mended.check()
+    assert type(mended) is network.Network
+    assert mended.points.tolist() == [list(map(float, p)) for p in SQUARE]
+    assert [len(mended.edges), mended.thickness.max()] == [3, 0.1]
+    assert changes == (
+        "point 4 became point 0, where it is",
+        "strut 3 was a loop and went",
+        "strut 0 was there twice and went",
+        "point 5 had no strut and went",
+    )
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".csv", ".3mf"])
+def test_graphs_in_files(suffix, tmp_path):
+    path = frame().write(tmp_path / f"frame{suffix}")
+    again = network.Network.read(path, grid="1/64")
+    ours = {frozenset(map(tuple, pair)) for pair in frame().points[frame().edges].tolist()}
+    assert {frozenset(map(tuple, pair)) for pair in again.points[again.edges].tolist()} == ours
+    assert again.radii == frame().radii
+
+
+def test_lines_of_obj_files_and_graphs_of_networkx(tmp_path):
+    file = tmp_path / "a.obj"
+    file.write_text("v 0 0 0\nv 1 0 0\nv 0 2 0\nl 2 1 3\n")
+    net = network.Network.read(file, "1/10")
+    assert net.edges.tolist() == [[1, 0], [0, 2]]
+    graph = networkx.Graph()
+    graph.add_node("a", pos=(0, 0, 0))
+    graph.add_node("b", pos=(0, 0, 1))
+    graph.add_edge("a", "b", radius="1/5")
+    assert network.Network.of_graph(graph).radii == (pytest.approx(0.2),)
+    with pytest.raises(pas.ProblemFileError, match=r"a\.obj has no radii; give radius="):
+        network.Network.read(file)
+    graph.add_node("c", pos=(1, 0, 0))
+    graph.add_edge("b", "c")
+    with pytest.raises(ValueError, match="edge 'b', 'c' has no 'radius'; give it one, or radius="):
+        network.Network.of_graph(graph)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (([(0, 0)], [], 1), r"points must have the shape \(N, 3\), not \(1, 2\)"),
+        (([(0, 0, float("nan"))], [], 1), "point 0 is not finite"),
+        ((SQUARE, [(0, 7)], 1), "edges must be numbers of the 4 points, from 0 on; 7 is none"),
+        ((SQUARE, [(0.0, 1.0)], 1), "edges must be whole numbers"),
+        ((SQUARE, [(0, 1)], 0), "radius must be positive"),
+        ((SQUARE, [(0, 1)], [1, 2]), "one for each of the 1 struts, not 2"),
+        ((SQUARE, [(0, 1)], ["-1"]), r"radii\[0\] must be positive"),
+        ((SQUARE, [(0, 1)], 1, "1/10000000"), "the grid 1/10000000 is too fine: a strut is 10000000 steps long"),
+    ],
+)
+def test_wrong_arguments(arguments, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        network.Network(*arguments)
+
+
+def test_wrong_names_and_files(tmp_path):
+    with pytest.raises(ValueError, match="no unit cell 'octett'; is 'octet' meant"):
+        network.lattice("octett", 2)
+    with pytest.raises(ValueError, match=r"a network is read from one of \.npz, \.csv, \.obj, \.3mf, not from a\.stl"):
+        network.Network.read("a.stl")
+    bad = tmp_path / "a.csv"
+    bad.write_text("x1,y1,z1,x2,y2,z2\n0,0,0,1,0,0\n0,0,0,1,0\n")
+    with pytest.raises(pas.ProblemFileError, match=r"a\.csv, line 3: a strut is x, y, z of both ends"):
+        network.Network.read(bad, 1)
+
+
+def test_the_command(tmp_path, capsys):
+    assert main(["network", "classes", "octet", "--cells", "2"]) == 0
+    assert "13 nodes of 12 struts, 48 symmetries" in capsys.readouterr().out
+    graph = network.Network([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1), (0, 2)], "1/8", "1/8").write(tmp_path / "a.csv")
+    assert main(["network", "check", str(graph)]) == 0
+    assert main(["network", "check", str(graph), "--whole"]) == 1
+    out = [str(tmp_path / name) for name in ("b.3mf", "b.npz")]
+    command = ["network", "build", str(graph), "--degree", "lowest", "--grid", "1/8", "-o", out[0], "-o", out[1]]
+    assert main(command) == 0
+    text = capsys.readouterr().out
+    assert "every node meets its struts with GC^1: proved" in text
+    assert out[0] in text
+    assert main(["network", "chek", str(graph)]) == 2
+    assert "there is no action 'chek' on networks; is 'check' meant?" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["cubic", "BCC", "octet", "Kelvin", "diamond"])
+def test_blocks_of_a_thousand_nodes(name):
+    cells, ratio = {"cubic": (10, 0.25), "BCC": (8, 0.2), "octet": (6, 0.14), "Kelvin": (5, 0.25),
+                    "diamond": (5, 0.3)}[name]  # fmt: skip
+    net = network.lattice(name, cells)
+    net = net.with_radius(str(round(ratio * float(net.lengths[0]), 3)))
+    found = net.blend()
+    assert found.certificate.proved, found.certificate
+    assert not found.unfair
+    mesh = found.mesh()
+    assert mesh.is_closed
+    assert mesh.euler_characteristic == 2 - 2 * BLOCKS[name, cells][2]
