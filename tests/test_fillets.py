@@ -66,7 +66,7 @@ CASES = {
 }
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", CASES)
 def test_fillets_are_proved_and_mesh(name, order):
@@ -159,21 +159,22 @@ def test_anywhere_at_any_scale(offset, size):
 def test_the_largest_is_found():
     largest = box().largest_fillet("box x+", "box y+")
     assert 1.9 < largest <= 2  # beyond, it passes the other sides
-    with pytest.raises(GeometryError, match=r"do not both reach the curve; one of radius 1\.9"):
-        box().fillet("box x+", "box y+", 3)
 
 
-@pytest.mark.slow
 def test_the_largest_of_a_boss():
+    """Beyond 5/4 it passes the plate's sides."""
     largest = boss().largest_fillet("plate z+", "boss")
-    assert 1.15 < largest <= 1.25  # beyond, it passes the plate's sides
-    assert boss().fillet("plate z+", "boss", 0.99 * largest).proved
+    assert 1.25 * 29 / 30 < largest <= 1.25
 
 
 REFUSED = {
     "apart": (lambda: box().fillet("box x+", "box x-", 1), "'box x+' and 'box x-' of the solid do not meet in an edge"),
     "no face": (lambda: box().fillet("box x+", "boxx y+", 1), "no face 'boxx y+'; is 'box y+' meant?"),
-    "large": (lambda: box().fillet("box x+", "box y+", 3), "radius 3 between 'box x+' and 'box y+' is not proved"),
+    "large": (
+        lambda: box().fillet("box x+", "box y+", 3),
+        "radius 3 between 'box x+' and 'box y+' is not proved: fillet meets box x+ with GC^1: the regions of the two "
+        "faces do not both reach the curve; one of radius 1.9",
+    ),
     "no radius": (lambda: box().fillet("box x+", "box y+", 0), "radius must be positive, not 0"),
     "tangent": (
         lambda: solid.rounded_rectangle(4, 3, "1/2").extrude(1).fillet("side 1", "side 2", "1/8"),
