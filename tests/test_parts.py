@@ -144,6 +144,8 @@ def test_every_function_that_makes_a_body_is_a_kind_of_tables():
     assert steps_of("Solid")["translate"].keys == {"offset": True}
 
 
+HOLE = 'kind = "circle"\ncenter = [1, "1/2"]\nradius = 0.25'
+
 WRONG = [
     (BRACKET, 'kind = "box"', 'kind = "boxx"', 5, "no kind of solid or profile 'boxx'; is 'box' meant"),
     (BRACKET, "upper", "uper", 7, "'uper' does not belong to the kind 'box'; is 'upper' meant"),
@@ -165,6 +167,11 @@ WRONG = [
     (SKETCH, '  { kind = "extrude", height = 1 },\n', "", 8, "'foot' is a profile that nothing uses; extrude or"),
     (SKETCH, 'region = ["z"]', 'region = "z"', 25, "solid 'dome': region must be a list, not 'z'"),
     (SKETCH, '"#112a80"', '"blue"', 26, "the colour of 'dome' must be written #rrggbb, not 'blue'"),
+    (SKETCH, 'region = ["z"]', "face = 3", 25, "solid 'dome': face must be a string, not 3"),
+    (SKETCH, 'radius = "1/2" }', "radius = 1, clockwise = 3 }", 14, "step 2: clockwise must be true or false, not 3"),
+    (SKETCH, 'kind = "close"', "", 16, "solid 'foot', step 4: there is no 'kind', which says what"),
+    (SKETCH, 'of = ["hole"]', 'of = [["hole"]]', 17, "of: there is no solid ['hole'] above"),
+    (SKETCH, HOLE, 'kind = "text"\nwords = "a"\nsize = 1\nfont = "Nofont"', 7, "no font 'Nofont' is installed"),
     (CORNER, 'kind = "six tetra', 'kind = "six tetre', 14, "there is no partition 'six tetre"),
     (CORNER, "length = 2", "tolerance = 2", 6, "tolerance is that of the whole file"),
     (CORNER, 'radius = "1/3", clip = 1 },\n]', 'radios = "1/3", clip = 1 },\n]', 10, "radios"),
