@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, is_dataclass, replace
 from typing import Protocol, TypeVar, Unpack, cast, runtime_checkable
 
+from pas.algebra.affine import Affine, AffineShape
 from pas.algebra.inputs import shown
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact
@@ -45,7 +46,7 @@ STYLES: dict[str, tuple[Callable[[], SpoutShape], Callable[[], HandleShape]]] = 
 
 
 @dataclass(frozen=True, repr=False)
-class Teapot(Shape):
+class Teapot(AffineShape["Teapot"], Shape):
     """A closed solid with all its joints, and the same in parts: the pot, hollow if its spout is, and its lid."""
 
     style: str
@@ -58,6 +59,9 @@ class Teapot(Shape):
     def certificate(self) -> Findings:
         """The verdicts on the joints of the closed solid."""
         return self.solid.certificate
+
+    def _moved(self, map_: Affine) -> Teapot:
+        return Teapot(self.style, *(solid._moved(map_) for solid in (self.solid, self.pot, self.lid)))
 
     @limited("meshing a teapot", "a coarser tolerance")
     def mesh(
