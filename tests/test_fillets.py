@@ -122,7 +122,7 @@ def test_along_circles_it_is_the_torus_of_a_ball_that_rolls(name):
 
 def test_without_an_axis_in_common_it_is_a_polynomial():
     aside = solid.box((-2, -2, -1), (2, 2, 0), face="plate") | solid.cylinder((0, 0, -1), (1, 0, 2), "3/4", face="boss")
-    beside = solid.ball((0, 0, 0), 1, face="a") | solid.cylinder(("1/10", 0, 0), ("1/10", 0, 2), "3/5", face="b")
+    beside = solid.ball((0, 0, 0), 1, face="a") | solid.cylinder(("3/10", 0, 0), ("3/10", 0, 2), "1/2", face="b")
     for whole, faces in ((aside, ("plate z+", "boss")), (tee(), ("main", "branch")), (beside, ("a", "b"))):
         seam = FaceSeam.of(whole, faces)
         assert torus(seam, fmpq(1, 4), 1) is None and bent(seam, fmpq(1, 4), 1)[0].degree in (4, 3)
