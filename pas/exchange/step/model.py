@@ -173,7 +173,7 @@ def step_part(
     found = solid.face_mesh(min(COARSER * within, RELATIVE_TOLERANCE * COARSER * size))
     measured = curved_measures(found, field).scaled(field.scale, field.world(np.zeros(3)))
     atlas = Atlas(found.mesh, field)
-    parameters = divide(atlas, within / field.scale / 4, within / size / 3)
+    parameters = divide(atlas, within / field.scale / 4, within / size / 2)
     borders = Borders(atlas, partial(_order, solid))
     near = 1e-8  # of splines to the curves in which faces meet, in local coordinates
     maker = ShapeMaker(borders, parameters, [borders.curve(border, near) for border in borders.borders])
