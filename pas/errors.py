@@ -1,9 +1,8 @@
 """What can go wrong: one small tree of exceptions that carry their data.
 
-Misuse of the API (a wrong type, a radius of zero, an unknown file suffix) raises the builtin
-`TypeError` or `ValueError`, naming the argument and what would be right.  Everything below is
-about geometry, mathematics or files and descends from `PasError`.  On the command line the
-classes under `InputError` end with exit code 2, the others with 1.
+Misuse of the API (a wrong type, a radius of zero, an unknown file suffix) raises the builtin `TypeError` or
+`ValueError`, naming the argument and what would be right.  Everything below is about geometry, mathematics or files and
+descends from `PasError`.  On the command line the classes under `InputError` end with exit code 2, the others with 1.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from pas.fairing.one_sheet import SAMPLES, crossed
+from pas.fairing.constraints import SAMPLES, crossed
 
 SHARES = np.arange(SAMPLES + 1) / SAMPLES
 

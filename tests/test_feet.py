@@ -6,6 +6,7 @@ from math import cos, radians, sin
 
 import numpy as np
 import pytest
+from conftest import read
 from test_sheet_bodies import is_sound
 
 import pas
@@ -224,7 +225,7 @@ def test_branches_that_meet_have_no_sheets():
         (lambda feet: (RUN, [feet[0], feet[0]], (-3, 7)), pas.GeometryError, "openings of feet 1 and 2 meet; move"),
         (lambda feet: (RUN, feet, (7, -3)), ValueError, "ends must be a smaller and a larger number"),
         (lambda feet: (RUN, [], (-3, 7)), TypeError, "a header is made of a pas.Pipe and feet on it"),
-        (lambda feet: (RUN, [feet[0], feet[1].hollow("1/8")], (-3, 7)), ValueError, "must be all full or all hollow"),
+        (lambda feet: (RUN, [feet[0], read("hollow_foot")], (-3, 7)), ValueError, "must be all full or all hollow"),
         (lambda feet: (RUN, [1], (-3, 7)), TypeError, "a header is made of a pas.Pipe and feet on it"),
     ],
 )

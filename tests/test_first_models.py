@@ -66,7 +66,7 @@ def test_edges_are_rounded_by_cutters_with_flush_ends(axes, tolerance):
     assert sum(name.startswith("cylinder") for name in mesh.names) >= 1
 
 
-@pytest.mark.parametrize("tolerance", [0.02, 0.05, 0.2])
+@pytest.mark.parametrize("tolerance", [0.05, 0.02, 0.2])
 @pytest.mark.sampled(3)
 def test_brackets_with_ribs_are_meshed_with_each_tolerance(tolerance):
     thickness, rib = Fraction(1, 10), Fraction(1, 5)
@@ -83,11 +83,11 @@ def test_where_a_rib_stands_on_plates_the_boundary_is_one_sheet():
 
 
 def test_a_lattice_of_struts_is_meshed():
-    places = [(i, j, axis) for i, j in product(range(3), repeat=2) for axis in range(3)]
-    ends = [[np.insert([i, j], axis, end).tolist() for end in (0, 2)] for i, j, axis in places]
+    places = [(i, j, axis) for i, j in product(range(2), repeat=2) for axis in range(3)]
+    ends = [[np.insert([i, j], axis, end).tolist() for end in (0, 1)] for i, j, axis in places]
     mesh = reduce(or_, (solid.cylinder(*pair, Fraction(1, 4)) for pair in ends)).mesh(0.05)
     assert mesh.is_closed and mesh.components == 1
-    assert mesh.euler_characteristic == 2 - 2 * (54 - 27 + 1)  # struts less nodes, and one
+    assert mesh.euler_characteristic == 2 - 2 * (12 - 8 + 1)  # struts less nodes, and one
 
 
 def test_three_meshes_are_united_in_a_row():

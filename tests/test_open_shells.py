@@ -54,7 +54,7 @@ def thicknesses(mesh, names, most=150):
     return np.array(result)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", OPEN)
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
 def test_thin_walls(name, tolerance):
@@ -73,7 +73,7 @@ def test_thin_walls(name, tolerance):
 
 
 @pytest.mark.parametrize("name", ["bowl", "pipe", "angle"])
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(3)
 def test_rays_through_a_thin_wall(name):
     shape, faces, thickness, *_ = OPEN[name]
     mesh = shape.shell(thickness, open=faces).mesh(1e-3)
@@ -84,6 +84,7 @@ def test_rays_through_a_thin_wall(name):
     assert found.min() > thickness - 2 * mesh.deviation - 1e-9
 
 
+@pytest.mark.slow
 def test_a_blend_as_a_thin_pipe():
     body = fair(UNEQUAL, 1).solid("1/2")
     ends = [f"neighbour {i} end" for i in (1, 2, 3)]

@@ -267,6 +267,11 @@ def test_members_of_the_solutions():
         (ParametricSurface("t^2 - 2*t", "h", "h*t - t", domain=((0, 3), (0, 3))), pas.Status.REFUTED, "t = 1"),
         (ParametricSurface("sin(t)", "h", "t"), pas.Status.HOLDS_MEASURED, "degrees or more"),
         (ParametricSurface("cos(t)", "h", "t - sin(t)"), pas.Status.FAILS_MEASURED, "one of the two vanishes"),
+        (  # far from 0, in a finite interval
+            ParametricSurface("cos(t - 5)", "h", "cos(t - 5)", domain=((0, 10), None)),
+            pas.Status.FAILS_MEASURED,
+            "one of the two vanishes",
+        ),
         (
             ParametricSurface("sin(t)", "h", "t/0.1 - t/(1/10)").with_domain(((0, 1), None)),
             pas.Status.HOLDS_MEASURED,

@@ -7,6 +7,7 @@ import pytest
 
 import pas
 from pas import solid
+from pas.designs.teapot import Teapot
 
 PEG = solid.cylinder((3, 0, -1), (3, 0, 2), "1/4", face="hole")
 
@@ -61,6 +62,8 @@ def test_patterns_of_other_shapes():
     assert [*parts.parts] == ["bolt", "bolt #2", "bolt #3"] and parts["bolt #3"].color == "#112a80"
     mesh = solid.box((0, 0, 0), (1, 1, 1)).mesh().pattern(2, ("1/2", 0, 0))
     assert mesh.volume == pytest.approx(1.5) and "box x+ #2" in mesh.names
+    pot = Teapot("paper", PEG, PEG, PEG).scale(2)
+    assert (pot.style, pot.lid.tree, pot.pot.tree) == ("paper", PEG.scale(2).tree, PEG.scale(2).tree)
     assert parts["bolt"].pattern(2, (1, 0, 0)).shape.faces[3] == "hole #2"
 
 

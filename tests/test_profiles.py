@@ -307,3 +307,13 @@ def test_volume_and_area_of_what_is_swept():
     assert shape.volume() == pytest.approx(16 * (12 - (4 - np.pi) / 4), rel=1e-4)
     assert shape.area() == pytest.approx(4 * (2 * (12 - (4 - np.pi) / 4) + 2 * (10 + np.pi)), rel=1e-4)
     assert solid.circle((3, 0), 1).revolve().volume() == pytest.approx(6 * np.pi**2, rel=1e-3)
+
+
+@pytest.mark.parametrize("depth", [1, 3])
+def test_notches_between_sides_in_one_line_are_cut(depth):
+    """Both sides are one plane, which the arc crosses in two lines: its chord's wall says where one of them is."""
+    top = solid.sketch().line_to(10, 0).line_to(10, 4).line_to(7, 4)
+    body = top.arc_to(3, 4, through=(5, 4 - depth)).line_to(0, 4).close().extrude(3)
+    cut = body - solid.cylinder((1, 1, -1), (1, 1, 4), "1/2")
+    assert cut.mesh(0.02).is_closed
+    assert cut.volume(0.02) == pytest.approx(body.volume(0.02) - 0.75 * np.pi, rel=2e-4)

@@ -137,6 +137,10 @@ REFUSED = {
     "curved": (lambda: drilled().rounded(["hole", "box z+"], radius=1), "no plane face 'hole' that bounds all of it"),
     "apart": (lambda: box().rounded(["box x-", "box x+"], radius=1), "no two of the faces are planes that meet"),
     "union": (lambda: (box() | box().translate(1, 1, 1)).rounded(radius=1), "no two of the faces are planes that"),
+    "twice": (
+        lambda: box().rounded(UPRIGHT, radius="1/4").rounded(radius="1/8"),
+        "the edge 'box x+ / box y+' is rounded already",
+    ),
     "text": (lambda: box().rounded("box x-", radius=1), "faces must be a sequence of names"),
     "radius": (lambda: box().rounded(radius=0), "radius must be positive, not 0"),
     "order": (lambda: box().rounded(radius=1, order=0), "order must be at least 1"),

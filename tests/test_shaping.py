@@ -256,6 +256,7 @@ def test_coefficients_of_members_are_set_exactly(tmp_path):
 
 
 @pytest.mark.parametrize("steps", [1, None])
+@pytest.mark.sampled(2)
 def test_what_one_step_does_not_reach_is_found_anew(steps):
     """A handle far from where it was; only where no member has it so is the wish refused."""
     pipes = [("y^2 + z^2 - 1", "x - 2"), ("x^2 + z^2 - 1", "y - 2")]

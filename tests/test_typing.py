@@ -61,6 +61,7 @@ MAY_BE_ANY = {
     "Kind.parts": BY_KIND,
     "Kind.patches": BY_KIND,
     "Kind.piecewise": BY_KIND,
+    "Kind.placed": BY_KIND,
     "Kind.read": BY_KIND,
     "Kind.record": BY_KIND,
     "Kind.schema": BY_KIND,

@@ -34,15 +34,15 @@ def kelvin_ball() -> Network:
 
 def foam() -> Network:
     """Edges of random cells, as of a sponge: the shortest have become points."""
-    return network.voronoi(8, "1/60", seed=4).repair(collapse=True)[0]
+    return network.voronoi(4, "1/60", seed=4).repair(collapse=True)[0]
 
 
 def tower() -> Network:
-    """A small truss tower of three storeys with legs that lean in, thicker than its braces."""
+    """A small truss tower whose legs lean in, thicker than its rings and braces."""
     points = [((3 - k) * x, (3 - k) * y, 4 * k) for k in range(3) for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
     legs = [(n, n + 4) for n in range(8)]
-    rings = [(4 * k + n, 4 * k + (n + 1) % 4) for k in range(3) for n in range(4)]
-    braces = [(4 * k + n, 4 * k + 4 + (n + 1) % 4) for k in range(2) for n in range(4)]
+    rings = [(k + n, k + (n + 1) % 4) for k in (0, 8) for n in range(4)]
+    braces = [(4 + n, 8 + (n + 1) % 4) for n in range(4)]
     radii = ["1/5"] * len(legs) + ["3/25"] * len(rings + braces)
     return Network(points, legs + rings + braces, radii, grid=1)
 

@@ -49,11 +49,8 @@ def sign_change(jets: Jets, low: Floats, high: Floats, start: Floats, still: flo
     return found
 
 
-def zeros_of_columns(profiles: Floats) -> Floats:
-    """Where polynomials that are negative at 0 change their sign before 1, (N,); 1 for those that do not.
-
-    `profiles` (n + 1, N) are their coefficients, those of the lowest power first.
-    """
+def jets_of_columns(profiles: Floats) -> Jets:
+    """The values and slopes of polynomials by their coefficients (n + 1, N), those of the lowest power first."""
 
     def jets(at: Floats, rows: NDArray[np.intp]) -> tuple[Floats, Floats]:
         values, slopes = np.zeros(len(at)), np.zeros(len(at))
@@ -62,5 +59,11 @@ def zeros_of_columns(profiles: Floats) -> Floats:
             values = values * at + row[rows]
         return values, slopes
 
-    ends = np.zeros(profiles.shape[1]), np.ones(profiles.shape[1])
-    return sign_change(jets, *ends, start=np.full(profiles.shape[1], 0.5))
+    return jets
+
+
+def zeros_of_columns(profiles: Floats) -> Floats:
+    """Where polynomials that are negative at 0, coefficients (n + 1, N), change their sign before 1, (N,); 1 for those
+    that do not."""
+    size = profiles.shape[1]
+    return sign_change(jets_of_columns(profiles), np.zeros(size), np.ones(size), np.full(size, 0.5))

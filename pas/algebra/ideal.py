@@ -22,7 +22,7 @@ from flint import Ordering, fmpq, fmpz_mpoly, fmpz_mpoly_ctx
 
 from pas.algebra.brief import whole_or_brief
 from pas.algebra.inputs import natural
-from pas.algebra.monomials import Exponents, count_standard, exponents, numerator
+from pas.algebra.monomials import count_standard, exponents, numerator
 from pas.algebra.normal_form import NormalForm, groebner, integral, leading_exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, VARIABLES, Polynomial, PolynomialLike
@@ -150,15 +150,8 @@ class Ideal:
 def _common_members(first: Ideal, second: Ideal, degree: int) -> list[Polynomial]:
     """A basis of the members of both ideals of degree <= `degree`."""
     members = first.members(degree)
-    images = second.form.images(degree)
-    rows: dict[Exponents, dict[int, fmpq]] = {}
-    for number, member in enumerate(members):
-        for e, c in member.raw.to_dict().items():
-            for target, value in images[e].items():
-                row = rows.setdefault(target, {})
-                row[number] = row.get(number, fmpq(0)) + c * value
-    system = [{u: v for u, v in row.items() if v != 0} for row in rows.values()]
-    result = []
+    columns = ((number, member.raw.to_dict().items()) for number, member in enumerate(members))
+    system, result = second.form.rows(columns, degree), []
     for solution in nullspace(system, len(members)).tolist():
         raw = sum((c * m.raw for c, m in zip(solution, members, strict=True) if c != 0), RING.constant(0))
         result.append(Polynomial.from_raw(raw))

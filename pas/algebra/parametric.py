@@ -13,7 +13,8 @@ are therefore nonzero at each of its points, so dimension and basis hold at each
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import permutations
 from math import inf
@@ -109,7 +110,8 @@ def _eliminate(rows: list[Row], solved: list[tuple[int, Row]], case: Locus) -> f
     """Eliminate in place; the factor to split on where no safe pivot is left, None at the end."""
     while rows:
         checkpoint(f"eliminating with parameters ({len(rows)} rows left)")
-        place = _constant_pivot(rows) or _safe_pivot(rows, case)
+        constant = _cheapest(rows, lambda entry: bool(entry.is_constant()))
+        place = constant or _cheapest(rows, lambda entry: not case.doubtful(entry))
         if place is None:
             return _doubtful_factor(rows, case)
         number, column = place
@@ -119,26 +121,14 @@ def _eliminate(rows: list[Row], solved: list[tuple[int, Row]], case: Locus) -> f
     return None
 
 
-def _constant_pivot(rows: Sequence[Row]) -> tuple[int, int] | None:
-    """Row and column of the constant entry that fills in least (Markowitz 1957)."""
-    return _cheapest(rows, lambda entry: entry.is_constant())
-
-
-def _safe_pivot(rows: Sequence[Row], case: Locus) -> tuple[int, int] | None:
-    """Row and column of the entry that fills in least among those that vanish nowhere on the case."""
-    return _cheapest(rows, lambda entry: not case.doubtful(entry))
-
-
-def _cheapest(rows: Sequence[Row], admits: object) -> tuple[int, int] | None:
-    uses: dict[int, int] = {}
-    for row in rows:
-        for column in row:
-            uses[column] = uses.get(column, 0) + 1
+def _cheapest(rows: Sequence[Row], admits: Callable[[fmpq_mpoly], bool]) -> tuple[int, int] | None:
+    """Row and column of the entry that fills in least among those admitted (Markowitz 1957)."""
+    uses = Counter(column for row in rows for column in row)
     best, place = inf, None
     for number, row in enumerate(rows):
         for column, entry in row.items():
             cost = (len(row) - 1) * (uses[column] - 1) + len(entry) - 1
-            if cost < best and admits(entry):  # type: ignore[operator]
+            if cost < best and admits(entry):
                 best, place = cost, (number, column)
     return place
 
@@ -147,9 +137,7 @@ def _doubtful_factor(rows: Sequence[Row], case: Locus) -> fmpq_mpoly:
     """What to split on: contents of rows first, then the factor of lowest degree that occurs most."""
     contents = [q for row in rows for q in case.doubtful(_content(row))]
     factors = contents or [q for row in rows for entry in row.values() for q in case.doubtful(entry)]
-    times: dict[str, int] = {}
-    for q in factors:
-        times[str(q)] = times.get(str(q), 0) + 1
+    times = Counter(map(str, factors))
     return min(factors, key=lambda q: (q.total_degree(), len(q), -times[str(q)], str(q)))
 
 

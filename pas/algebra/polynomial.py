@@ -7,7 +7,7 @@ exact; calling a polynomial on an array is the only numerical thing it does.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from math import gcd, lcm
@@ -174,11 +174,7 @@ class Polynomial:
 
     def to_sympy(self) -> sympy.Expr:
         """A sympy expression in the symbols x, y, z that is this polynomial."""
-        import sympy
-
-        symbols = sympy.symbols(VARIABLES)
-        terms = {e: sympy.Rational(c.numerator, c.denominator) for e, c in self.coefficients().items()}
-        return sympy.Poly(terms or {(0, 0, 0): 0}, *symbols).as_expr()
+        return as_sympy(self.raw, VARIABLES)
 
     def __add__(self, other: PolynomialLike) -> Polynomial:
         return self._combine(other, lambda a, b: a + b)
@@ -246,6 +242,14 @@ class Polynomial:
             except TypeError:
                 return NotImplemented
         return Polynomial.from_raw(operation(self.raw, other.raw))
+
+
+def as_sympy(raw: fmpq_mpoly, names: Sequence[str]) -> sympy.Expr:
+    """A polynomial of any ring as a sympy expression in symbols of given names."""
+    import sympy
+
+    terms = {e: sympy.Rational(int(c.p), int(c.q)) for e, c in raw.to_dict().items()}
+    return sympy.Poly(terms or {(0,) * len(names): 0}, *sympy.symbols(names)).as_expr()
 
 
 def primitive(raw: fmpq_mpoly) -> fmpq_mpoly:

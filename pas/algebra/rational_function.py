@@ -21,7 +21,7 @@ from pas.algebra.expressions import OPERATIONS, Names, NotRationalError, as_text
 from pas.algebra.grammar import Step
 from pas.algebra.horner import Bundle
 from pas.algebra.inputs import MAXIMAL_DEGREE, check_digits, check_power, short, shown
-from pas.algebra.polynomial import primitive
+from pas.algebra.polynomial import as_sympy, primitive
 from pas.algebra.rational import Exact, Symbolic, rational, to_fraction
 
 if TYPE_CHECKING:
@@ -140,14 +140,7 @@ class RationalFunction:
 
     def to_sympy(self) -> sympy.Expr:
         """A sympy expression in the symbols of its parameters that is this function."""
-        import sympy
-
-        symbols = sympy.symbols(self.names)
-        parts = []
-        for polynomial in (self.numerator, self.denominator):
-            terms = {e: sympy.Rational(int(c.p), int(c.q)) for e, c in polynomial.to_dict().items()}
-            parts.append(sympy.Poly(terms or {(0, 0): 0}, *symbols).as_expr())
-        return parts[0] / parts[1]
+        return as_sympy(self.numerator, self.names) / as_sympy(self.denominator, self.names)
 
     def __add__(self, other: FunctionLike) -> RationalFunction:
         return self._with(other, lambda a, b: total([a, b]))

@@ -55,10 +55,9 @@ def b_form(restricted: fmpq_mpoly, degree: int, dimension: int) -> list[fmpq]:
 def polar_row(arguments: Sequence[Vector]) -> list[fmpq]:
     """The polar forms of all monomials of degree <= n at n points, in the order of `exponents(n)`.
 
-    With the corners of a tetrahedron as arguments, each as often as a multi-index says, these are
-    the monomials' B-coefficients at that multi-index (Ramshaw 1989).  The polar form of
-    x^a y^b z^c is `a! b! c! (n-a-b-c)! / n!` times the coefficient of s^a t^b u^c in the product
-    of all `1 + s x_i + t y_i + u z_i`.
+    With the corners of a tetrahedron as arguments, each as often as a multi-index says, these are the monomials'
+    B-coefficients at that multi-index (Ramshaw 1989).  The polar form of x^a y^b z^c is `a! b! c! (n-a-b-c)! / n!`
+    times the coefficient of s^a t^b u^c in the product of all `1 + s x_i + t y_i + u z_i`.
     """
     degree = len(arguments)
     whole = RING.constant(1)
@@ -224,8 +223,7 @@ def _steps(degree: int) -> NDArray[np.intp]:
 def gram(degree: int, dimension: int) -> fmpq_mat:
     """Integrals of B_a B_b over a simplex of volume 1 (Lai and Schumaker 2007, section 2.11).
 
-    `int B_a B_b = C(a+b, a) / (C(2n, n) C(2n+d, d))`, with the product of the entries'
-    binomials in the numerator.
+    `int B_a B_b = C(a+b, a) / (C(2n, n) C(2n+d, d))`, with the product of the entries' binomials in the numerator.
     """
     indices = homogeneous_exponents(degree, dimension + 1)
     scale = comb(2 * degree, degree) * comb(2 * degree + dimension, dimension)

@@ -1,16 +1,14 @@
 """Rigorous sign proofs by Bernstein branch and bound.
 
-The claim: on some simplices, `value > 0` wherever `zero = 0` (or everywhere, without `zero`; or
-where several polynomials vanish at once).  A polynomial lies between its smallest and largest
-B-coefficient, and equals them at the vertices.  So a simplex is settled when all coefficients of
-one `zero` have one sign or those of `value` are positive, or those of `value + t zero` for some
-number t, if both are written as of one degree: they are where `zero` vanishes only, and there both are
-the same.  The claim is refuted when those of `value`, or of such a sum, are negative and `zero` changes
-sign between two vertices (then it vanishes in between); any other simplex is halved at its longest edge.
-Several polynomials may change their signs without a common zero: with them a claim is proved or left
-undecided.  Of where other polynomials are not positive, a simplex is settled when all coefficients of one of
-them or of `value` are positive, or of `value` and t >= 0 times one, and the claim is refuted where all
-are negative at a vertex.
+The claim: on some simplices, `value > 0` wherever `zero = 0` (or everywhere, without `zero`; or where several
+polynomials vanish at once).  A polynomial lies between its smallest and largest B-coefficient, and equals them at the
+vertices.  So a simplex is settled when all coefficients of one `zero` have one sign or those of `value` are positive,
+or those of `value + t zero` for some number t, if both are written as of one degree: they are where `zero` vanishes
+only, and there both are the same.  The claim is refuted when those of `value`, or of such a sum, are negative and
+`zero` changes sign between two vertices (then it vanishes in between); any other simplex is halved at its longest edge.
+Several polynomials may change their signs without a common zero: with them a claim is proved or left undecided.  Of
+where other polynomials are not positive, a simplex is settled when all coefficients of one of them or of `value` are
+positive, or of `value` and t >= 0 times one, and the claim is refuted where all are negative at a vertex.
 
 Rounding is counted as in `pas.bernstein.simplices`, and comparisons are made against the bound there.  The computed
 coefficients of `value + t zero` are within 1 + 2 |t| roundings of what they are by the computed ones of both, so these

@@ -1,9 +1,8 @@
 """All piecewise polynomials that satisfy the contact and smoothness conditions, by linear algebra.
 
-Two patches that share a face in the plane `pi = 0` meet with C^k iff `pi^(k+1)` divides their
-difference; a patch g meets a contact (f, h) with GC^k iff g lies in `<f, h^(k+1)>` (Garrity and
-Warren 1991).  Both are linear, and the unknowns are chosen so that most conditions hold by
-construction:
+Two patches that share a face in the plane `pi = 0` meet with C^k iff `pi^(k+1)` divides their difference; a patch g
+meets a contact (f, h) with GC^k iff g lies in `<f, h^(k+1)>` (Garrity and Warren 1991).  Both are linear, and the
+unknowns are chosen so that most conditions hold by construction:
 
 - the pieces are joined by a spanning tree of their adjacency, rooted at a piece with a contact;
 - the root's patch is a combination of `m - NF(m)` over the monomials m that are not standard

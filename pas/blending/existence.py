@@ -137,9 +137,8 @@ def existence(
 
     Elimination splits the parameters into cases (Sit 1992).
 
-    `contacts` are pairs (surface, clip): strings or sympy expressions in x, y, z and the
-    `parameters`, which are sympy symbols (positive, negative, nonnegative, nonzero or real) or
-    names (real).
+    `contacts` are pairs (surface, clip): strings or sympy expressions in x, y, z and the `parameters`, which are sympy
+    symbols (positive, negative, nonnegative, nonzero or real) or names (real).
 
     Raises `ValueError` for other symbols, expressions that are not polynomial or no parameters,
     `GeometryError` where leading terms depend on the parameters, `LimitError` past a deadline.

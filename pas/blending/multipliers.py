@@ -1,15 +1,13 @@
 """Multipliers of piecewise blends: the syzygy method.
 
-A patch that meets a contact (f, h) with GC^k is `gamma f + beta h^(k+1)`, and two patches that
-share a face in the plane pi = 0 meet with C^k iff `second = first + alpha pi^(k+1)` (Garrity and
-Warren 1991).  Patches follow from multipliers along a spanning tree of the cells; every other
-face and every other contact closes the system: a linear system of equations over Q[x, y, z] for
-the multipliers, whose solutions of bounded degree are a nullspace, and all of whose solutions are
-a syzygy module.
+A patch that meets a contact (f, h) with GC^k is `gamma f + beta h^(k+1)`, and two patches that share a face in the
+plane pi = 0 meet with C^k iff `second = first + alpha pi^(k+1)` (Garrity and Warren 1991).  Patches follow from
+multipliers along a spanning tree of the cells; every other face and every other contact closes the system: a linear
+system of equations over Q[x, y, z] for the multipliers, whose solutions of bounded degree are a nullspace, and all of
+whose solutions are a syzygy module.
 
-Multipliers of a patch are not unique: (gamma + q h^(k+1), beta - q f) serve too (Koszul).  Here
-gamma is the remainder modulo h^(k+1), which makes them unique and raises no degree, so that the
-solutions are as many as the surfaces.
+Multipliers of a patch are not unique: (gamma + q h^(k+1), beta - q f) serve too (Koszul).  Here gamma is the remainder
+modulo h^(k+1), which makes them unique and raises no degree, so that the solutions are as many as the surfaces.
 """
 
 from __future__ import annotations
@@ -111,9 +109,8 @@ class Consistency:
     def generators(self) -> tuple[Solution, ...]:
         """Generators of all solutions, of any degree, over Q[x, y, z], by ascending degree.
 
-        Those that come from products of degree <= d, times monomials, span all solutions that
-        have products of degree <= d; none can be left out in this sense, and none is zero on all
-        patches.
+        Those that come from products of degree <= d, times monomials, span all solutions that have products of degree
+        <= d; none can be left out in this sense, and none is zero on all patches.
         """
         equations = self._equations or ({},)
         zero = RING.constant(0)

@@ -1,11 +1,10 @@
 """All piecewise polynomials on a mesh, by their B-coefficients.
 
-The unknowns are the B-coefficients at the domain points, those on common faces shared by the
-cells around them, so that C^0 holds by construction.  Across a face with corners v1, v2, v3 the
-patches of the cells with the other corners a and b meet with C^r iff their B-coefficients satisfy
-the equations of `across`.  These have few terms and only neighbours in common, so
-sparse elimination hardly fills in: for more than a few cells this is much faster than the
-construction of `pas.blending.conditions`, which is there for few cells and large orders.
+The unknowns are the B-coefficients at the domain points, those on common faces shared by the cells around them, so that
+C^0 holds by construction.  Across a face with corners v1, v2, v3 the patches of the cells with the other corners a and
+b meet with C^r iff their B-coefficients satisfy the equations of `across`.  These have few terms and only neighbours in
+common, so sparse elimination hardly fills in: for more than a few cells this is much faster than the construction of
+`pas.blending.conditions`, which is there for few cells and large orders.
 
 The basis is not the reduced one: each member has whole B-coefficients, and is not zero at just
 one of the domain points that elimination left free (a minimal determining set).

@@ -97,10 +97,9 @@ class EndedContacts:
         that it is negative at the centre.
 
         Without a partition three perpendicular pipes or contacts that meet in one point get the six-tetrahedra corner,
-        others the layouts of `pas.layouts.nodes`, one after the other.  A layout, or the name of a kind of
-        them, gets a region around the contacts.
-        Raises `GeometryError` (with the offending pipe or contact) where they do not fit, `TypeError`
-        for anything that is no partition, `ValueError` for a name that is none.
+        others the layouts of `pas.layouts.nodes`, one after the other.  A layout, or the name of a kind of them, gets a
+        region around the contacts.  Raises `GeometryError` (with the offending pipe or contact) where they do not fit,
+        `TypeError` for anything that is no partition, `ValueError` for a name that is none.
         """
         contacts, partition = self.contacts, self.partition
         if isinstance(partition, Partition):

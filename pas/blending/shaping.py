@@ -32,7 +32,7 @@ from pas.errors import InfeasibleError
 from pas.fairing.basis import orthonormal, to_doubles
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.functionals import Handle, b_coefficient, value_at
-from pas.fairing.optimum import ExactProgramme, solve_exactly
+from pas.fairing.qp import ExactProgramme, solve_exactly
 from pas.fairing.wishes import (
     MeanAlpha,
     PointOptions,
@@ -54,9 +54,8 @@ class Optimum:
     """The exact optimum: `coefficients` in the space's basis, the `surface`, its `energy` and the
     `value` of the whole objective.
 
-    `active` maps each inequality that holds with equality, in words, to its multiplier (how fast
-    the value falls when it is relaxed).  `unique` is False where the objective has several
-    minimisers; then this is one of them.
+    `active` maps each inequality that holds with equality, in words, to its multiplier (how fast the value falls when
+    it is relaxed).  `unique` is False where the objective has several minimisers; then this is one of them.
     """
 
     surface: PiecewiseSurface
@@ -94,10 +93,9 @@ def optimum(
 ) -> Optimum:
     """The exact member of least energy, with its certificate of optimality.
 
-    `options` are those of `fit` that are linear: `inside`, `outside` (`margin` 0 by default),
-    `through`, `near`, `near_weight`, `handles`, `coefficients`, and `normalize`: the sum of coefficients
-    is 1 by default, unless a handle or a coefficient with a value other than 0 fixes the scale.  No condition of
-    a clean sheet is asked.
+    `options` are those of `fit` that are linear: `inside`, `outside` (`margin` 0 by default), `through`, `near`,
+    `near_weight`, `handles`, `coefficients`, and `normalize`: the sum of coefficients is 1 by default, unless a handle
+    or a coefficient with a value other than 0 fixes the scale.  No condition of a clean sheet is asked.
 
     Raises `InfeasibleError` for constraints that contradict, `NoSolutionError` for an empty space.
     """
@@ -148,9 +146,8 @@ def handles(space: Space) -> tuple[Handle, ...]:
 def determining_set(space: Space, prefer: Sequence[Handle] = ()) -> tuple[Handle, ...]:
     """B-coefficients that can be set freely and determine the member: `dimension` many.
 
-    Each is (cell, multi-index of the cell's corners); those in `prefer` come first, as far as
-    they are independent.  Set some of them with `optimum(handles=...)` or `fit(handles=...)`,
-    and the rest follow.
+    Each is (cell, multi-index of the cell's corners); those in `prefer` come first, as far as they are independent.
+    Set some of them with `optimum(handles=...)` or `fit(handles=...)`, and the rest follow.
     """
     candidates = tuple(dict.fromkeys((*prefer, *handles(space))))
     functionals = [b_coefficient(space.partition, handle, space.degree) for handle in candidates]

@@ -39,9 +39,8 @@ LATEX_MEMBERS = 4
 class Space(InPlace):
     """All piecewise polynomials of one degree that satisfy every contact and face condition.
 
-    `placed` are the problem's contacts in place; `source` holds the patches of the basis.  `given_basis`
-    is None for a basis that follows from the problem.  `degrees_tried` maps the degrees that
-    were looked at to the dimensions found.
+    `placed` are the problem's contacts in place; `source` holds the patches of the basis.  `given_basis` is None for a
+    basis that follows from the problem.  `degrees_tried` maps the degrees that were looked at to the dimensions found.
 
     Subspaces are of the same class as the space.
     """

@@ -1,10 +1,9 @@
 """Whether two surfaces have equal curvatures along a curve, by normal forms; and a bound on curvature, proved.
 
-The conditions of "Algebraic blending surfaces in CAGD by Groebner bases" for surfaces f = 0 and
-g = 0 along V(I), each the vanishing of normal forms modulo I: (1) g; (2) the components of
-`grad f x grad g`; (3) `H^2 V* - H*^2 V` with `H = |grad f|^2`, `V = grad f^T adj(Hess f) grad f`,
-starred for g.  Gauss curvature is V / H^2, so (3) says that the curvatures are equal.  (The
-printed proof has H^2/V* = H*^2/V; what is meant is H^2/V = H*^2/V*.)
+The conditions of "Algebraic blending surfaces in CAGD by Groebner bases" for surfaces f = 0 and g = 0 along V(I), each
+the vanishing of normal forms modulo I: (1) g; (2) the components of `grad f x grad g`; (3) `H^2 V* - H*^2 V` with `H =
+|grad f|^2`, `V = grad f^T adj(Hess f) grad f`, starred for g.  Gauss curvature is V / H^2, so (3) says that the
+curvatures are equal.  (The printed proof has H^2/V* = H*^2/V; what is meant is H^2/V = H*^2/V*.)
 
 Guaranteed: where all remainders are zero, points, tangent planes and Gauss curvatures agree at
 every point of V(I) where both surfaces are regular.  The converse needs an ideal I that is all

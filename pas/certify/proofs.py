@@ -1,18 +1,16 @@
 """The proofs of what a piecewise surface promises.
 
-Contacts and faces: exact division, remainder identically zero (Garrity and Warren 1991), and
-`alpha > 0` on each contact curve, so that the surface is regular there and on the right side (see
-`pas.certify.contact_proofs`).
+Contacts and faces: exact division, remainder identically zero (Garrity and Warren 1991), and `alpha > 0` on each
+contact curve, so that the surface is regular there and on the right side (see `pas.certify.contact_proofs`).
 
 One sheet: with the guide field u(x) = x - O from the centre O, `grad f . u > 0` wherever `f = 0`
 in each cell.  Since rays from O do not change cells, f changes sign at most once along each, and
 upwards: no second sheet, no bubble, no singular point.
 
-Enclosed: `f > 0` on the outer faces that are not in a clip plane, and `f = alpha f_i` with
-`alpha > 0` on all of the clip faces (alpha times all f_i of the contacts that share a face), so the
-surface leaves the region through its contact curves alone.  Together the two say that the surface is
-a graph over the sphere of directions less one disc a contact: for c contacts its Euler
-characteristic is 2 - c.
+Enclosed: `f > 0` on the outer faces that are not in a clip plane, and `f = alpha f_i` with `alpha > 0` on all of the
+clip faces (alpha times all f_i of the contacts that share a face), so the surface leaves the region through its contact
+curves alone.  Together the two say that the surface is a graph over the sphere of directions less one disc a contact:
+for c contacts its Euler characteristic is 2 - c.
 
 A region may be open towards one contact whose clip is a cone around the centre, as to the edge of a plate (see
 `pas.certify.openings`): then the surface is in use inside that cone.  It is one disc more that the graph lacks.  The

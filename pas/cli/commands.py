@@ -272,21 +272,22 @@ def run_teapot(options: argparse.Namespace) -> CommandResult:
     from pas.designs.teapot import teapot
     from pas.exchange.files import together
 
-    settings = replace(MeshSettings(0.001), **given(settings_of(MeshSettings, options)))
     folder = output_folder(options.output)
     clock = Clock()
-    pot = teapot(
+    built = teapot(
         options.style,
         lid_height=options.lid_height,
         spout_tilt=options.spout_tilt,
         handle_size=options.handle_size,
     )
+    pot, unit = _sized(built, options, options.unit)
+    usual = MeshSettings(0.001 if pot is built else None)
     clock.passed("build and prove")
-    mesh = pot.meshed(settings)
+    mesh = pot.meshed(replace(usual, **given(settings_of(MeshSettings, options))))
     clock.passed("mesh", f" ({len(mesh.triangles)} triangles)")
     text = str(pot)
     with together(folder) as place:
-        written = [mesh.write(place / "teapot.stl"), pot.assembly.save(place / "teapot.pas.json")]
+        written = [mesh.write(place / "teapot.stl", unit=unit), pot.assembly.save(place / "teapot.pas.json")]
         _draw(pot, str(place / "teapot.png"), {"mesh": mesh, "four_views": True}, written, clock)
     files = [str(folder / path.name) for path in written]
     record = {"written": files, "seconds": clock.seconds, **size_record(mesh), "proved": pot.certificate.proved}

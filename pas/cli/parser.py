@@ -176,11 +176,7 @@ COMMANDS = (
         (
             value("problem", "PART.toml", "the part file"),
             value(
-                "-o --output",
-                "OUT",
-                "a file to write, by its suffix: .step, .3mf, .stl, .png, .pas.json, .csv, ...; "
-                "more than one may be given",
-                action="append",
+                "-o --output", "OUT", "a file, by its suffix such as .step or .png; may be repeated", action="append"
             ),
             value("--unit", "UNIT", "of the part's lengths, such as mm or inch, instead of the file's"),
             settings(Sizing),
@@ -257,7 +253,9 @@ COMMANDS = (
             value("--lid-height", "Z", "height of the knob's top", default="7/5"),
             value("--spout-tilt", "T", "how far the spout leans outwards", default="0"),
             value("--handle-size", "S", "factor of the handle's size", default="1"),
-            settings(MeshSettings, "0.001"),
+            value("--unit", "UNIT", "of its lengths, such as mm or inch"),
+            settings(Sizing),
+            settings(MeshSettings, "0.001, or that of its size where it is scaled"),
         ),
         "Prints the part list with the verdict on each joint; writes teapot.stl, teapot.pas.json and teapot.png.",
     ),

@@ -76,8 +76,7 @@ def _image(value: Any, map_: Affine) -> Any:
 class Contact(Movable):
     """A surface and its clip, each anything that `Polynomial` takes.
 
-    Raises `ValueError` where one of them is constant or they have a common factor (a clip that
-    contains its surface).
+    Raises `ValueError` where one of them is constant or they have a common factor (a clip that contains its surface).
 
     Where they meet in several closed curves, `near` (three numbers) is a point next to the one that is meant, the
     contact's `rim`.  It says nothing about the polynomials, and contacts are equal without it.

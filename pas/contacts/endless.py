@@ -111,11 +111,10 @@ class Circular(Endless):
 class Pipe(Circular):
     """An infinite circular cylinder, cut off by a plane normal to its axis.
 
-    `axis` is its direction (any nonzero rational vector, of any length), `radius` its radius,
-    `point` a point on its axis.  The clip plane passes through `point + clip * axis`; the blend's
-    side of it is the one with `point` (the side in the direction of -axis where `clip` is 0).
-    With the clip "auto" `pas.blend` ends it where there is room among the other contacts.  All
-    numbers are exact (see `pas.Polynomial`).  Its polynomials are rational, since nothing is
+    `axis` is its direction (any nonzero rational vector, of any length), `radius` its radius, `point` a point on its
+    axis.  The clip plane passes through `point + clip * axis`; the blend's side of it is the one with `point` (the side
+    in the direction of -axis where `clip` is 0).  With the clip "auto" `pas.blend` ends it where there is room among
+    the other contacts.  All numbers are exact (see `pas.Polynomial`).  Its polynomials are rational, since nothing is
     normalised by a square root: `|w|^2 - (w . axis)^2 / |axis|^2 - radius^2` with `w = x - point`.
 
     Raises `ValueError` for a zero axis or a radius that is not positive.

@@ -1,9 +1,8 @@
 """Where contacts sit on a partition: the clip faces and the curves in them.
 
-A `Join` is one contact together with its clip faces, the outer faces on which the clip vanishes
-identically, and the pieces behind them, which carry the contact.  A clip vanishes on a face iff
-the face's plane divides it; what is left of the clip, its cofactor, says on which side the clip
-is negative and where else it may cut the surface.
+A `Join` is one contact together with its clip faces, the outer faces on which the clip vanishes identically, and the
+pieces behind them, which carry the contact.  A clip vanishes on a face iff the face's plane divides it; what is left of
+the clip, its cofactor, says on which side the clip is negative and where else it may cut the surface.
 """
 
 from __future__ import annotations

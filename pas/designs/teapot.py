@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, is_dataclass, replace
 from typing import Protocol, TypeVar, Unpack, cast, runtime_checkable
 
+from pas.algebra.affine import Affine, AffineShape
 from pas.algebra.inputs import shown
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact
@@ -45,7 +46,7 @@ STYLES: dict[str, tuple[Callable[[], SpoutShape], Callable[[], HandleShape]]] = 
 
 
 @dataclass(frozen=True, repr=False)
-class Teapot(Shape):
+class Teapot(AffineShape["Teapot"], Shape):
     """A closed solid with all its joints, and the same in parts: the pot, hollow if its spout is, and its lid."""
 
     style: str
@@ -58,6 +59,9 @@ class Teapot(Shape):
     def certificate(self) -> Findings:
         """The verdicts on the joints of the closed solid."""
         return self.solid.certificate
+
+    def _moved(self, map_: Affine) -> Teapot:
+        return Teapot(self.style, *(solid._moved(map_) for solid in (self.solid, self.pot, self.lid)))
 
     @limited("meshing a teapot", "a coarser tolerance")
     def mesh(
@@ -104,9 +108,8 @@ def teapot(
     """A teapot of a style, "paper" or "better", about 5 units long, of which each part can be given another design.
 
     `body`, `spout`, `handle` and `lid` are objects of the classes of `pas.designs`; `lid_height` is the height of the
-    knob's top (the model's units), `spout_tilt` how far the spout leans outwards for each unit of height,
-    `handle_size` scales the handle (the same as `Lid(height=...)`, `Spout(tilt=...)`, `Handle(size=...)`).
-    All joints are proved.
+    knob's top (the model's units), `spout_tilt` how far the spout leans outwards for each unit of height, `handle_size`
+    scales the handle (the same as `Lid(height=...)`, `Spout(tilt=...)`, `Handle(size=...)`).  All joints are proved.
 
     Raises `GeometryError` naming the joint that cannot be made or is not there, `ValueError` for an unknown style,
     `TypeError` for a part that is no design.

@@ -1,10 +1,9 @@
 """The container of project files: JSON with a format, a version and a checksum.
 
-`{"format": "pas-project", "version": 1, "written_by": ..., "sha256": ..., "content": {...}}`; the
-checksum is that of the content in canonical form, so that a file changed by hand or damaged is
-noticed before anything is made of it.  It is no proof of who wrote the file: verdicts in it are not
-believed.  The content has a `kind` ("blend", "solid", "assembly", "parametric surface",
-"parametric blend", "generatrix blend"); without one it is a blend.
+`{"format": "pas-project", "version": 1, "written_by": ..., "sha256": ..., "content": {...}}`; the checksum is that of
+the content in canonical form, so that a file changed by hand or damaged is noticed before anything is made of it.  It
+is no proof of who wrote the file: verdicts in it are not believed.  The content has a `kind` ("blend", "solid",
+"assembly", "parametric surface", "parametric blend", "generatrix blend"); without one it is a blend.
 
 Read is strict JSON: no key twice, no NaN, no infinity, nothing nested deeper than `inputs.DEEPEST`.
 """

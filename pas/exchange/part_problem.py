@@ -49,10 +49,11 @@ Tables that no other uses are the parts: one is a solid, several are an assembly
 from __future__ import annotations
 
 import operator
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial, reduce
-from inspect import BoundArguments, Parameter, getmembers, isfunction, signature
+from inspect import BoundArguments, Parameter, Signature, getmembers, isfunction, signature
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +62,7 @@ from pas.algebra.inputs import shown
 from pas.errors import meant
 from pas.exchange.formats import unit_named
 from pas.exchange.problem import COMMON, COMMON_TABLES, PROBLEMS, Problem, ProblemKind, common
-from pas.exchange.tables import TableReader
+from pas.exchange.tables import WORDS, TableReader, as_written
 from pas.limits import WorkLimits
 from pas.registry import Registry, check_keys
 from pas.settings import MeshSettings
@@ -94,16 +95,23 @@ class Maker:
         return {p.name: p.default is p.empty and p.kind is not p.VAR_POSITIONAL for p in found if p.name not in left}
 
     def __call__(self, taken: Any, record: Mapping[str, Any]) -> Any:
-        """What it gives, of what it takes where it is a method; raises `TypeError` for a text in place of a list."""
+        """What it gives, of what it takes where it is a method; raises `TypeError` for no list, text or flag."""
         form = signature(self.function)
-        for name, value in record.items():
-            hint = str(form.parameters[name].annotation)
-            listed = form.parameters[name].kind is Parameter.VAR_POSITIONAL or hint.startswith("Sequence")
-            if listed and not isinstance(value, list):
-                raise TypeError(f"{name} must be a list, not {shown(value)}")
+        values = {name: as_written(value) if _hinted(form, name, "int") else value for name, value in record.items()}
+        for name, value in values.items():
+            for hint, made in (("Sequence", list), ("str", str), ("bool", bool)):
+                if _hinted(form, name, hint) and not isinstance(value, made):
+                    raise TypeError(f"{name} must be {WORDS[made]}, not {shown(value)}")
         first = {next(iter(form.parameters)): taken} if self.method else {}
-        call = BoundArguments(form, {**first, **record})
+        call = BoundArguments(form, {**first, **values})
         return self.function(*call.args, **call.kwargs)
+
+
+def _hinted(form: Signature, name: str, hint: str) -> bool:
+    """Whether the annotation of a parameter begins with a word; what takes several arguments is a sequence."""
+    parameter = form.parameters[name]
+    several = parameter.kind is Parameter.VAR_POSITIONAL
+    return hint == "Sequence" if several else re.match(rf"{hint}\b", str(parameter.annotation)) is not None
 
 
 def _reduced(take: Callable[[Any, Any], Any], of: Sequence[Any]) -> Any:
@@ -213,7 +221,7 @@ def _table(reader: TableReader, table: dict[str, Any], index: int, known: Mappin
         color = None if "color" not in table else check_color(table["color"], name)
     except ValueError as error:
         raise reader.error(str(error), "solid", index, "color") from None
-    maker = MAKERS[table.get("kind")]
+    maker = _kind(MAKERS, table)
     if maker.name == "blend":
         own, maker = {}, Maker("blend", _blend(inner, own), "Solid")
     calls, gives = [Call(maker, own, reader, ("solid", index, title))], maker.gives
@@ -228,8 +236,14 @@ def _table(reader: TableReader, table: dict[str, Any], index: int, known: Mappin
     return NamedTable(name, color, tuple(calls), gives, uses)
 
 
+def _kind(kinds: Registry[Maker], table: Mapping[str, Any]) -> Maker:
+    if "kind" not in table:
+        raise ValueError(f"there is no 'kind', which says what is made or done; there are {', '.join(kinds)}")
+    return kinds[table["kind"]]
+
+
 def _step(step: dict[str, Any], known: Mapping[str, NamedTable], gives: str) -> tuple[Maker, dict[str, Any]]:
-    maker = steps_of(gives)[step.get("kind")]
+    maker = _kind(steps_of(gives), step)
     rest = {key: value for key, value in step.items() if key != "kind"}
     _check(maker, f"step {maker.name!r}", rest, known, gives)
     return maker, rest
@@ -245,7 +259,7 @@ def _check(
     if not isinstance(record["of"], list) or not record["of"]:
         raise ValueError(f"of must be a list of names of tables above, not {shown(record['of'])}")
     for name in record["of"]:
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             near = meant(name, known) if isinstance(name, str) else ""
             raise ValueError(f"of: there is no solid {shown(name)} above{near}")
         gives = gives or known[name].gives

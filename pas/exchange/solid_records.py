@@ -1,10 +1,9 @@
 """Solids in project files (`.pas.json`): the exact trees, functions and joints.
 
-Guaranteed: what is read back is what was written, term by term: trees with their order and walls,
-polynomials with their rational coefficients, joints, special points.  Verdicts are not kept: they are proved
-anew when asked for.  Functions that are no polynomials are kept where their class says how, by `to_record()` and a
-class method `from_record(record)`: classes of `pas.solid` are found by their names, others once they are named to
-`storable`.
+Guaranteed: what is read back is what was written, term by term: trees with their order and walls, polynomials with
+their rational coefficients, joints, special points.  Verdicts are not kept: they are proved anew when asked for.
+Functions that are no polynomials are kept where their class says how, by `to_record()` and a class method
+`from_record(record)`: classes of `pas.solid` are found by their names, others once they are named to `storable`.
 """
 
 from __future__ import annotations

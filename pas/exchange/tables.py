@@ -80,7 +80,7 @@ class TableReader:
         value = data[key]
         number = isinstance(value, int | float | Fraction) and not isinstance(value, bool)
         if not (number if kind is float else isinstance(value, kind) and (kind is bool) == isinstance(value, bool)):
-            raise self.error(f"{key} must be {WORDS[kind]}, not {shown(_as_written(value))}", section, key=key)
+            raise self.error(f"{key} must be {WORDS[kind]}, not {shown(as_written(value))}", section, key=key)
         return value
 
     def checked(self, data: dict[str, Any], key: str, door: Callable[[Any], Any], default: Any = None) -> Any:
@@ -88,7 +88,7 @@ class TableReader:
         if key not in data:
             return default
         try:
-            return door(_as_written(data[key]))
+            return door(as_written(data[key]))
         except (LimitError, ProblemFileError):
             raise
         except (ValueError, TypeError, PasError) as error:
@@ -101,7 +101,7 @@ class TableReader:
             return make(table)
         except (LimitError, ProblemFileError):
             raise
-        except (ValueError, TypeError, PasError) as error:
+        except (ValueError, TypeError, PasError, FileNotFoundError) as error:
             places = {key: found.start() for key in table if (found := re.search(rf"\b{key}\b", str(error)))}
             key = min(places, key=places.__getitem__) if places else None
             raise self.error(f"{title}{error}", section, index, key) from None
@@ -179,6 +179,6 @@ def _bad_number(file: Path, text: str, error: ValueError) -> ProblemFileError:
     return ProblemFileError(f"{file.name}, line {number}: {reason}", number)
 
 
-def _as_written(value: Any) -> Any:
+def as_written(value: Any) -> Any:
     """A decimal as a double, in which tolerances and sentences have it."""
     return to_float(rational(value)) if isinstance(value, Fraction) else value

@@ -141,9 +141,8 @@ def volume_mesh(
     `tolerance` is that of `Solid.mesh`, and again how far the boundary may be from that mesh; the default
     is the solid's own, and a thousandth of the diagonal.
 
-    Raises `ValueError` for numbers that cannot be, `GeometryError` for a mesh that is open, not finite or
-    inside out and for a result that fails a check, `MissingLibraryError` without pytetwild, and what
-    `Solid.mesh` raises.
+    Raises `ValueError` for numbers that cannot be, `GeometryError` for a mesh that is open, not finite or inside out
+    and for a result that fails a check, `MissingLibraryError` without pytetwild, and what `Solid.mesh` raises.
     """
     for name, value in (("edge_length", edge_length), ("tolerance", tolerance)):
         if value is not None and not 0 < value < np.inf:

@@ -13,9 +13,8 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.products import Products
 from pas.fairing.basis import WorkingBasis
-from pas.fairing.constraints import Inequalities, Margins, SampledConstraints
+from pas.fairing.constraints import Inequalities, Margins, RayLattice, SampledConstraints
 from pas.fairing.energy import Energy
-from pas.fairing.one_sheet import RayLattice
 from pas.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
 

@@ -17,9 +17,8 @@ from pas.fairing.basis import to_doubles
 from pas.fairing.constraints import Inequalities
 from pas.fairing.energy import as_energy
 from pas.fairing.functionals import Functional, b_coefficient, value_at
-from pas.fairing.optimum import leads
 from pas.fairing.prepared import PreparedSpace
-from pas.fairing.qp import Outcome, Programme, feasible, solve
+from pas.fairing.qp import Outcome, Programme, feasible, leads, solve
 from pas.fairing.wishes import (
     DEFAULT_MARGIN,
     MeanAlpha,

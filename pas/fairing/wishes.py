@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, TypedDict, Unpack
 
@@ -177,8 +177,10 @@ class Wishes:
         """Bring what the user wrote into its exact form, checked."""
         settled: dict[str, Any] = {kind: exact_points(getattr(self, kind), kind) for kind in POINTS}
         settled["near_weight"] = _weights(self.near_weight, len(settled["near"]))
-        settled["handles"] = _handles(self.handles)
-        settled["coefficients"] = _coefficients(self.coefficients)
+        what = "(cell, multi-index of four numbers) to values, as in {(0, (3, 0, 0, 0)): 1}"
+        settled["handles"] = _pairs(self.handles, _handle, "handles", what)
+        what = "numbers of members, from 0, to values, as in {0: '1/2', 3: 2}"
+        settled["coefficients"] = _pairs(self.coefficients, _member, "coefficients", what)
         settled["margin"] = None if self.margin is None else amount(self.margin, "margin")
         settled["normalize"] = MeanAlpha() if self.normalize is None else self.normalize
         settled["energy"] = None if self.energy is None else as_energy(self.energy)
@@ -314,35 +316,26 @@ def _members(value: Any) -> tuple[Any, ...]:
     return members
 
 
-def _handles(value: Any) -> tuple[tuple[Handle, fmpq], ...]:
-    items = value.items() if isinstance(value, Mapping) else value
-    result = []
-    for item in items if isinstance(items, Iterable) else (items,):
-        try:
-            (cell, (i, j, k, m)), number = item
-            handle = (int(cell), (int(i), int(j), int(k), int(m)))
-        except (TypeError, ValueError):
-            raise ValueError(
-                f"handles must map (cell, multi-index of four numbers) to values, as in {{(0, (3, 0, 0, 0)): 1}}, "
-                f"not {item!r}"
-            ) from None
-        result.append((handle, rational(number, f"handles[{handle}]")))
-    return tuple(result)
-
-
-def _coefficients(value: Any) -> tuple[tuple[int, fmpq], ...]:
-    items = value.items() if isinstance(value, Mapping) else value
-    result = []
+def _pairs(value: Any, read: Callable[[Any], Any], name: str, what: str) -> tuple[tuple[Any, fmpq], ...]:
+    """Pairs of a key and a number from a table or pairs, the key as `read` makes it; `what` says what is right."""
+    items, result = value.items() if isinstance(value, Mapping) else value, []
     for item in items if isinstance(items, Iterable) else (items,):
         try:
             key, number = item
-            member = int(key) if isinstance(key, str) else operator.index(key)  # in files, keys are texts
+            known = read(key)
         except (TypeError, ValueError):
-            member = -1
-        if member < 0:
-            raise ValueError(
-                "coefficients must map numbers of members, from 0, to values, as in {0: '1/2', 3: 2}, "
-                f"not {shown(item)}"
-            )
-        result.append((member, rational(number, f"coefficients[{member}]")))
+            raise ValueError(f"{name} must map {what}, not {shown(item)}") from None
+        result.append((known, rational(number, f"{name}[{known}]")))
     return tuple(result)
+
+
+def _handle(key: Any) -> Handle:
+    cell, (i, j, k, m) = key
+    return int(cell), (int(i), int(j), int(k), int(m))
+
+
+def _member(key: Any) -> int:
+    number = int(key) if isinstance(key, str) else operator.index(key)  # in files, keys are texts
+    if number < 0:
+        raise ValueError("a negative number")
+    return int(number)

@@ -47,9 +47,8 @@ def save(shape: Shape, path: str | Path, certificate: Verdicts | None = None, **
 def load(path: str | Path, *, edited: bool = False, **limits: Unpack[WorkLimits]) -> Shape:
     """Read a project file back: a shape of whatever kind it holds, exactly as it was written.
 
-    No verdict of a file is believed: all are proved, in this process, when they are first asked for.  A
-    blend has those of its file as `stored`.  With `edited`, a file whose checksum does not match is read
-    all the same.
+    No verdict of a file is believed: all are proved, in this process, when they are first asked for.  A blend has those
+    of its file as `stored`.  With `edited`, a file whose checksum does not match is read all the same.
 
     Raises `ProjectFileError` (see `pas.exchange.container.read`) or `FileNotFoundError`.
     """

@@ -33,9 +33,8 @@ FILLET = 0.6
 """Radius of the arc that must fit between two contacts, over that of the wider one."""
 
 EVEN = 2 / 3
-"""Share of the farthest clip's distance, of those that are placed, that the nearest has: of a node of five
-pipes of order 2 the surface was not fair with 0.55, none that is was found in 100 seconds with 0.6, and in 9 with
-this."""
+"""Share of the farthest clip's distance, of those that are placed, that the nearest has: of a node of five pipes of
+order 2 the surface was not fair with 0.55, none that is was found in 100 seconds with 0.6, and in 9 with this."""
 
 CLOSEST = radians(10)
 """Directions closer than this are refused: their clips would be very far out."""

@@ -1,11 +1,10 @@
 """From a set with faces to a closed triangle mesh within a tolerance, each triangle on its face.
 
-Guarantees, each checked on the result: the mesh is closed and a manifold, vertices lie on their
-faces, curves and corners, no triangle is turned away from its face, and the measured deviation is
-below the tolerance.  The lattice is fine where the boundary is not proved to be one sheet, and is made
-finer there until the next one has the same number of pieces and holes and the same faces, and all
-curves and corners come out where they are.  Not guaranteed: that details are seen that are so small
-that neither lattice has a node in them.
+Guarantees, each checked on the result: the mesh is closed and a manifold, vertices lie on their faces, curves and
+corners, no triangle is turned away from its face, and the measured deviation is below the tolerance.  The lattice is
+fine where the boundary is not proved to be one sheet, and is made finer there until the next one has the same number of
+pieces and holes and the same faces, and all curves and corners come out where they are.  Not guaranteed: that details
+are seen that are so small that neither lattice has a node in them.
 """
 
 from __future__ import annotations

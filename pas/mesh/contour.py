@@ -95,9 +95,8 @@ def oriented(
 ) -> Integers:
     """The triangles turned so that their normals point to the positive side.
 
-    Before snapping, a triangle of the interpolant is normal to its gradient, which points from the
-    negative to the positive ends of the edges through its corners; moving a corner along its edge
-    does not change the side.
+    Before snapping, a triangle of the interpolant is normal to its gradient, which points from the negative to the
+    positive ends of the edges through its corners; moving a corner along its edge does not change the side.
     """
     a, b = edges[triangles].transpose(2, 1, 0)
     ways = (nodes[b] - nodes[a]) * np.where(negative[a], 1.0, -1.0)[:, :, None]

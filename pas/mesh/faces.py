@@ -1,11 +1,10 @@
 """Marching tetrahedra for sets with faces: each triangle knows its face, curves are kept.
 
-Each lattice edge whose ends are on different sides is crossed by the boundary; the function that
-changes the side there names the face.  Triangles whose corners lie on different faces are cut
-where the faces meet, so that the curves between faces become edges and their corners vertices,
-placed exactly by Newton's method (after Kobbelt, Botsch, Schwanecke and Seidel 2001, but with the
-functions at hand instead of estimated tangent planes).  The mesh is closed and a manifold because
-it is made by labels alone, whatever the geometry.
+Each lattice edge whose ends are on different sides is crossed by the boundary; the function that changes the side there
+names the face.  Triangles whose corners lie on different faces are cut where the faces meet, so that the curves between
+faces become edges and their corners vertices, placed exactly by Newton's method (after Kobbelt, Botsch, Schwanecke and
+Seidel 2001, but with the functions at hand instead of estimated tangent planes).  The mesh is closed and a manifold
+because it is made by labels alone, whatever the geometry.
 """
 
 from __future__ import annotations

@@ -24,6 +24,7 @@ from fractions import Fraction
 from functools import cached_property, reduce
 from itertools import combinations
 from math import factorial, prod
+from operator import mul
 from typing import Any
 
 import numpy as np
@@ -268,17 +269,13 @@ def _along_t(rows: Sequence[Any] | Floats, t: Any) -> Any:
 def _functions_of_h(h: Any, nodes: Sequence[float], order: int) -> Any:
     """w_i(h) (h - s_i)^j, i outer, j inner: one array, these along its first axis, or a list for a jet."""
     steps = [h - node for node in nodes]
-    ahead, behind = [steps[0]], [steps[-1]]
-    for step, back in zip(steps[1:-1], steps[-2:0:-1], strict=True):
-        ahead.append(ahead[-1] * step)
-        behind.append(behind[-1] * back)
     result: Any = [None] * (len(nodes) * (order + 1))
     if not isinstance(h, Jet):
         result = np.empty((len(result), *h.shape))
     for i, (node, step) in enumerate(zip(nodes, steps, strict=True)):
-        others = behind[-1] if i == 0 else ahead[-1] if i == len(nodes) - 1 else ahead[i - 1] * behind[-1 - i]
-        first = i * (order + 1)
-        result[first] = power(others * (1.0 / prod(node - other for j, other in enumerate(nodes) if j != i)), order + 1)
+        others = [(s, node - other) for j, (s, other) in enumerate(zip(steps, nodes, strict=True)) if j != i]
+        first, scale = i * (order + 1), 1.0 / prod(width for _, width in others)
+        result[first] = power(reduce(mul, (s for s, _ in others)) * scale, order + 1)
         for place in range(first + 1, first + order + 1):
             result[place] = result[place - 1] * step
     return result

@@ -35,7 +35,7 @@ from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.parametric.maps import DomainLike
-from pas.parametric.nets import ExactNet, bernstein_at, bernstein_polynomials, exact_net, exact_rectangle
+from pas.parametric.nets import ExactNet, bernstein_polynomials, exact_net, exact_rectangle
 from pas.parametric.series import Components
 from pas.parametric.surface import ParametricSurface
 from pas.shape import Shape
@@ -146,10 +146,6 @@ class RationalPatch(Shape):
         """Partial derivatives of weight times point, and of the weight (..., 4), at u, v that broadcast."""
         u, v = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(v, dtype=float))
         table = np.concatenate([self.points * self.weights[..., None], self.weights[..., None]], axis=-1)
-        if self.is_bezier and not any(orders):
-            shares = ((x - k[0]) / (k[-1] - k[0]) for x, k in zip((u, v), self.knots, strict=True))
-            first, second = (bernstein_at(d, share) for d, share in zip(self.degrees, shares, strict=True))
-            return np.asarray(np.einsum("...i,...ix->...x", first, np.einsum("...j,ijx->...ix", second, table)))
         if any(order > degree for order, degree in zip(orders, self.degrees, strict=False)):
             return np.zeros((*u.shape, 4))
         from scipy.interpolate import NdBSpline

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import isqrt
 
 from flint import fmpq, fmpq_mpoly, fmpq_poly
 
@@ -81,9 +80,3 @@ def zeros_in_unit_interval(polynomial: fmpq_poly) -> list[float]:
         return []
     ends = [float(e) for e in (0, 1) if polynomial(e) == 0]
     return sorted([*ends, *roots_between(polynomial, fmpq(0), fmpq(1))])
-
-
-def square_root(value: fmpq) -> fmpq | None:
-    """The root of a rational number >= 0 where that is rational, else None."""
-    root = fmpq(isqrt(int(value.p)), isqrt(int(value.q)))
-    return root if root * root == value else None

@@ -1,9 +1,8 @@
 """Partitions of a region into tetrahedra, exact.
 
-With a centre, every interior face lies in a plane through it and every cell touches it, so a ray
-from the centre stays in one cell until it leaves the region.  That is what lets a surface be
-proved to be met once by each ray (see `pas.certify.proofs`).  A mesh without a centre serves
-for everything but that proof.
+With a centre, every interior face lies in a plane through it and every cell touches it, so a ray from the centre stays
+in one cell until it leaves the region.  That is what lets a surface be proved to be met once by each ray (see
+`pas.certify.proofs`).  A mesh without a centre serves for everything but that proof.
 
 Regions are partitions that the program laid out around contacts, closed and open ones.
 """
@@ -131,8 +130,7 @@ class Partition(CellComplex, Serialisable):
     def place(self, point: Vector, name: str = "the point") -> tuple[int, Vector]:
         """The piece that holds a point, and the point's local coordinates.
 
-        Raises `ValueError`, with the point's `name`, outside the region (all of space where there
-        are no cells).
+        Raises `ValueError`, with the point's `name`, outside the region (all of space where there are no cells).
         """
         local = self.frame.local_point(point)
         if not self.cells:

@@ -1,10 +1,9 @@
 """The six-tetrahedra corner: the classical partition for three perpendicular pipes.
 
-With legs l1, l2, l3 from the centre to the three clip planes, Z1 = l1 + l2 + l3, Z2 = -Z1 and
-the hexagon V1 = l1 - l3, V2 = l2 - l3, V3 = l2 - l1, V4 = l3 - l1, V5 = l3 - l2, V6 = l1 - l2,
-the cells are T_i = Z1 Z2 V_{i-1} V_i.  T1, T3, T5 have a face in the clip planes of the first,
-second and third leg; T2, T4, T6 are transitions.  The three planes through the axis Z1 Z2
-carry two interior faces each.
+With legs l1, l2, l3 from the centre to the three clip planes, Z1 = l1 + l2 + l3, Z2 = -Z1 and the hexagon V1 = l1 - l3,
+V2 = l2 - l3, V3 = l2 - l1, V4 = l3 - l1, V5 = l3 - l2, V6 = l1 - l2, the cells are T_i = Z1 Z2 V_{i-1} V_i.  T1, T3, T5
+have a face in the clip planes of the first, second and third leg; T2, T4, T6 are transitions.  The three planes through
+the axis Z1 Z2 carry two interior faces each.
 """
 
 from __future__ import annotations

@@ -39,13 +39,12 @@ def blend(
     """Find, choose and prove the blend of two contacts or more.
 
     `contacts` are pipes or other primitives, contacts or pairs (surface, clip), `order` the k of GC^k.  Those with the
-    clip "auto" are ended as near as a fair blend leaves room for (see `pas.struts`).  Without a
-    `partition`, layouts of pieces around the node are tried in turn; it may be a `pas.Partition`, a `pas.Layout`, or
-    the name of a kind of layouts: "fan", "strips", "planes" or "six tetrahedra".  Without a
-    `degree` it is raised until the proofs pass, and by default further while the surface is not fair (see
-    `pas.FairnessLimits`): the fairest is returned.  With degree="lowest" the first that is proved is.  The search ends,
-    and says where, when a few degrees with regular surfaces have failed, at twice the order at the earliest and at
-    degree 12 at the latest.
+    clip "auto" are ended as near as a fair blend leaves room for (see `pas.struts`).  Without a `partition`, layouts of
+    pieces around the node are tried in turn; it may be a `pas.Partition`, a `pas.Layout`, or the name of a kind of
+    layouts: "fan", "strips", "planes" or "six tetrahedra".  Without a `degree` it is raised until the proofs pass, and
+    by default further while the surface is not fair (see `pas.FairnessLimits`): the fairest is returned.  With
+    degree="lowest" the first that is proved is.  The search ends, and says where, when a few degrees with regular
+    surfaces have failed, at twice the order at the earliest and at degree 12 at the latest.
 
     In a session (see `pas.Session`) contacts that were blended before, up to a similarity, get the same blend moved.
 
@@ -61,14 +60,12 @@ def blend(
     (`pas.MeanAlpha()` by default).  `basis` (members, each one polynomial a cell) restricts a given `degree` to the
     span of these members.
 
-    With `prove` (the default) the surface returned is proved in every verdict.  Without, it is
-    the optimum under sampled conditions, or with `guard=False` under the points alone, and its
-    certificate is worked out when asked for.  `on_stage` is told the name and the seconds of each stage
-    at its end.
+    With `prove` (the default) the surface returned is proved in every verdict.  Without, it is the optimum under
+    sampled conditions, or with `guard=False` under the points alone, and its certificate is worked out when asked for.
+    `on_stage` is told the name and the seconds of each stage at its end.
 
-    Raises `GeometryError` (contacts that do not fit), `NoSolutionError` (no usable surface),
-    `InfeasibleError` (constraints that contradict), `NotProvedError`; `ValueError` and
-    `TypeError` for wrong arguments.
+    Raises `GeometryError` (contacts that do not fit), `NoSolutionError` (no usable surface), `InfeasibleError`
+    (constraints that contradict), `NotProvedError`; `ValueError` and `TypeError` for wrong arguments.
     """
     wished = as_wishes(wishes).changed(**options)
     return find(Blend, contacts, order, degree, partition, wished, Stages(on_stage))
@@ -158,15 +155,13 @@ def solutions(
 ) -> SolutionSpace:
     """All surfaces that meet the contacts with GC^`order`, exact.
 
-    `contacts` are pipes, contacts or pairs (surface, clip); clips that are "auto" are placed as by
-    `pas.blend`.  The `partition` is a
-    `pas.SingleCell(...)` for single polynomials, or several cells; without one, three
-    perpendicular contacts get the six-tetrahedra corner.
+    `contacts` are pipes, contacts or pairs (surface, clip); clips that are "auto" are placed as by `pas.blend`.  The
+    `partition` is a `pas.SingleCell(...)` for single polynomials, or several cells; without one, three perpendicular
+    contacts get the six-tetrahedra corner.
 
-    With a `degree`, all solutions of that degree (the dimension may be 0); without, those of the
-    lowest degree that has any, or with `regular` a regular one (alpha not identically zero on
-    the contact curves).  Where no degree up to `highest_degree` has any, the answer is the empty
-    space of that degree; `degrees_tried` has the dimensions found.
+    With a `degree`, all solutions of that degree (the dimension may be 0); without, those of the lowest degree that has
+    any, or with `regular` a regular one (alpha not identically zero on the contact curves).  Where no degree up to
+    `highest_degree` has any, the answer is the empty space of that degree; `degrees_tried` has the dimensions found.
 
     `method` is "linear", "syzygy", and for a single cell also "normal-form" and "intersection": the
     same space by different ways, with different bases.

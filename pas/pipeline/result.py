@@ -37,14 +37,12 @@ from pas.solid.solid import Solid
 class Blend(ChosenBlend):
     """One chosen surface with everything known about it.
 
-    `space` and `coefficients` say how it was chosen, `dimension` out of
-    how many, by which `wishes`, and `energy` is its energy in the user's units.  `basis` is the space's
-    where it does not follow from the problem.
-    `timings` maps stages to seconds, `attempts` lists the degrees tried.  `find_space` gives the
-    solution space, `found_dimension` its dimension where that is known without; `choice` is the numerical optimum (not
-    kept in files).
-    `stored` are the verdicts in the file that it was loaded from: what somebody found once, and no proof.  Of a blend
-    that was loaded `energy`, `timings` and `attempts` are what its file tells as well; all else is found anew.
+    `space` and `coefficients` say how it was chosen, `dimension` out of how many, by which `wishes`, and `energy` is
+    its energy in the user's units.  `basis` is the space's where it does not follow from the problem.  `timings` maps
+    stages to seconds, `attempts` lists the degrees tried.  `find_space` gives the solution space, `found_dimension` its
+    dimension where that is known without; `choice` is the numerical optimum (not kept in files).  `stored` are the
+    verdicts in the file that it was loaded from: what somebody found once, and no proof.  Of a blend that was loaded
+    `energy`, `timings` and `attempts` are what its file tells as well; all else is found anew.
     """
 
     kind = "blend"
@@ -156,10 +154,9 @@ class Blend(ChosenBlend):
 class SolutionSpace(Space):
     """All piecewise polynomials of one degree that satisfy every contact and face condition.
 
-    `partition`, `contacts`, `order` and `degree` are the problem's; `patches[p]` holds the exact
-    coefficients of the basis on piece p, in local coordinates, one member a row.  `given_basis`
-    is None for a basis that follows from the problem.  `degrees_tried` maps the degrees that
-    were looked at to the dimensions found.
+    `partition`, `contacts`, `order` and `degree` are the problem's; `patches[p]` holds the exact coefficients of the
+    basis on piece p, in local coordinates, one member a row.  `given_basis` is None for a basis that follows from the
+    problem.  `degrees_tried` maps the degrees that were looked at to the dimensions found.
 
     The linear algebra is that of `pas.blending.space.Space`, of which all that is here is made.
     """

@@ -2,9 +2,8 @@
 
 from pas import solid
 
-cross = solid.cylinder((-2, 0, 0), (2, 0, 0), 1) | solid.cylinder((0, -2, 0), (0, 2, 0), 1)
-part = cross - solid.ball((0, 0, 0), "3/4")
-part.mesh(1e-3)
+cross = solid.cylinder((-2, 0, 0), (2, 0, 0), 1) | solid.cylinder((0, -2, 0), (0, 2, 0), 1) part = cross -
+solid.ball((0, 0, 0), "3/4") part.mesh(1e-3)
 """
 
 from typing import TYPE_CHECKING, NoReturn

@@ -45,9 +45,8 @@ def called(names: Iterable[str]) -> str:
 class TreeEvaluator:
     """The columns of a tree and the code that combines their signs.
 
-    A polynomial and its multiples are one column, so that `{w <= 0}` and `{w >= 0}` leave no gap between
-    them; the column has the names of all faces on it.  `extra` functions are columns that the code
-    does not use.
+    A polynomial and its multiples are one column, so that `{w <= 0}` and `{w >= 0}` leave no gap between them; the
+    column has the names of all faces on it.  `extra` functions are columns that the code does not use.
     """
 
     def __init__(self, tree: Tree, center: tuple[fmpq, fmpq, fmpq], scale: fmpq, extra: tuple[Function, ...] = ()):

@@ -64,7 +64,7 @@ class FaceSeam:
         if 1 - found.cosines[worst] ** 2 < flat**2:
             raise GeometryError(
                 f"the faces {names[0]!r} and {names[1]!r} touch, or nearly so, near {shown_point(points[worst])}: "
-                f"a fillet is for faces that meet with an angle"
+                f"a fillet is for faces that meet with an angle (pipes of one radius are joined by pas.node)"
             )
         if above.any() != above.all():
             raise GeometryError(
@@ -211,23 +211,24 @@ class Filling:
     def largest(self, above: fmpq) -> float | None:
         """The largest radius found below one, to a thirtieth, of a fillet that there is; None where there is none.
 
-        Joints are proved for each that is tried, and meshes looked at only for those that are left.
+        Joints are proved for each that is tried.  A mesh is looked at of one a little smaller, as what nearly uses up a
+        face takes long, and of others only where that one has strays.
         """
         found = _largest(self.joined, above)
-        if found is not None and isinstance(self.made(found), str):
+        if found is not None and isinstance(self.made(found := found * fmpq(59, 60)), str):
             found = _largest(self.made, found)
         return None if found is None else to_float(found)
 
 
 def _largest(made: Callable[[fmpq], Solid | str], above: fmpq) -> fmpq | None:
-    """The largest number found below one, to a thirtieth, for which there is a solid; None where there is none."""
+    """The largest number found below one, to a sixtieth, for which there is a solid; None where there is none."""
     share = fmpq(47, 100)  # at halves of the solid's size fillets may just touch its other faces, which takes long
     low, high, attempts = above * share, above, 10
     while isinstance(made(low), str):
         low, high, attempts = low * share, low, attempts - 1
         if not attempts:
             return None
-    while high - low > low / 30:
+    while high - low > low / 60:
         middle = short(to_float(low + (high - low) * share))
         low, high = (low, middle) if isinstance(made(middle), str) else (middle, high)
     return low

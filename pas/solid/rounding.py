@@ -190,6 +190,8 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
     meeting = dict.fromkeys(frozenset(edge.planes) for edge in among)
     meeting |= dict.fromkeys(vertex for edge in among for vertex in edge.vertices if chosen.issuperset(vertex))
     patches = {some: RoundPatch.of([plane for plane in planes if plane in some], radius, order) for some in meeting}
+    if again := {*solid.faces}.intersection(patch.face for patch in patches.values()):
+        raise GeometryError(f"the edge {min(again)!r} is rounded already")
     tree = combined(False, solid.tree, *(patch.rest for patch in patches.values()))
     vertices = {vertex for edge in edges for vertex in edge.vertices}
     simple = len(planes) == len(parts) and 2 * len(edges) == 3 * len(vertices)

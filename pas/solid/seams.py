@@ -2,10 +2,10 @@
 
 Where two faces touch, their own two functions do not say where.  What says it is a claimed joint; the line along which
 a plane touches a cylinder or cone; a plane face on which the one goes on as the other; else a wall that
-cuts one of the surfaces where the other one does.  Two faces may touch along several curves, as a blend does along both
-circles in which a pipe that goes through it ends: where all of them are cut from one surface f by functions h, the
-faces' seam is f = 0 with the product of the h, so that each point is sought on the curve that is nearest to it.  And
-where two faces continue each other across a plane, that is no boundary, though a lattice sees three functions.
+cuts one of the surfaces where the other one touches it.  Two faces may touch along several curves, as a blend does
+along both circles in which a pipe that goes through it ends: where all of them are cut from one surface f by functions
+h, the faces' seam is f = 0 with the product of the h, so that each point is sought on the curve that is nearest to it.
+And where two faces continue each other across a plane, that is no boundary, though a lattice sees three functions.
 
 A plane face may also cut two others that touch there and go on smoothly, as where a bend joins a pipe.  That they touch
 all along the section is proved.  That the one bounds the solid before the plane and the other behind it is seen at some
@@ -148,7 +148,7 @@ class Seams:
             for kept, p, q in ((a, *first, *second), (b, *second, *first)):
                 if isinstance(w, Polynomial) and number not in (a, b):
                     ideal = Ideal(p, w)
-                    if ideal.contains(q) and not ideal.is_whole_ring:
+                    if ideal.contains(q) and not ideal.is_whole_ring and _touch(p, q, ideal):
                         return kept, number
         return ()
 
@@ -218,7 +218,8 @@ def on_plane(polynomial: Polynomial, plane: Polynomial) -> fmpq_mpoly:
 
 
 def _touch(first: Polynomial, second: Polynomial, curve: Ideal) -> bool:
-    """Whether two surfaces have the same normals along a curve."""
+    """Whether two surfaces have the same normals along a curve; where they cross their own functions say where, and a
+    wall through one of the curves in which they do nothing of the others."""
     a, b = ([f.diff(x) for x in "xyz"] for f in (first, second))
     return all(curve.contains(a[i] * b[j] - a[j] * b[i]) for i, j in combinations(range(3), 2))
 

@@ -3,9 +3,8 @@
 The wall is where the solid's points are at most the thickness from the faces that are kept.  Distances count as
 negative outside, so that a wall has one side, however thin it is, and are exact to rounding where the thickness is
 below the faces' radii of curvature: the foot of a point is found on the faces' own functions, from the nearest vertex
-of a mesh.  Faces that meet in sharp convex edges
-have inner faces of their own, which meet in sharp edges as well; faces that continue each other share
-one, and so do faces that meet in a groove, whose inner face is round there.
+of a mesh.  Faces that meet in sharp convex edges have inner faces of their own, which meet in sharp edges as well;
+faces that continue each other share one, and so do faces that meet in a groove, whose inner face is round there.
 """
 
 from __future__ import annotations

@@ -129,10 +129,9 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     ) -> Solid:
         """The solid hollowed out: its points up to `thickness` from its faces, but for the `open` ones.
 
-        Each inner face is named "inside of ..." after the faces that it follows.  Claimed joints stay.  The
-        thickness is meant to be below the faces' radii of curvature; `tolerance` is that of a mesh which
-        helps to find distances.  Raises `GeometryError` where nothing would be hollow, or an open face
-        does not exist.
+        Each inner face is named "inside of ..." after the faces that it follows.  Claimed joints stay.  The thickness
+        is meant to be below the faces' radii of curvature; `tolerance` is that of a mesh which helps to find distances.
+        Raises `GeometryError` where nothing would be hollow, or an open face does not exist.
 
             solid.box((0, 0, 0), (4, 3, 2)).shell(0.1, open=["box z+"])
         """
@@ -150,8 +149,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     def joined(self, first: str, second: str, along: Sequence[PolynomialLike], order: int) -> Solid:
         """The solid with the claim that two faces meet with GC^`order` along V(g, h), `along = (g, h)`.
 
-        The claim is proved by `verdicts`; meshes use the curve.  Raises `GeometryError` where a face
-        does not exist.
+        The claim is proved by `verdicts`; meshes use the curve.  Raises `GeometryError` where a face does not exist.
         """
         joint = Joint(first, second, along, order)
         refuse_unknown(joint, self.faces)

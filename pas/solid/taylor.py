@@ -1,8 +1,7 @@
 """Many polynomials evaluated together, and bounded over boxes.
 
-All are evaluated by one matrix product.  Over a box a polynomial is bounded by its Taylor expansion
-about the centre, which is exact: `|p(c + u) - p(c)| <= sum over a != 0 of |p^(a)(c)| / a! r^a` for
-`|u_i| <= r_i`.
+All are evaluated by one matrix product.  Over a box a polynomial is bounded by its Taylor expansion about the centre,
+which is exact: `|p(c + u) - p(c)| <= sum over a != 0 of |p^(a)(c)| / a! r^a` for `|u_i| <= r_i`.
 """
 
 from __future__ import annotations

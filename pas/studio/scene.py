@@ -2,8 +2,7 @@
 
 Piecewise surfaces go as the coefficients of their pieces in local coordinates, in doubles, with the tetrahedra of their
 region, and with the contacts' own polynomials in boxes beyond their clips.  Clips that pass through the region, curved
-ones above all, end what is seen of both.  Every other kind of shape goes as the
-meshes of its parts.
+ones above all, end what is seen of both.  Every other kind of shape goes as the meshes of its parts.
 """
 
 from __future__ import annotations

@@ -143,8 +143,7 @@ def largest_arc(neighbours: Sequence[Neighbour]) -> float:
 
     For pipes along directions at an angle t: the walls meet at (r_j + r_i cos t) / sin t along axis i, and an arc with
     tangents of length l has radius l tan(t / 2).  It is 0, for none, where no two are within `WEDGE`, and where two
-    walls meet beyond their clips.  What the region is open through is taken for a plate, see
-    `_out_of_plate`.
+    walls meet beyond their clips.  What the region is open through is taken for a plate, see `_out_of_plate`.
     """
     found = inf
     for a, b in combinations(neighbours, 2):

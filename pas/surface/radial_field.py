@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.bracket import sign_change
+from pas.algebra.bracket import jets_of_columns, sign_change
 from pas.algebra.monomials import Floats
 from pas.kernels.library import compiled
 from pas.mesh.graph import first
@@ -83,16 +83,9 @@ class RadialField(LocalSurface):
         steep = 0.4  # cosine between normal and ray below which a ray from the skeleton is taken
         off = 1e-6  # so far from the surface, over the way from 0, a ray has missed it: it left through a contact
         profiles, leave = self.profiles(points)
-
-        def along(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
-            values, slopes = np.zeros(len(rows)), np.zeros(len(rows))
-            for coefficients in profiles[::-1]:
-                slopes = slopes * shares + values
-                values = values * shares + coefficients[rows]
-            return values, slopes
-
         start = np.minimum(leave / 2 + np.where(leave > 1, 0.5, 0.0), 1.0)
-        found = sign_change(along, np.zeros(len(points)), leave, start, SETTLED)[:, None] * points
+        shares = sign_change(jets_of_columns(profiles), np.zeros(len(points)), leave, start, SETTLED)
+        found = shares[:, None] * points
         jets = self.jets(found)
         sizes = np.sqrt(dots(found, found) * dots(jets[:, 1:], jets[:, 1:]))
         return found, ~((dots(found, jets[:, 1:]) > steep * sizes) & (np.abs(jets[:, 0]) <= off * sizes))

@@ -5,10 +5,9 @@ A polynomial of degree n is given on its tetrahedron by its values at the nodes 
 `i + j + k + l = n`, which is VTK_LAGRANGE_TETRAHEDRON of degree n.  Bezier cells would be shorter, but VTK
 contours their coefficients as if they were values.
 
-Guaranteed: points and values are the exact ones, rounded once; the nodes stand in VTK's order; the
-B-coefficients go with them.  Not guaranteed: that a contour by another program is on the surface (programs
-cut the cells into flat ones first); `PiecewiseSurface.mesh` is.  Cells share no points, since each has
-its own polynomial.
+Guaranteed: points and values are the exact ones, rounded once; the nodes stand in VTK's order; the B-coefficients go
+with them.  Not guaranteed: that a contour by another program is on the surface (programs cut the cells into flat ones
+first); `PiecewiseSurface.mesh` is.  Cells share no points, since each has its own polynomial.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ from pas.algebra.brief import brief
 from pas.algebra.callables import on_series
 from pas.algebra.lengths import exponent, lengths, unit
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import rational
+from pas.algebra.rational import rational, square_root
 from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction, total
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Integers
@@ -35,7 +35,7 @@ from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.paths import NAMES, value_at
 from pas.parametric.generatrix.shape import FOUR, GeneratrixShape, ShapeFunction
 from pas.parametric.nets import bernstein_at, bernstein_polynomials
-from pas.parametric.series import Components, square_root
+from pas.parametric.series import Components
 from pas.parametric.surface import ParametricSurface
 
 STEP = 3e-6
@@ -334,5 +334,8 @@ def _exact_leg(
 
 def _cosine_of(slant: ShapeFunction) -> fmpq | None:
     """sqrt(1 - lambda^2) where it and lambda are rational numbers, else None."""
-    value = slant.value
-    return None if value is None else square_root(1 - rational(value) ** 2)
+    if slant.value is None:
+        return None
+    square = 1 - rational(slant.value) ** 2
+    root = square_root(square)
+    return root if root * root == square else None

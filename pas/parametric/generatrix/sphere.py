@@ -145,7 +145,8 @@ class SphereBlend(Shape):
 def _sphere_deviation(mesh: Mesh, blend: SphereBlend) -> float:
     """How far the triangles on the sphere are inside it at most: where their planes come nearest to the centre."""
     a, b, c = (mesh.points[mesh.triangles[mesh.faces == mesh.names.index(SPHERE)]] - blend.center).transpose(1, 0, 2)
-    heights = np.abs((np.nan_to_num(unit(np.cross(b - a, c - a))) * a).sum(axis=1))
+    normal = np.cross(b - a, c - a)
+    heights = np.abs((normal * a).sum(axis=1)) / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
     return float((blend.radius - heights).max(initial=0.0))
 
 

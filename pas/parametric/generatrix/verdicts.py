@@ -26,7 +26,7 @@ from math import comb
 import numpy as np
 
 from pas.algebra.brief import brief
-from pas.algebra.lengths import exponent, lengths, unit
+from pas.algebra.lengths import exponent, lengths
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import dot
 from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction
@@ -221,7 +221,9 @@ def _vanishing(forms: Floats, halvings: int) -> tuple[int, float] | None:
 
 def _largest_turn(normals: Floats, closed: bool) -> tuple[float, tuple[int, int]]:
     """The greatest angle in degrees between normals (n, m, 3) of neighbours in s, and where."""
-    rows = unit(np.concatenate([normals, normals[:1]]) if closed else normals)
+    rows = np.concatenate([normals, normals[:1]]) if closed else normals
+    with np.errstate(all="ignore"):
+        rows = rows / np.linalg.norm(rows, axis=-1, keepdims=True)
     cosine = np.nan_to_num((rows[1:] * rows[:-1]).sum(axis=-1), nan=-1.0)
     i, j = np.unravel_index(int(cosine.argmin()), cosine.shape)
     return float(np.degrees(np.arccos(np.clip(cosine[i, j], -1.0, 1.0)))), (int(i), int(j))
