@@ -114,6 +114,7 @@ def test_collapses_keep_topology_and_curves(make):
         (mesh.kinds >= VertexKind.CORNER).sum(),
     )
     labels, boundary = set(mesh.labels.tolist()), set((-1 - mesh.twins[mesh.twins < 0]).tolist())
+    on_curves = set(map(tuple, mesh.points[mesh.corners[mesh.on_curves]].tolist()))
     for seed in range(6):
         mesh.sizes[:], mesh.plain = 10.0, True
         mesh.collapse(edges_of(mesh, 200, seed), longer=1.3, kept=0.5, off=1e9, flat=(0, 0, 0))
@@ -123,6 +124,7 @@ def test_collapses_keep_topology_and_curves(make):
     assert set(mesh.labels.tolist()) == labels
     assert set((-1 - mesh.twins[mesh.twins < 0]).tolist()) == boundary
     assert (mesh.kinds >= VertexKind.CORNER).sum() == corners
+    assert set(map(tuple, mesh.points[mesh.corners[mesh.on_curves]].tolist())) < on_curves
 
 
 @pytest.mark.parametrize("faces", [4, 8])
@@ -178,7 +180,7 @@ def wanted(points, every, bends, curves, reach, tolerance, settings):
 def test_edges_are_as_long_as_the_curvature_lets_them_be():
     surface, settings = solved(EQUAL, 2).surface, Settings()
     field, mesh = surface.mesher.radial_field, opened()
-    remesher = Remesher(SurfaceGround(field), 1e-3, settings)
+    remesher = Remesher(SurfaceGround(field), 1e-1, settings)  # so that it matters how the boundary bends
     mesh = remesher.begun(mesh.value)
     remesher._sizes(mesh, 1)
     edges, curves = Edges(mesh.triangles, len(mesh.points)), np.zeros(len(mesh.points))
@@ -187,8 +189,10 @@ def test_edges_are_as_long_as_the_curvature_lets_them_be():
         ways = np.array([mesh.points[v] - mesh.points[before[v]], mesh.points[after[v]] - mesh.points[v]])
         spans = np.linalg.norm(ways, axis=1)
         curves[v] = 2 * np.linalg.norm(ways[1] / spans[1] - ways[0] / spans[0]) / spans.sum()
-    found = wanted(mesh.points, edges.every, field.bending(mesh.points)[1], curves, field.reach, 0.72e-3, settings)
+    given = field.reach, 0.72e-1, settings
+    found = wanted(mesh.points, edges.every, field.bending(mesh.points)[1], curves, *given)
     assert mesh.sizes == pytest.approx(found, rel=1e-9)
+    assert (found < wanted(mesh.points, edges.every, field.bending(mesh.points)[1], 0 * curves, *given) - 1e-9).any()
     lengths = np.linalg.norm(mesh.points[mesh.corners] - mesh.points[mesh.ends], axis=1)
     means = (mesh.sizes[mesh.corners] + mesh.sizes[mesh.ends]) / 2
     assert mesh.ratios == pytest.approx(lengths / means, rel=1e-12)

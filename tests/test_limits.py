@@ -193,7 +193,7 @@ def test_a_command_that_draws_gives_up_before_any_file_is_in_its_place(command, 
     monkeypatch.setattr("pas.limits.time", clock)
     assert run(1e9)[0] == 3
     looks, late = int(clock.now) - 100, set()
-    for before_the_end in range(1, 8):
+    for before_the_end in range(1, 5):
         files, said = run(looks - before_the_end)
         assert files == (0 if "pas: gave up after" in said else 3)
         late |= {said.partition(" s while ")[2].partition(";")[0]} if not files else set()

@@ -147,7 +147,7 @@ ANGLED = {
 
 
 @pytest.mark.sampled(3)
-@pytest.mark.parametrize("name", ANGLED)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * ("cyl" not in n)) for n in ANGLED])
 @pytest.mark.parametrize("quality", ["balanced", "angles"])
 def test_small_angles_are_at_curves_and_along_straight_lines(name, quality):
     """Away from the curves where faces meet they are 15 degrees at least; along straight lines if these are wanted."""

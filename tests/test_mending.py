@@ -42,7 +42,7 @@ BENT = {
 }
 """Without mending more than 1% of each one's have angles below 30 degrees, at some of these tolerances."""
 
-SLOW = ("bend", "hollow pot")
+SLOW = ("bend", "hollow pot", "teapot", "lid")
 
 CASES = [
     pytest.param(make, t, id=f"{name}, {t:g}", marks=[pytest.mark.slow] * (name in SLOW))
@@ -98,6 +98,7 @@ def test_what_would_be_too_far_stays():
     assert np.array_equal(found.points, rough)
 
 
+@pytest.mark.slow
 def test_a_surface_with_many_necks_has_no_angle_below_twenty_degrees():
     """Chmutov's sextic: where it comes near to itself edges were halved again and again, down to 8 degrees."""
     text = "32*(x^6 + y^6 + z^6) - 48*(x^4 + y^4 + z^4) + 18*(x^2 + y^2 + z^2) - 3 + 1/4"

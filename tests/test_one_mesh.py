@@ -74,7 +74,7 @@ def test_blends_by_a_generatrix_are_within_the_tolerance(kind):
 
     shape = SHAPES[kind]()
     mesh = shape.mesh(0.02)
-    places = np.random.default_rng(1).random((300, 2))
+    places = np.random.default_rng(1).random((100, 2))
     parts = [shape] if kind == "generatrix" else shape.blends
     points = np.concatenate([part.surface(places) for part in parts])
     tree = cKDTree(mesh.points[mesh.triangles].mean(axis=1))
@@ -192,7 +192,7 @@ TRADED = {
 
 
 @pytest.mark.parametrize("name", TRADED)
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 def test_surfaces_have_meshes_with_good_angles_or_few_triangles(name):
     shape, tolerance = TRADED[name](), 3e-3
     angles, usual, count = (shape.mesh(tolerance, quality=q) for q in ("angles", "balanced", "count"))

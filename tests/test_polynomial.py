@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import sympy
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pas import Polynomial
@@ -91,6 +91,7 @@ def test_text_reads_back(p):
     assert Polynomial(p.to_sympy()) == p
 
 
+@settings(max_examples=40)
 @given(polynomials, polynomials, polynomials, points)
 def test_ring(p, q, r, point):
     assert (p + q) * r == p * r + q * r

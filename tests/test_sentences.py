@@ -79,7 +79,7 @@ CALLS = [
     (lambda: blend().draw("a.png", mesh=3), TypeError, "^mesh must be a pas.Mesh or map names of parts to such, not 3"),
     (lambda: blend().draw("a.png", size=3), TypeError, "^size must be width and height in pixels, not 3"),
     (lambda: blend().draw("a.png", size=(0, 1)), ValueError, r"^size\[0\] must be a whole number from 1 to"),
-    (lambda: blend().draw("a.png", view="top"), TypeError, "^view must be three numbers, not 'top'"),
+    (lambda: blend().draw("a.png", view="topp"), ValueError, "^there is no view 'topp'; is 'top' meant"),
     (lambda: blend().draw("a.png", view=(0, 0, 0)), ValueError, "^view must not be the zero vector"),
     (lambda: blend().draw("a.png", cut="x"), TypeError, "^cut must be True or False, not 'x'"),
 ]

@@ -116,6 +116,8 @@ def common(reader: TableReader, data: dict[str, Any], usual: MeshSettings, style
 def _settings(reader: TableReader, table: Any, section: str, usual: Settings) -> Settings:
     def make(table: dict[str, Any]) -> Settings:
         kinds = {f.name: f.metadata["kind"] for f in options(type(usual), "file")}
+        worded = {f.name for f in options(type(usual), "file") if f.metadata["metavar"]}
+        kinds |= {key: str for key in worded & table.keys() if isinstance(table[key], str)}  # as on the command line
         given = {key: reader.typed(table, key, kinds[key], None, section) for key in table}
         return replace(usual, **given)
 

@@ -167,7 +167,7 @@ def _add(
 ) -> None:
     """Add a layer in its colours, and its lines."""
     opacity = 0.3 if picture.curved and layer.aside else layer.opacity
-    shading = {"specular": 0.12, "specular_power": 20, "ambient": 0.32, "smooth_shading": True}
+    shading = {"specular": 0.12, "specular_power": 20, "ambient": 0.38, "smooth_shading": True}
     options: dict[str, Any] = {**shading, "opacity": opacity, "show_scalar_bar": False}
     data = _data(layer.mesh, paint)
     data.translate(shift, inplace=True)

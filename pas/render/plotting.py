@@ -91,7 +91,7 @@ def add_lines(plotter: Any, data: Any, width: float) -> None:
     if data.n_points:
         mapper = plotter.add_mesh(data, color=CURVE_COLOR, line_width=width, lighting=False).mapper
         mapper.SetResolveCoincidentTopologyToPolygonOffset()
-        mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -30)  # in steps of the depth that is kept
+        mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -40)  # in steps of the depth that is kept
 
 
 def add_labels(plotter: Any, layers: Sequence[Layer], shifts: Floats, plane: Any, towards: Floats, width: int) -> None:

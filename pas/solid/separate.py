@@ -11,13 +11,14 @@ from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
+from flint import fmpq
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.errors import GeometryError
-from pas.solid.bounds import bounding_box
+from pas.solid.bounds import ORIGIN, bounding_box
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import distances_from
 from pas.solid.taylor import TaylorForms
@@ -61,6 +62,12 @@ def pieces(tree: Tree, box: Floats) -> Iterator[tuple[Tree, Tree]]:
 
 def _is_within(tree: Tree, box: Floats) -> bool:
     """Whether a set lies in a box (2, 3), and is not empty."""
+    evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
+    beyond = box.mean(axis=0) + np.array(list(product((-2.0, 2.0), repeat=3))) * np.ptp(box, axis=0)
+    if evaluator.inside(
+        evaluator.signs(beyond)
+    ).any():  # as is the complement of most, whose box takes long to look for
+        return False
     try:
         own = bounding_box(tree)
     except GeometryError:

@@ -1,0 +1,23 @@
+"""A hollow manifold of three branches with flanges and twelve bolt holes.  In centimetres."""
+
+import numpy as np
+
+import pas
+from pas import solid
+
+branches = [((1, 0, 0), 1), ((-1, 0, 1), "4/5"), ((0, 1, 0), "3/5")]  # directions and radii
+wall = pas.node(branches, order=2).hollow("1/8")
+part = wall.solid(length=1)
+for end in wall.ends(1):
+    center, axis, radius = np.array(end.center), np.array(end.direction), end.radius
+    across = np.cross(axis, (0.48, -0.6, 0.64))
+    hole = center + (radius + 0.28) * across / np.linalg.norm(across)
+    flange = solid.cylinder(center - 0.3 * axis, center - 0.05 * axis, radius + 0.5, face="flange")
+    part |= flange - solid.cylinder(center - axis, center + axis, radius - 0.06)
+    part -= solid.cylinder(hole - axis, hole + axis, 0.1, face="bolt hole").circular_pattern(4, axis, center)
+
+if __name__ == "__main__":
+    mesh = part.mesh(5e-3)
+    part.draw("manifold.png", mesh=mesh, view=(1, 1, 1))
+    part.write("manifold.3mf", tolerance=5e-3, unit="cm")
+    part.write("manifold.step", tolerance=5e-3, unit="cm")
