@@ -41,7 +41,7 @@ CASES = {
 }
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", CASES)
 def test_all_joints_are_proved(name, order):
@@ -52,6 +52,7 @@ def test_all_joints_are_proved(name, order):
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize("name", ["upright edges and top", "wedge", "tetrahedron"])
+@pytest.mark.sampled(2)
 def test_meshes_are_of_the_solid(name, order):
     make, faces, radius, _ = CASES[name]
     made = make().rounded(faces, radius=radius, order=order)

@@ -376,7 +376,47 @@ def test_a_file_that_would_not_be_the_solid_is_not_written(ocp, tmp_path, monkey
     monkeypatch.setattr("pas.exchange.formats.step.adaptive_volume", lambda shape: 2 * adaptive_volume(shape))
     with pytest.raises(pas.GeometryError, match="no STEP file was written, because the volume of 'a' would be 12"):
         solid.box((0, 0, 0), (3, 2, 1)).write(tmp_path / "a.step")
+    monkeypatch.setattr("pas.exchange.step.model.is_valid", lambda shape: False)
+    with pytest.raises(
+        pas.GeometryError, match=r"the faces of 'a' not to be a valid solid: a part of 'box .*' near \("
+    ):
+        solid.box((0, 0, 0), (3, 2, 1)).write(tmp_path / "a.step")
     assert not list(tmp_path.iterdir())
+
+
+def primitive(random, number):
+    """A turned primitive in no special place."""
+    name = f"face {number}"
+
+    def size(low=0.4, high=1.5):
+        return round(random.uniform(low, high), 3)
+
+    made = [
+        lambda: solid.box([-size() for _ in "xyz"], [size() for _ in "xyz"], face=name),
+        lambda: solid.cylinder((0, 0, -size()), (0, 0, size()), size(), face=name),
+        lambda: solid.ball((0, 0, 0), size(), face=name),
+        lambda: solid.cone((0, 0, -size()), (0, 0, size()), size(0.8), size(0.1, 0.7), face=name),
+        lambda: solid.torus((0, 0, 0), (0, 0, 1), 1, size(0.2, 0.7), face=name),
+    ][random.integers(5)]()
+    axis = random.integers(1, 5, 3).tolist()
+    return made.rotate(axis, int(random.integers(90))).translate(np.round(random.uniform(-1, 1, 3), 3).tolist())
+
+
+@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.sampled(30)
+def test_random_solids_are_written_or_refused(ocp, tmp_path, seed):
+    random = np.random.default_rng(seed)
+    body = primitive(random, 0)
+    for number in range(1, random.integers(2, 4)):
+        body = [body.__or__, body.__sub__, body.__and__][random.integers(3)](primitive(random, number))
+    try:
+        path = body.write(tmp_path / "a.step")
+    except pas.PasError:
+        assert not list(tmp_path.iterdir())
+        return
+    solids, _ = read_solids(path)
+    assert all(map(is_valid, solids)) and all(adaptive_volume(s) > 0 for s in solids)
+    assert sum(map(adaptive_volume, solids)) == pytest.approx(body.volume(2e-3), rel=1e-3)
 
 
 def test_surfaces_are_told_by_algebra():

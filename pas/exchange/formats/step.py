@@ -32,6 +32,9 @@ from pas.exchange.step.model import (
 from pas.exchange.step.shapes import spline_surface
 from pas.parametric.patches import RationalPatch
 
+Named = tuple[str, tuple[int, int, int] | None, Any]
+"""A shape of Open Cascade with its name, and its colour (red, green, blue up to 255) or None."""
+
 
 def write_faces(
     content: Sequence[RationalPatch] | Sequence[ExactPart], path: Path, request: Request
@@ -49,7 +52,7 @@ def write_faces(
         patches = [item for item in content if not isinstance(item, ExactPart)]
         faces = [_face(item, number) for number, item in enumerate(patches)]
         whole = compound(faces) if request.sew is None else _sewn(faces, request.sew)
-        _export(whole, path, request.name, UNITS[request.told_unit].step)
+        _print([(request.name, None, whole)], path, request.name, UNITS[request.told_unit].step)
         return None
 
 
@@ -107,62 +110,43 @@ def _sewn(faces: Sequence[Any], distance: float) -> Any:
     return solid
 
 
-def _export(shape: Any, path: Path, name: str, unit: str) -> None:
-    from OCP.IFSelect import IFSelect_ReturnStatus
-    from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
-
-    writer = STEPControl_Writer()  # before the settings, which do not exist without one
-    set_names(name, unit)
-    status = writer.Transfer(shape, STEPControl_StepModelType.STEPControl_AsIs)
-    if status != IFSelect_ReturnStatus.IFSelect_RetDone:
-        raise GeometryError(f"Open Cascade could not translate the patches to STEP ({status.name})")
-    print_model(writer.Model(), path)
-
-
 def write_parts(parts: Sequence[StepPart], path: Path, name: str, unit: str) -> tuple[StepReport, ...]:
     """A file of parts, an assembly where there are several, in a unit by Open Cascade's name of it.
 
     Raises `GeometryError` where what is read again is not one valid closed solid for each that was written, with the
     volume that it should have.
     """
-    from OCP.STEPCAFControl import STEPCAFControl_Writer
-    from OCP.STEPControl import STEPControl_StepModelType
-
-    writer = STEPCAFControl_Writer()
-    set_names(name, unit)
-    writer.SetColorMode(True)
-    writer.SetNameMode(True)
-    if not writer.Transfer(_document(parts, name, unit), STEPControl_StepModelType.STEPControl_AsIs):
-        raise GeometryError("Open Cascade could not translate the solid to STEP")
-    print_model(writer.ChangeWriter().Model(), path)
+    _print([(part.name, part.color, part.shape) for part in parts], path, name, unit)
     return _checked(parts, path)
 
 
-def set_names(name: str, unit: str) -> None:
-    """Open Cascade's settings for the file that is written next, which are of the whole process."""
+def _print(parts: Sequence[Named], path: Path, name: str, unit: str) -> None:
+    """A file of shapes, in whose text doubles come back as they were."""
     from OCP.Interface import Interface_Static
+    from OCP.STEPCAFControl import STEPCAFControl_Writer
+    from OCP.STEPControl import STEPControl_StepModelType
+    from OCP.StepData import StepData_StepWriter
+    from OCP.STEPEdit import STEPEdit
 
+    writer = STEPCAFControl_Writer()  # before the settings, which do not exist without one
     Interface_Static.SetCVal_s("xstep.cascade.unit", unit)
     Interface_Static.SetCVal_s("write.step.unit", unit)
     Interface_Static.SetCVal_s("write.step.product.name", name.encode("ascii", "replace").decode("ascii"))
     Interface_Static.SetIVal_s("write.step.assembly", 0)
-
-
-def print_model(model: Any, path: Path) -> None:
-    """A model as text, in which doubles come back as they were; raises `GeometryError` where that fails."""
-    from OCP.StepData import StepData_StepWriter
-    from OCP.STEPEdit import STEPEdit
-
-    text, buffer = StepData_StepWriter(model), BytesIO()
+    writer.SetColorMode(True)
+    writer.SetNameMode(True)
+    if not writer.Transfer(_document(parts, name), STEPControl_StepModelType.STEPControl_AsIs):
+        raise GeometryError("Open Cascade could not translate the shapes to STEP")
+    text, buffer = StepData_StepWriter(writer.ChangeWriter().Model()), BytesIO()
     # its own twelve digits would round; its suppression of zeros stays off
     text.FloatWriter().SetFormat("%.16E")
     text.SendModel(STEPEdit.Protocol_s())
     if not text.Print(buffer):
-        raise GeometryError("Open Cascade could not write the shape as STEP")
+        raise GeometryError("Open Cascade could not write the shapes as STEP")
     path.write_bytes(buffer.getvalue())
 
 
-def _document(parts: Sequence[StepPart], name: str, unit: str) -> Any:
+def _document(parts: Sequence[Named], name: str) -> Any:
     """Open Cascade's document with a product for each part, and one that has several as components."""
     from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
     from OCP.TCollection import TCollection_ExtendedString
@@ -177,14 +161,12 @@ def _document(parts: Sequence[StepPart], name: str, unit: str) -> Any:
     whole = shapes.NewShape() if len(parts) > 1 else None
     if whole is not None:
         TDataStd_Name.Set_s(whole, TCollection_ExtendedString(name, True))
-    for part in parts:
-        label = shapes.AddShape(part.shape, False)
-        title = TCollection_ExtendedString(part.name, True)
+    for part, color, shape in parts:
+        label, title = shapes.AddShape(shape, False), TCollection_ExtendedString(part, True)
         TDataStd_Name.Set_s(label, title)
-        if part.color is not None:
-            red, green, blue = (value / 255 for value in part.color)
-            color = Quantity_Color(red, green, blue, Quantity_TypeOfColor.Quantity_TOC_sRGB)
-            colors.SetColor(label, color, XCAFDoc_ColorType.XCAFDoc_ColorSurf)
+        if color is not None:
+            shown = Quantity_Color(*(value / 255 for value in color), Quantity_TypeOfColor.Quantity_TOC_sRGB)
+            colors.SetColor(label, shown, XCAFDoc_ColorType.XCAFDoc_ColorSurf)
         if whole is not None:
             TDataStd_Name.Set_s(shapes.AddComponent(whole, label, TopLoc_Location()), title)
     shapes.UpdateAssemblies()

@@ -23,6 +23,7 @@ from pas.exchange.step.charts import NEAR, Atlas
 from pas.exchange.step.division import divide
 from pas.exchange.step.parameters import SplinePatch
 from pas.exchange.step.shapes import ShapeMaker
+from pas.mesh.field import place_of
 from pas.settings import RELATIVE_TOLERANCE
 from pas.solid.measures import curved_measures
 from pas.solid.solid import Solid
@@ -172,12 +173,15 @@ def step_part(
     found = solid.face_mesh(min(COARSER * within, RELATIVE_TOLERANCE * COARSER * size))
     measured = curved_measures(found, field).scaled(field.scale, field.world(np.zeros(3)))
     atlas = Atlas(found.mesh, field)
-    parameters = divide(atlas, within / field.scale / 4, within / size / 3)
+    parameters = divide(atlas, within / field.scale / 4, within / size / 2)
     borders = Borders(atlas, partial(_order, solid))
     near = 1e-8  # of splines to the curves in which faces meet, in local coordinates
     maker = ShapeMaker(borders, parameters, [borders.curve(border, near) for border in borders.borders])
     angle, jump = smoothness(maker)
-    solids = [_joined(made, name) for made in maker.solids()]
+    made = maker.solids()
+    if not all(map(is_valid, made)):
+        raise _not_valid(maker, name)
+    solids = list(map(_joined, made))
     shape = _in_world(solids, field.scale, field.world(np.zeros(3)))
     off = [p.distance * field.scale for p in parameters.values() if isinstance(p, SplinePatch) and p.weights is None]
     faces = len(explored(shape, "FACE"))
@@ -204,7 +208,21 @@ def _order(solid: Solid, one: int, other: int, points: Floats) -> int:
     return order
 
 
-def _joined(solid: Any, name: str) -> Any:
+def _not_valid(maker: ShapeMaker, name: str) -> GeometryError:
+    """What is said where Open Cascade refuses a solid: with the first face that it refuses, if there is one."""
+    atlas = maker.borders.atlas
+    wrong = next((chart for chart, face in maker.faces.items() if not is_valid(face)), None)
+    where = ""
+    if wrong is not None:
+        middle = atlas.points[atlas.triangles[atlas.rows(wrong)]].mean(axis=(0, 1))
+        where = f": a part of {atlas.field.face(atlas.sheets[wrong].label)!r} near {place_of(atlas.field, middle)}"
+    return GeometryError(
+        f"no STEP file was written, because Open Cascade finds the faces of {name!r} not to be a valid solid{where}; "
+        "try another tolerance, or write triangles"
+    )
+
+
+def _joined(solid: Any) -> Any:
     """A valid solid with faces joined that are on one surface, where what comes of it is as good."""
     from OCP.BRep import BRep_Tool
     from OCP.BRepGProp import BRepGProp
@@ -213,11 +231,6 @@ def _joined(solid: Any, name: str) -> Any:
     from OCP.ShapeUpgrade import ShapeUpgrade_UnifySameDomain
     from OCP.TopoDS import TopoDS
 
-    if not is_valid(solid):
-        raise GeometryError(
-            f"Open Cascade finds the faces of {name!r} not to be a valid solid; write it with another tolerance, or as "
-            "triangles"
-        )
     joining = ShapeUpgrade_UnifySameDomain(solid, True, True, False)
     joining.Build()
     found = explored(joining.Shape(), "SOLID")

@@ -27,8 +27,8 @@ LEAST = 1e-7
 class ShapeMaker:
     """The solid of an atlas with parameters and curves for its charts and borders, in local coordinates.
 
-    `surfaces` are by chart, and `natural` says of which of them the own normal points outwards; `gap` is the largest
-    distance of an edge from its faces.
+    `surfaces` are by chart, and `natural` says of which of them the own normal points outwards; `faces` are
+    those that `solids` made.
     """
 
     def __init__(self, borders: Borders, parameters: dict[int, Parameters], curves: Sequence[Curve]) -> None:
@@ -38,7 +38,7 @@ class ShapeMaker:
         self._builder = BRep_Builder()
         self.surfaces = {chart: surface_of(found) for chart, found in parameters.items()}
         self.natural = {chart: self._is_natural(chart) for chart in parameters}
-        self.gap = LEAST
+        self.faces: dict[int, Any] = {}
         self._vertices: dict[int, Any] = {}
         self._edges = [self._edge(number) for number in range(len(curves))]
 
@@ -56,7 +56,6 @@ class ShapeMaker:
             if isinstance(found, SplinePatch) or found.carrier.kind is not CarrierKind.PLANE:
                 flats[chart] = flat_curve(found, curve)
                 tolerance = max(tolerance, self._gap(chart, flats[chart], curve))
-        self.gap = max(self.gap, tolerance)
         edge = TopoDS_Edge()
         builder.MakeEdge(edge, curve_of(curve), tolerance)
         for chart, flat in flats.items():
@@ -156,7 +155,8 @@ class ShapeMaker:
             self._builder.MakeShell(shell)
             for chart in mine:
                 checkpoint("making faces")
-                self._builder.Add(shell, self._face(chart))
+                self.faces[chart] = self._face(chart)
+                self._builder.Add(shell, self.faces[chart])
             shell.Closed(True)
             a, b, c = atlas.points[atlas.triangles[np.isin(atlas.chart, mine)]].transpose(1, 0, 2)
             shells.append((float((a * np.cross(b, c)).sum()), shell, a[0]))
