@@ -11,6 +11,6 @@ outline = outline.line_to(30, 4).arc_to(28, 2).line_to(0, 2).close()
 part = outline.revolve()
 
 if __name__ == "__main__":
-    part.draw("bottle.png", view="front", cut="right", parallel=True)
+    part.draw("bottle.png", cut=True, view=(0.35, -1, 0.3))
     part.write("bottle.3mf", unit="mm")
     part.write("bottle.step", unit="mm")
