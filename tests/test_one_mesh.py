@@ -174,7 +174,7 @@ def test_smooth_meshes_have_the_normals_of_their_points():
     for one in (mesh, copy.copy(mesh), pickle.loads(pickle.dumps(mesh)), replace(mesh, deviation=None)):
         assert (one.normals == normals[None]).all() and (one.point_normals == normals).all()
         assert (one.flipped.normals == -normals[None, ::-1]).all() and (one.flipped.point_normals == -normals).all()
-    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+    with pytest.raises(AttributeError, match="a mesh has no 'nothing'"):
         _ = mesh.nothing
 
 
