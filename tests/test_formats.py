@@ -163,7 +163,7 @@ def test_formats_that_tell_a_unit_keep_the_numbers_and_others_refuse_one(shapes,
 
 def test_files_hold_the_mesh_that_was_made_before(shapes, tmp_path, monkeypatch):
     meshes = {name: shapes[name].mesh(0.07) for name in ("solid", "blend", "surface", "parametric")}
-    for module, maker in (("solid.solid", "triangulate_faces"), ("parametric.surface", "_leaves")):
+    for module, maker in (("solid.solid", "triangulate_faces"), ("parametric.surface", "CellMesher")):
         monkeypatch.delattr(f"pas.{module}.{maker}")
     monkeypatch.delattr("pas.surface.meshing.Mesher.mesh")
     for name, mesh in meshes.items():

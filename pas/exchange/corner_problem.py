@@ -159,7 +159,7 @@ def _basis(members: Any) -> tuple[tuple[Polynomial, ...], ...]:
 
 
 def _fits(data: dict[str, Any]) -> bool:
-    return bool(set(CONTACTS) & data.keys()) or not {"surfaces", "boundaries", "method"} & data.keys()
+    return bool(set(CONTACTS) & data.keys()) or not {"surfaces", "boundaries", "method", "solid"} & data.keys()
 
 
 PROBLEM = ProblemKind("corner", _fits, _read)

@@ -246,6 +246,9 @@ def further() -> tuple[Base, ...]:
         "node": outer,
         "a part": solid.assembly(ball=solid.ball((0, 0, 0), 1))["ball"],
         "teapot": pas.teapot("paper"),
+        "network": pas.network.Network([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1), (0, 2)], "1/8", "1/8").blend(
+            1, "lowest"
+        ),
     }
     with TemporaryDirectory() as folder:
         return tuple(

@@ -158,6 +158,8 @@ LONG_COMMANDS: dict[str, tuple[Callable[[Path], Path], tuple[Any, ...]]] = {
     "render": (_saved_blend, ("render", "{}", "-o", "OUT/x.png")),
     "write": (_saved_blend, ("write", "{}", "OUT/x.obj", "--open", *COARSE)),
     "convert": (_saved_blend, ("convert", "{}", "OUT/x.3mf", *COARSE)),
+    "build": (lambda _: CORNER, ("build", "{}", "-o", "OUT/x.stl", *COARSE)),
+    "network": (lambda _: CORNER, ("network", "build", "cubic", "--degree", "lowest", "-o", "OUT/x.stl")),
     "teapot": (lambda _: CORNER, ("teapot", "-o", "OUT", "--style", "paper", "--tolerance", 1)),
 }
 """The commands by name, what they read, and their arguments, of which {} is what they read."""
@@ -206,6 +208,9 @@ LONG_CALLS = {
     "Solid.face_mesh": LongCall(_solid, lambda p, f, **k: p.face_mesh(T, **k), 3),
     "Solid.volume": LongCall(_solid, lambda p, f, **k: p.volume(T, **k), 3),
     "Solid.area": LongCall(_solid, lambda p, f, **k: p.area(T, **k), 3),
+    "Solid.measures": LongCall(_solid, lambda p, f, **k: p.measures(T, **k), 3),
+    "Part.measures": LongCall(_parts, lambda p, f, **k: p["ball"].measures(T, **k), 3),
+    "Assembly.part_list": LongCall(_parts, lambda p, f, **k: p.part_list(T, **k), 3),
     "Solid.shell": LongCall(_ball, lambda p, f, **k: p.shell(0.2, tolerance=0.4, **k), 3),
     "Part.mesh": LongCall(_parts, lambda p, f, **k: p["ball"].mesh(T, **k), 3),
     "Assembly.mesh": LongCall(_parts, lambda p, f, **k: p.mesh(T, **k), 3),

@@ -81,6 +81,10 @@ KEPT: dict[str, dict[str, str]] = {
         **dict.fromkeys(("signs.*", "unit", "shape.*"), DEFINES),
         **dict.fromkeys(("alignment.reversed", "alignment.shift"), GIVEN),
     },
+    "network": {
+        **{f"blends.N.{path}": reason for path, reason in BLEND.items()},
+        **dict.fromkeys(("grid", "points.*", "edges.*", "radii.*", "sizes.*", "order"), DEFINES),
+    },
     "sphere blend": {
         **{f"boundaries.N.{path}": reason for path, reason in GENERATRIX.items()},
         **dict.fromkeys(("center.*", "radius", "angles.*", "shapes.*"), DEFINES),
@@ -101,7 +105,7 @@ def bases() -> dict[str, Base]:
 NAMES = (
     *("corner", "elbow", "joined", "part", "bent", "hollow", "body", "assembly", "surface", "waves", "neck"),
     *("weighted", "quadrics", "patches", "through", "net", "tetra", "hollow blend", "hollow blend of given contacts"),
-    *("wished", "given", "layout", "node", "a part", "teapot"),
+    *("wished", "given", "layout", "node", "a part", "teapot", "network"),
 )
 
 
