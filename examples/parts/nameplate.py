@@ -1,7 +1,4 @@
-"""A name plate for two colours: raised letters on a rounded plate with two holes, as two parts.  In millimetres.
-
-The STEP file is of the plate, for the mill.
-"""
+"""A name plate for two colours: raised letters on a rounded plate with two holes, as two parts.  In millimetres."""
 
 from pas import solid
 
@@ -15,4 +12,4 @@ part = solid.assembly(
 if __name__ == "__main__":
     part.draw("nameplate.png", view=(0, -0.7, 1))
     part.write("nameplate.3mf", unit="mm")
-    part["plate"].write("nameplate.step", unit="mm")
+    part.write("nameplate.step", unit="mm")
