@@ -73,10 +73,11 @@ def finite_domain(surface: ParametricMap, domain: DomainLike = None) -> Domain:
 
 
 def finite_part(interval: Interval) -> Interval:
-    """An interval itself, or of an infinite one a part, at least 2 long, in which samples are taken."""
+    """An interval itself, or of one that is longer than doubles hold a part, about 2 long, in which samples are taken."""
     low, high = interval
-    start = low if math.isfinite(low) else min(-1.0, high - 2.0)
-    return start, high if math.isfinite(high) else max(1.0, start + 2.0)
+    if math.isfinite(high - low):
+        return interval
+    return max(low, min(-1.0, high - 2.0)), min(high, max(1.0, low + 2.0))
 
 
 @dataclass(frozen=True)

@@ -110,18 +110,23 @@ def _expected_size(surface: ParametricMap) -> int:
 def _sampled(surface: ParametricMap, claim: str, why: str) -> Verdict:
     """What the tangents on a grid say: how small the sine between them and their lengths become."""
     t, h = (np.linspace(*finite_part(interval), 33) for interval in surface.domain)
-    tangents = surface.tangents(np.stack(np.meshgrid(t, h, indexing="ij"), axis=-1))
-    known = tangents[np.isfinite(tangents).all(axis=(-1, -2))]
-    if not len(known):
-        return Verdict(Status.UNDECIDED, claim, f"{why}; it has no tangents at the points tried")
+    places = np.stack(np.meshgrid(t, h, indexing="ij"), axis=-1).reshape(-1, 2)
+    tangents = surface.tangents(places)
+    finite = np.isfinite(tangents).all(axis=(-1, -2))
+    lost, known = places[~finite], tangents[finite]
     sizes, ways = lengths(known), scaled(known)
     across = lengths(np.cross(ways[:, 0], ways[:, 1]))
     sines = across / np.maximum(lengths(ways).prod(axis=-1), 1 / 8)  # at least 1/4 but for zero vectors
-    angle = math.degrees(math.asin(min(1.0, float(sines.min()))))
-    still, flat = bool((sizes <= 1e-9 * np.median(sizes, axis=0)).any()), angle < 1e-6  # beyond what rounding makes
+    angle = math.degrees(math.asin(min(1.0, float(sines.min(initial=1.0)))))
+    still = len(known) > 0 and bool((sizes <= 1e-9 * np.median(sizes, axis=0)).any())
+    flat = angle < 1e-6  # beyond what rounding makes
     reason = f"{why}; at {len(known)} points tried the tangents meet at angles of {angle:.3g} degrees or more"
     if still:
         reason += ", and at some of them one of the two vanishes"
+    if len(lost) and not (still or flat):
+        where = ", ".join(f"{name} = {x:.6g}" for name, x in zip(surface.parameters, lost[0], strict=True))
+        reason = f"{why}; at {len(lost)} of {len(places)} points tried it has no finite tangents, as at {where}"
+        return Verdict(Status.UNDECIDED, claim, reason)
     return Verdict(Status.FAILS_MEASURED if still or flat else Status.HOLDS_MEASURED, claim, reason)
 
 
