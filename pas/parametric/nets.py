@@ -73,11 +73,10 @@ def finite_domain(surface: ParametricMap, domain: DomainLike = None) -> Domain:
 
 
 def finite_part(interval: Interval) -> Interval:
-    """An interval itself, or of one that is longer than doubles hold a part, about 2 long, in which samples are taken."""
+    """An interval itself, or a part, about 2 long, of one longer than doubles hold, in which samples are taken."""
     low, high = interval
-    if math.isfinite(high - low):
-        return interval
-    return max(low, min(-1.0, high - 2.0)), min(high, max(1.0, low + 2.0))
+    part = max(low, min(-1.0, high - 2.0)), min(high, max(1.0, low + 2.0))
+    return interval if math.isfinite(high - low) else part
 
 
 @dataclass(frozen=True)

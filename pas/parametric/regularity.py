@@ -113,21 +113,21 @@ def _sampled(surface: ParametricMap, claim: str, why: str) -> Verdict:
     places = np.stack(np.meshgrid(t, h, indexing="ij"), axis=-1).reshape(-1, 2)
     tangents = surface.tangents(places)
     finite = np.isfinite(tangents).all(axis=(-1, -2))
-    lost, known = places[~finite], tangents[finite]
-    sizes, ways = lengths(known), scaled(known)
+    if not finite.all():
+        where = ", ".join(f"{n} = {x:.6g}" for n, x in zip(surface.parameters, places[~finite][0], strict=True))
+        why += f"; at {(~finite).sum()} of {len(places)} points tried it has no finite tangents, as at {where}"
+    if not finite.any():
+        return Verdict(Status.UNDECIDED, claim, why)
+    sizes, ways = lengths(tangents[finite]), scaled(tangents[finite])
     across = lengths(np.cross(ways[:, 0], ways[:, 1]))
     sines = across / np.maximum(lengths(ways).prod(axis=-1), 1 / 8)  # at least 1/4 but for zero vectors
-    angle = math.degrees(math.asin(min(1.0, float(sines.min(initial=1.0)))))
-    still = len(known) > 0 and bool((sizes <= 1e-9 * np.median(sizes, axis=0)).any())
-    flat = angle < 1e-6  # beyond what rounding makes
-    reason = f"{why}; at {len(known)} points tried the tangents meet at angles of {angle:.3g} degrees or more"
+    angle = math.degrees(math.asin(min(1.0, float(sines.min()))))
+    still, flat = bool((sizes <= 1e-9 * np.median(sizes, axis=0)).any()), angle < 1e-6  # beyond what rounding makes
+    reason = f"{why}; at {len(sizes)} points tried the tangents meet at angles of {angle:.3g} degrees or more"
     if still:
         reason += ", and at some of them one of the two vanishes"
-    if len(lost) and not (still or flat):
-        where = ", ".join(f"{name} = {x:.6g}" for name, x in zip(surface.parameters, lost[0], strict=True))
-        reason = f"{why}; at {len(lost)} of {len(places)} points tried it has no finite tangents, as at {where}"
-        return Verdict(Status.UNDECIDED, claim, reason)
-    return Verdict(Status.FAILS_MEASURED if still or flat else Status.HOLDS_MEASURED, claim, reason)
+    good = Status.HOLDS_MEASURED if finite.all() else Status.UNDECIDED
+    return Verdict(Status.FAILS_MEASURED if still or flat else good, claim, reason)
 
 
 def normal_numerators(surface: ParametricMap) -> list[fmpq_mpoly]:
