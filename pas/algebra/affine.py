@@ -227,6 +227,19 @@ def reflection(normal: VectorLike, center: VectorLike) -> Affine:
     return about(rows, center)  # type: ignore[arg-type]
 
 
+def translations(count: int, offset: VectorLike) -> list[Affine]:
+    """The maps that move `count` copies, but for the first, each by `offset` from the one before."""
+    step = vector(offset, "offset")
+    return [translation([k * c for c in step]) for k in range(1, whole(count, "count", 1, 10_000))]
+
+
+def turns(count: int, axis: VectorLike, center: VectorLike, step: Exact | None) -> list[Affine]:
+    """The maps that turn `count` copies, but for the first, each by `step` degrees, or evenly all around."""
+    number = whole(count, "count", 1, 10_000)
+    degrees = fmpq(360, number) if step is None else rational(step, "step")
+    return [rotation(axis, k * degrees, center) for k in range(1, number)]
+
+
 def numbered(name: str, copy: int) -> str:
     """The name of what is called so in a copy; the first has number 1, and its names as they are."""
     return name if copy == 1 or not name else f"{name} #{copy}"
@@ -275,8 +288,7 @@ class AffineShape(ABC, Generic[M]):
         What is named "hole" is named "hole #2" in the second copy, and so on.  Raises `TypeError` for a shape that has
         no unions, such as a surface, `ValueError` for a count that is no whole number of at least 1.
         """
-        number, step = whole(count, "count", 1, 10_000), vector(offset, "offset")
-        return self._patterned([translation([k * c for c in step]) for k in range(1, number)])
+        return self._patterned(translations(count, offset))
 
     def circular_pattern(
         self, count: int, axis: VectorLike, center: VectorLike = (0, 0, 0), step: Exact | None = None
@@ -285,9 +297,7 @@ class AffineShape(ABC, Generic[M]):
 
         Names are those of `pattern`, and so are the errors; angles are exact as those of `rotate`.
         """
-        number = whole(count, "count", 1, 10_000)
-        degrees = fmpq(360, number) if step is None else rational(step, "step")
-        return self._patterned([rotation(axis, k * degrees, center) for k in range(1, number)])
+        return self._patterned(turns(count, axis, center, step))
 
     def _patterned(self, maps: Sequence[Affine]) -> M:
         """It and its images, as one."""

@@ -258,10 +258,7 @@ def bernstein_at(degree: int, t: Floats, order: int = 0) -> Floats:
     low = degree - order
     rows = np.stack([comb(low, i) * t**i * (1.0 - t) ** (low - i) for i in range(low + 1)], axis=-1)
     for k in range(order):
-        wide = np.zeros((*t.shape, rows.shape[-1] + 1))
-        wide[..., 1:] += rows
-        wide[..., :-1] -= rows
-        rows = wide * (low + k + 1)
+        rows = -np.diff(rows, axis=-1, prepend=0.0, append=0.0) * (low + k + 1)
     return rows
 
 
