@@ -304,7 +304,7 @@ class CellMesher:
             if self.whole is not None and np.isfinite(lost.bounds).all():
                 raise self._too_fine(self.aim)
             values = self.framed.parameters_outside(lost.places[0].reshape(2, 2).mean(axis=1) / GRID)
-            place = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.framed.bounded.parameters, values, strict=True))
+            place = ", ".join(f"{n} = {x:.6g}" for n, x in zip(self.framed.bounded.parameters, values, strict=True))
             what = "the surface has a pole, jumps, or numerator and denominator vanish together,"
             raise GeometryError(f"{what} near {place}; give a domain that avoids it")
         if count > LARGEST:
