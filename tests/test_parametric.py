@@ -272,6 +272,17 @@ def test_members_of_the_solutions():
             pas.Status.FAILS_MEASURED,
             "one of the two vanishes",
         ),
+        (  # longer than doubles hold
+            ParametricSurface("sin(t)", "h", "t", domain=((-1e308, 1e308), None)),
+            pas.Status.HOLDS_MEASURED,
+            "degrees or more",
+        ),
+        (
+            ParametricSurface("t", "h", "1/sin(t)", domain=((-1, 1), (-1, 1))),
+            pas.Status.UNDECIDED,
+            "at 33 of 1089 points tried it has no finite tangents, as at t = 0, h = -1",
+        ),
+        (ParametricSurface("t", "h", "sqrt(t - 2)", domain=((0, 1), None)), pas.Status.UNDECIDED, "at 1089 of 1089"),
         (
             ParametricSurface("sin(t)", "h", "t/0.1 - t/(1/10)").with_domain(((0, 1), None)),
             pas.Status.HOLDS_MEASURED,

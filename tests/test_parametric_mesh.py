@@ -162,6 +162,12 @@ def test_nets_are_the_surface():
         (pas.ellipsoid(), ((0, 1), (0, 2)), ValueError, "interval .* of h is not within"),
         (pas.ParametricSurface("1/(t - h)", "t", "h"), SQUARE, pas.GeometryError, "has a pole, .* near t = "),
         (pas.ParametricSurface("t*h/(t^2 + h^2)", "t", "h"), ((-1, 2), (-1, 2)), pas.GeometryError, "near t = .*e-"),
+        (  # of size 1, but so far out that bounds of rounding are larger than the tolerance
+            pas.ParametricSurface("1000000 + t", "h", "(t^2 - h^2)/(1 + t^2 + h^2)"),
+            SQUARE,
+            pas.MeshError,
+            "finer than doubles resolve",
+        ),
         (pas.ParametricSurface("1/sin(t)", "t", "h"), ((-1, 2), (0, 1)), pas.GeometryError, "has a pole"),
         (pas.ParametricSurface("1", "2", "0*t"), SQUARE, pas.GeometryError, "single point"),
     ],

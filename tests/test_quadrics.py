@@ -358,6 +358,21 @@ def test_branches_as_boundaries():
         branch.on(2)
 
 
+TOUCHING = [("x^2 + y^2 - 1", "x^2 + y^2 + z^2 - 1", None), ("x^2 - y^2 - 1", "x^2 - y^2 + z^2 - 1", ("1/4", "3/4"))]
+
+
+@pytest.mark.parametrize(("first", "second", "interval"), TOUCHING)
+def test_quadrics_that_touch_along_a_conic(first, second, interval):
+    """Their gradients are parallel there, and say nothing of the curve's direction."""
+    s, step = np.linspace(0.3, 0.7, 5), 1e-5
+    for branch in quadric_intersection(first, second):
+        changes = (branch(s + step) - branch(s - step)) / (2 * step)
+        np.testing.assert_allclose(branch.derivative(s), changes, atol=1e-6)
+        assert np.isfinite(branch.on(0, interval).velocity(S)).all()
+        if branch.closed:
+            np.testing.assert_allclose(np.linalg.norm(branch.derivative(s), axis=1), 2 * np.pi, rtol=1e-14)
+
+
 def test_planes_of_a_pencil():
     found = members(Quadric("x^2 + y^2 - 1"), Quadric("y^2 + z^2/4 - 1"))
     pair = next(m for m in found if m.inertia == (1, 1))

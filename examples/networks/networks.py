@@ -18,7 +18,7 @@ from pas.network import Network
 
 
 def octet() -> Network:
-    """A block of the octet truss, whose density is some 40 %."""
+    """A block of the octet truss, whose density is about 32 %."""
     return network.lattice("octet", (3, 3, 2), radius="7/100")
 
 

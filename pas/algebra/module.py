@@ -35,15 +35,14 @@ def syzygies(
     of them.  A syzygy is the tuple (a_1, .., a_m); its degree is the largest degree of a product,
     `deg(a_i) + deg(v_i)`, where deg(v_i) is the largest degree of its entries (0 for zero).
 
-    Without a `degree`: generators of all syzygies, by ascending degree, with coprime integers as
-    coefficients.  They are minimal as graded generators: those of degree <= d, times monomials,
-    span all syzygies of degree <= d, and none is a combination of others of at most its own
-    degree.  (One may be a combination in which higher degrees cancel: `Submodule.irredundant`
-    drops such, and with them the promise on degrees.)  With a `degree`: a basis of the vector
+    Without a `degree`: generators of all syzygies, by ascending degree, with coprime integers as coefficients.  They
+    are minimal as graded generators: those of degree <= d, times monomials, span all syzygies of degree <= d, and none
+    is a combination of others of at most its own degree.  (One may be a combination in which higher degrees cancel:
+    `Submodule.irredundant` drops such, and with them the promise on degrees.)  With a `degree`: a basis of the vector
     space of all syzygies of degree <= `degree`.
 
-    Raises `ValueError` or `TypeError` for no polynomials, tuples of different lengths, or entries
-    that are no polynomials in x, y, z.
+    Raises `ValueError` or `TypeError` for no polynomials, tuples of different lengths, or entries that are no
+    polynomials in x, y, z.
 
     Source: Buchberger (1965) and Schreyer (1980); see Cox, Little and O'Shea (2005, chapter 5).
 

@@ -1,9 +1,8 @@
 """Membership in contact ideals with parameters: its linear equations, and their solutions case by case.
 
-Where the leading monomials of f and h^(k+1) in some graded order have no variable in common and
-constant coefficients, {f, h^(k+1)} is a Groebner basis for all values of the parameters
-(Buchberger's first criterion), and g lies in the ideal iff its remainder, linear in the
-coefficients of g, is zero.
+Where the leading monomials of f and h^(k+1) in some graded order have no variable in common and constant coefficients,
+{f, h^(k+1)} is a Groebner basis for all values of the parameters (Buchberger's first criterion), and g lies in the
+ideal iff its remainder, linear in the coefficients of g, is zero.
 
 Nullspaces are found by fraction-free Gaussian elimination.  A pivot is used where it is known to vanish nowhere: a
 constant, a polynomial of definite sign, or one that the case excludes.  Where no such entry is

@@ -104,7 +104,7 @@ def positive(value: Any, name: str) -> fmpq:
 
 
 def near(value: float) -> fmpq:
-    """A rational number with at most nine digits below, which is off by less than 10^-18."""
+    """The nearest rational number whose denominator is at most 10^9; it is off by less than 10^-9."""
     return rational(Fraction(value).limit_denominator(10**9))
 
 

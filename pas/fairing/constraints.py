@@ -27,7 +27,6 @@ from pas.surface.placed import PlacedContacts
 CONE_EVERY, CONE_SHARES = 4, (0.3, 0.7, 0.9, 1.1)
 """Points of an opening's curve that the cone through it is looked at beside, and where, in multiples of them."""
 
-
 SAMPLES = 32
 """Values of f on each ray between which its zeros are looked for; halved steps found the same."""
 

@@ -40,7 +40,6 @@ optimum is unique, and the solver reaches 1e-6 or better where it does not fail.
 TOLERANCE = 1e-9
 """DAQP's primal tolerance: its default, 1e-6, hides contradictions of points."""
 
-
 ITERATIONS = 200
 """Changes of the active set before giving up; the solver's guess was right in nearly all cases."""
 

@@ -1,10 +1,9 @@
 """Cubes halved where a boundary needs it, cut into tetrahedra that fit together.
 
-A cube is cut into six tetrahedra about its diagonal (Kuhn 1960); the middles of the cube, of its
-faces and of its edges, in this order, halve them until each eighth of the cube has its own six
-(Maubach 1995).  Which middles are used decides everything, and they fit where the middle of an edge
-comes with those of the faces beside it, that of a face with those of both its cubes, and that of a cube
-with the cube's eight corners.
+A cube is cut into six tetrahedra about its diagonal (Kuhn 1960); the middles of the cube, of its faces and of its
+edges, in this order, halve them until each eighth of the cube has its own six (Maubach 1995).  Which middles are used
+decides everything, and they fit where the middle of an edge comes with those of the faces beside it, that of a face
+with those of both its cubes, and that of a cube with the cube's eight corners.
 """
 
 from __future__ import annotations

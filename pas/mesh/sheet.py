@@ -50,9 +50,8 @@ def remeshed(
     """The mesh in the user's coordinates within a tolerance, measured, from a first one.
 
     With `accept` the first mesh has few triangles, none of which is left out; it may raise an error where the vertices
-    (K, 3) inside the coarse mesh that is made of it are not good enough to go on.
-    Raises `BadMeshError` where triangles are folded, or the tolerance is not reached, `MeshError` where there would be
-    too many triangles.
+    (K, 3) inside the coarse mesh that is made of it are not good enough to go on.  Raises `BadMeshError` where
+    triangles are folded, or the tolerance is not reached, `MeshError` where there would be too many triangles.
     """
     remesher = Remesher(SurfaceGround(field), tolerance, settings)
     mesh = remesher.begun(first)

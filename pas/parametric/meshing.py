@@ -268,9 +268,8 @@ class CellMesher:
             nets = self.whole if len(ends[0]) == len(ends[1]) == 2 else self._net(cell)
             nets = Nets(np.zeros((1, 2, 2, 1)), np.zeros(1)) if nets is None else nets
             none, unseen = np.zeros(1, dtype=np.intp), np.zeros(1)
-            found.append(
-                self._seen(GridCells(nets.table, nets.off, cell[None], none, unseen, unseen, none, unseen > 0))
-            )
+            cells = GridCells(nets.table, nets.off, cell[None], none, unseen, unseen, none, unseen > 0)
+            found.append(self._seen(cells))
         return found
 
     def _seen(self, cells: GridCells) -> GridCells:
@@ -298,13 +297,14 @@ class CellMesher:
         return np.where(cells.done, int(Fate.KEEP), int(Fate.SPLIT))
 
     def _require_hope(self, far: GridCells, count: int) -> None:
-        """A cell without a bound after 32 halvings is 2e-5 wide each way, and reported as a pole; after 40 any cell is,
-        since smooth surfaces have run out of triangles before."""
+        """A cell without a bound after 32 halvings is 2e-5 wide each way, and reported as a pole; so is after 40 one
+        of measured bound, since smooth surfaces have run out of triangles before.  Proved bounds are rounding then."""
         lost = far.select((far.halvings >= 40) | ~np.isfinite(far.bounds))
         if len(lost) and (lost.halvings.max() >= 32 or count > LARGEST):
+            if self.whole is not None and np.isfinite(lost.bounds).all():
+                raise self._too_fine(self.aim)
             values = self.framed.parameters_outside(lost.places[0].reshape(2, 2).mean(axis=1) / GRID)
-            names = self.framed.bounded.parameters
-            place = ", ".join(f"{name} = {x:.6g}" for name, x in zip(names, values, strict=True))
+            place = ", ".join(f"{n} = {x:.6g}" for n, x in zip(self.framed.bounded.parameters, values, strict=True))
             what = "the surface has a pole, jumps, or numerator and denominator vanish together,"
             raise GeometryError(f"{what} near {place}; give a domain that avoids it")
         if count > LARGEST:

@@ -73,10 +73,10 @@ def finite_domain(surface: ParametricMap, domain: DomainLike = None) -> Domain:
 
 
 def finite_part(interval: Interval) -> Interval:
-    """An interval itself, or of an infinite one a part, at least 2 long, in which samples are taken."""
+    """An interval itself, or a part, about 2 long, of one longer than doubles hold, in which samples are taken."""
     low, high = interval
-    start = low if math.isfinite(low) else min(-1.0, high - 2.0)
-    return start, high if math.isfinite(high) else max(1.0, start + 2.0)
+    part = max(low, min(-1.0, high - 2.0)), min(high, max(1.0, low + 2.0))
+    return interval if math.isfinite(high - low) else part
 
 
 @dataclass(frozen=True)
@@ -258,10 +258,7 @@ def bernstein_at(degree: int, t: Floats, order: int = 0) -> Floats:
     low = degree - order
     rows = np.stack([comb(low, i) * t**i * (1.0 - t) ** (low - i) for i in range(low + 1)], axis=-1)
     for k in range(order):
-        wide = np.zeros((*t.shape, rows.shape[-1] + 1))
-        wide[..., 1:] += rows
-        wide[..., :-1] -= rows
-        rows = wide * (low + k + 1)
+        rows = -np.diff(rows, axis=-1, prepend=0.0, append=0.0) * (low + k + 1)
     return rows
 
 

@@ -110,19 +110,24 @@ def _expected_size(surface: ParametricMap) -> int:
 def _sampled(surface: ParametricMap, claim: str, why: str) -> Verdict:
     """What the tangents on a grid say: how small the sine between them and their lengths become."""
     t, h = (np.linspace(*finite_part(interval), 33) for interval in surface.domain)
-    tangents = surface.tangents(np.stack(np.meshgrid(t, h, indexing="ij"), axis=-1))
-    known = tangents[np.isfinite(tangents).all(axis=(-1, -2))]
-    if not len(known):
-        return Verdict(Status.UNDECIDED, claim, f"{why}; it has no tangents at the points tried")
-    sizes, ways = lengths(known), scaled(known)
+    places = np.stack(np.meshgrid(t, h, indexing="ij"), axis=-1).reshape(-1, 2)
+    tangents = surface.tangents(places)
+    finite = np.isfinite(tangents).all(axis=(-1, -2))
+    if not finite.all():
+        where = ", ".join(f"{n} = {x:.6g}" for n, x in zip(surface.parameters, places[~finite][0], strict=True))
+        why += f"; at {(~finite).sum()} of {len(places)} points tried it has no finite tangents, as at {where}"
+    if not finite.any():
+        return Verdict(Status.UNDECIDED, claim, why)
+    sizes, ways = lengths(tangents[finite]), scaled(tangents[finite])
     across = lengths(np.cross(ways[:, 0], ways[:, 1]))
     sines = across / np.maximum(lengths(ways).prod(axis=-1), 1 / 8)  # at least 1/4 but for zero vectors
     angle = math.degrees(math.asin(min(1.0, float(sines.min()))))
     still, flat = bool((sizes <= 1e-9 * np.median(sizes, axis=0)).any()), angle < 1e-6  # beyond what rounding makes
-    reason = f"{why}; at {len(known)} points tried the tangents meet at angles of {angle:.3g} degrees or more"
+    reason = f"{why}; at {len(sizes)} points tried the tangents meet at angles of {angle:.3g} degrees or more"
     if still:
         reason += ", and at some of them one of the two vanishes"
-    return Verdict(Status.FAILS_MEASURED if still or flat else Status.HOLDS_MEASURED, claim, reason)
+    good = Status.HOLDS_MEASURED if finite.all() else Status.UNDECIDED
+    return Verdict(Status.FAILS_MEASURED if still or flat else good, claim, reason)
 
 
 def normal_numerators(surface: ParametricMap) -> list[fmpq_mpoly]:

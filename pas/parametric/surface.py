@@ -160,8 +160,7 @@ class SurfaceCurve:
         self.surface(self.parameters(array))  # speaks up outside the domain
         line, _ = variables(array, np.zeros_like(array), (order, 0))
         with np.errstate(all="ignore"):
-            inner = [f(line, 0.0) for f in self.path]
-            parts = self.surface.values(*inner)
+            parts = self.surface.values(*(f(line, 0.0) for f in self.path))
         flat = np.zeros(array.shape)
         return np.stack([p.derivative(order, 0) if isinstance(p, Jet) else flat for p in parts], axis=-1)
 

@@ -134,9 +134,12 @@ class QuadricBranch:
         return np.asarray(self.local(array.ravel()) + self.pair.offset).reshape(*array.shape, 3)
 
     def derivative(self, s: ArrayLike) -> Floats:
-        """C'(s) at `s` (...): (..., 3): along the product of the gradients, its length by differences."""
+        """C'(s) at `s` (...): (..., 3), but of conics along the product of gradients, its length by differences."""
         array = np.asarray(s, dtype=float)
         flat, step = array.ravel(), 1e-5  # for the speed alone: the direction comes from the gradients
+        if self.conic is not None:  # along which the quadrics may touch
+            speed = np.full(len(flat), 2 * np.pi) if self.closed else 1 / (flat * (1 - flat))
+            return np.asarray(self.conic(self._turn(flat), 1, self.sign) * speed[:, None]).reshape(*array.shape, 3)
         change = (self.local(flat + step) - self.local(flat - step)) / (2 * step)
         points = self.local(flat)
         first, second = (q.polynomial.gradient(points) for q in self.pair.local)
@@ -181,11 +184,14 @@ class QuadricBranch:
     def local(self, s: Floats) -> Floats:
         """Points (n, 3) at s (n,) in the coordinates of `pair.local`."""
         with np.errstate(all="ignore"):
-            if self.conic is not None:  # of open ones the parameter is all reals
-                turn = 2 * np.pi * s if self.closed else 2 * np.arctanh(2 * s - 1)
-                return self.conic(turn, 0, self.sign)
+            if self.conic is not None:
+                return self.conic(self._turn(s), 0, self.sign)
             points = self.homogeneous(s)
             return self.pair.polished(points[:, :3] / points[:, 3:])
+
+    def _turn(self, s: Floats) -> Floats:
+        """The conic's own parameter at s (n,), which is all reals for an open one."""
+        return np.asarray(2 * np.pi * s if self.closed else 2 * np.arctanh(2 * s - 1))
 
     def __str__(self) -> str:
         kind = "closed" if self.closed else f"open (at infinity at {len(self.poles)} places)"
