@@ -1,7 +1,7 @@
 """The site: Sphinx with pages in Markdown (MyST), an API reference from docstrings, and formulas as MathML.
 
-`make docs` builds it into out/docs.  Nothing is fetched while it is built or read.  Pages that are made from other files
-(gallery, command line, file formats) are written by `generated.py` when the build begins.
+`make docs` builds it into out/docs.  Nothing is fetched while it is built or read.  Pages that are made from
+other files (gallery, command line, file formats) are written by `generated.py` when the build begins.
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_math_renderer = "mathml"
 html_show_sphinx = False
-html_theme_options = {"navigation_with_keys": True, "light_css_variables": {"color-brand-primary": "#2b5f8a", "color-brand-content": "#2b5f8a"}}
+BLUE = {"color-brand-primary": "#2b5f8a", "color-brand-content": "#2b5f8a"}
+html_theme_options = {"navigation_with_keys": True, "light_css_variables": BLUE}
 pygments_style = "tango"
 highlight_language = "python"
 copybutton_exclude = ".linenos, .gp, .go"

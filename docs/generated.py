@@ -1,7 +1,7 @@
 """Pages of the site that are made from other files: gallery, benchmarks, command line, problem files, project files.
 
-`write(folder)` makes them; `pages()` gives them by name, as text.  What they tell is read from the program itself, so that
-they cannot fall behind it: options from the parser of the command line, keys from the tables of the readers, forms of
+`write(folder)` makes them; `pages()` gives them by name, as text.  What they tell is read from the program itself, so
+that they cannot fall behind it: options from the parser of the command line, keys from the tables of the readers, forms of
 project files from the kinds of shapes.
 """
 
@@ -12,7 +12,6 @@ import inspect
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -123,8 +122,8 @@ def overview() -> str:
         cards.append(f":::{{grid-item-card}} {title}\n:link: gallery_{name}\n:link-type: doc\n{image}:::\n")
     toctree = "\n".join(f"gallery_{name}" for name in GALLERIES)
     return (
-        "# Gallery\n\nEvery picture is made by a script of the repository, which stands on the same page and is run by the "
-        "tests.\n\n::::{grid} 2 2 3 3\n:gutter: 2\n\n" + "\n".join(cards) + "::::\n\n"
+        "# Gallery\n\nEvery picture is made by a script of the repository, which stands on the same page and is run by "
+        "the tests.\n\n::::{grid} 2 2 3 3\n:gutter: 2\n\n" + "\n".join(cards) + "::::\n\n"
         f"```{{toctree}}\n:hidden:\n\n{toctree}\n```\n"
     )
 
@@ -198,9 +197,10 @@ def problem_files() -> str:
 
     lines = [
         "# Problem files\n",
-        "A problem file is TOML and says what is to be made. `pas blend`, `pas parametric` and `pas build` read it, and so does "
-        "`pas.read_problem`, whose `solve()` makes the shape. Numbers are exact: integers, decimals as written, and "
-        'fractions in quotes, `"1/3"`. A key that is unknown or wrong is answered with its line and the nearest that is known.\n',
+        "A problem file is TOML and says what is to be made. `pas blend`, `pas parametric` and `pas build` read it, and "
+        "so does `pas.read_problem`, whose `solve()` makes the shape. Numbers are exact: integers, decimals as written, and "
+        'fractions in quotes, `"1/3"`. A key that is unknown or wrong is answered with its line and the '
+        "nearest that is known.\n",
         "## What all problems have\n",
         described(import_module("pas.exchange.problem")),
     ]
@@ -250,7 +250,9 @@ def settings_tables() -> str:
         lines += [f"## The table [{table}]\n", "| key | value | meaning |", "|---|---|---|"]
         for one in options(settings, "file"):
             about = one.metadata
-            kind = {bool: "true or false", int: "whole number", float: "number", str: "text", list: "list"}[about["kind"]]
+            kind = {bool: "true or false", int: "whole number", float: "number", str: "text", list: "list"}[
+                about["kind"]
+            ]
             lines.append(f"| `{one.name}` | {kind} | {cell(about['text'].format(usual='0.001 of the size'))} |")
         lines.append("")
     return "\n".join(lines)
@@ -285,12 +287,12 @@ def project_files() -> str:
 
     lines = [
         "# Project files\n",
-        "A project file (`.pas.json`) holds a shape exactly: `shape.save(path)` writes it, `pas.load(path)` and the commands "
-        "`pas check`, `mesh`, `render`, `write` and `convert` read it. Verdicts in it are for people: no program believes "
-        "them, and they are proved again.\n",
+        "A project file (`.pas.json`) holds a shape exactly: `shape.save(path)` writes it, `pas.load(path)` and the "
+        "commands `pas check`, `mesh`, `render`, `write` and `convert` read it. Verdicts in it are for people: no program "
+        "believes them, and they are proved again.\n",
         described(container),
-        "Below are the forms of the content by `kind`. Exact numbers are texts such as `\"1/3\"` or whole numbers; a polynomial "
-        'is a list of terms `[i, j, k, "p/q"]` for $p/q\\, x^i y^j z^k$, or a formula as a text.\n',
+        'Below are the forms of the content by `kind`. Exact numbers are texts such as `"1/3"` or whole numbers; a '
+        'polynomial is a list of terms `[i, j, k, "p/q"]` for $p/q\\, x^i y^j z^k$, or a formula as a text.\n',
     ]
     for name in KINDS:
         lines += [f"## {name}\n", "```text", *form_lines(KINDS[name].schema), "```\n"]
@@ -308,7 +310,10 @@ def form_lines(form: Any, indent: int = 0, seen: tuple[Any, ...] = ()) -> list[s
     if isinstance(form, Table):
         for key, entry in {**form.needs, **form.may}.items():
             optional = "" if key in form.needs else " (optional)"
-            lines += [f"{' ' * indent}{key}{optional}: {entry.words or 'as below'}", *form_lines(entry, indent + 4, seen)]
+            lines += [
+                f"{' ' * indent}{key}{optional}: {entry.words or 'as below'}",
+                *form_lines(entry, indent + 4, seen),
+            ]
         return lines
     inner = inspect.getclosurevars(form.inside).nonlocals if inspect.isfunction(form.inside) else {}
     for name in ("entry", "form"):
@@ -321,22 +326,24 @@ def form_lines(form: Any, indent: int = 0, seen: tuple[Any, ...] = ()) -> list[s
     if "fitting" in inner:
         inner = inspect.getclosurevars(inner["fitting"]).nonlocals
     for number, entry in enumerate(inner.get("forms", ())):
-        lines += [f"{' ' * indent}{'either' if number == 0 else 'or'} {entry.words}", *form_lines(entry, indent + 4, seen)]
+        lines += [
+            f"{' ' * indent}{'either' if number == 0 else 'or'} {entry.words}",
+            *form_lines(entry, indent + 4, seen),
+        ]
     if "find" in inner:
         lines += form_lines(inner["find"](), indent, seen)
     return lines
 
 
 def reproduction() -> str:
-    """The list of the pages on published results."""
-    found = sorted((DOCS / "reproduction").glob("*.md")) if (DOCS / "reproduction").is_dir() else []
-    listed = "\n".join(f"../reproduction/{path.stem}" for path in found)
+    """The list of the pages on published results and on open questions, as many as there are."""
+    found = [*sorted((DOCS / "reproduction").glob("*.md")), *sorted(DOCS.glob("research*.md"))]
+    listed = "\n".join(os.path.relpath(path.with_suffix(""), FOLDER) for path in found)
     return (
-        "# Reproduction of published results\n\nEach page recomputes what a paper prints, and says where it differs. "
-        "More published cases stand in the galleries of [corners](gallery_corners.md), "
-        "[single-surface blends](gallery_gallery.md) and [parametric blends](gallery_parametric.md), and "
-        "[dimensions of spline spaces](../dimensions.md) are compared with published formulas.\n\n"
-        f"```{{toctree}}\n:maxdepth: 1\n\n{listed}\n```\n"
+        "# Reproduction and research\n\nPublished results are recomputed, and where numbers differ the page says so: in "
+        "the galleries of [corners](gallery_corners.md), [single-surface blends](gallery_gallery.md) and [parametric "
+        "blends](gallery_parametric.md), and for the [dimensions of spline spaces](../dimensions.md).\n\n"
+        + (f"```{{toctree}}\n:maxdepth: 1\n\n{listed}\n```\n" if listed else "")
     )
 
 

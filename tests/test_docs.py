@@ -115,7 +115,9 @@ def test_links_of_pages_lead_somewhere(page):
 
 @pytest.mark.parametrize("path", OUTSIDE, ids=lambda p: str(p.relative_to(ROOT)))
 def test_links_of_texts_in_the_repository_lead_somewhere(path):
-    wrong = [link for link in links(path.read_text(encoding="utf-8")) if not (path.parent / link.split("#")[0]).exists()]
+    wrong = [
+        link for link in links(path.read_text(encoding="utf-8")) if not (path.parent / link.split("#")[0]).exists()
+    ]
     assert not [link for link in wrong if not link.startswith("https://")]
 
 

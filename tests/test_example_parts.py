@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import runpy
 from functools import cache
 
