@@ -1,8 +1,8 @@
 """Pages of the site that are made from other files: gallery, benchmarks, command line, problem files, project files.
 
 `write(folder)` makes them; `pages()` gives them by name, as text.  What they tell is read from the program itself, so
-that they cannot fall behind it: options from the parser of the command line, keys from the tables of the readers, forms of
-project files from the kinds of shapes.
+that they cannot fall behind it: options from the parser of the command line, keys from the tables of the readers, forms
+of project files from the kinds of shapes.
 """
 
 from __future__ import annotations
@@ -197,8 +197,10 @@ def problem_files() -> str:
 
     lines = [
         "# Problem files\n",
-        "A problem file is TOML and says what is to be made. `pas blend`, `pas parametric` and `pas build` read it, and "
-        "so does `pas.read_problem`, whose `solve()` makes the shape. Numbers are exact: integers, decimals as written, and "
+        "A problem file is TOML and says what is to be made. `pas blend`, `pas parametric` and `pas build` "
+        "read it, and "
+        "so does `pas.read_problem`, whose `solve()` makes the shape. Numbers are exact: integers, decimals "
+        "as written, and "
         'fractions in quotes, `"1/3"`. A key that is unknown or wrong is answered with its line and the '
         "nearest that is known.\n",
         "## What all problems have\n",
@@ -288,7 +290,8 @@ def project_files() -> str:
     lines = [
         "# Project files\n",
         "A project file (`.pas.json`) holds a shape exactly: `shape.save(path)` writes it, `pas.load(path)` and the "
-        "commands `pas check`, `mesh`, `render`, `write` and `convert` read it. Verdicts in it are for people: no program "
+        "commands `pas check`, `mesh`, `render`, `write` and `convert` read it. Verdicts in it are for "
+        "people: no program "
         "believes them, and they are proved again.\n",
         described(container),
         'Below are the forms of the content by `kind`. Exact numbers are texts such as `"1/3"` or whole numbers; a '
@@ -340,7 +343,8 @@ def reproduction() -> str:
     found = [*sorted((DOCS / "reproduction").glob("*.md")), *sorted(DOCS.glob("research*.md"))]
     listed = "\n".join(os.path.relpath(path.with_suffix(""), FOLDER) for path in found)
     return (
-        "# Reproduction and research\n\nPublished results are recomputed, and where numbers differ the page says so: in "
+        "# Reproduction and research\n\nPublished results are recomputed, and where numbers differ the page "
+        "says so: in "
         "the galleries of [corners](gallery_corners.md), [single-surface blends](gallery_gallery.md) and [parametric "
         "blends](gallery_parametric.md), and for the [dimensions of spline spaces](../dimensions.md).\n\n"
         + (f"```{{toctree}}\n:maxdepth: 1\n\n{listed}\n```\n" if listed else "")
