@@ -11,7 +11,7 @@ reflection; so kinds have one form iff one is the other turned.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -19,7 +19,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.rational import Vector, cross, dot
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Floats, Integers
 from pas.network.graph import StrutGraph
 from pas.pipeline.similarities import linear_maps
 
@@ -43,10 +43,12 @@ class NodeKind:
         """Its canonical form."""
         return canonical_form(self)
 
-    @property
-    def straight(self) -> bool:
-        """Whether it has two arms in line with one radius, which needs no blend."""
-        return len(self.arms) == 2 and self.arms[0][1] == self.arms[1][1] and self.form.rank == 1
+    @cached_property
+    def blended(self) -> bool:
+        """Whether it takes a blend: not at ends of struts, nor where one goes straight on with one radius."""
+        (first, size, _), *others = self.arms
+        on = len(others) == 1 and others[0][1] == size and dot(first, others[0][0]) < 0 and self.form.rank == 1
+        return bool(others) and not on
 
 
 @dataclass(frozen=True)
@@ -72,12 +74,14 @@ class CanonicalForm:
 class Kinds:
     """The kinds of a network: that of each point (N,), and which of its kind's arms each strut is at both ends (E, 2).
 
-    Points without struts have the kind -1.
+    Points without struts have the kind -1.  `ends[kind, arm]` says where arms end, in parts of their vectors, once they
+    have been placed.
     """
 
     kinds: tuple[NodeKind, ...]
     of: Integers
     slots: Integers
+    ends: Floats = field(default_factory=lambda: np.zeros((0, 0)))
 
     @cached_property
     def classes(self) -> dict[tuple[Any, ...], list[int]]:

@@ -6,6 +6,7 @@ rotation or reflection, where these are, which is decided exactly (`pas.network.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -37,14 +38,17 @@ class NetworkProblem:
 
 
 class NetworkError(GeometryError):
-    """A network that cannot be made; `problems` has all that was found, with the numbers of points and struts."""
+    """A network that cannot be made; `problems` has all that was found, with the numbers of points and struts.
 
-    MOST_TOLD = 5
+    The first of each kind is told, and how many others of the kind there are.
+    """
 
     def __init__(self, problems: Sequence[NetworkProblem]) -> None:
-        told = [str(problem) for problem in problems[: self.MOST_TOLD]]
-        if more := len(problems) - len(told):
-            told.append(f"and {more} more, see network.check()")
+        kinds = Counter(problem.kind for problem in problems)
+        told = []
+        for kind, count in kinds.items():
+            more = f" (and {count - 1} more like this)" if count > 1 else ""
+            told.append(f"{next(problem for problem in problems if problem.kind == kind)}{more}")
         super().__init__("; ".join(told))
         self.problems = tuple(problems)
 

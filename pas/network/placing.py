@@ -21,9 +21,8 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
 from pas.mesh.rows import Integers
-from pas.network.classes import NodeKind, turn
+from pas.network.classes import Kinds, NodeKind, turn
 from pas.network.graph import StrutGraph
-from pas.network.nodes import PlacedEnds
 from pas.pipeline.result import Blend
 
 FEWEST = 8
@@ -77,9 +76,8 @@ class StrutPiece:
 class PlacedPieces:
     """All pieces of a network's mesh within a tolerance (the model's units)."""
 
-    def __init__(self, network: StrutGraph, placed: PlacedEnds, blends: dict[Any, Blend], tolerance: float) -> None:
-        self.network, self.placed, self.blends, self.tolerance = network, placed, blends, tolerance
-        self.kinds = placed.kinds
+    def __init__(self, network: StrutGraph, kinds: Kinds, blends: dict[Any, Blend], tolerance: float) -> None:
+        self.network, self.kinds, self.blends, self.tolerance = network, kinds, blends, tolerance
 
     @cached_property
     def nodes(self) -> list[NodePiece]:
@@ -87,7 +85,7 @@ class PlacedPieces:
         found: list[NodePiece] = [None] * len(self.kinds.kinds)  # type: ignore[list-item]
         for key, numbers in self.kinds.classes.items():
             first = self.kinds.kinds[numbers[0]]
-            made = self._piece(first, self.placed.ends[numbers[0]], self.blends.get(key))
+            made = self._piece(first, self.kinds.ends[numbers[0]], self.blends.get(key))
             for number in numbers:
                 kind = self.kinds.kinds[number]
                 matrix = np.array([to_floats(row) for row in turn(first, kind)])
@@ -207,8 +205,8 @@ class PlacedPieces:
         A node has its struts up to the middle of what is straight of them, where they are cut off flat.
         """
         edges, kinds = self.network.edges, self.kinds
-        at = self.placed.ends[kinds.of[edges], kinds.slots]
-        cuts = np.zeros((len(kinds.of), self.placed.ends.shape[1]))
+        at = kinds.ends[kinds.of[edges], kinds.slots]
+        cuts = np.zeros((len(kinds.of), kinds.ends.shape[1]))
         cuts[edges, kinds.slots] = (1 + at - at[:, ::-1]) / 2
         used = np.flatnonzero(kinds.of >= 0)
         different, of = np.unique(np.column_stack([kinds.of, cuts.round(9)])[used], axis=0, return_inverse=True)
