@@ -36,10 +36,6 @@ CLASSES = {"cubic": (4, 27), "BCC": (4, 27), "octet": (4, 27), "Kelvin": (2, 30)
 """Classes and kinds of their nodes."""
 
 
-def kinds(net):
-    return kinds_of(net, np.zeros((len(net.edges), 2), dtype=np.int64))
-
-
 @pytest.mark.parametrize(("name", "cells"), BLOCKS)
 def test_blocks_of_lattices(name, cells):
     net = network.lattice(name, cells)
@@ -48,7 +44,7 @@ def test_blocks_of_lattices(name, cells):
     assert struts - nodes + 1 == genus
     assert np.ptp(net.points, axis=0).tolist() == [cells] * 3
     assert np.ptp(net.lengths) < 1e-12
-    found = kinds(net)
+    found = kinds_of(net)
     assert (len(found.classes), len(found.kinds)) == CLASSES[name]
     assert sum(one.count for one in net.classes()) == nodes
     assert not net.check()
@@ -75,7 +71,7 @@ def drawn(seed, struts=5):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_nodes_that_are_turned_are_one_class(seed):
-    first, second = (kinds(net) for net in drawn(seed))
+    first, second = (kinds_of(net) for net in drawn(seed))
     one, other = first.kinds[first.of[0]], second.kinds[second.of[0]]
     assert one.form.key == other.form.key
     matrix = np.array([[float(x) for x in row] for row in turn(one, other)])
@@ -89,14 +85,14 @@ def test_rotations_that_permute_no_axes_are_found():
     vectors = np.array([[1, 2, 3], [-2, 1, 0], [1, -1, 4]])
     edges = [(0, 1), (0, 2), (0, 3)]
     both = (np.vstack([[0, 0, 0], v]) for v in (5 * vectors, vectors @ turned.T))
-    one, other = (kinds(network.Network(points, edges, 1, 1)) for points in both)
+    one, other = (kinds_of(network.Network(points, edges, 1, 1)) for points in both)
     assert one.kinds[one.of[0]].form.key == other.kinds[other.of[0]].form.key
 
 
 def test_nodes_that_differ_in_a_radius_are_not_one_class():
     points, edges = [(0, 0, 0), (3, 0, 0), (0, 3, 0), (0, 0, 3)], [(0, 1), (0, 2), (0, 3)]
-    one = kinds(network.Network(points, edges, 1, 1))
-    other = kinds(network.Network(points, edges, [1, 1, 2], 1))
+    one = kinds_of(network.Network(points, edges, 1, 1))
+    other = kinds_of(network.Network(points, edges, [1, 1, 2], 1))
     assert one.kinds[one.of[0]].form.key != other.kinds[other.of[0]].form.key
 
 
@@ -104,7 +100,7 @@ def test_nodes_with_arms_as_long_are_not_one_class():
     ends = [(3, 0, 0), (0, 3, 0), (0, 0, 3)]
     both = (network.Network([(0, 0, 0), *ends, last], [(0, n) for n in range(1, 5)], 1, 1)
             for last in ((4, 4, 2), (-4, -4, 2)))  # fmt: skip
-    one, other = map(kinds, both)
+    one, other = map(kinds_of, both)
     assert one.kinds[one.of[0]].form.key != other.kinds[other.of[0]].form.key
 
 
@@ -141,7 +137,7 @@ def shrunk(found, share):
 
 
 def test_how_far_nodes_reach_is_proved_on_their_polynomials(monkeypatch):
-    monkeypatch.setattr("pas.network.part._bound", lambda _: np.inf)
+    monkeypatch.setattr(pas.Mesh, "certificate", None)
     assert replace(part()).certificate.proved
     assert "how far the node 0 reaches is not proved" in str(shrunk(part(), 0.9).certificate)
 
@@ -155,15 +151,35 @@ def test_planes_between_nodes_are_proved_on_their_polynomials():
     assert "may reach beyond a plane" in shrunk(found, 0.2)._apart().reason
 
 
+def test_the_nearest_plane_of_a_class_counts(monkeypatch):
+    """Of two bends of one class one has a thick neighbour, to which it must not reach, in whatever order they come."""
+    points = [(0, 0, 0), (4, 0, 0), (0, 4, 0), (4, -4, 0)]
+    points += [(x + 20, y, z) for x, y, z in points]
+    edges = [(0, 1), (0, 2), (1, 3), (4, 5), (4, 6), (5, 7)]
+    found = network.Network(points, edges, ["1/4"] * 5 + ["1"], "1/8").blend(1, "lowest")
+    pieces, planes = found.pieces(), []
+    for struts in (pieces.struts, pieces.struts[::-1]):
+        said = []
+        monkeypatch.setattr("pas.network.part._holds", lambda _, value, said=said: said.append(str(value)) or True)
+        made = replace(found)
+        vars(made)["pieces"] = lambda struts=struts: SimpleNamespace(nodes=pieces.nodes, struts=struts)
+        assert made._apart().proved
+        planes.append(said)
+    assert planes[0] == planes[1]
+
+
 def test_a_part_without_a_blend_is_not_proved():
     assert "there is no blend of 8 nodes of 3 struts" in replace(part(), blends={})._nodes().reason
 
 
-def test_a_blend_around_another_centre_is_not_that_of_a_node():
+@pytest.mark.parametrize("axis", range(3))
+def test_a_blend_around_another_centre_is_not_that_of_a_node(axis):
     """Of such a one it is not known where the struts beyond its clips are seen."""
     key, blend = next(iter(part().blends.items()))
     for away, proved in (("6.3", True), ("6.4", False)):  # steps of the grid, of which the radius has 6.4
-        surface = SimpleNamespace(partition=SimpleNamespace(center=vector((0, away, 0))))
+        center = np.full(3, "0", dtype=object)
+        center[axis] = away
+        surface = SimpleNamespace(partition=SimpleNamespace(center=vector(center)))
         moved = replace(part(), blends={key: SimpleNamespace(surface=surface, certificate=blend.certificate)})
         assert moved._nodes().proved is proved
 
@@ -262,9 +278,9 @@ def test_struts_that_leave_side_by_side_do_not_go_straight_on(tmp_path):
     """Not in a file either in which a strut was turned around."""
     points, edges = [(0, 0, 0), (1, 0, 0), (-2, 0, 0)], [(0, 1), (0, 2)]
     straight = network.Network(points, edges, "1/8", "1/8")
-    assert not any(kind.blended for kind in kinds(straight).kinds)
+    assert not any(kind.blended for kind in kinds_of(straight).kinds)
     folded = network.Network([*points[:2], (2, 0, 0)], edges, "1/8", "1/8")
-    assert [kind.blended for kind in kinds(folded).kinds].count(True) == 1
+    assert [kind.blended for kind in kinds_of(folded).kinds].count(True) == 1
     with pytest.raises(network.NetworkError, match="the node 0:"):
         placed_ends(folded, 1)
     path = straight.blend().save(tmp_path / "a.pas.json")

@@ -26,8 +26,6 @@ ROUNDING = 1e-9
 AT_ONCE = 4096
 """Struts whose neighbours are looked at together, so that memory is bounded."""
 
-CLAIM = "nothing else meets"
-
 
 def crossing(network: StrutGraph) -> Iterator[tuple[int, int, float]]:
     """Struts without a common point that come nearer than their radii: two numbers and the distance of their axes."""
@@ -42,27 +40,27 @@ def clearance(network: StrutGraph, reach: Floats, ends: Floats) -> Verdict:
     Of each pair the least distance is that of segments and points in doubles.  It is refuted where a point is inside of
     two struts, which are straight from and to `ends` (E, 2), in parts of their lengths.
     """
-    close = list(crossing(network))
+    for status, reason, place in _doubts(network, reach, ends):
+        x, y, z = place.tolist()
+        return Verdict(status, "nothing else meets", reason, (x, y, z))
+    reason = "struts and nodes that share no point are farther apart than they are thick"
+    return Verdict(Status.PROVED, "nothing else meets", reason, measure=len(network.edges))
+
+
+def _doubts(network: StrutGraph, reach: Floats, ends: Floats) -> Iterator[tuple[Status, str, Floats]]:
+    """What meets, first, and what may meet: why, and where."""
+    close, points = list(crossing(network)), network.points
     for i, j, distance in close:
         if (point := _common(network, ends, i, j)) is not None:
-            reason = f"the struts {i} and {j}, {distance:.4g} from one another, overlap"
-            return Verdict(Status.REFUTED, CLAIM, reason, _place(point))
+            yield Status.REFUTED, f"the struts {i} and {j}, {distance:.4g} from one another, overlap", point
     for i, j, distance in close:
         reason = f"the struts {i} and {j} come within {distance:.4g} of one another"
-        return Verdict(Status.UNDECIDED, CLAIM, reason, _place(network.points[network.edges[i]].mean(axis=0)))
+        yield Status.UNDECIDED, reason, points[network.edges[i]].mean(axis=0)
     if not np.isfinite(reach).all():
-        reason = f"how far the node {reach.argmax()} reaches is not proved"
-        return Verdict(Status.UNDECIDED, CLAIM, reason, _place(network.points[reach.argmax()]))
+        yield Status.UNDECIDED, f"how far the node {reach.argmax()} reaches is not proved", points[reach.argmax()]
     for i, other, free in _near_nodes(network, reach):
         reason = f"the node {i}, which reaches {reach[i]:.4g} far, may meet {other}, {free:.4g} away"
-        return Verdict(Status.UNDECIDED, CLAIM, reason, _place(network.points[i]))
-    reason = "struts and nodes that share no point are farther apart than they are thick"
-    return Verdict(Status.PROVED, CLAIM, reason, measure=len(network.edges))
-
-
-def _place(point: Floats) -> tuple[float, float, float]:
-    x, y, z = point.tolist()
-    return x, y, z
+        yield Status.UNDECIDED, reason, points[i]
 
 
 def _slack(network: StrutGraph) -> float:
@@ -105,15 +103,13 @@ def _near_nodes(network: StrutGraph, reach: Floats) -> Iterator[tuple[int, str, 
         distance = segment_distances(np.stack([points[node]] * 2, axis=1), points[edges[other]])
         close = distance < reach[node] + network.thickness[other] + slack
         yield from ((n, f"strut {m}", d) for n, m, d in _listed(node, other, distance, close))
-    overlapping = 2 * reach.max() + slack > network.lengths.min()
-    neighbours = set(map(tuple, np.sort(edges, axis=1).tolist())) if overlapping else set()
+    joined = np.sort(edges, axis=1) @ (len(points), 1)
     for first, second in _near(points[used], points[used], 2 * float(reach.max()) + slack):
         node, other = used[first[first < second]], used[second[first < second]]
         distance = np.linalg.norm(points[node] - points[other], axis=1)
         close = distance < reach[node] + reach[other] + slack
-        for n, m, d in _listed(node, other, distance, close):
-            if (n, m) not in neighbours:
-                yield n, f"node {m}", d
+        close[close] = ~np.isin(node[close] * len(points) + other[close], joined)
+        yield from ((n, f"node {m}", d) for n, m, d in _listed(node, other, distance, close))
 
 
 def _listed(first: Integers, second: Integers, distance: Floats, close: Any) -> Iterator[tuple[int, int, float]]:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.inputs import shown, whole
+from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, positive, to_fraction
 from pas.errors import GeometryError
@@ -159,13 +159,3 @@ def _radii(radii: Any, count: int) -> tuple[tuple[Fraction, ...], Integers]:
     values = tuple(sorted(set(known.values())))
     ranks = {value: number for number, value in enumerate(values)}
     return values, np.array([ranks[known[value]] for value in radii], dtype=np.int64)
-
-
-def counted(cells: Any, what: str = "cells") -> tuple[int, int, int]:
-    """Three whole numbers from 1 on: one number for all, or three; raises `ValueError` and `TypeError`."""
-    given = (cells,) * 3 if isinstance(cells, int) else tuple(cells)
-    if len(given) != 3:
-        raise ValueError(f"{what} must be one whole number or three, not {shown(cells)}")
-    most = 10_000
-    x, y, z = (whole(n, what, 1, most) for n in given)
-    return x, y, z

@@ -79,11 +79,6 @@ class NodeClass:
         return f"{self.count} node{'s' * (self.count > 1)} of {arms} strut{'s' * (arms > 1)}, {sides}"
 
 
-def classes(network: StrutGraph) -> tuple[NodeClass, ...]:
-    """See `Network.classes`."""
-    return classes_of(kinds_of(network, np.zeros((len(network.edges), 2), dtype=np.int64)), network)
-
-
 def classes_of(kinds: Kinds, network: StrutGraph) -> tuple[NodeClass, ...]:
     """The classes of the kinds of a network, the most frequent first."""
     made = []
@@ -107,22 +102,17 @@ def placed_ends(network: StrutGraph, order: int) -> Kinds:
     while True:
         kinds = kinds_of(network, clips)
         ends = _ends(kinds, network, order, known)
-        kind_at = kinds.of[network.edges]
-        at = ends[kind_at, kinds.slots]
+        at = ends[kinds.of[network.edges], kinds.slots]
         short = at.sum(axis=1) > (PARTS - STRAIGHT) / PARTS
         if not short.any():
             return replace(kinds, ends=ends)
         shared = np.floor((PARTS - STRAIGHT) * at[short] / at[short].sum(axis=1, keepdims=True)).astype(np.int64)
         if (fixed := (clips[short] == shared).all(axis=1)).any():
-            numbers = np.flatnonzero(short)[fixed]
-            raise NetworkError([_too_short(network, int(number)) for number in numbers])
+            numbers = np.flatnonzero(short)[fixed].tolist()
+            said = "strut {} from point {} to {} is too short for the blends at its ends"
+            told = [(n, said.format(n, *network.edges[n].tolist())) for n in numbers]
+            raise NetworkError([NetworkProblem("too short", (n,), sentence) for n, sentence in told])
         clips[short] = np.maximum(shared, (at[short] > 0).astype(np.int64))
-
-
-def _too_short(network: StrutGraph, number: int) -> NetworkProblem:
-    a, b = network.edges[number].tolist()
-    sentence = f"strut {number} from point {a} to {b} is too short for the blends at its ends"
-    return NetworkProblem("too short", (number,), sentence)
 
 
 def _ends(kinds: Kinds, network: StrutGraph, order: int, known: dict[Any, tuple[float, ...]]) -> Floats:
@@ -165,12 +155,7 @@ def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe]:
 
 
 def blends(
-    network: StrutGraph,
-    kinds: Kinds,
-    order: int,
-    degree: Degree,
-    cache: str | Path | None,
-    map_: Callable[..., Any],
+    network: StrutGraph, kinds: Kinds, order: int, degree: Degree, cache: str | Path | None, map_: Callable[..., Any]
 ) -> dict[tuple[Any, ...], Blend]:
     """A proved blend for the first kind of each class that takes one, by the class's key.
 
@@ -181,7 +166,7 @@ def blends(
         folder.mkdir(parents=True, exist_ok=True)
     elif map_ is not map:
         raise ValueError("the map of another engine hands blends over in files: give the folder as cache=")
-    wanted = {key: Job(pipes, order, degree, folder) for key, pipes in _blended(network, kinds, order)}
+    wanted = dict(_jobs(network, kinds, order, degree, folder))
     found: dict[tuple[Any, ...], Blend] = {}
     problems = []
     results: Iterator[Any] = iter(map_(solved, wanted.values()))
@@ -205,23 +190,21 @@ def _kept(path: Path, job: Job) -> Blend:
     return blend
 
 
-def _blended(network: StrutGraph, kinds: Kinds, order: int) -> Iterator[tuple[tuple[Any, ...], tuple[Pipe, ...]]]:
-    """The key of each class that takes a blend, and the arms of its first kind."""
+def _jobs(network: StrutGraph, kinds: Kinds, order: int, *how: Any) -> Iterator[tuple[tuple[Any, ...], Job]]:
+    """The key of each class that takes a blend, and the blend of its first kind that is to be found."""
     for key, numbers in kinds.classes.items():
-        kind = kinds.kinds[numbers[0]]
-        if kind.blended:
-            yield key, tuple(pipes_of(kind, network, order))
+        if kinds.kinds[numbers[0]].blended:
+            yield key, Job(tuple(pipes_of(kinds.kinds[numbers[0]], network, order)), order, *how)
 
 
 def matched(network: StrutGraph, kinds: Kinds, order: int, found: Sequence[Blend]) -> dict[tuple[Any, ...], Blend]:
     """Which of some blends is that of which class; raises `ValueError` for a class of which none is."""
     known = {(b.surface.order, b.surface.contacts): b for b in found}
     result = {}
-    for key, pipes in _blended(network, kinds, order):
-        wanted = Job(pipes, order).meets
-        if wanted not in known:
+    for key, job in _jobs(network, kinds, order):
+        if job.meets not in known:
             raise ValueError(f"blends has none for the node {kinds.nodes(kinds.classes[key])[0]}")
-        result[key] = known[wanted]
+        result[key] = known[job.meets]
     return result
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -11,12 +11,11 @@ from typing import Any, Unpack
 import numpy as np
 from flint import fmpq, fmpq_mpoly
 
-from pas.algebra.affine import ORIGIN
+from pas.algebra.affine import ORIGIN, height
 from pas.algebra.inputs import check_tolerance, whole
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import cross, dot, exact, rational, vector
-from pas.certify.mesh_proofs import MeshCertificate
 from pas.certify.proofs import zeros_signs
 from pas.errors import MeshError
 from pas.limits import WorkLimits, checkpoint, limited
@@ -24,10 +23,9 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality, manifold
 from pas.network.classes import Kinds
 from pas.network.clearance import clearance
-from pas.network.graph import NetworkError, StrutGraph
-from pas.network.nodes import Degree, NodeClass, blends, classes_of, placed_ends
+from pas.network.graph import StrutGraph
+from pas.network.nodes import NodeClass, classes_of
 from pas.network.placing import PlacedPieces
-from pas.network.problems import check
 from pas.pipeline.result import Blend
 from pas.pipeline.search import excess
 from pas.settings import MeshSettings
@@ -36,6 +34,8 @@ from pas.verdicts import Findings, Status, Verdict
 
 USUAL = 0.03
 """Of the least radius: the tolerance of meshes."""
+
+FACES = ("nodes", "struts")
 
 MOST_TRIANGLES = 40_000_000
 """Of one mesh, which take some 10 GB; more are written by pieces, see `NetworkPart.write`."""
@@ -132,18 +132,18 @@ class NetworkPart(Shape):
         claim, pieces, kinds = "neighbouring nodes are apart", self.pieces(), self.kinds
         parts, least = 1024, np.full(kinds.ends.shape, np.inf)
         for strut in pieces.struts:
-            ways = strut.vector / (strut.vector @ strut.vector), -strut.vector / (strut.vector @ strut.vector)
-            here, there = ((pieces.nodes[kind].points @ way).max() for kind, way in zip(strut.kinds, ways, strict=True))
-            plane = round(parts * (1 + here - there) / 2)
+            way = strut.vector / (strut.vector @ strut.vector)
+            here, there = (pieces.nodes[kind].points @ way for kind in strut.kinds)
+            plane = round(parts * (1 + here.max() + there.min()) / 2)
             for kind, slot, at in zip(strut.kinds, strut.slots, (plane, parts - plane), strict=True):
                 least[kind, slot] = min(least[kind, slot], at)
         for key, numbers in kinds.classes.items():
             first = kinds.kinds[numbers[0]]
             rows = least[np.array(numbers)[:, None], [kinds.kinds[number].form.order for number in numbers]]
             for arm, plane in zip(first.form.order, rows.min(axis=0).tolist(), strict=True):
-                way: Any = first.arms[arm][0]
-                height = fmpq(int(plane), parts) * dot(way, way) - dot(way, GENERATORS)
-                if not (plane > 0 and (key not in self.blends or _holds(self.blends[key], height))):
+                arrow = first.exact(arm)
+                before = fmpq(int(plane), parts) * dot(arrow, arrow) - height(ORIGIN, arrow)
+                if not (plane > 0 and (key not in self.blends or _holds(self.blends[key], before))):
                     reason = f"the node {kinds.nodes(numbers)[0]} may reach beyond a plane across its strut"
                     return Verdict(Status.UNDECIDED, claim, reason)
         return Verdict(Status.PROVED, claim, "a plane across each strut is between them", measure=len(pieces.struts))
@@ -157,7 +157,7 @@ class NetworkPart(Shape):
     @cached_property
     def volume(self) -> float:
         """The volume in the model's units, cubed, of the mesh within the usual tolerance."""
-        return self._pieces(self._usual).volume
+        return self.pieces().volume
 
     @property
     def density(self) -> float:
@@ -165,23 +165,16 @@ class NetworkPart(Shape):
         sides = np.ptp(self.network.points, axis=0)
         return self.volume / float(sides.prod()) if sides.all() else float("nan")
 
-    @property
-    def _usual(self) -> float:
-        return USUAL * float(min(self.network.radii))
-
     @cached_property
     def _made(self) -> dict[float, PlacedPieces]:
         return {}
 
-    def _pieces(self, tolerance: float) -> PlacedPieces:
-        """What meshes of a tolerance consist of, kept."""
-        if tolerance not in self._made:
-            self._made[tolerance] = PlacedPieces(self.network, self.kinds, dict(self.blends), tolerance)
-        return self._made[tolerance]
-
     def pieces(self, tolerance: float | None = None) -> PlacedPieces:
-        """The meshes of the kinds of nodes and struts, and their places, of which `mesh` and files consist."""
-        return self._pieces(self._usual if tolerance is None else check_tolerance(tolerance))
+        """The meshes of the kinds of nodes and struts, and their places, of which `mesh` and files consist; kept."""
+        wanted = USUAL * float(min(self.network.radii)) if tolerance is None else check_tolerance(tolerance)
+        if wanted not in self._made:
+            self._made[wanted] = PlacedPieces(self.network, self.kinds, dict(self.blends), wanted)
+        return self._made[wanted]
 
     @limited("meshing a network", "a coarser tolerance")
     def mesh(
@@ -203,7 +196,7 @@ class NetworkPart(Shape):
 
         def made() -> NetworkMesh:
             points, triangles, normals, faces = pieces.mesh()
-            known = points, triangles, faces, ("nodes", "struts"), normals
+            known = points, triangles, faces, FACES, normals
             return NetworkMesh(*known, deviation=pieces.deviation, part=self, tolerance=pieces.tolerance)
 
         return self._kept((pieces.tolerance,), made)
@@ -236,11 +229,8 @@ class NetworkPart(Shape):
 
     def bodies(self, settings: MeshSettings) -> list[tuple[Mesh, Floats]]:
         """Closed meshes of the kinds of nodes with halves of their struts, and the places (M, 3) where each stands."""
-        pieces, network = self.pieces(settings.tolerance), self.network
-        return [
-            (Mesh.from_triangles(points, triangles, "node"), network.points[nodes])
-            for points, triangles, nodes in pieces.bodies()
-        ]
+        found = self.pieces(settings.tolerance).bodies()
+        return [(Mesh.from_triangles(p, t, "node"), self.network.points[nodes]) for p, t, nodes in found]
 
     def write_blocks(self, folder: str | Path, tolerance: float | None = None, *, struts: int = 20_000) -> list[Path]:
         """Write the watertight mesh as STL files of about so many struts each, for what is too large for one mesh.
@@ -261,14 +251,10 @@ class NetworkPart(Shape):
             checkpoint("writing blocks", number / across**3)
             path = place / "block-{}-{}-{}.stl".format(*np.unravel_index(number, (across,) * 3))
             if not path.exists():
-                self._joined(pieces, numbers == number).write(path, open=True)
+                points, triangles, normals, faces = pieces.mesh(numbers == number)
+                Mesh(points, triangles, faces, FACES, normals, deviation=pieces.deviation).write(path, open=True)
             paths.append(path)
         return paths
-
-    @staticmethod
-    def _joined(pieces: PlacedPieces, nodes: Any = None) -> Mesh:
-        points, triangles, normals, faces = pieces.mesh(nodes)
-        return Mesh(points, triangles, faces, ("nodes", "struts"), normals, deviation=pieces.deviation)
 
     def __repr__(self) -> str:
         return f"<NetworkPart: {len(self.network.places)} nodes, {len(self.network.edges)} struts, GC^{self.order}>"
@@ -285,27 +271,23 @@ class NetworkMesh(Mesh):
     def certificate(self) -> Findings:
         """Whether it is a closed manifold, each node's mesh has the topology of its surface, and how far it is off."""
         assert self.part is not None
-        pieces = self.part.pieces(self.tolerance)
-        step = float(self.part.network.grid)
+        pieces, step = self.part.pieces(self.tolerance), float(self.part.network.grid)
         topology, distance = Verdict(Status.PROVED, "the topology of every node", "by the meshes of their classes"), 0.0
         for one in self.part.classes:
-            blend = self.part.blend_of(one)
-            if blend is None:
+            if (blend := self.part.blend_of(one)) is None:
                 continue
             found = blend.surface.mesh(self.tolerance / step).certificate
-            distance = max(distance, step * _bound(found))
-            for verdict in found.verdicts:
-                if not (verdict.proved or verdict.measured):
-                    topology = Verdict(verdict.status, topology.claim, f"{one}: {verdict.claim}: {verdict.reason}")
+            open_ = [verdict for verdict in found.verdicts if not (verdict.proved or verdict.measured)]
+            for verdict in open_:
+                topology = Verdict(verdict.status, topology.claim, f"{one}: {verdict.claim}: {verdict.reason}")
+            # with the topology goes that points of both are joined along the gradient, on which the distance is bounded
+            distance = max(distance, np.inf if open_ or found.distance is None else step * found.distance)
         strips = max((s.deviation for s in pieces.struts), default=0.0)
-        rounding = float(np.abs(self.points).max()) * 2.0**-50
-        bound = max(distance, strips) + rounding
-        claim = "near the surface"
-        near = (
-            Verdict(Status.PROVED, claim, f"within {bound:.3g}: nodes by their classes, strips by their widest angle")
-            if np.isfinite(bound)
-            else Verdict(Status.UNDECIDED, claim, "of some class the distance is not proved")
-        )
+        bound = max(distance, strips) + float(np.abs(self.points).max()) * 2.0**-50
+        near = Verdict(Status.UNDECIDED, "near the surface", "of some class the distance is not proved")
+        if np.isfinite(bound):
+            reason = f"within {bound:.3g}: nodes by their classes, strips by their widest angle"
+            near = Verdict(Status.PROVED, near.claim, reason)
         return Findings((manifold(self.triangles), topology, near))
 
 
@@ -313,24 +295,3 @@ def _holds(blend: Blend, value: fmpq_mpoly) -> bool:
     """Whether a polynomial in the blend's coordinates is proved to be positive on the whole surface."""
     local = blend.surface.partition.frame.localise(Polynomial.from_raw(value)).raw
     return zeros_signs(blend.surface, [local] * len(blend.surface.patches)).status is Status.PROVED
-
-
-def _bound(certificate: MeshCertificate) -> float:
-    """How far a mesh and its surface are from one another at most; inf where that, or the topology, is not proved.
-
-    With the topology goes that each point of the surface is joined with one of the mesh along the gradient of f, on
-    which the distance is bounded.
-    """
-    decided = all(verdict.proved or verdict.measured for verdict in certificate.verdicts)
-    return certificate.distance if decided and certificate.distance is not None else float("inf")
-
-
-def blend(
-    network: StrutGraph, order: int, degree: Degree, cache: str | Path | None, map_: Callable[..., Any]
-) -> NetworkPart:
-    """See `Network.blend`."""
-    problems = check(network, whole=False)
-    if problems:
-        raise NetworkError(problems)
-    kinds = placed_ends(network, order)
-    return NetworkPart(network, order, kinds, blends(network, kinds, order, degree, cache, map_))
