@@ -1,6 +1,6 @@
 """Single surfaces that meet contacts, as one linear system on all their coefficients.
 
-The normal form conditions ("Algebraic blending surfaces in CAGD by Groebner bases"): with G the
+The normal form conditions (Yu, Sun and Ma 2006): with G the
 graded reverse lexicographic basis of `<f, h>`, x > y > z, the polynomial g meets (f, h)
 
 - with G0 where `NF(g, G) = 0`,

@@ -19,4 +19,16 @@ from pas.designs.lid import Lid
 from pas.designs.spout import PaperSpout, PrintedSpout, Spout
 from pas.designs.teapot import STYLES, Teapot, teapot
 
-__all__ = ["STYLES", "Body", "Handle", "Lid", "PaperHandle", "PaperSpout", "PrintedSpout", "Spout", "Teapot", "points", "teapot"]
+__all__ = [
+    "STYLES",
+    "Body",
+    "Handle",
+    "Lid",
+    "PaperHandle",
+    "PaperSpout",
+    "PrintedSpout",
+    "Spout",
+    "Teapot",
+    "points",
+    "teapot",
+]

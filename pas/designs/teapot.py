@@ -1,4 +1,4 @@
-"""Two teapots: the published one of 8 patches, and one of 12 with all of its parts joined, and hollow."""
+"""Two teapots: that of Lou, Feng, Chen and Deng (2002), of 8 patches, and one of 12, all joined, and hollow."""
 
 from __future__ import annotations
 
