@@ -340,7 +340,8 @@ def form_lines(form: Any, indent: int = 0, seen: tuple[Any, ...] = ()) -> list[s
 
 def reproduction() -> str:
     """The list of the pages on published results and on open questions, as many as there are."""
-    found = [*sorted((DOCS / "reproduction").glob("*.md")), *sorted(DOCS.glob("research*.md"))]
+    found = [*(DOCS / "reproduction").glob("*.md"), *DOCS.glob("research*.md")]
+    found.sort(key=lambda path: (path.name != "index.md", path))
     listed = "\n".join(os.path.relpath(path.with_suffix(""), FOLDER) for path in found)
     return (
         "# Reproduction and research\n\nPublished results are recomputed, and where numbers differ the page "
