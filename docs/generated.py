@@ -346,8 +346,8 @@ def reproduction() -> str:
     return (
         "# Reproduction and research\n\nPublished results are recomputed, and where numbers differ the page "
         "says so: in "
-        "the galleries of [corners](gallery_corners.md), [single-surface blends](gallery_gallery.md) and [parametric "
-        "blends](gallery_parametric.md), and for the [dimensions of spline spaces](../dimensions.md).\n\n"
+        "the galleries of [corners](gallery_corners.md), [single-surface blends](gallery_gallery.md) and "
+        "[parametric blends](gallery_parametric.md), and on [dimensions of spline spaces](../dimensions.md).\n\n"
         + (f"```{{toctree}}\n:maxdepth: 1\n\n{listed}\n```\n" if listed else "")
     )
 
