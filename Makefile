@@ -4,7 +4,7 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help setup opengl browser demo studio teapot test test-all mutants lint examples bench reference wheels clean
+.PHONY: help setup opengl browser demo studio teapot test test-all mutants lint examples reproduce bench reference wheels clean
 
 help:
 	@echo "make demo      blend three pipes: proof, mesh and picture, in out/"
@@ -15,6 +15,7 @@ help:
 	@echo "make mutants   break each rule of the proofs and see a test fail"
 	@echo "make lint      style and types"
 	@echo "make examples  all examples with their pictures"
+	@echo "make reproduce everything that five published works print, recomputed"
 	@echo "make bench     benchmarks beside other programs; a page of them in out/"
 	@echo "make reference sixty cases beside the values that were kept"
 	@echo "make wheels    wheels for Linux, macOS and Windows, in dist/"
@@ -76,6 +77,9 @@ examples: setup
 	$(BIN)/python examples/parametric/parametric.py
 	$(BIN)/python examples/parametric/generatrix/generatrix.py
 	for script in examples/gallery/*.py; do $(BIN)/python $$script || exit 1; done
+
+reproduce: setup
+	$(BIN)/python docs/reproduction/reproduce.py
 
 bench: setup
 	mkdir -p out

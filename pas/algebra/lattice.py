@@ -32,7 +32,7 @@ def short_basis(rows: fmpz_mat) -> fmpz_mat:
     mixed = random.Random(size)
     mix = fmpz_mat(columns, size + 10, [mixed.randint(-1, 1) for _ in range(columns * (size + 10))])
     square = _triangular([[int(v) for v in column] for column in (echelon * mix).transpose().tolist()], d)
-    inverse, scale = fmpz_mat(square).inv().numer_denom()
+    inverse, scale = fmpq_mat(fmpz_mat(square)).inv().numer_denom()
     spanning, _ = (fmpq_mat(inverse * echelon) * fmpq(1, scale)).numer_denom()
     checkpoint()
     return spanning.lll()

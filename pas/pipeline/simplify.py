@@ -15,13 +15,11 @@ from pas.fairing.wishes import MeanAlpha, UnitCoefficients, Wishes
 from pas.limits import checkpoint
 from pas.piecewise import PiecewiseSurface
 
-MOST = 10**9
-"""The largest denominator: a choice in doubles has no more digits that mean anything."""
-
 
 def simplified(surface: PiecewiseSurface, space: Space, wishes: Wishes, denominator: int) -> PiecewiseSurface:
     """The member with coefficients of that denominator which is nearest to one; see `pas.Blend.simplified`."""
-    whole(denominator, "denominator", 1, MOST)
+    digits = 9  # of the largest denominator: a choice in doubles has no more that mean anything
+    whole(denominator, "denominator", 1, 10**digits)
     if wishes.handles or wishes.coefficients or not isinstance(wishes.normalize, MeanAlpha | UnitCoefficients):
         raise ValueError("what handles, coefficients or a normalisation fix at a number is lost in shorter numbers")
     space = (space.through(wishes.through) if wishes.through else space).reduced()
@@ -37,9 +35,9 @@ def simplified(surface: PiecewiseSurface, space: Space, wishes: Wishes, denomina
     found = member(denominator)
     lost = _lost(surface, found, wishes)
     if lost:
-        larger = (10**digits for digits in range(len(str(denominator)), len(str(MOST))))
+        larger = (10**more for more in range(len(str(denominator)), digits + 1))
         enough = next((d for d in larger if not _lost(surface, member(d), wishes)), None)
-        hint = f"{enough} is enough" if enough else f"nor is one up to {MOST} enough"
+        hint = f"{enough} is enough" if enough else f"nor is one up to {10**digits} enough"
         raise NotProvedError(f"coefficients of the denominator {denominator} are too short: {lost}; {hint}", found)
     return found
 
