@@ -35,10 +35,6 @@ FOLD = 0.2
 """Cosine of a triangle's normal and its face's below which it counts as folded."""
 
 
-NOTHING = 2.0**-36
-"""Values of functions at a point on them, which are rounding: they are of size 1, as are coordinates."""
-
-
 def cleaned(mesh: Labelled, field: FaceField, tolerance: float, even: bool) -> Labelled:
     """The mesh, with triangles about as large as the lattice's cubes if it is `even`, on planes as well."""
     mesh = _with_special_points(mesh, field)
@@ -133,7 +129,7 @@ def _with_special_points(mesh: Labelled, field: FaceField) -> Labelled:
     for special in field.special_points:
         here = special[None]
         values = field.jets(np.repeat(here, len(every), axis=0), every)[:, 0]
-        zero = np.flatnonzero(np.abs(values) < NOTHING)
+        zero = np.flatnonzero(np.abs(values) < 2.0**-36)  # which is rounding of what is of size 1
         signs = np.repeat(field.signs(here), 2 ** len(zero), axis=1)
         signs[zero] = np.array(list(product((False, True), repeat=len(zero)))).T
         inside = field.inside(signs)

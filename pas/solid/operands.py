@@ -30,9 +30,6 @@ from pas.solid.field import SolidField
 from pas.solid.linked import SolidBoundary, united
 from pas.solid.tree import Atom, combined
 
-FINER = (0.25, 0.0625)
-"""Over the tolerance: those of the meshes that are cut, the second of which must have the same pieces and holes."""
-
 
 class Operand(Protocol):
     """What is asked of a solid that is united with another one, or cut by it."""
@@ -91,7 +88,7 @@ class Operands:
         None where there is none, or a finer one has other pieces, holes or faces.
         """
         try:
-            found, finer = (self._cut(field, share * tolerance) for share in FINER)
+            found, finer = (self._cut(field, tolerance / parts) for parts in (4, 16))
         except GeometryError:  # the whole says what is wrong with it, if anything is
             return None
         same = _shape(found) == _shape(finer) and found.faces.max() < 2 * field.evaluator.used

@@ -75,9 +75,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     def __invert__(self) -> NoReturn:
         """Raises `TypeError`: what is outside a solid is unbounded, and no solid."""
-        raise TypeError(
-            "~ of a solid is unbounded, and no solid; take it from a larger one, as in pas.solid.box(...) - a"
-        )
+        raise TypeError("~ of a solid is unbounded, and no solid; take it from a larger one, as in solid.box(...) - a")
 
     def _with(self, other: Solid, union: bool, less: bool = False) -> Solid:
         if not isinstance(other, Solid):
@@ -202,16 +200,18 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     @cached_property
     def _around(self) -> Floats:
-        """Two corners (2, 3) of a box in which it is meshed and measured: where sheets bound it that of a coarse mesh,
-        as the one that is proved takes long."""
+        """Two corners (2, 3) of a box in which it is meshed: where sheets bound it that of a coarse mesh, for speed."""
         known = None if self.sheets is None else self.sheets.box
         return self.box if known is None else known
 
     @cached_property
     def field(self) -> SolidField:
         """The solid as the mesher and evaluation want it."""
+        return self._field_of(self.tree)
+
+    def _field_of(self, tree: Tree) -> SolidField:
         curves = list(dict.fromkeys(j.along for j in self.joints))
-        return SolidField(self.tree, self._around, curves, np.array(self.special_points).reshape(-1, 3))
+        return SolidField(tree, self._around, curves, np.array(self.special_points).reshape(-1, 3))
 
     def contains(self, points: ArrayLike) -> np.ndarray:
         """Whether points (..., 3) are inside, shape (...).
@@ -319,8 +319,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     @property
     def _faces_alone(self) -> SolidField:
         """The functions of all faces, and where faces are joined: all that is asked about what a mesh shows."""
-        tree = combined(True, *(atom for atom in atoms(self.tree) if atom.face))
-        return SolidField(tree, self._around, list(dict.fromkeys(j.along for j in self.joints)), np.empty((0, 3)))
+        return self._field_of(combined(True, *(atom for atom in atoms(self.tree) if atom.face)))
 
     @property
     def description(self) -> str:
