@@ -13,6 +13,7 @@ import manifold3d
 import networkx
 import numpy as np
 import pytest
+import trimesh
 
 import pas
 from pas import network, solid
@@ -221,6 +222,20 @@ def test_bodies_in_many_places_make_the_whole(tmp_path):
     components = model.GetComponentsObjects()
     assert components.MoveNext()
     assert components.GetCurrentComponentsObject().GetComponentCount() == len(frame().points)
+
+
+def test_glb_files_hold_each_body_once(tmp_path):
+    bodies = part().bodies(MeshSettings())
+    scene = trimesh.load_scene(part().write(tmp_path / "frame.glb", unit="cm"))
+    assert len(scene.geometry) == len(bodies)
+    drawn = [scene.geometry[scene.graph[node][1]] for node in scene.graph.nodes_geometry]
+    assert len(drawn) == len(frame().points)
+    assert sum(len(one.faces) for one in drawn) == sum(len(mesh.triangles) * len(places) for mesh, places in bodies)
+    np.testing.assert_allclose(scene.bounds * 100, part().bounding_box, atol=1e-6)
+    for mesh, _ in bodies:
+        corners = mesh.points[mesh.triangles]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert ((across[:, None] * mesh.normals).sum(axis=2) > 0.9 * np.linalg.norm(across, axis=1)[:, None]).all()
 
 
 def test_blocks_are_the_mesh(tmp_path):

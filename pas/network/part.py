@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Unpack
@@ -230,7 +230,8 @@ class NetworkPart(Shape):
     def bodies(self, settings: MeshSettings) -> list[tuple[Mesh, Floats]]:
         """Closed meshes of the kinds of nodes with halves of their struts, and the places (M, 3) where each stands."""
         found = self.pieces(settings.tolerance).bodies()
-        return [(Mesh.from_triangles(p, t, "node"), self.network.points[nodes]) for p, t, nodes in found]
+        meshes = [replace(Mesh.from_triangles(p, t, "node"), normals=n) for p, t, n, _ in found]
+        return [(mesh, self.network.points[nodes]) for mesh, (*_, nodes) in zip(meshes, found, strict=True)]
 
     def write_blocks(self, folder: str | Path, tolerance: float | None = None, *, struts: int = 20_000) -> list[Path]:
         """Write the watertight mesh as STL files of about so many struts each, for what is too large for one mesh.

@@ -189,8 +189,9 @@ class PlacedPieces:
             total += _volume(corners, self.network.points[self.network.edges[strut.edges, 0]] - middle)
         return total
 
-    def bodies(self) -> list[tuple[Floats, Integers, Integers]]:
-        """Closed meshes that together make the whole: points, triangles, and the numbers of the nodes where each is.
+    def bodies(self) -> list[tuple[Floats, Integers, Floats, Integers]]:
+        """Closed meshes that together make the whole: points, triangles, normals at their corners, and the numbers of
+        the nodes where each is.
 
         A node has its struts up to the middle of what is straight of them, where they are cut off flat.
         """
@@ -202,15 +203,16 @@ class PlacedPieces:
         different, of = np.unique(np.column_stack([kinds.of, cuts.round(9)])[used], axis=0, return_inverse=True)
         return [(*self._body(int(row[0]), row[1:]), used[of.ravel() == number]) for number, row in enumerate(different)]
 
-    def _body(self, kind: int, cuts: Floats) -> tuple[Floats, Integers]:
+    def _body(self, kind: int, cuts: Floats) -> tuple[Floats, Integers, Floats]:
         piece = self.nodes[kind]
-        points, triangles, count = [piece.points], [piece.triangles], len(piece.points)
+        points, triangles, normals, count = [piece.points], [piece.triangles], [piece.normals], len(piece.points)
         vectors = self.kinds.kinds[kind].vectors * float(self.network.grid)
         for vector, ring, cut in zip(vectors, piece.rings, cuts, strict=False):
             axis = vector / np.linalg.norm(vector)
             own = ring[np.argsort(angles_around(piece.points[ring], axis))]
-            corners = piece.points[own]
-            points.append(corners + cut * vector - (corners @ axis)[:, None] * axis)
+            corners = piece.points[own] - (piece.points[own] @ axis)[:, None] * axis
+            out = corners / np.linalg.norm(corners, axis=1, keepdims=True)
+            points.append(corners + cut * vector)
             here, there = np.arange(len(own)), count + np.arange(len(own))
             after = np.roll(here, -1)
             triangles += [
@@ -218,8 +220,10 @@ class PlacedPieces:
                 np.stack([own[after], there[after], there[here]], axis=1),
                 np.stack([np.full(len(own) - 2, count), there[1:-1], there[2:]], axis=1),
             ]
+            normals += [out[np.stack([here, after, here], axis=1)], out[np.stack([after, after, here], axis=1)],
+                        np.broadcast_to(axis, (len(own) - 2, 3, 3))]  # fmt: skip
             count += len(own)
-        return np.concatenate(points), np.concatenate(triangles)
+        return np.concatenate(points), np.concatenate(triangles), np.concatenate(normals)
 
 
 def _volume(corners: Floats, places: Floats) -> float:

@@ -1,8 +1,8 @@
 """GLB and VTP of all triangles, and 3MF of closed bodies, each by a library.
 
-GLB (binary glTF), by trimesh: a named node and a material for each part, normals of the points, single precision.
-Its lengths are meters (glTF 2.0, 3.4): of a model with a unit they are.  The unit of the numbers is written as the
-scene's extras.
+GLB (binary glTF), by trimesh: a named node and a material for each part, normals of the points, single precision;
+what stands in many places is one mesh, of which that node has a child for each.  Its lengths are meters (glTF 2.0,
+3.4): of a model with a unit they are.  The unit of the numbers is written as the scene's extras.
 
 VTP (VTK's XML of polygons), by pyvista: `face`, `part` and `color` of triangles, names, normals, double precision;
 points have `parameters` where all parts are meshes of parametric surfaces.  In both, points are doubled along sharp
@@ -57,6 +57,11 @@ def write_glb(parts: Sequence[Piece], path: Path, request: Request) -> None:
         for mesh in tree["meshes"]:
             for primitive in mesh["primitives"]:
                 primitive["material"] = names.index(mesh["name"])
+        nodes, places = tree["nodes"], {part.name: part.places for part in parts if part.places is not None}
+        for node in [node for node in nodes if node["name"] in places]:
+            mesh, shifts = node.pop("mesh"), np.char.mod("%.9g", places[node["name"]]).astype(float).tolist()
+            node["children"] = list(range(len(nodes), len(nodes) + len(shifts)))
+            nodes += [{"mesh": mesh, "translation": shift} for shift in shifts]
 
     checkpoint()
     path.write_bytes(scene.export(file_type="glb", include_normals=True, tree_postprocessor=paint))
@@ -69,7 +74,7 @@ def _material(part: Piece) -> dict[str, Any]:
     return {"name": part.name, "pbrMetallicRoughness": surface}
 
 
-GLB = Format(".glb", TRIANGLES, write_glb)
+GLB = Format(".glb", PLACED, write_glb)
 
 
 def write_vtp(parts: Sequence[Piece], path: Path, request: Request) -> None:
