@@ -4,10 +4,11 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help setup opengl browser demo studio teapot test test-all mutants lint examples reproduce bench reference wheels clean
+.PHONY: help setup opengl browser demo docs studio teapot test test-all mutants lint examples reproduce bench reference wheels clean
 
 help:
 	@echo "make demo      blend three pipes: proof, mesh and picture, in out/"
+	@echo "make docs      the documentation, in out/docs"
 	@echo "make studio    the studio in the browser: drag, see, prove"
 	@echo "make teapot    the teapot: proofs, meshes and pictures, in out/teapot/"
 	@echo "make test      the tests that CI runs"
@@ -51,6 +52,11 @@ browser: opengl
 
 demo: setup
 	$(BIN)/pas blend examples/corners/three_pipes.toml -o out
+
+docs: setup
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	$(BIN)/python -m sphinx --builder html --fail-on-warning --keep-going --quiet --doctree-dir out/doctrees docs out/docs
+	@echo "open out/docs/index.html"
 
 studio: setup
 	$(BIN)/pas studio
