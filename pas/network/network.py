@@ -81,7 +81,7 @@ class Network(StrutGraph):
         map: Callable[..., Any] = map,
         **limits: Unpack[WorkLimits],
     ) -> NetworkPart:
-        """The body of it: a proved blend of this order for each class of nodes, an exact cylinder or cone for each strut.
+        """The body of it: a proved blend of this order for each class of nodes, and exact struts between them.
 
         `degree` is that of `pas.blend`.  In the folder `cache` blends are kept as they are found, and found again by
         any network that has such nodes: a run that was ended goes on where it was.  `map(function, items)` may be the
