@@ -185,7 +185,7 @@ def test_the_octahedral_split(extension):
     directions = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
     blend = pas.blend([pas.Pipe(axis, "1/2", 1) for axis in directions], 2, 6, partition=split)
     assert blend.certificate.proved and blend.dimension == 26
-    assert blend.fairness.within(blend.limits)
+    assert blend.fairness.sharpness < 1.02 and blend.fairness.hollowness < 1.7
 
 
 def test_every_registered_partition_is_tested_here():

@@ -36,6 +36,11 @@ class Cyclide(Movable):
     far_radius: Any
     point: Any = (0, 0, 0)
 
+    def __post_init__(self) -> None:
+        """Lists, as files have them, become tuples, so that contacts can be told apart in sets."""
+        for name in ("axis", "arm", "point"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+
     @property
     def contact(self) -> pas.Contact:
         """The surface and its clip as polynomials."""

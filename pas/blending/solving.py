@@ -51,8 +51,8 @@ Patches = tuple[fmpq_mat, ...] | Products
 class SolvingMethod:
     """One way to find all members of a degree; `several` says whether it serves several pieces.
 
-    All ways find the same space, by different bases.  `solve(placed, degree)` gives a basis: a list of members, each one
-    polynomial for each piece in the user's coordinates (or a polynomial alone where there is one piece), or their
+    All ways find the same space, by different bases.  `solve(placed, degree)` gives a basis: a list of members, each
+    one polynomial for each piece in the user's coordinates (or a polynomial alone where there is one piece), or their
     patches.  `placed` has the `partition`, the `contacts` and the `order`.
     """
 
@@ -139,7 +139,9 @@ def solve(placed: PlacedContacts, degree: int, method: str = "linear") -> Space:
     for number, member in enumerate(found):
         parts = member if isinstance(member, list | tuple) else (member,)
         if len(parts) != pieces:
-            raise ValueError(f"member {number} of the method {method!r} has {len(parts)} polynomials for {pieces} pieces")
+            raise ValueError(
+                f"member {number} of the method {method!r} has {len(parts)} polynomials for {pieces} pieces"
+            )
         rows.append(tuple(map(Polynomial, parts)))
     table = [[value for polynomial in row for value in polynomial.row(degree)] for row in rows]
     if table and fmpq_mat(table).rank() < len(table):
