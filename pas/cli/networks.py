@@ -1,4 +1,4 @@
-"""`pas network`: graphs of struts looked into, mended and made a body."""
+"""`pas network`: graphs of struts checked, repaired and made into bodies."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ PARTS, STRAIGHT = 64, 2
 """Shared clips are whole 64ths of a strut, of which at least two remain straight."""
 
 LOAD = "pas.kinds.files:load"
-"""Where project files are read, in a room above."""
+"""Where project files are read, in a layer above."""
 
 Degree = int | Literal["lowest"] | None
 

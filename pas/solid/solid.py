@@ -43,7 +43,7 @@ from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, co
 from pas.verdicts import Findings, Verdict
 
 CARRIER_OF = "pas.exchange.step.carriers:carrier_of"
-"""What tells planes, cylinders and the like from polynomials, in a room below."""
+"""What recognises planes, cylinders and the like, in a layer below."""
 
 
 @dataclass(frozen=True, eq=False)
