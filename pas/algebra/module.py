@@ -18,13 +18,13 @@ from pas.algebra.inputs import natural
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
-from pas.algebra.systems import ReadWritten, Rows, Written
+from pas.algebra.systems import Exchanged, Rows, Exported
 from pas.limits import WorkLimits, checkpoint, limited
 
 Syzygy = tuple[Polynomial, ...]
 
 
-class Syzygies(tuple[Syzygy, ...], Written):
+class Syzygies(tuple[Syzygy, ...], Exported):
     """A tuple of syzygies, which notebooks show as formulas and other programs read."""
 
     __slots__ = ()
@@ -71,7 +71,7 @@ def syzygies(
     return Syzygies(tuple(map(Polynomial.from_raw, syzygy)) for syzygy in found)
 
 
-class Submodule(ReadWritten):
+class Submodule(Exchanged):
     """The submodule of Q[x, y, z]^s that tuples of s polynomials generate: several, or a list of them.
 
     The order of terms is graded reverse lexicographic, x > y > z, and position after that, the

@@ -20,7 +20,7 @@ from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.products import Products
 from pas.algebra.rational import Exact, VectorLike, rational, to_fraction, vector
-from pas.algebra.systems import Rows, Written, spanned
+from pas.algebra.systems import Rows, Exported, spanned
 from pas.errors import NoSolutionError
 from pas.fairing.functionals import Functional, value_at
 from pas.fairing.prepared import PreparedSpace
@@ -34,7 +34,7 @@ MemberLike: TypeAlias = "PolynomialLike | Sequence[PolynomialLike]"
 """What is taken for one; a polynomial alone where there is one piece."""
 
 
-class Space(InPlace, Written):
+class Space(InPlace, Exported):
     """All piecewise polynomials of one degree that satisfy every contact and face condition.
 
     `placed` are the problem's contacts in place; `source` holds the patches of the basis.  `given_basis` is None for a

@@ -38,7 +38,7 @@ SYSTEMS: Registry[System] = Registry(
 )
 
 
-class Written:
+class Exported:
     """What has generators that other programs can go on with."""
 
     @property
@@ -73,7 +73,7 @@ class Written:
         return f"${spanned(self.rows)}$"
 
 
-class ReadWritten(Written):
+class Exchanged(Exported):
     """What can be made of its generators again: its class takes these."""
 
     @classmethod
