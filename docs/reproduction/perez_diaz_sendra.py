@@ -224,8 +224,24 @@ def draw(folder: Path) -> None:
     """All pictures stand with the examples."""
 
 
+def figure_1() -> tuple[int, ...]:
+    """Orders of contact of a blend of a cylinder, a cone and a sphere, cut by parallel planes."""
+    x, y = "(1 - t^2)/(1 + t^2)", "2*t/(1 + t^2)"
+    surfaces = [(f"2*({x})", f"2*({y})", "h - 4"), (f"(h + 1)/2*({x})", f"(h + 1)/2*({y})", "h - 1")]
+    ball = "2*(h - 2)/(1 + (h - 2)^2)", "(1 - (h - 2)^2)/(1 + (h - 2)^2)"
+    surfaces.append((f"({ball[1]})*({x})", f"({ball[1]})*({y})", f"4 + ({ball[0]})"))
+    made = pas.BlendingData([pas.ParametricSurface(*s) for s in surfaces])
+    components = pas.hermite_blend(made, 1).surface.components
+    pairs = zip(made.values, made.surfaces, strict=True)
+    return tuple(
+        min(contact_order(a, b, v, 1) for a, b in zip(components, s.components, strict=True)) for v, s in pairs
+    )
+
+
 # --- lemma 3, theorems, bounds --------------------------------------------------------------------
 
+work.agrees("figure 1", "cylinder, cone and sphere cut by parallel planes: orders of contact", (1, 1, 1), figure_1,
+            note="printed without numbers; those here are chosen")  # fmt: skip
 work.misprint(
     "lemma 3", "constant of the determinant for n = 3, k = 4", constant(3, 4),
     lambda: determinant((0, 1, 3), 4) // differences((0, 1, 3), 4),
