@@ -429,6 +429,9 @@ work.agrees(
     TWO, "derivative of P_2 at h = 1", functions("0", "0", "4*(-t + t^2 + 1)/(t^2 + 1)"), lambda: derivative(TWO, 1, 1)
 )
 work.agrees(TWO, "second derivatives", (R("0"),) * 6, lambda: derivative(TWO, 0, 2) + derivative(TWO, 1, 2))
+work.agrees(
+    TWO, "f(h) for u = 1/2", R("(1 - h)^3/((1 - h)^3 + h^3)"), lambda: weights(2, 2, ("1/2", "1/2"))[0]
+)  # fmt: skip
 work.misprint(
     TWO, "T of algorithm 1, x", R(PRINTED[TWO]["T"][0]), lambda: hermite(TWO, 2).x,
     "at h = 0 it must be the first component of Q_1", lambda f: f == data(TWO).curve(0)[0],
@@ -466,6 +469,13 @@ work.agrees(
 work.agrees(THREE, "T of algorithm 1", functions(*PRINTED[THREE]["T"]), lambda: hermite(THREE, 1).components)
 work.agrees("figure 4", "orders of contact", (1, 1, 1), lambda: reached(hermite(THREE, 1).components, THREE, 1),
             picture=f"{PICTURES}/example_3.png")  # fmt: skip
+work.agrees(
+    THREE, "f_1, f_2, f_3", functions(
+        "1/2*(1 - h)^2*(2 - h)^2/(1/2*(1 - h)^2*(2 - h)^2 + (1 - 1/2)*h^2)",
+        "3/4*h^2*(2 - h)^2/(3/4*h^2*(2 - h)^2 + (1 - 3/4)*(h - 1)^2)",
+        "2/3*(1 - h)^2*h^2/(2/3*(1 - h)^2*h^2 + (1 - 2/3)*(h - 2)^2)",
+    ), lambda: weights(3, 1, BALANCE),
+)  # fmt: skip
 work.agrees(THREE, "algorithm 2, D_1 / D and D_2 / D", quotients(THREE)[:2], lambda: weighted(THREE, 1, BALANCE)[:2])
 work.misprint(
     THREE, "line in D_3 that does not belong there", "", lambda: LINE,
