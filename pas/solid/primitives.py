@@ -148,7 +148,7 @@ class ConeBody(PlacedBody):
         lower = normals if low else (middle, middle)
         ring = (first, lower[0]), (first[beside], lower[1]), (last[beside], upper[1]), (last, upper[0])
         for corners in ((0, 1, 2), (0, 2, 3)):
-            rows, shades = (np.stack([ring[k][i] for k in corners], axis=1) for i in (0, 1))
+            rows, shades = (np.stack([ring[k][0] for k in corners], 1), np.stack([ring[k][1] for k in corners], 1))
             if (rows != np.roll(rows, 1, axis=1)).all():
                 made.add(self.face, rows, shades)
         fan = np.stack([np.zeros(many - 2, dtype=np.intp), np.arange(2, many), np.arange(1, many - 1)], axis=1)
