@@ -8,7 +8,7 @@ out (`LeafTree`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,9 @@ Bits = NDArray[np.uint8]
 
 ALL = 0xFF
 """Eight truth values, all of them true."""
+
+DEAREST = 1000
+"""What the truth of a function that is no polynomial costs, where that of a polynomial costs its degree."""
 
 TOGETHER = 4096
 """Bytes, or values, of each branch that are kept at once, so that the table stays in the caches."""
@@ -154,7 +157,8 @@ class LeafTree:
         columns = Columns()
         self.signed = [columns.of(f) if isinstance(f := a.function, Polynomial) else (-1, 1) for a in self.leaves]
         self.polynomials = [f for f in columns.functions if isinstance(f, Polynomial)]
-        self._code = mapped(tree, {leaf: number for number, leaf in enumerate(self.leaves)}.__getitem__)
+        costs = [f.degree if isinstance(f := a.function, Polynomial) else DEAREST for a in self.leaves]
+        self._code = _ordered(mapped(tree, {leaf: number for number, leaf in enumerate(self.leaves)}.__getitem__), costs)
 
     def holds(self, leaf: int, sign: int) -> bool:
         """Whether a leaf holds where the polynomial of its number has a sign (not 0)."""
@@ -177,6 +181,19 @@ class LeafTree:
 
 
 Code = int | Node[int]
+
+
+def _ordered(code: Code, costs: Sequence[int]) -> Code:
+    """The tree with the parts of each node in the order of what their truth costs, which is then asked for last."""
+    if isinstance(code, int):
+        return code
+    parts = [_ordered(part, costs) for part in code.parts]
+    return Node(tuple(sorted(parts, key=lambda part: _cost(part, costs))), code.union)
+
+
+def _cost(code: Code, costs: Sequence[int]) -> int:
+    """What it costs at least to find out what a tree says: one part of it may, or all parts must be known."""
+    return costs[code] if isinstance(code, int) else min(_cost(part, costs) for part in code.parts)
 
 
 def _says(code: Code, truth: Truth) -> bool | None:
