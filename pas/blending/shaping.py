@@ -5,7 +5,7 @@
 - `determining_set`: B-coefficients that can be set freely, and determine the member (a minimal
   determining set; Alfeld and Schumaker 1987).
 - `least_squares`: the smallest `sum w_i f(p_i)^2 / |f|^2`, |f| the Euclidean length of the
-  coefficient vector: a generalised eigenproblem (Lou, Feng, Chen and Deng 2001); or by gradients,
+  coefficient vector: a generalised eigenproblem (Lou, Feng, Chen and Deng 2002); or by gradients,
   `sum w_i f(p_i)^2 / sum w_i |grad f(p_i)|^2`, which approximates squared distances (Taubin 1991).
 """
 

@@ -8,7 +8,7 @@ net of B-coefficients, both with sparse elimination.
 `<f_i, h_i^(k+1)>` (see `pas.blending.normal_form_system`).
 
 "intersection": the members of the intersection of the contact ideals, by its graded Groebner basis (Warren 1989; Lou,
-Feng, Chen and Deng 2001).
+Feng, Chen and Deng 2002).
 
 "syzygy": `g = gamma_i f_i + beta_i h_i^(k+1)` for all contacts, solved for the multipliers (Xu, Chen and Deng; see
 `pas.blending.multipliers`).

@@ -10,6 +10,8 @@ from dataclasses import fields
 from fractions import Fraction
 from typing import Any
 
+from flint import fmpq_mat
+
 from pas.algebra.inputs import shown
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, rational, to_fraction
@@ -99,11 +101,28 @@ def continued(
 
 
 def closest(
-    space: SolutionSpace, points: Sequence[Any], inside: Point, weights: Sequence[Exact] | None = None
+    space: SolutionSpace,
+    points: Sequence[Any],
+    inside: Point,
+    weights: Sequence[Exact] | None = None,
+    by_gradient: bool = True,
 ) -> Polynomial:
-    """The member at the least mean squared distance from the given points, negative at the one inside."""
-    member = _rounded(space, space.least_squares(points, weights, by_gradient=True).coefficients)
+    """The member at the least mean squared distance from the given points, negative at the one inside.
+
+    Without `by_gradient` the distance is `|f(p)| / |f|`, |f| the length of the coefficients.
+    """
+    member = _rounded(space, space.least_squares(points, weights, by_gradient=by_gradient).coefficients)
     return -member if member.at(inside) > 0 else member
+
+
+def nearest(space: SolutionSpace, given: Polynomial) -> Polynomial:
+    """The member whose coefficients are at the least distance from those of a polynomial, exactly."""
+    members = [m[0] for m in space.basis]
+    rows = fmpq_mat([p.row(space.degree) for p in (*members, given)])
+    products = (rows * rows.transpose()).tolist()
+    gram = fmpq_mat([row[:-1] for row in products[:-1]])
+    found = gram.solve(fmpq_mat([[row[-1]] for row in products[:-1]])).entries()
+    return space.member(found).polynomials[0]
 
 
 def _rounded(space: SolutionSpace, coefficients: Iterable[Any]) -> Polynomial:

@@ -70,7 +70,7 @@ class UnitCoefficients:
     """The coefficients of the polynomials have Euclidean length 1 (over all monomials and pieces).
 
     With points to be `near` and no energy this is the least-squares fit with the normalised
-    distance `sum w f(p)^2 / |f|^2`, a generalised Rayleigh quotient (Lou, Feng, Chen and Deng 2001).
+    distance `sum w f(p)^2 / |f|^2`, a generalised Rayleigh quotient (Lou, Feng, Chen and Deng 2002).
     """
 
 
