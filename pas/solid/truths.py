@@ -158,7 +158,8 @@ class LeafTree:
         self.signed = [columns.of(f) if isinstance(f := a.function, Polynomial) else (-1, 1) for a in self.leaves]
         self.polynomials = [f for f in columns.functions if isinstance(f, Polynomial)]
         costs = [f.degree if isinstance(f := a.function, Polynomial) else DEAREST for a in self.leaves]
-        self._code = _ordered(mapped(tree, {leaf: number for number, leaf in enumerate(self.leaves)}.__getitem__), costs)
+        asks = {leaf: Ask(*pair) for leaf, *pair in zip(self.leaves, range(len(self.leaves)), costs, strict=True)}
+        self._code = _ordered(mapped(tree, asks.__getitem__))
 
     def holds(self, leaf: int, sign: int) -> bool:
         """Whether a leaf holds where the polynomial of its number has a sign (not 0)."""
@@ -180,25 +181,39 @@ class LeafTree:
         return _matters(self._code, leaf, truth)
 
 
-Code = int | Node[int]
+@dataclass(frozen=True)
+class Branch:
+    """An intersection or union, with its parts in the order of their `cost`.
+
+    The cost is what it takes at least to find out what it says: the degree of a polynomial of one of its leaves.
+    """
+
+    parts: tuple[Code, ...]
+    union: bool
+    cost: int
 
 
-def _ordered(code: Code, costs: Sequence[int]) -> Code:
-    """The tree with the parts of each node in the order of what their truth costs, which is then asked for last."""
-    if isinstance(code, int):
-        return code
-    parts = [_ordered(part, costs) for part in code.parts]
-    return Node(tuple(sorted(parts, key=lambda part: _cost(part, costs))), code.union)
+@dataclass(frozen=True)
+class Ask:
+    """A leaf by number, and what its truth costs."""
+
+    leaf: int
+    cost: int
 
 
-def _cost(code: Code, costs: Sequence[int]) -> int:
-    """What it costs at least to find out what a tree says: one part of it may, or all parts must be known."""
-    return costs[code] if isinstance(code, int) else min(_cost(part, costs) for part in code.parts)
+Code = Ask | Branch
+
+
+def _ordered(tree: Node[Ask] | Ask) -> Code:
+    if isinstance(tree, Ask):
+        return tree
+    parts = sorted(map(_ordered, tree.parts), key=lambda part: part.cost)
+    return Branch(tuple(parts), tree.union, parts[0].cost)
 
 
 def _says(code: Code, truth: Truth) -> bool | None:
-    if isinstance(code, int):
-        return truth(code)
+    if isinstance(code, Ask):
+        return truth(code.leaf)
     result: bool | None = not code.union
     for part in code.parts:
         found = _says(part, truth)
@@ -209,22 +224,26 @@ def _says(code: Code, truth: Truth) -> bool | None:
 
 
 def _rests_on(code: Code, says: bool, truth: Truth, fixed: Callable[[int], bool]) -> set[int]:
-    if isinstance(code, int):
-        return set() if fixed(code) else {code}
+    if isinstance(code, Ask):
+        return set() if fixed(code.leaf) else {code.leaf}
     if says is not code.union:
         return {leaf for part in code.parts for leaf in _rests_on(part, says, truth, fixed)}
-    ways = (_rests_on(part, says, truth, fixed) for part in code.parts if _says(part, truth) is says)
-    best = next(ways)
-    for way in ways if best else ():
-        best = min(best, way, key=len)
-        if not best:
-            break
+    best: set[int] = set()
+    cost = None
+    for part in code.parts:
+        if cost is not None and part.cost > cost:
+            break  # to cut at some more planes costs less than to ask a polynomial of higher degree
+        if _says(part, truth) is says:
+            way = _rests_on(part, says, truth, fixed)
+            best, cost = way if cost is None else min(best, way, key=len), part.cost
+            if not best:
+                break
     return best
 
 
 def _matters(code: Code, leaf: int, truth: Truth) -> bool:
-    if isinstance(code, int):
-        return code == leaf
+    if isinstance(code, Ask):
+        return code.leaf == leaf
     return any(
         _matters(part, leaf, truth)
         and all(_says(other, truth) is not code.union for other in code.parts if other is not part)
