@@ -8,8 +8,10 @@ Everything in the tables is measured: `pas.solutions([], order, degree, partitio
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations, permutations
 from math import comb
 from pathlib import Path
 
@@ -21,13 +23,19 @@ HIGHEST = {0: 4, 1: 7, 2: 8, 3: 9}
 
 @dataclass(frozen=True)
 class Bench:
-    """A partition, a formula for dimensions by order and degree, the orders for which it holds, and where it stands."""
+    """A partition, a formula for dimensions by order and degree, the orders for which it holds, and where it stands.
+
+    Where `homogeneous` is set, the formula is for splines that are homogeneous of degree n, of which there are as many
+    as the dimensions up to n and up to n - 1 differ by.  `degrees` are those for which it holds, of an order.
+    """
 
     title: str
     partition: Callable[[], pas.Partition | pas.Layout]
     formula: Callable[[int, int], int]
     orders: tuple[int, ...]
     words: str
+    homogeneous: bool = False
+    degrees: Callable[[int], Iterable[int]] = lambda r: range(1, HIGHEST[r] + 1)
 
 
 def alfeld(r: int, n: int) -> int:
@@ -83,10 +91,92 @@ def lunes(r: int, n: int) -> int:
     return sum(around_a_vertex(r, k, edges=len(AROUND), slopes=len(AROUND)) for k in range(n + 1))
 
 
-def count_of(partition: pas.Partition | pas.Layout, r: int, n: int) -> int:
+def octahedron(rays: list[tuple[int, int, int]]) -> pas.Layout:
+    """Eight pieces around one point: each takes one ray of each of three pairs."""
+    return star(rays, [(a, b, c) for a in (0, 1) for b in (2, 3) for c in (4, 5)], "octahedron")
+
+
+def star(rays: Sequence[tuple[Fraction | int, ...]], pieces: Iterable[tuple[int, ...]], name: str) -> pas.Layout:
+    """The layout of pieces with three rays each, in any order."""
+
+    def turned(a: int, b: int, c: int) -> tuple[int, int, int]:
+        p, q, r = (rays[i] for i in (a, b, c))
+        volume = sum(p[i] * (q[i - 2] * r[i - 1] - q[i - 1] * r[i - 2]) for i in range(3))
+        return (a, b, c) if volume > 0 else (a, c, b)
+
+    return pas.Layout(list(rays), [turned(*piece) for piece in pieces], name=name)
+
+
+def regular_octahedron() -> pas.Layout:
+    """Eight pieces between three planes."""
+    return octahedron([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)])
+
+
+def generic_octahedron() -> pas.Layout:
+    """Eight pieces around one point, no two of whose inner triangles lie in one plane."""
+    return octahedron([(9, 1, 2), (-8, 3, 1), (1, 9, -2), (2, -9, 3), (-1, 2, 9), (3, 1, -8)])
+
+
+def three_planes(r: int, n: int) -> int:
+    """One polynomial, times the truncated power of order r + 1 of each choice among three planes."""
+    return sum(comb(3, chosen) * choose(n + 3 - (r + 1) * chosen, 3) for chosen in range(4))
+
+
+CORNERS = ((3, 3, 3), (3, -3, -3), (-3, 3, -3), (-3, -3, 3))
+"""Of a tetrahedron around the origin."""
+
+
+def worsey_piper(edge: Callable[..., int], face: Callable[..., int]) -> pas.Layout:
+    """The 24 pieces of a tetrahedron, cut at a point of each edge and face: means of its corners by such weights."""
+
+    def mean(corners: tuple[int, ...], weight: Callable[..., int]) -> tuple[Fraction, ...]:
+        return tuple(sum((Fraction(weight(i) * CORNERS[i][j]) for i in corners), Fraction(0)) for j in range(3))
+
+    points = {(i,): CORNERS[i] for i in range(4)}
+    points |= {corners: mean(corners, edge) for corners in combinations(range(4), 2)}
+    points |= {corners: mean(corners, face) for corners in combinations(range(4), 3)}
+    number = {corners: i for i, corners in enumerate(points)}
+    flags = [tuple(number[tuple(sorted(order[:k]))] for k in (1, 2, 3)) for order in permutations(range(4), 3)]
+    return star(list(points.values()), flags, "Worsey-Piper split")
+
+
+def barycentric() -> pas.Layout:
+    """The Worsey-Piper split at the middles of edges and faces: each edge's point, face points and centre coplanar."""
+    return worsey_piper(lambda i: 1, lambda i: 1)
+
+
+def generic_piper() -> pas.Layout:
+    """Twenty-four pieces cut in the same way at other points."""
+    return worsey_piper(lambda i: 1 + i * i, lambda i: 2 + 3 * i - i * i // 2)
+
+
+def on_a_star(slopes: tuple[int, ...]) -> Callable[[int, int], int]:
+    """The formula for homogeneous splines around a point, with the number of slopes at each of the rays."""
+
+    def formula(r: int, n: int) -> int:
+        excess = sum(max(r + j + 1 - j * m, 0) for m in slopes for j in range(1, n - r + 1))
+        return (n - r) * (n - 2 * r) * len(slopes) - 2 * n * n + 6 * r * n - 3 * r * r + 3 * r + 2 + excess
+
+    return formula
+
+
+def high(r: int) -> range:
+    """Degrees for which the formula of homogeneous splines is proved."""
+    return range(3 * r + 2, 3 * r + 4)
+
+
+STAR = (
+    "`(n - r)(n - 2r) V - 2 n^2 + 6 r n - 3 r^2 + 3 r + 2 + sum over rays and j of (r + j + 1 - j m)+` for "
+    "the splines that are homogeneous of degree n >= 3r + 2, with V rays, m slopes of planes at each (Alfeld, Neamtu "
+    "and Schumaker 1996); "
+)
+
+
+def count_of(partition: pas.Partition | pas.Layout, r: int, n: int, homogeneous: bool = False) -> int:
     """The dimension that is counted."""
     if isinstance(partition, pas.Layout):
-        return partition.dimensions([], r, [n])[n]
+        counted = partition.dimensions([], r, [n - 1, n] if homogeneous else [n])
+        return counted[n] - counted.get(n - 1, 0)
     return pas.solutions([], r, n, partition).dimension
 
 
@@ -123,14 +213,68 @@ BENCHES = (
         "the same with six slopes, `(r + j + 1 - 6 j)+`; for r = 1 that is 13 + 10 N for n = 4 and N half-planes, for "
         "r = 2 it is 28 + 10 N for n = 5 and 34 + 20 N for n = 6",
     ),
+    Bench(
+        "Octahedral split, eight pieces between three planes",
+        regular_octahedron,
+        three_planes,
+        (0, 1, 2),
+        "`sum over i = 0 .. 3 of C(3, i) C(n + 3 - (r + 1) i, 3)`: a polynomial for each choice of planes, times the "
+        "truncated powers of these",
+    ),
+    Bench(
+        "Octahedral split in the special position, by degree",
+        regular_octahedron,
+        on_a_star((2,) * 6),
+        (0, 1, 2),
+        STAR + "here m = 2",
+        homogeneous=True,
+        degrees=high,
+    ),
+    Bench(
+        "Star of eight pieces in general position, by degree",
+        generic_octahedron,
+        on_a_star((4,) * 6),
+        (0, 1, 2),
+        STAR + "here m = 4",
+        homogeneous=True,
+        degrees=high,
+    ),
+    Bench(
+        "Worsey-Piper split, one tetrahedron in twenty-four",
+        barycentric,
+        lambda r, n: 4 * 4,
+        (1,),
+        "values and gradients at the corners, 4 for each, for r = 1 and n = 2 (Worsey and Piper 1988)",
+        degrees=lambda r: (2,),
+    ),
+    Bench(
+        "Worsey-Piper split, by degree",
+        barycentric,
+        on_a_star((3,) * 4 + (2,) * 6 + (3,) * 4),
+        (0, 1, 2),
+        STAR + "here m = 3 at corners and faces, 2 at edges",
+        homogeneous=True,
+        degrees=high,
+    ),
+    Bench(
+        "Twenty-four pieces in general position, by degree",
+        generic_piper,
+        on_a_star((6,) * 4 + (3,) * 6 + (6,) * 4),
+        (0, 1, 2),
+        STAR + "here m = 6 at corners and faces, 3 at edges",
+        homogeneous=True,
+        degrees=high,
+    ),
 )
 
 HEAD = """# Dimensions of spline spaces on splits and layouts
 
 Splines of degree at most n that are C^r on a split of one cell or on a layout, with no contacts to meet: counted by
 exact linear algebra (`pas.solutions([], order=r, degree=n, partition=...).dimension`, `layout.dimensions`) and by a
-published formula.  Made by `python docs/dimensions.py`; of the counts for r = 1 those up to n = 4 and 5 are tests,
-there checked by floating-point ranks as well.
+published formula.  Tables "by degree" count splines that are homogeneous of degree n: the dimensions up to n and up to
+n - 1 differ by these.  Pieces in general position have fewer splines than those whose triangles lie in few planes.
+Made by `python docs/dimensions.py`; of the counts for r = 1 those of low degrees are tests, those of splits there
+checked by floating-point ranks as well.
 """
 
 
@@ -139,8 +283,8 @@ def table(bench: Bench) -> str:
     partition = bench.partition()
     lines = [f"## {bench.title}\n", f"Formula: {bench.words}.\n", "| r | n | counted | formula |", "|---|---|---|---|"]
     for r in bench.orders:
-        for n in range(1, HIGHEST[r] + 1):
-            counted, expected = count_of(partition, r, n), bench.formula(r, n)
+        for n in bench.degrees(r):
+            counted, expected = count_of(partition, r, n, bench.homogeneous), bench.formula(r, n)
             if counted != expected:
                 raise ValueError(
                     f"{bench.title}: {counted} counted for r = {r}, n = {n}, where {expected} are published"

@@ -89,7 +89,7 @@ def test_splits_are_partitions_with_records(name):
 def test_formulas_and_counts_agree_and_the_page_has_them():
     bench = runpy.run_path(str(ROOT / "docs/dimensions.py"))
     page = (ROOT / "docs/dimensions.md").read_text(encoding="utf-8")
-    *splits, fan = bench["BENCHES"]
+    splits, fan = bench["BENCHES"][: len(SPLITS)], bench["BENCHES"][len(SPLITS)]
     for degree, dimension in ((1, 4), (2, 13), (3, 34), (4, 73)):
         assert fan.formula(1, degree) == fan.partition().dimensions([], 1, degree)[degree] == dimension
         assert f"| 1 | {degree} | {dimension} | {dimension} |" in page.split("## Fan")[1]
@@ -102,6 +102,27 @@ def test_formulas_and_counts_agree_and_the_page_has_them():
     wrong = bench["Bench"]("Wrong", pas.AlfeldSplit, lambda r, n: 5, (1,), "5")
     with pytest.raises(ValueError, match="4 counted for r = 1, n = 1, where 5 are published"):
         bench["table"](wrong)
+
+
+STARS = {"octahedral split": 2, "star of eight": 1, "worsey-piper split": 2, "twenty-four pieces": 1}
+"""How many tables there are of each, in special positions or not."""
+
+
+@pytest.mark.parametrize("title", STARS)
+def test_stars_of_eight_and_of_24_have_the_dimensions_of_the_formulas(title):
+    """For r = 0 and 1, counted here again."""
+    page = (ROOT / "docs/dimensions.md").read_text(encoding="utf-8")
+    script = runpy.run_path(str(ROOT / "docs/dimensions.py"))
+    found = [bench for bench in script["BENCHES"] if bench.title.lower().startswith(title)]
+    assert len(found) == STARS[title]
+    for bench in found:
+        section = page.split(f"## {bench.title}\n")[1].split("## ")[0]
+        partition = bench.partition()
+        for r in set(bench.orders) & {0, 1}:
+            for n in list(bench.degrees(r))[:2]:
+                counted = script["count_of"](partition, r, n, bench.homogeneous)
+                assert counted == bench.formula(r, n)
+                assert f"| {r} | {n} | {counted} | {counted} |" in section
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import runpy
 from functools import cache
 
@@ -67,12 +66,3 @@ def test_files_make_the_parts_of_the_scripts(name, tmp_path):
     trimesh = pytest.importorskip("trimesh")
     assert trimesh.load(written).volume == pytest.approx(mesh.volume, rel=1e-6)
     assert picture.exists()
-
-
-def test_the_page_for_those_who_come_from_other_programs_is_true(capsys):
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs/coming_from.md").read_text(), re.DOTALL)
-    assert len(blocks) >= 6
-    names: dict[str, object] = {}
-    for block in blocks:
-        exec(compile(block, "coming_from.md", "exec"), names)
-        assert capsys.readouterr().out.splitlines() == re.findall(r"print\(.*\)  # (.*)", block)

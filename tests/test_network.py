@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import re
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import manifold3d
 import networkx
@@ -12,7 +15,8 @@ import numpy as np
 import pytest
 
 import pas
-from pas import network
+from pas import network, solid
+from pas.algebra.rational import vector
 from pas.cli import main
 from pas.network.classes import kinds_of, turn
 from pas.network.clearance import clearance, segment_distances
@@ -32,10 +36,6 @@ CLASSES = {"cubic": (4, 27), "BCC": (4, 27), "octet": (4, 27), "Kelvin": (2, 30)
 """Classes and kinds of their nodes."""
 
 
-def kinds(net):
-    return kinds_of(net, np.zeros((len(net.edges), 2), dtype=np.int64))
-
-
 @pytest.mark.parametrize(("name", "cells"), BLOCKS)
 def test_blocks_of_lattices(name, cells):
     net = network.lattice(name, cells)
@@ -44,7 +44,7 @@ def test_blocks_of_lattices(name, cells):
     assert struts - nodes + 1 == genus
     assert np.ptp(net.points, axis=0).tolist() == [cells] * 3
     assert np.ptp(net.lengths) < 1e-12
-    found = kinds(net)
+    found = kinds_of(net)
     assert (len(found.classes), len(found.kinds)) == CLASSES[name]
     assert sum(one.count for one in net.classes()) == nodes
     assert not net.check()
@@ -71,7 +71,7 @@ def drawn(seed, struts=5):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_nodes_that_are_turned_are_one_class(seed):
-    first, second = (kinds(net) for net in drawn(seed))
+    first, second = (kinds_of(net) for net in drawn(seed))
     one, other = first.kinds[first.of[0]], second.kinds[second.of[0]]
     assert one.form.key == other.form.key
     matrix = np.array([[float(x) for x in row] for row in turn(one, other)])
@@ -85,14 +85,14 @@ def test_rotations_that_permute_no_axes_are_found():
     vectors = np.array([[1, 2, 3], [-2, 1, 0], [1, -1, 4]])
     edges = [(0, 1), (0, 2), (0, 3)]
     both = (np.vstack([[0, 0, 0], v]) for v in (5 * vectors, vectors @ turned.T))
-    one, other = (kinds(network.Network(points, edges, 1, 1)) for points in both)
+    one, other = (kinds_of(network.Network(points, edges, 1, 1)) for points in both)
     assert one.kinds[one.of[0]].form.key == other.kinds[other.of[0]].form.key
 
 
 def test_nodes_that_differ_in_a_radius_are_not_one_class():
     points, edges = [(0, 0, 0), (3, 0, 0), (0, 3, 0), (0, 0, 3)], [(0, 1), (0, 2), (0, 3)]
-    one = kinds(network.Network(points, edges, 1, 1))
-    other = kinds(network.Network(points, edges, [1, 1, 2], 1))
+    one = kinds_of(network.Network(points, edges, 1, 1))
+    other = kinds_of(network.Network(points, edges, [1, 1, 2], 1))
     assert one.kinds[one.of[0]].form.key != other.kinds[other.of[0]].form.key
 
 
@@ -100,7 +100,7 @@ def test_nodes_with_arms_as_long_are_not_one_class():
     ends = [(3, 0, 0), (0, 3, 0), (0, 0, 3)]
     both = (network.Network([(0, 0, 0), *ends, last], [(0, n) for n in range(1, 5)], 1, 1)
             for last in ((4, 4, 2), (-4, -4, 2)))  # fmt: skip
-    one, other = map(kinds, both)
+    one, other = map(kinds_of, both)
     assert one.kinds[one.of[0]].form.key != other.kinds[other.of[0]].form.key
 
 
@@ -124,6 +124,64 @@ def test_a_body_is_proved():
     assert found.genus == 5
     assert [(len(one.struts), one.count, one.symmetries) for one in found.classes] == [(3, 8, 6), (1, 2, 0), (2, 1, 0)]
     assert [found.blend_of(one) is None for one in found.classes] == [False, True, True]
+
+
+def shrunk(found, share):
+    """The part with meshes of nodes that are only so large, so that they say too little of how far nodes reach."""
+    pieces = found.pieces()
+    small = [replace(piece, points=piece.points * share) for piece in pieces.nodes]
+    pieces = SimpleNamespace(nodes=small, struts=pieces.struts, tolerance=0.0)
+    made = replace(found)
+    vars(made)["pieces"] = lambda tolerance=None: pieces
+    return made
+
+
+def test_how_far_nodes_reach_is_proved_on_their_polynomials(monkeypatch):
+    monkeypatch.setattr(pas.Mesh, "certificate", None)
+    assert replace(part()).certificate.proved
+    assert "how far the node 0 reaches is not proved" in str(shrunk(part(), 0.9).certificate)
+
+
+def test_planes_between_nodes_are_proved_on_their_polynomials():
+    """A thick node and a thin one: the plane in the middle of the room that small meshes leave is none between them."""
+    net = network.Network([(0, 0, 0), (3, 0, 0), (0, 3, 0), (3, 3, 0)], [(0, 1), (0, 2), (1, 3)], ["9/8", "9/8", "1/8"])
+    found = net.blend(1, "lowest")
+    claim = "neighbouring nodes are apart"
+    assert f"{claim}: proved" in str(found.certificate)
+    assert "may reach beyond a plane" in shrunk(found, 0.2)._apart().reason
+
+
+def test_the_nearest_plane_of_a_class_counts(monkeypatch):
+    """Of two bends of one class one has a thick neighbour, to which it must not reach, in whatever order they come."""
+    points = [(0, 0, 0), (4, 0, 0), (0, 4, 0), (4, -4, 0)]
+    points += [(x + 20, y, z) for x, y, z in points]
+    edges = [(0, 1), (0, 2), (1, 3), (4, 5), (4, 6), (5, 7)]
+    found = network.Network(points, edges, ["1/4"] * 5 + ["1"], "1/8").blend(1, "lowest")
+    pieces, planes = found.pieces(), []
+    for struts in (pieces.struts, pieces.struts[::-1]):
+        said = []
+        monkeypatch.setattr("pas.network.part._holds", lambda _, value, said=said: said.append(str(value)) or True)
+        made = replace(found)
+        vars(made)["pieces"] = lambda struts=struts: SimpleNamespace(nodes=pieces.nodes, struts=struts)
+        assert made._apart().proved
+        planes.append(said)
+    assert planes[0] == planes[1]
+
+
+def test_a_part_without_a_blend_is_not_proved():
+    assert "there is no blend of 8 nodes of 3 struts" in replace(part(), blends={})._nodes().reason
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_blend_around_another_centre_is_not_that_of_a_node(axis):
+    """Of such a one it is not known where the struts beyond its clips are seen."""
+    key, blend = next(iter(part().blends.items()))
+    for away, proved in (("6.3", True), ("6.4", False)):  # steps of the grid, of which the radius has 6.4
+        center = np.full(3, "0", dtype=object)
+        center[axis] = away
+        surface = SimpleNamespace(partition=SimpleNamespace(center=vector(center)))
+        moved = replace(part(), blends={key: SimpleNamespace(surface=surface, certificate=blend.certificate)})
+        assert moved._nodes().proved is proved
 
 
 def test_its_mesh_is_watertight_and_proved():
@@ -183,7 +241,7 @@ def test_short_struts_are_shared():
     net = network.Network([(0, 0, 0), (2, 0, 0), (0, 2, 0), (2, 2, 0), (0, 5, 1)],
                           [(0, 1), (0, 2), (1, 3), (2, 4)], "9/10", "1/8")  # fmt: skip
     placed = placed_ends(net, 1)
-    ends = placed.ends[placed.kinds.of[net.edges], placed.kinds.slots].sum(axis=1)
+    ends = placed.ends[placed.of[net.edges], placed.slots].sum(axis=1)
     assert (ends <= 62 / 64).all()
     assert ends.max() > 0.9
 
@@ -198,6 +256,48 @@ def test_a_cache_is_gone_on_from(tmp_path, monkeypatch):
     assert (second.mesh().points == first.mesh().points).all()
     with pytest.raises(ValueError, match="give the folder as cache="):
         net.blend(1, map=lambda function, items: [function(item) for item in items])
+
+
+@cache
+def bend():
+    """Two struts at a right angle."""
+    return network.Network([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1), (0, 2)], "1/8", "1/8")
+
+
+def test_files_of_a_cache_are_those_of_their_nodes(tmp_path):
+    """One that was put in the place of another is told, not believed."""
+    bend().blend(1, "lowest", cache=tmp_path / "bend")
+    (mine,) = (tmp_path / "bend").iterdir()
+    for foreign in (*part().blends.values(), solid.ball((0, 0, 0), 1)):
+        foreign.save(mine)
+        with pytest.raises(pas.ProjectFileError, match="is no blend of the struts after which it is named; remove it"):
+            bend().blend(1, "lowest", cache=tmp_path / "bend")
+
+
+def test_struts_that_leave_side_by_side_do_not_go_straight_on(tmp_path):
+    """Not in a file either in which a strut was turned around."""
+    points, edges = [(0, 0, 0), (1, 0, 0), (-2, 0, 0)], [(0, 1), (0, 2)]
+    straight = network.Network(points, edges, "1/8", "1/8")
+    assert not any(kind.blended for kind in kinds_of(straight).kinds)
+    folded = network.Network([*points[:2], (2, 0, 0)], edges, "1/8", "1/8")
+    assert [kind.blended for kind in kinds_of(folded).kinds].count(True) == 1
+    with pytest.raises(network.NetworkError, match="the node 0:"):
+        placed_ends(folded, 1)
+    path = straight.blend().save(tmp_path / "a.pas.json")
+    content = json.loads(path.read_text())
+    content["content"]["points"][2] = [16, 0, 0]
+    path.write_text(json.dumps(content))
+    with pytest.raises(pas.ProjectFileError, match="the node 0:"):
+        pas.load(path, edited=True)
+
+
+def test_a_file_is_of_a_graph_of_struts(tmp_path):
+    path = bend().blend(1, "lowest").save(tmp_path / "a.pas.json")
+    content = json.loads(path.read_text())
+    content["content"]["points"][2] = content["content"]["points"][1]
+    path.write_text(json.dumps(content))
+    with pytest.raises(pas.ProjectFileError, match="the points 1 and 2 are in one place"):
+        pas.load(path, edited=True)
 
 
 def test_foams():
@@ -245,13 +345,62 @@ def test_what_comes_near_is_seen():
     """Two struts that pass, a strut by the ball of a node, and the balls of two nodes that are no neighbours."""
     points = [(0, 0, 0), (4, 0, 0), (2, -2, 0.3), (2, 2, 0.3)]
     net = network.Network(points, [(0, 1), (2, 3)], "1/10", "1/10")
-    none = np.zeros(4)
-    assert clearance(net, none).proved
-    assert "the struts 0 and 1 come within 0.3" in clearance(net.with_radius("3/20"), none).reason
-    assert "the node 0, which reaches 1.95 far, may meet strut 1" in clearance(net, np.array([1.95, 0, 0, 0])).reason
+    none, whole = np.zeros(4), np.zeros((2, 2))
+    assert clearance(net, none, whole).proved
+    touching = clearance(net.with_radius("3/20"), none, whole)
+    assert touching.status is pas.Status.UNDECIDED
+    assert "the struts 0 and 1 come within 0.3" in touching.reason
+    reach = np.array([1.95, 0, 0, 0])
+    assert "the node 0, which reaches 1.95 far, may meet strut 1" in clearance(net, reach, whole).reason
+    assert "how far the node 2 reaches is not proved" in clearance(net, np.array([0, 0, np.inf, 0]), whole).reason
     far = network.Network([*points[:2], (2, -2, 3), (2, 2, 3)], [(0, 1), (2, 3)], "1/10", "1/10")
-    assert clearance(far, np.full(4, 2.0)).proved
-    assert "the node 0, which reaches 2.1 far, may meet node 2" in clearance(far, np.full(4, 2.1)).reason
+    assert clearance(far, np.full(4, 2.0), whole).proved
+    assert "the node 0, which reaches 2.1 far, may meet node 2" in clearance(far, np.full(4, 2.1), whole).reason
+
+
+@pytest.mark.parametrize("height", [0.0, 0.3])
+def test_struts_that_overlap_are_refuted(height):
+    """With a point that is inside of both, where these are straight; where they are no more it is undecided."""
+    net = network.Network([(0, 0, 0), (4, 0, 0), (2, -2, height), (2, 2, height)], [(0, 1), (2, 3)], "1/5", "1/10")
+    found = clearance(net, np.zeros(4), np.full((2, 2), 0.25))
+    assert found.status is pas.Status.REFUTED
+    x, y, z = found.witness
+    assert np.hypot(y, z) < 0.2 > np.hypot(x - 2, z - height)
+    assert clearance(net, np.zeros(4), np.array([[0.1, 0.6], [0, 0]])).status is pas.Status.UNDECIDED
+
+
+def test_the_end_of_a_strut_in_another_is_refuted():
+    net = network.Network([(0, 0, 0), (4, 0, 0), (2, 0.1, 0), (2, 2, 1)], [(0, 1), (2, 3)], "1/5", "1/10")
+    assert clearance(net, np.zeros(4), np.zeros((2, 2))).status is pas.Status.REFUTED
+
+
+def test_a_file_with_struts_that_overlap_is_refuted(tmp_path):
+    points = [(0, 0, 0), (1, 0, 0), (0, 0, 1), (1, 0, 1)]
+    path = network.Network(points, [(0, 1), (2, 3)], "1/8", "1/8").blend().save(tmp_path / "a.pas.json")
+    content = json.loads(path.read_text())
+    content["content"]["points"][2:] = [[4, 4, 1], [4, -4, 1]]
+    path.write_text(json.dumps(content))
+    (refuted,) = pas.load(path, edited=True).certificate.refuted
+    assert refuted.reason == "the struts 0 and 1, 0.125 from one another, overlap"
+
+
+def test_an_error_tells_one_of_each_kind():
+    """However many there are of another."""
+    points = [(n, 0, 0) for n in range(20)] + [(0, 1, 0), (1, 2, 0)]
+    edges = [(n, n) for n in range(20)] + [(20, 21), (21, 20)]
+    with pytest.raises(network.NetworkError) as caught:
+        network.Network(points, edges, "1/20").blend()
+    assert str(caught.value) == (
+        "strut 0 begins and ends at point 0 (and 19 more like this); the struts 20 and 21 join the same points"
+    )
+    assert len(caught.value.problems) == 21
+    crossed = network.Network(
+        [*SQUARE, (1, 1, 1), (5, 0, 0), (6, 0, 0), (6, 0.1, 0)],
+        [(0, 2), (1, 3), (0, 4), (5, 6), (5, 7)],
+        "1/20",
+        "1/10",
+    )
+    assert [problem.kind for problem in crossed.check()] == ["angle too small", "crossing"]
 
 
 def test_repair_says_what_it_does():
@@ -337,9 +486,26 @@ def test_the_command(tmp_path, capsys):
     assert main(command) == 0
     text = capsys.readouterr().out
     assert "every node meets its struts with GC^1: proved" in text
-    assert out[0] in text
+    assert f"\nwritten:\n  {out[0]}\n  {out[1]}\n" in text
     assert main(["network", "chek", str(graph)]) == 2
     assert "there is no action 'chek' on networks; is 'check' meant?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("cells", ["4x4", "4,4", "two", "1.5", "4,,4", "-1"])
+def test_numbers_of_cells_that_are_none(cells, capsys):
+    assert main(["network", "check", "cubic", f"--cells={cells}"]) == 2
+    assert capsys.readouterr().err == (f"pas: --cells must be one whole number or three, as 4 or 4,4,2, not {cells}\n")
+
+
+def test_no_file_of_several_is_left_where_one_fails(tmp_path, capsys, monkeypatch):
+    graph = bend().write(tmp_path / "a.csv")
+    out = [str(tmp_path / name) for name in ("b.stl", "b.npz")]
+    monkeypatch.setattr(network.Network, "write", lambda *_: (_ for _ in ()).throw(OSError("the disk is full")))
+    assert (
+        main(["network", "build", str(graph), "--degree", "lowest", "--grid", "1/8", "-o", out[0], "-o", out[1]]) == 1
+    )
+    assert "the disk is full" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""What documentation shows is run: doctests, the programs and problem files in docstrings, the commands of READMEs."""
+"""What documentation shows is run: doctests, programs and problem files in docstrings and pages, commands of pages."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -76,7 +77,7 @@ IMAGINED = {"pas.registry", "pas.bernstein.search"}
 """Modules whose program is about things that are not there."""
 
 LONG = {"pas.pipeline.blend", "pas.pipeline.header", "pas.render.drawing"}
-"""Modules whose program takes long; the README has the same blend, node and header, and other tests animate."""
+"""Modules whose program takes long; pages have the same blend, node and header, and other tests animate."""
 
 BLOCKS = list(blocks())
 PROGRAMS = [(m, b) for m, b in BLOCKS if is_program(b) and m not in IMAGINED]
@@ -126,18 +127,78 @@ def test_doctests(module):
     assert found.failed == 0
 
 
+PAGES = [ROOT / "README.md", *sorted(p for p in (ROOT / "docs").rglob("*.md") if p.parent.name != "generated")]
+WITH_PROGRAMS = [p for p in PAGES if "```python\n" in p.read_text(encoding="utf-8")]
+WITH_PROBLEMS = [p for p in PAGES if "```toml\n" in p.read_text(encoding="utf-8")]
+
+
+LONG_PAGES = {
+    *("guide/corners", "guide/hollow", "guide/junctions", "guide/nodes", "guide/pictures"),
+    *("tutorials/bracket", "tutorials/lattice", "tutorials/manifold", "tutorials/partition", "coming_from"),
+}
+"""Pages of `docs` whose programs take more than some three seconds: what they use other tests have as well."""
+
+
+def named(paths: list[Path]) -> list[Any]:
+    """Pages as cases of a test, each called by its place."""
+    names = {p: str(p.relative_to(ROOT)) for p in paths}
+    slow = {ROOT / "docs" / f"{name}.md" for name in LONG_PAGES}
+    return [pytest.param(p, id=name, marks=[pytest.mark.slow] * (p in slow)) for p, name in names.items()]
+
+
+def test_there_are_pages():
+    names = {str(p.relative_to(ROOT)) for p in WITH_PROGRAMS}
+    assert {"README.md", "docs/start/parts.md", "docs/start/blends.md", "docs/guide/solids.md"} <= names
+    assert ROOT / "docs/start/parts.md" in WITH_PROBLEMS
+
+
+def told(block: str) -> list[str]:
+    """What a program says that it prints: after each `print`, or as comments at its end."""
+    body = re.search(r"((?:^# .*\n)*)\Z", block, re.M)
+    assert body
+    return re.findall(r"print\(.*\)  # (.*)", block) + re.findall(r"^# (.*)", body[1], re.M)
+
+
+@pytest.mark.parametrize("page", named(WITH_PROGRAMS))
+def test_programs_of_pages_print_what_they_say(page, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
+    program = "".join(blocks)  # a reader goes from the top down
+    if "register" in program:  # for all that comes after, so in a process of its own
+        paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+        call = [sys.executable, "-c", program]
+        done = subprocess.run(call, env=os.environ | {"PYTHONPATH": paths}, capture_output=True, text=True, check=True)
+        printed = done.stdout
+    else:
+        exec(compile(program, page.name, "exec"), {})
+        printed = capsys.readouterr().out
+    assert printed.splitlines() == [line for block in blocks for line in told(block)]
+    if page.name == "README.md":
+        assert {p.name for p in tmp_path.iterdir()} == {"corner.glb", "corner.pas.json", "corner.png"}
+
+
+@pytest.mark.parametrize("page", named(WITH_PROBLEMS))
+def test_problem_files_of_pages_are_solved(page, tmp_path):
+    for block in re.findall(r"^```toml\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S):
+        path = tmp_path / "problem.toml"
+        path.write_text(block)
+        problem = pas.read_problem(path)
+        assert problem.satisfied(problem.solve().certificate)
+
+
 def commands() -> Iterator[tuple[str, str]]:
-    """The lines of READMEs that call the command."""
-    for path in sorted([ROOT / "README.md", *(ROOT / "examples").rglob("README.md")]):
-        for line in path.read_text().splitlines():
+    """The lines of pages that call the command."""
+    for path in [*PAGES, *sorted((ROOT / "examples").rglob("README.md"))]:
+        for line in path.read_text(encoding="utf-8").splitlines():
             if line.startswith("    pas "):
                 yield str(path.relative_to(ROOT)), line.split("#")[0].strip()
 
 
-@pytest.mark.parametrize(("readme", "command"), list(commands()))
-def test_commands_of_readmes_are_understood(readme, command):
-    options = parser().parse_args(shlex.split(command)[1:])
-    assert options.command
-    for word in shlex.split(command):
-        if word.endswith(".toml"):
+@pytest.mark.parametrize(("page", "command"), list(commands()))
+def test_commands_of_pages_are_understood(page, command):
+    words = re.sub(r"\[\w+\]", "", command)  # what may be left out
+    options = parser().parse_args(shlex.split(words)[1:])
+    assert options.command or options.version
+    for word in shlex.split(words):
+        if word.endswith(".toml") and "/" in word:
             assert (ROOT / word).exists()

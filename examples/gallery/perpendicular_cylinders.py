@@ -1,7 +1,7 @@
 """Two perpendicular cylinders, an elbow: when is there a blend at all?
 
-The normal-form method gives one cubic that meets both unit cylinders with GC^1, and one for other
-radii r and distances d only if r1^2 + d1^2 = r2^2 + d2^2.  The published "if and only if" holds
+The normal forms of Yu, Sun and Ma (2006) give one cubic that meets both unit cylinders with GC^1, and one for
+other radii r and distances d only if r1^2 + d1^2 = r2^2 + d2^2.  Their "if and only if" holds
 for cubics alone: from degree 4 on there are blends for all radii and distances.
 
 Xu, Chen and Deng (example 3) choose among five of the quartics by thin-plate energy with the point

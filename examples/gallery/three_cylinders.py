@@ -1,6 +1,6 @@
 """Three perpendicular unit cylinders, joined with GC^1 by one polynomial.
 
-The published normal-form example (4.2) speaks of a quadratic surface; the lowest degree is 4, with
+Yu, Sun and Ma (2006, example 4.2) speak of a quadratic surface; the lowest degree is 4, with
 two dimensions: the printed quartic and the square of the sphere x^2 + y^2 + z^2 = 5, which is
 singular along all three circles.
 """

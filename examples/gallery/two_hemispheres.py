@@ -1,9 +1,8 @@
 """Two hemispheres of radii 2 and 1, joined with GC^2 by one polynomial.
 
 Published by Lou, Feng, Chen and Deng (2002): the intersection of <g_i, h_i^3> by Groebner bases, and
-its members by interpolation and by weighted least squares with the normalised distance.  In print
-p1 has -2x^4 where +2x^4 is right and p2 has mixed signs; the corrected basis is below, and the
-program finds it by itself.
+its members by interpolation and by weighted least squares with the normalised distance.  The basis
+p1, p2, p3 below is theirs, and the program finds it by itself.
 """
 
 from __future__ import annotations

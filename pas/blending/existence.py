@@ -4,7 +4,8 @@ With symbols in the data (radii, distances) the conditions of contact are a line
 coefficients of one polynomial whose entries are polynomials in the parameters.  Elimination splits
 the parameters into cases; each comes with the dimension and with all solutions in closed form.
 For two perpendicular cylinders of radii r_i at distances d_i a cubic exists iff
-r1^2 + d1^2 = r2^2 + d2^2; published as a condition for blends of any degree, it holds for cubics only.
+r1^2 + d1^2 = r2^2 + d2^2; as a condition for blends of any degree, which it was published as (Yu, Sun and Ma 2006), it
+is wrong.
 
 Guaranteed: the cases do not overlap and together are all real parameters that the assumptions
 allow; in each the solutions satisfy every contact identically (each is multiplied out again) and

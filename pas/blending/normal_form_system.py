@@ -1,6 +1,6 @@
 """Single surfaces that meet contacts, as one linear system on all their coefficients.
 
-The normal form conditions ("Algebraic blending surfaces in CAGD by Groebner bases"): with G the
+The normal form conditions (Yu, Sun and Ma 2006): with G the
 graded reverse lexicographic basis of `<f, h>`, x > y > z, the polynomial g meets (f, h)
 
 - with G0 where `NF(g, G) = 0`,
@@ -95,8 +95,8 @@ def normal_form_system(
 ) -> NormalFormSystem:
     """The linear system of the normal form conditions of G^`order` on one g of degree <= `degree`.
 
-    `contacts` are pipes, contacts or pairs (surface, clip).  For orders above 1 the conditions
-    are those of membership in `<f, h^(order+1)>` (see the module).
+    Source: Yu, Sun and Ma (2006).  `contacts` are pipes, contacts or pairs (surface, clip).  For orders above 1 the
+    conditions are those of membership in `<f, h^(order+1)>` (see the module).
 
     Raises `ValueError` or `TypeError` for a wrong argument.
     """

@@ -13,9 +13,10 @@ from fractions import Fraction
 from functools import cache, cached_property
 from typing import Any, Self, TypeAlias
 
-from flint import fmpq, fmpq_mat
+from flint import fmpq, fmpq_mat, fmpz_mat
 
 from pas.algebra.brief import latex
+from pas.algebra.lattice import short_basis
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.products import Products
@@ -137,9 +138,30 @@ class Space(InPlace):
         """The span of members given by exact coefficient rows (m, dimension), with these as its basis."""
         if rows.nrows() and rows.rank() < rows.nrows():
             raise ValueError("members must be linearly independent")
-        patches = [rows * m for m in self.patches]
+        return self._with([rows * m for m in self.patches])
+
+    def _with(self, patches: Sequence[fmpq_mat]) -> Self:
+        """The space of other members, given by their coefficients on each piece, with these as its basis."""
         plain = Space(self.placed, self.degree, patches)
         return type(self)(self.placed, self.degree, patches, plain.basis)
+
+    def reduced(self) -> Self:
+        """This space with a basis of short polynomials: one that is LLL-reduced of all members with whole coefficients,
+        in the partition's local coordinates (see `pas.algebra.lattice`).
+
+        A tenth as many digits as in the usual basis for corners, a twentieth for nodes.  The corner of GC^1 takes a
+        tenth of a second, that of GC^2 two, nodes of GC^2 up to some ten and, of four pipes and more, minutes.
+        """
+        if not self.dimension:
+            return self
+        rows = short_basis(self.source.rows)
+        tables = [(rows * table).tolist() for table in self.source.tables]
+        width = len(tables[0][0])
+        short = short_basis(
+            fmpz_mat([[v for row in parts for v in row] for parts in zip(*tables, strict=True)])
+        ).tolist()
+        starts = range(0, width * len(tables), width)
+        return self._with([fmpq_mat(fmpz_mat([row[start : start + width] for row in short])) for start in starts])
 
     def through(self, points: Sequence[VectorLike]) -> Self:
         """The members that vanish at points (three exact numbers each; floats count as written)."""

@@ -1,6 +1,6 @@
 """Whether two surfaces have equal curvatures along a curve, by normal forms; and a bound on curvature, proved.
 
-The conditions of "Algebraic blending surfaces in CAGD by Groebner bases" for surfaces f = 0 and g = 0 along V(I), each
+The conditions of Yu, Sun and Ma (2006, theorem 3.3) for surfaces f = 0 and g = 0 along V(I), each
 the vanishing of normal forms modulo I: (1) g; (2) the components of `grad f x grad g`; (3) `H^2 V* - H*^2 V` with `H =
 |grad f|^2`, `V = grad f^T adj(Hess f) grad f`, starred for g.  Gauss curvature is V / H^2, so (3) says that the
 curvatures are equal.  (The printed proof has H^2/V* = H*^2/V; what is meant is H^2/V = H*^2/V*.)

@@ -36,9 +36,8 @@ from flint import fmpq_mpoly
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_floats
-from pas.bernstein.forms import on_simplex
-from pas.bernstein.search import Limits
-from pas.bernstein.signs import SignResult, positive_on
+from pas.bernstein.forms import corner_points, nearby_forms, on_simplex
+from pas.bernstein.signs import SignResult, positive_on, prove_positive
 from pas.certify.certificate import Certificate, Proposition
 from pas.certify.contact_proofs import contact_verdict
 from pas.certify.incidence import alpha_signs, incidences
@@ -139,21 +138,25 @@ def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
     return claim.proved(f"f > 0 on the walls, alpha > 0 on the clip faces; {examined} triangles", examined)
 
 
-def sheet_signs(surface: PiecewisePolynomial, limits: Limits | None = None) -> SignResult:
+def sheet_signs(surface: PiecewisePolynomial) -> SignResult:
     """Branch and bound for `f = 0 => grad f . u > 0` over all cells."""
-    local, degree = surface.local, surface.degree
+    return zeros_signs(surface, [_radial_derivative(patch) for patch in surface.patches])
+
+
+def zeros_signs(surface: PiecewisePolynomial, values: Sequence[fmpq_mpoly]) -> SignResult:
+    """Branch and bound for `f = 0 => value > 0` over all cells; each piece has a value, in local coordinates."""
+    local, (zeros, off) = surface.local, surface.cell_forms
     cells = [local.corners(cell) for cell in local.cells]
-    radial = [_radial_derivative(patch) for patch in surface.patches]
-    values = [radial[piece] for piece in local.piece_of], degree
-    zeros = [surface.patches[piece].raw for piece in local.piece_of], degree
-    return positive_on(cells, values, [zeros], near=True, limits=limits)
+    degree = max(surface.degree, *(int(value.total_degree()) for value in values))
+    forms, error = nearby_forms([values[piece] for piece in local.piece_of], cells, degree)
+    return prove_positive(forms, corner_points(cells), zeros, error=max(error, off))
 
 
-def wall_signs(surface: PiecewisePolynomial, limits: Limits | None = None) -> SignResult:
+def wall_signs(surface: PiecewisePolynomial) -> SignResult:
     """Branch and bound for `f > 0` on the faces of the region that the inside may not reach."""
     faces = [surface.local.corners(face.vertices) for face in surface.walls]
     values = [surface.patches[face.piece].raw for face in surface.walls], surface.degree
-    return positive_on(faces, values, near=True, limits=limits)
+    return positive_on(faces, values, near=True)
 
 
 def _unused(surface: PiecewisePolynomial, point: Floats) -> bool:

@@ -8,6 +8,7 @@ import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -20,6 +21,8 @@ from pas.cli.common import (
     problem_file,
     project_file,
     settings_of,
+    verdict_record,
+    written_lines,
 )
 from pas.errors import MissingLibraryError
 from pas.settings import MeshSettings, given
@@ -175,16 +178,16 @@ def _sized(shape: Any, options: argparse.Namespace, unit: str | None = None) -> 
 
 def run_build(options: argparse.Namespace) -> CommandResult:
     """`pas build`: the files of a part, or of the body of whatever a problem asks for."""
-    from pas.exchange.files import target, together
+    from pas.exchange.files import target
     from pas.exchange.formats import FORMATS, Request
     from pas.exchange.parts import part_list_of
     from pas.exchange.problem import read_problem
-    from pas.exchange.write import write_as
     from pas.shape import kind_of
 
     problem = read_problem(problem_file(options.problem)).changed(**given(settings_of(MeshSettings, options)))
     outputs = [Path(name) for name in options.output or ()]
-    suffixes = [target(path, (".pas.json", ".png", *FORMATS), "a part") for path in outputs]
+    for path in outputs:
+        target(path, (".pas.json", ".png", *FORMATS), "a part")
     clock = Clock()
     shape = problem.solve()
     body = kind_of(shape).body
@@ -194,23 +197,11 @@ def run_build(options: argparse.Namespace) -> CommandResult:
     certificate: Verdicts = shape.certificate
     clock.passed("prove")
     listed = part_list_of(shape, Request(problem.name, problem.mesh))
-    reports: list[Any] = []
-    with ExitStack() as stack:
-        folders = {path.parent: stack.enter_context(together(path.parent)) for path in outputs}
-        for path, suffix in zip(outputs, suffixes, strict=True):
-            place = folders[path.parent] / path.name
-            if suffix == ".pas.json":
-                shape.save(place, certificate=certificate)
-            elif suffix == ".png":
-                shape.draw(place, **given(problem.picture))
-            else:
-                mesh = problem.mesh if "tolerance" in FORMATS[suffix].content.options else MeshSettings()
-                reports += write_as(shape, place, mesh, unit=unit).reports
-            clock.passed(path.name)
+    drawn = partial(shape.draw, **given(problem.picture))
+    reports = write_outputs(shape, outputs, problem.mesh, unit, clock, png=drawn)
     files = [str(path) for path in outputs]
     lines = [str(shape), "", *([f"unit: {unit}"] if unit else []), str(listed), "", clock_line(clock)]
-    lines += ["", "written:", *(f"  {name}" for name in files)] if files else []
-    lines += [f"  {report}" for report in reports]
+    lines += [*written_lines(files), *(f"  {report}" for report in reports)]
     record = {
         **_told(reports),
         "name": problem.name,
@@ -218,11 +209,35 @@ def run_build(options: argparse.Namespace) -> CommandResult:
         "unit": unit,
         "parts": [dict(zip(listed.HEADS, row, strict=True)) for row in listed.rows],
         "seconds": clock.seconds,
-        "proved": certificate.proved,
-        "holds": certificate.holds,
-        "verdicts": [verdict.to_record() for verdict in certificate.verdicts],
+        **verdict_record(certificate),
     }
     return CommandResult("\n".join(lines), record, DONE if problem.satisfied(certificate) else FAILED)
+
+
+def write_outputs(
+    shape: Any, outputs: Sequence[Path], mesh: MeshSettings, unit: str | None, clock: Clock, **verbs: Any
+) -> list[Any]:
+    """Write files of a shape, all of them or none; returns what their formats tell.
+
+    `verbs` are other functions of a path by suffix, without its dots, as `png=shape.draw`.
+    """
+    from pas.exchange.files import together
+    from pas.exchange.formats import FORMATS
+    from pas.exchange.write import write_as
+
+    known = {"pasjson": partial(shape.save, certificate=shape.certificate), "png": shape.draw, **verbs}
+    reports: list[Any] = []
+    with ExitStack() as stack:
+        folders = {path.parent: stack.enter_context(together(path.parent)) for path in outputs}
+        for path in outputs:
+            place, name = folders[path.parent] / path.name, path.name.lower().replace(".pas.json", ".pasjson")
+            if (verb := known.get(name.rpartition(".")[2])) is not None:
+                verb(place)
+            else:
+                meshed = "tolerance" in FORMATS[path.suffix.lower()].content.options
+                reports += write_as(shape, place, mesh if meshed else MeshSettings(), unit=unit).reports
+            clock.passed(path.name)
+    return reports
 
 
 def run_problem(options: argparse.Namespace) -> CommandResult:
@@ -253,18 +268,16 @@ def run_problem(options: argparse.Namespace) -> CommandResult:
         reason = "" if options.no_picture else _draw(shape, f"{base}.png", drawn, written, clock)
     files = [str(folder / path.name) for path in written]
     done = problem.satisfied(certificate) and not reason
-    lines = [text, "", f"mesh: {size_of(mesh)}", clock_line(clock), "", "written:"]
+    lines = [text, "", f"mesh: {size_of(mesh)}", clock_line(clock)]
     record = {
         "name": problem.name,
         "written": files,
         "seconds": clock.seconds,
         **size_record(mesh),
         **facts,
-        "proved": certificate.proved,
-        "holds": certificate.holds,
-        "verdicts": [verdict.to_record() for verdict in certificate.verdicts],
+        **verdict_record(certificate),
     }
-    return CommandResult("\n".join([*lines, *(f"  {name}" for name in files)]), record, DONE if done else FAILED)
+    return CommandResult("\n".join([*lines, *written_lines(files)]), record, DONE if done else FAILED)
 
 
 def run_teapot(options: argparse.Namespace) -> CommandResult:
@@ -291,8 +304,7 @@ def run_teapot(options: argparse.Namespace) -> CommandResult:
         _draw(pot, str(place / "teapot.png"), {"mesh": mesh, "four_views": True}, written, clock)
     files = [str(folder / path.name) for path in written]
     record = {"written": files, "seconds": clock.seconds, **size_record(mesh), "proved": pot.certificate.proved}
-    text = "\n".join([text, "", "written:", *(f"  {name}" for name in files)])
-    return CommandResult(text, record, DONE if pot.certificate.holds else FAILED)
+    return CommandResult("\n".join([text, *written_lines(files)]), record, DONE if pot.certificate.holds else FAILED)
 
 
 def clock_line(clock: Clock) -> str:

@@ -6,7 +6,7 @@ import argparse
 import platform
 import sys
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -53,6 +53,17 @@ class Clock:
         self.seconds[stage] = round(now - self.last, 3)
         note(stage_line(f"{stage}{detail}", now - self.last))
         self.last = now
+
+
+def verdict_record(certificate: Any) -> dict[str, Any]:
+    """What programs read of a certificate."""
+    verdicts = [verdict.to_record() for verdict in certificate.verdicts]
+    return {"proved": certificate.proved, "holds": certificate.holds, "verdicts": verdicts}
+
+
+def written_lines(files: Sequence[Path | str]) -> list[str]:
+    """The names of files that were written, one a line."""
+    return ["", "written:", *(f"  {name}" for name in files)] if files else []
 
 
 Settings = TypeVar("Settings")

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from pas.cli.common import DONE, FAILED, CommandResult, settings_of
+from pas.cli.commands import write_outputs
+from pas.cli.common import DONE, FAILED, Clock, CommandResult, settings_of, verdict_record, written_lines
 from pas.errors import meant
 from pas.settings import MeshSettings
 
@@ -31,10 +32,11 @@ def _network(options: argparse.Namespace) -> Network:
     from pas.network.network import Network
 
     if "." not in Path(options.source).name:
-        cells = [int(n) for n in str(options.cells or 1).split(",")]
-        return lattice(
-            options.source, cells * 3 if len(cells) == 1 else cells, options.radius or "1/20", options.cell_size
-        )
+        cells = str(options.cells or 1).split(",")
+        if len(cells) not in (1, 3) or not all(n.strip().isdecimal() for n in cells):
+            raise ValueError(f"--cells must be one whole number or three, as 4 or 4,4,2, not {options.cells}")
+        numbers = [int(n) for n in cells] * (3 // len(cells))
+        return lattice(options.source, numbers, options.radius or "1/20", options.cell_size)
     if options.cells:
         raise ValueError(f"--cells is for unit cells by name ({', '.join(UNIT_CELLS)}), not for {options.source}")
     return Network.read(options.source, options.radius, options.grid)
@@ -49,42 +51,40 @@ def _check(network: Network, options: argparse.Namespace) -> CommandResult:
 
 def _classes(network: Network, options: argparse.Namespace) -> CommandResult:
     found = network.classes()
+    struts = [[[*way, str(r)] for way, r in one.struts] for one in found]
     record = [
-        {"count": one.count, "symmetries": one.symmetries, "struts": [[*way, str(r)] for way, r in one.struts]}
-        for one in found
+        {"count": one.count, "symmetries": one.symmetries, "struts": s} for one, s in zip(found, struts, strict=True)
     ]
     return CommandResult("\n".join([f"{network!r}"[1:-1], *map(str, found)]), {"classes": record})
 
 
 def _build(network: Network, options: argparse.Namespace) -> CommandResult:
     from pas.exchange.files import target
-    from pas.exchange.write import write_as
+    from pas.exchange.formats import suffixes_of
 
-    graphs, bodies = (".npz", ".csv"), (".pas.json", ".3mf", ".stl", ".obj", ".ply", ".glb", ".vtp", ".png")
-    for name in options.output:
-        target(name, graphs + bodies, "a network")
-    mesh = settings_of(MeshSettings, options)
+    outputs = [Path(name) for name in options.output]
+    for path in outputs:
+        target(path, (".npz", ".csv", ".pas.json", ".png", *suffixes_of("triangles")), "a network")
+    clock, mesh = Clock(), settings_of(MeshSettings, options)
     changes: tuple[str, ...] = ()
     if options.collapse:
         network, changes = network.repair(collapse=True)
     part = network.blend(options.order, options.degree, cache=options.cache)
-    certificate, written = part.certificate, []
-    for name in options.output:
-        write: Any = {".pas.json": part.save, ".png": part.draw, **dict.fromkeys(graphs, network.write)}
-        verb = next((write[suffix] for suffix in write if name.lower().endswith(suffix)), None)
-        written.append(verb(name) if verb else write_as(part, name, mesh, unit=options.unit))
-    if options.blocks:
-        written += part.write_blocks(options.blocks, mesh.tolerance)
-    lines = [*changes, str(part), "", "written:", *(f"  {path}" for path in written)]
+    clock.passed("blend")
+    certificate = part.certificate
+    clock.passed("prove")
+    write_outputs(part, outputs, mesh, options.unit, clock, npz=network.write, csv=network.write)
+    written = [*outputs, *(part.write_blocks(options.blocks, mesh.tolerance) if options.blocks else ())]
     record = {
         "changes": list(changes),
         "density": part.density,
         "genus": part.genus,
-        "proved": certificate.proved,
-        "verdicts": [verdict.to_record() for verdict in certificate.verdicts],
+        **verdict_record(certificate),
         "written": list(map(str, written)),
     }
-    return CommandResult("\n".join(lines), record, DONE if certificate.proved else FAILED)
+    return CommandResult(
+        "\n".join([*changes, str(part), *written_lines(written)]), record, DONE if certificate.proved else FAILED
+    )
 
 
 _ACTIONS = {"check": _check, "classes": _classes, "build": _build}

@@ -20,4 +20,16 @@ from pas.designs.paper_spout import PaperSpout, PrintedSpout
 from pas.designs.spout import Spout
 from pas.designs.teapot import STYLES, Teapot, teapot
 
-__all__ = ["STYLES", "Body", "Handle", "Lid", "PaperHandle", "PaperSpout", "PrintedSpout", "Spout", "Teapot", "points", "teapot"]
+__all__ = [
+    "STYLES",
+    "Body",
+    "Handle",
+    "Lid",
+    "PaperHandle",
+    "PaperSpout",
+    "PrintedSpout",
+    "Spout",
+    "Teapot",
+    "points",
+    "teapot",
+]

@@ -1,4 +1,4 @@
-"""Two teapots: the published one of 8 patches, and one of 12 with all of its parts joined, and hollow."""
+"""Two teapots: that of Lou, Feng, Chen and Deng (2002), of 8 patches, and one of 12, all joined, and hollow."""
 
 from __future__ import annotations
 
@@ -119,11 +119,12 @@ def teapot(
     handle_size: Exact | None = None,
     **limits: Unpack[WorkLimits],
 ) -> Teapot:
-    """A teapot of a style, "paper" or "better", about 5 units long, of which each part can be given another design.
+    """A teapot of a style, about 5 units long, of which each part can be given another design.
 
-    `body`, `spout`, `handle` and `lid` are objects of the classes of `pas.designs`; `lid_height` is the height of the
-    knob's top (the model's units), `spout_tilt` how far the spout leans outwards for each unit of height, `handle_size`
-    scales the handle (the same as `Lid(height=...)`, `Spout(tilt=...)`, `Handle(size=...)`).  All joints are proved.
+    "paper" is that of Lou, Feng, Chen and Deng (2002), "better" has all parts joined and is hollow.  `body`, `spout`,
+    `handle` and `lid` are objects of the classes of `pas.designs`; `lid_height` is the height of the knob's top (the
+    model's units), `spout_tilt` how far the spout leans outwards for each unit of height, `handle_size` scales the
+    handle (the same as `Lid(height=...)`, `Spout(tilt=...)`, `Handle(size=...)`).  All joints are proved.
 
     Raises `GeometryError` naming the joint that cannot be made or is not there, `ValueError` for an unknown style,
     `TypeError` for a part that is no design.

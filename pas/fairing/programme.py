@@ -114,9 +114,8 @@ class MemberProgramme:
         """The part of the energy that is a quadratic form, and the squares at `near` points: (m, m)."""
         return self._form + self._near
 
-    def quadratic_energy(self, working: fmpq_mat) -> float:
+    def quadratic_energy(self, q: Floats) -> float:
         """The part of a member's energy that is a quadratic form."""
-        q = to_doubles(working)[0]
         return float(q @ self._form @ q) / 2
 
     @cached_property

@@ -25,6 +25,7 @@ from flint import fmpq_mat
 
 from pas.algebra.monomials import Floats, monomial_values
 from pas.errors import InfeasibleError, NotSolvedError
+from pas.fairing.basis import to_doubles
 from pas.fairing.constraints import Inequalities
 from pas.fairing.fit_settings import SETTINGS, FitSettings
 from pas.fairing.objective import ObjectiveValue, SurfaceObjective
@@ -267,9 +268,18 @@ class FitSolver:
     def rounded(self, at: Iterate, share: float) -> FittedMember:
         """The member in rational numbers; raises `InfeasibleError` where a user's point is missed by rounding."""
         working = self.programme.rounded(at.member)
-        energy = self.programme.quadratic_energy(working) + (0.0 if at.value is None else at.value.energy)
+        energy = self._energy(to_doubles(working)[0], at.value)
         beyond = 0.0 if at.value is None else at.value.beyond
         return FittedMember(self.space.surface(working), working, energy, at.rows, share, beyond=beyond)
+
+    def energy_of(self, surface: PiecewiseSurface) -> float:
+        """The energy of a surface of the space; infinite where rays from the centre miss or graze it."""
+        member = coordinates(self.space, surface)
+        at = self.iterate(member, Inequalities.none(len(member)))
+        return np.inf if at is None else self._energy(member, at.value)
+
+    def _energy(self, member: Floats, value: ObjectiveValue | None) -> float:
+        return self.programme.quadratic_energy(member) + (0.0 if value is None else value.energy)
 
     def proved(self, at: Iterate, share: float) -> FittedMember | None:
         """The member in rational numbers if it is proved or need not be; without a centre no sheet can be proved, and

@@ -42,8 +42,8 @@ def _part(
         raise ValueError("sizes must say of each strut which of the radii it has")
     places = np.array(points, dtype=float).reshape(-1, 3) * float(to_fraction(rational(grid, "grid")))
     network = Network(places, np.array(edges).reshape(-1, 2), [radii[size] for size in sizes], grid)
-    placed = placed_ends(network, order)
-    return NetworkPart(network, order, placed, matched(network, placed.kinds, order, blends))
+    kinds = placed_ends(network, order)
+    return NetworkPart(network, order, kinds, matched(network, kinds, order, blends))
 
 
 NETWORK = Kind(

@@ -11,15 +11,14 @@ reflection; so kinds have one form iff one is the other turned.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from flint import fmpq
 
-from pas.algebra.rational import Vector, cross, dot
-from pas.mesh.rows import Integers
+from pas.algebra.rational import Vector, cross, dot, vector
+from pas.mesh.rows import Floats, Integers
 from pas.network.graph import StrutGraph
 from pas.pipeline.similarities import linear_maps
 
@@ -40,13 +39,39 @@ class NodeKind:
 
     @cached_property
     def form(self) -> CanonicalForm:
-        """Its canonical form."""
-        return canonical_form(self)
+        """Its canonical form, see above."""
+        exact = [self.exact(number) for number in range(len(self.arms))]
+        products = (self.vectors @ self.vectors.T).tolist()
+        frames: list[tuple[int, ...]] = [()]
+        told: list[tuple[int, ...]] = []
+        while len(frames[0]) < 3:
+            further = [
+                ((*arm[1:], products[i][i], *(products[i][j] for j in frame)), (*frame, i))
+                for frame in frames
+                for i, arm in enumerate(self.arms)
+                if _independent([exact[j] for j in (*frame, i)])
+            ]
+            if not further:
+                break
+            told.append(min(value for value, _ in further))
+            frames = [frame for value, frame in further if value == told[-1]]
+        written = [_written(self.arms, products, frame) for frame in frames]
+        best = min(rows for rows, _ in written)
+        same = [n for n, (rows, _) in enumerate(written) if rows == best]
+        rank = len(frames[0])
+        symmetries = (0, 0, 2 * len(same), len(same))[rank]
+        return CanonicalForm((tuple(told), best), written[same[0]][1], frames[same[0]], symmetries)
 
-    @property
-    def straight(self) -> bool:
-        """Whether it has two arms in line with one radius, which needs no blend."""
-        return len(self.arms) == 2 and self.arms[0][1] == self.arms[1][1] and self.form.rank == 1
+    def exact(self, number: int) -> Vector:
+        """The vector of an arm."""
+        return vector(self.arms[number][0])
+
+    @cached_property
+    def blended(self) -> bool:
+        """Whether it takes a blend: not at ends of struts, nor where one goes straight on with one radius."""
+        (first, size, _), *others = self.arms
+        on = len(others) == 1 and others[0][1] == size and dot(first, others[0][0]) < 0 and self.form.rank == 1
+        return bool(others) and not on
 
 
 @dataclass(frozen=True)
@@ -72,12 +97,14 @@ class CanonicalForm:
 class Kinds:
     """The kinds of a network: that of each point (N,), and which of its kind's arms each strut is at both ends (E, 2).
 
-    Points without struts have the kind -1.
+    Points without struts have the kind -1.  `ends[kind, arm]` says where arms end, in parts of their vectors, once they
+    have been placed.
     """
 
     kinds: tuple[NodeKind, ...]
     of: Integers
     slots: Integers
+    ends: Floats = field(default_factory=lambda: np.zeros((0, 0)))
 
     @cached_property
     def classes(self) -> dict[tuple[Any, ...], list[int]]:
@@ -97,9 +124,10 @@ class Kinds:
         return tuple(np.flatnonzero(np.isin(self.of, kinds)).tolist())
 
 
-def kinds_of(network: StrutGraph, clips: Integers) -> Kinds:
+def kinds_of(network: StrutGraph, clips: Any = AUTO) -> Kinds:
     """The kinds of the points of a network with given clips (E, 2), in 64ths of the struts or 0."""
     edges, count = network.edges, len(network.places)
+    clips = np.broadcast_to(clips, edges.shape)
     vectors = np.concatenate([network.vectors, -network.vectors])
     labels = np.stack([np.tile(network.sizes, 2), clips.T.ravel()], axis=1)
     rows = np.concatenate([vectors, labels], axis=1)
@@ -131,34 +159,6 @@ def _ranked(rows: Integers) -> tuple[Integers, Integers]:
     return codes, np.unique(codes, return_index=True)[1]
 
 
-def canonical_form(kind: NodeKind) -> CanonicalForm:
-    """The canonical form of a kind, see above."""
-    arms = kind.arms
-    exact = [tuple(map(fmpq, vector)) for vector, _, _ in arms]
-    products = (kind.vectors @ kind.vectors.T).tolist()
-    frames: list[tuple[int, ...]] = [()]
-    told: list[tuple[int, ...]] = []
-    while len(frames[0]) < 3:
-        further = [
-            ((*arms[i][1:], products[i][i], *(products[i][j] for j in frame)), (*frame, i))
-            for frame in frames
-            for i in range(len(arms))
-            if _independent([exact[j] for j in (*frame, i)])
-        ]
-        if not further:
-            break
-        least = min(value for value, _ in further)
-        told.append(least)
-        frames = [frame for value, frame in further if value == least]
-    written = [_written(arms, products, frame) for frame in frames]
-    best = min(rows for rows, _ in written)
-    number = next(n for n, (rows, _) in enumerate(written) if rows == best)
-    rank = len(frames[number])
-    same = sum(rows == best for rows, _ in written)
-    symmetries = (0, 0, 2 * same, same)[rank]
-    return CanonicalForm((tuple(told), best), written[number][1], frames[number], symmetries)
-
-
 def _written(arms: Any, products: Any, frame: tuple[int, ...]) -> tuple[tuple[Any, ...], tuple[int, ...]]:
     """All arms as products with a frame, sorted, and their order."""
     rows = [(*arm[1:], products[i][i], *(products[i][j] for j in frame)) for i, arm in enumerate(arms)]
@@ -175,15 +175,9 @@ def _independent(vectors: Sequence[Any]) -> bool:
 
 def turn(before: NodeKind, after: NodeKind) -> tuple[Vector, Vector, Vector]:
     """The exact rotation or reflection that takes one kind to another of its class, arms in the order of the key."""
-    old = [_exact(before, i) for i in before.form.frame]
-    new = [_exact(after, i) for i in after.form.frame]
+    old, new = ([kind.exact(i) for i in kind.form.frame] for kind in (before, after))
     for matrix, _ in linear_maps(old, new) or ():
-        ours = [tuple(dot(row, _exact(before, i)) for row in matrix) for i in before.form.order]
-        if ours == [_exact(after, i) for i in after.form.order]:
+        ours = [tuple(dot(row, before.exact(i)) for row in matrix) for i in before.form.order]
+        if ours == [after.exact(i) for i in after.form.order]:
             return matrix
     raise AssertionError("kinds of one class are turned to one another")
-
-
-def _exact(kind: NodeKind, number: int) -> Vector:
-    x, y, z = map(fmpq, kind.arms[number][0])
-    return x, y, z

@@ -3,7 +3,9 @@ point are farther apart than these are thick.
 
 What shares a node meets only where it should by the proofs of the node: its surface is crossed once by each ray from
 the centre, and not at all in the directions of its clips' circles, in which the struts go away from it.  Neighbours are
-kept apart by a plane across their strut.  All distances are compared with room for rounding.
+kept apart by a plane across their strut.  That nodes are in their balls and before these planes is proved on their
+polynomials; as they are seen from the centre, they are where their surfaces are.  Distances are compared with room for
+rounding.
 """
 
 from __future__ import annotations
@@ -24,8 +26,6 @@ ROUNDING = 1e-9
 AT_ONCE = 4096
 """Struts whose neighbours are looked at together, so that memory is bounded."""
 
-CLAIM = "nothing else meets"
-
 
 def crossing(network: StrutGraph) -> Iterator[tuple[int, int, float]]:
     """Struts without a common point that come nearer than their radii: two numbers and the distance of their axes."""
@@ -34,24 +34,33 @@ def crossing(network: StrutGraph) -> Iterator[tuple[int, int, float]]:
         yield from _listed(first, second, distance, close)
 
 
-def clearance(network: StrutGraph, reach: Floats) -> Verdict:
+def clearance(network: StrutGraph, reach: Floats, ends: Floats) -> Verdict:
     """The verdict that no two struts, nodes of so much `reach` (N,), or node and strut meet that share no point.
 
-    Of each pair the least distance is that of segments and points in doubles.
+    Of each pair the least distance is that of segments and points in doubles.  It is refuted where a point is inside of
+    two struts, which are straight from and to `ends` (E, 2), in parts of their lengths.
     """
-    for i, j, distance in crossing(network):
+    for status, reason, place in _doubts(network, reach, ends):
+        x, y, z = place.tolist()
+        return Verdict(status, "nothing else meets", reason, (x, y, z))
+    reason = "struts and nodes that share no point are farther apart than they are thick"
+    return Verdict(Status.PROVED, "nothing else meets", reason, measure=len(network.edges))
+
+
+def _doubts(network: StrutGraph, reach: Floats, ends: Floats) -> Iterator[tuple[Status, str, Floats]]:
+    """What meets, first, and what may meet: why, and where."""
+    close, points = list(crossing(network)), network.points
+    for i, j, distance in close:
+        if (point := _common(network, ends, i, j)) is not None:
+            yield Status.REFUTED, f"the struts {i} and {j}, {distance:.4g} from one another, overlap", point
+    for i, j, distance in close:
         reason = f"the struts {i} and {j} come within {distance:.4g} of one another"
-        return Verdict(Status.UNDECIDED, CLAIM, reason, _place(network.points[network.edges[i]].mean(axis=0)))
+        yield Status.UNDECIDED, reason, points[network.edges[i]].mean(axis=0)
+    if not np.isfinite(reach).all():
+        yield Status.UNDECIDED, f"how far the node {reach.argmax()} reaches is not proved", points[reach.argmax()]
     for i, other, free in _near_nodes(network, reach):
         reason = f"the node {i}, which reaches {reach[i]:.4g} far, may meet {other}, {free:.4g} away"
-        return Verdict(Status.UNDECIDED, CLAIM, reason, _place(network.points[i]))
-    reason = "struts and nodes that share no point are farther apart than they are thick"
-    return Verdict(Status.PROVED, CLAIM, reason, measure=len(network.edges))
-
-
-def _place(point: Floats) -> tuple[float, float, float]:
-    x, y, z = point.tolist()
-    return x, y, z
+        yield Status.UNDECIDED, reason, points[i]
 
 
 def _slack(network: StrutGraph) -> float:
@@ -94,23 +103,46 @@ def _near_nodes(network: StrutGraph, reach: Floats) -> Iterator[tuple[int, str, 
         distance = segment_distances(np.stack([points[node]] * 2, axis=1), points[edges[other]])
         close = distance < reach[node] + network.thickness[other] + slack
         yield from ((n, f"strut {m}", d) for n, m, d in _listed(node, other, distance, close))
-    overlapping = 2 * reach.max() + slack > network.lengths.min()
-    neighbours = set(map(tuple, np.sort(edges, axis=1).tolist())) if overlapping else set()
+    joined = np.sort(edges, axis=1) @ (len(points), 1)
     for first, second in _near(points[used], points[used], 2 * float(reach.max()) + slack):
         node, other = used[first[first < second]], used[second[first < second]]
         distance = np.linalg.norm(points[node] - points[other], axis=1)
         close = distance < reach[node] + reach[other] + slack
-        for n, m, d in _listed(node, other, distance, close):
-            if (n, m) not in neighbours:
-                yield n, f"node {m}", d
+        close[close] = ~np.isin(node[close] * len(points) + other[close], joined)
+        yield from ((n, f"node {m}", d) for n, m, d in _listed(node, other, distance, close))
 
 
 def _listed(first: Integers, second: Integers, distance: Floats, close: Any) -> Iterator[tuple[int, int, float]]:
     return zip(first[close].tolist(), second[close].tolist(), distance[close].tolist(), strict=True)
 
 
+def _common(network: StrutGraph, ends: Floats, first: int, second: int) -> Floats | None:
+    """A point inside of the straight parts of two struts, with room for rounding; None where none was found."""
+    pair = [first, second]
+    start, way = network.points[network.edges[pair, 0]], network.vectors[pair] * float(network.grid)
+    radii, tops = network.thickness[pair], np.stack([ends[pair, 0], 1 - ends[pair, 1]], axis=1)
+    straight = start[:, None] + tops[:, :, None] * way[:, None]
+    one, other = near = np.concatenate(nearest_points(straight[:1], straight[1:]))
+    inwards = straight.mean(axis=1) - near
+    inwards /= np.maximum(np.linalg.norm(inwards, axis=1, keepdims=True), 1e-300)
+    pulled = near + inwards * (radii[::-1, None] - np.linalg.norm(one - other)) / 2
+    for point in (one + (other - one) * radii[0] / radii.sum(), *pulled):
+        along = np.einsum("ni,ni->n", point - start, way) / np.einsum("ni,ni->n", way, way)
+        off = np.linalg.norm(point - start - along[:, None] * way, axis=1)
+        room = np.min([along - tops[:, 0], tops[:, 1] - along], axis=0) * network.lengths[pair]
+        if (np.minimum(room, radii - off) > _slack(network)).all():
+            return np.asarray(point)
+    return None
+
+
 def segment_distances(first: Floats, second: Floats) -> Floats:
-    """The least distances of segments (M, 2, 3) from others, of which the first may be points (Ericson 2005, 5.1.9)."""
+    """The least distances of segments (M, 2, 3) from others, of which the first may be points."""
+    one, other = nearest_points(first, second)
+    return np.asarray(np.linalg.norm(one - other, axis=1))
+
+
+def nearest_points(first: Floats, second: Floats) -> tuple[Floats, Floats]:
+    """The nearest points (M, 3) of segments (M, 2, 3), which may be points, and of others (Ericson 2005, 5.1.9)."""
     u, v, w = first[:, 1] - first[:, 0], second[:, 1] - second[:, 0], first[:, 0] - second[:, 0]
     a, b, c, d, e = (np.einsum("ni,ni->n", *pair) for pair in ((u, u), (u, v), (v, v), (u, w), (v, w)))
     det = a * c - b * b
@@ -118,4 +150,4 @@ def segment_distances(first: Floats, second: Floats) -> Floats:
     s = np.clip(np.where(parallel, 0.0, b * e - c * d) / np.where(parallel, 1.0, det), 0.0, 1.0)
     t = np.clip((b * s + e) / c, 0.0, 1.0)
     s = np.where(a > 0, np.clip((b * t - d) / np.where(a > 0, a, 1.0), 0.0, 1.0), 0.0)
-    return np.asarray(np.linalg.norm(w + s[:, None] * u - t[:, None] * v, axis=1))
+    return first[:, 0] + s[:, None] * u, second[:, 0] + t[:, None] * v

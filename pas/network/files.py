@@ -77,10 +77,8 @@ def _read_csv(file: Path) -> GraphArrays:
         except ValueError:
             if number == 1:
                 continue
-            raise ProblemFileError(
-                f"{file.name}, line {number}: a strut is x, y, z of both ends and its radius, not {','.join(line)!r}",
-                number,
-            ) from None
+            said = f"{file.name}, line {number}: a strut is x, y, z of both ends and its radius, not {','.join(line)!r}"
+            raise ProblemFileError(said, number) from None
         rows.append((x, y, z, u, v, w))
         radii += [value.strip() for value in line[6:7]]
     if len(radii) not in (0, len(rows)):
@@ -101,9 +99,8 @@ def _read_obj(file: Path) -> GraphArrays:
                 ends = [end - 1 if end > 0 else len(points) + end for end in ends]
                 edges += list(pairwise(ends))
         except ValueError:
-            raise ProblemFileError(
-                f"{file.name}, line {number}: {line.strip()!r} is no point or line", number
-            ) from None
+            said = f"{file.name}, line {number}: {line.strip()!r} is no point or line"
+            raise ProblemFileError(said, number) from None
     return GraphArrays(np.array(points).reshape(-1, 3), np.array(edges, dtype=np.int64).reshape(-1, 2), None)
 
 
@@ -119,11 +116,9 @@ def _read_3mf(file: Path) -> GraphArrays:
         found = objects.GetCurrentMeshObject()
         beams = found.BeamLattice().GetBeams()
         if beams:
-            points = [tuple(vertex.Coordinates) for vertex in found.GetVertices()]
-            edges = [tuple(beam.Indices) for beam in beams]
-            return GraphArrays(
-                np.array(points), np.array(edges, dtype=np.int64), [str(np.float32(beam.Radii[0])) for beam in beams]
-            )
+            points = np.array([tuple(vertex.Coordinates) for vertex in found.GetVertices()])
+            edges = np.array([tuple(beam.Indices) for beam in beams], dtype=np.int64)
+            return GraphArrays(points, edges, [str(np.float32(beam.Radii[0])) for beam in beams])
     raise ProblemFileError(f"{file.name} has no beam lattice")
 
 

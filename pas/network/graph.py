@@ -6,6 +6,7 @@ rotation or reflection, where these are, which is decided exactly (`pas.network.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -14,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.inputs import shown, whole
+from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, positive, to_fraction
 from pas.errors import GeometryError
@@ -37,14 +38,17 @@ class NetworkProblem:
 
 
 class NetworkError(GeometryError):
-    """A network that cannot be made; `problems` has all that was found, with the numbers of points and struts."""
+    """A network that cannot be made; `problems` has all that was found, with the numbers of points and struts.
 
-    MOST_TOLD = 5
+    The first of each kind is told, and how many others of the kind there are.
+    """
 
     def __init__(self, problems: Sequence[NetworkProblem]) -> None:
-        told = [str(problem) for problem in problems[: self.MOST_TOLD]]
-        if more := len(problems) - len(told):
-            told.append(f"and {more} more, see network.check()")
+        kinds = Counter(problem.kind for problem in problems)
+        told = []
+        for kind, count in kinds.items():
+            more = f" (and {count - 1} more like this)" if count > 1 else ""
+            told.append(f"{next(problem for problem in problems if problem.kind == kind)}{more}")
         super().__init__("; ".join(told))
         self.problems = tuple(problems)
 
@@ -155,13 +159,3 @@ def _radii(radii: Any, count: int) -> tuple[tuple[Fraction, ...], Integers]:
     values = tuple(sorted(set(known.values())))
     ranks = {value: number for number, value in enumerate(values)}
     return values, np.array([ranks[known[value]] for value in radii], dtype=np.int64)
-
-
-def counted(cells: Any, what: str = "cells") -> tuple[int, int, int]:
-    """Three whole numbers from 1 on: one number for all, or three; raises `ValueError` and `TypeError`."""
-    given = (cells,) * 3 if isinstance(cells, int) else tuple(cells)
-    if len(given) != 3:
-        raise ValueError(f"{what} must be one whole number or three, not {shown(cells)}")
-    most = 10_000
-    x, y, z = (whole(n, what, 1, most) for n in given)
-    return x, y, z

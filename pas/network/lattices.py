@@ -14,10 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.inputs import whole
+from pas.algebra.inputs import shown, whole
 from pas.algebra.rational import Exact, positive, to_fraction
 from pas.mesh.rows import Integers
-from pas.network.graph import counted
 from pas.network.network import Network
 from pas.registry import Registry
 
@@ -72,9 +71,7 @@ def _half(values: Whole3) -> list[Whole3]:
 
 
 def _kelvin() -> UnitCell:
-    corners = _signed((0, 1, 2))
-    sites = {(x % 4, y % 4, z % 4) for x, y, z in corners} | {((x + 2) % 4, (y + 2) % 4, (z + 2) % 4)
-                                                              for x, y, z in corners}  # fmt: skip
+    sites = {((x + s) % 4, (y + s) % 4, (z + s) % 4) for x, y, z in _signed((0, 1, 2)) for s in (0, 2)}
     return UnitCell.along(4, sites, _half((0, 1, 1)))
 
 
@@ -110,17 +107,15 @@ def lattice(unit: str | UnitCell, cells: int | Sequence[int] = 1, radius: Exact 
     `unit` is "cubic", "BCC", "FCC", "octet", "Kelvin" or "diamond", or a `UnitCell`.  Raises `ValueError` for another
     name, numbers of cells that are not positive, a radius or size that is not.
     """
-    cell = unit if isinstance(unit, UnitCell) else UNIT_CELLS[_known(unit)]
-    counts = np.array(counted(cells))
+    names = {known.lower(): known for known in UNIT_CELLS}
+    cell = unit if isinstance(unit, UnitCell) else UNIT_CELLS[names.get(str(unit).lower(), str(unit))]
+    given, most = (cells,) * 3 if isinstance(cells, int) else tuple(cells), 10_000
+    if len(given) != 3:
+        raise ValueError(f"cells must be one whole number or three, not {shown(cells)}")
+    counts = np.array([whole(n, "cells", 1, most) for n in given])
     step = to_fraction(positive(size, "size")) / cell.period
     places, edges = _block(cell, counts)
     return Network(places * float(step), edges, radius, step)
-
-
-def _known(name: Any) -> str:
-    """The name of a unit cell, however its letters are written."""
-    names = {known.lower(): known for known in UNIT_CELLS}
-    return names.get(str(name).lower(), str(name))
 
 
 def _block(cell: UnitCell, counts: Any) -> tuple[Integers, Integers]:
@@ -166,5 +161,4 @@ def voronoi(seeds: int, radius: Exact = "1/100", size: Exact = 1, *, seed: int =
     used, edges = np.unique(kept, return_inverse=True)
     cube = to_fraction(positive(size, "size"))
     step = cube * to_fraction(positive(grid, "grid"))
-    joined = Network(found.vertices[used] * float(cube), edges.reshape(-1, 2), radius, step).repair()[0]
-    return joined
+    return Network(found.vertices[used] * float(cube), edges.reshape(-1, 2), radius, step).repair()[0]

@@ -10,8 +10,9 @@ import numpy as np
 
 from pas.algebra.rational import Exact
 from pas.limits import WorkLimits, limited
-from pas.network import files, nodes, part, problems
-from pas.network.graph import NetworkProblem, StrutGraph
+from pas.network import files, nodes, problems
+from pas.network.classes import kinds_of
+from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.network.nodes import NodeClass
 from pas.network.part import NetworkPart
 
@@ -67,7 +68,7 @@ class Network(StrutGraph):
 
     def classes(self) -> tuple[NodeClass, ...]:
         """The classes of congruent nodes, the most frequent first: struts, radii, symmetries, numbers of points."""
-        return nodes.classes(self)
+        return nodes.classes_of(kinds_of(self), self)
 
     @limited("blending a network", "fewer cells, or a lower order")
     def blend(
@@ -88,7 +89,10 @@ class Network(StrutGraph):
         Raises `NetworkError` for a network that `check` finds at fault, and with the points of every node for which
         there is no proved blend.
         """
-        return part.blend(self, order, degree, cache, map)
+        if wrong := self.check():
+            raise NetworkError(wrong)
+        kinds = nodes.placed_ends(self, order)
+        return NetworkPart(self, order, kinds, nodes.blends(self, kinds, order, degree, cache, map))
 
     def write(self, path: str | Path, *, unit: str | None = None) -> Path:
         """Write the graph itself: as beams (.3mf), arrays (.npz) or a table (.csv); returns the path."""

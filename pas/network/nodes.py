@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -20,20 +20,23 @@ import numpy as np
 
 from pas.algebra.inputs import check_order
 from pas.algebra.monomials import Floats
-from pas.contacts.contact import as_contact
+from pas.contacts.contact import Contact, as_contact
 from pas.contacts.endless import AUTO as AUTO_CLIP
 from pas.contacts.endless import Pipe
-from pas.errors import PasError
-from pas.exchange.container import read
+from pas.errors import PasError, ProjectFileError
 from pas.limits import checkpoint
 from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
+from pas.network.problems import graph_problems
 from pas.pipeline.blend import blend, struts
 from pas.pipeline.result import Blend
-from pas.shape import KINDS
+from pas.registry import loaded
 
 PARTS, STRAIGHT = 64, 2
 """Shared clips are whole 64ths of a strut, of which at least two remain straight."""
+
+LOAD = "pas.kinds.files:load"
+"""Where project files are read, in a room above."""
 
 Degree = int | Literal["lowest"] | None
 
@@ -68,7 +71,7 @@ class NodeClass:
     @property
     def blended(self) -> bool:
         """Whether it takes a blend: not at ends of struts, nor where one goes straight on."""
-        return len(self.kind.arms) > 1 and not self.kind.straight
+        return self.kind.blended
 
     def __str__(self) -> str:
         sides = {0: "symmetric about an axis", 1: "no symmetry"}.get(self.symmetries, f"{self.symmetries} symmetries")
@@ -76,47 +79,40 @@ class NodeClass:
         return f"{self.count} node{'s' * (self.count > 1)} of {arms} strut{'s' * (arms > 1)}, {sides}"
 
 
-def classes(network: StrutGraph) -> tuple[NodeClass, ...]:
-    """See `Network.classes`."""
-    found = kinds_of(network, np.zeros((len(network.edges), 2), dtype=np.int64))
-    made = [
-        NodeClass(found.kinds[numbers[0]], found.nodes(numbers), network.radii) for numbers in found.classes.values()
-    ]
+def classes_of(kinds: Kinds, network: StrutGraph) -> tuple[NodeClass, ...]:
+    """The classes of the kinds of a network, the most frequent first."""
+    made = []
+    for numbers in kinds.classes.values():
+        first = kinds.kinds[numbers[0]]
+        ends = tuple(kinds.ends[numbers[0], : len(first.arms)].tolist()) if len(kinds.ends) else None
+        made.append(NodeClass(first, kinds.nodes(numbers), network.radii, ends))
     return tuple(sorted(made, key=lambda one: -one.count))
 
 
-@dataclass(frozen=True, eq=False)
-class PlacedEnds:
-    """The kinds of a network with all its ends: `ends[kind][arm]`, in parts of the arm's vector."""
+def placed_ends(network: StrutGraph, order: int) -> Kinds:
+    """The kinds of all nodes with the ends of their arms, see above.
 
-    kinds: Kinds
-    ends: Floats
-
-
-def placed_ends(network: StrutGraph, order: int) -> PlacedEnds:
-    """Where the struts of all nodes begin, see above; raises `NetworkError` for nodes that have no room."""
+    Raises `NetworkError` for what is no graph of struts, as with two in one place, and for nodes that have no room.
+    """
     check_order(order)
+    if wrong := tuple(graph_problems(network)):
+        raise NetworkError(wrong)
     clips = np.zeros((len(network.edges), 2), dtype=np.int64)
     known: dict[Any, tuple[float, ...]] = {}
     while True:
         kinds = kinds_of(network, clips)
         ends = _ends(kinds, network, order, known)
-        kind_at = kinds.of[network.edges]
-        at = ends[kind_at, kinds.slots]
+        at = ends[kinds.of[network.edges], kinds.slots]
         short = at.sum(axis=1) > (PARTS - STRAIGHT) / PARTS
         if not short.any():
-            return PlacedEnds(kinds, ends)
+            return replace(kinds, ends=ends)
         shared = np.floor((PARTS - STRAIGHT) * at[short] / at[short].sum(axis=1, keepdims=True)).astype(np.int64)
         if (fixed := (clips[short] == shared).all(axis=1)).any():
-            numbers = np.flatnonzero(short)[fixed]
-            raise NetworkError([_too_short(network, int(number)) for number in numbers])
+            numbers = np.flatnonzero(short)[fixed].tolist()
+            said = "strut {} from point {} to {} is too short for the blends at its ends"
+            told = [(n, said.format(n, *network.edges[n].tolist())) for n in numbers]
+            raise NetworkError([NetworkProblem("too short", (n,), sentence) for n, sentence in told])
         clips[short] = np.maximum(shared, (at[short] > 0).astype(np.int64))
-
-
-def _too_short(network: StrutGraph, number: int) -> NetworkProblem:
-    a, b = network.edges[number].tolist()
-    sentence = f"strut {number} from point {a} to {b} is too short for the blends at its ends"
-    return NetworkProblem("too short", (number,), sentence)
 
 
 def _ends(kinds: Kinds, network: StrutGraph, order: int, known: dict[Any, tuple[float, ...]]) -> Floats:
@@ -151,7 +147,7 @@ def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe]:
     items = [
         (vector, radii[size], AUTO_CLIP if clip == AUTO else Fraction(clip, PARTS)) for vector, size, clip in kind.arms
     ]
-    if len(items) == 1 or kind.straight:
+    if not kind.blended:
         return [Pipe(vector, radius, 0) for vector, radius, _ in items]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # on clips that are far out, which networks share anyway
@@ -159,12 +155,7 @@ def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe]:
 
 
 def blends(
-    network: StrutGraph,
-    kinds: Kinds,
-    order: int,
-    degree: Degree,
-    cache: str | Path | None,
-    map_: Callable[..., Any],
+    network: StrutGraph, kinds: Kinds, order: int, degree: Degree, cache: str | Path | None, map_: Callable[..., Any]
 ) -> dict[tuple[Any, ...], Blend]:
     """A proved blend for the first kind of each class that takes one, by the class's key.
 
@@ -175,37 +166,45 @@ def blends(
         folder.mkdir(parents=True, exist_ok=True)
     elif map_ is not map:
         raise ValueError("the map of another engine hands blends over in files: give the folder as cache=")
-    wanted = {key: Job(pipes, order, degree, folder) for key, pipes in _blended(network, kinds, order)}
-    found, problems = {}, []
+    wanted = dict(_jobs(network, kinds, order, degree, folder))
+    found: dict[tuple[Any, ...], Blend] = {}
+    problems = []
     results: Iterator[Any] = iter(map_(solved, wanted.values()))
     for done, (key, result) in enumerate(zip(wanted, results, strict=True)):
         checkpoint("blending nodes", (done + 1) / len(wanted))
         if isinstance(result, str):
             problems.append(_without(kinds.nodes(kinds.classes[key]), PasError(result)))
         else:
-            found[key] = KINDS["blend"].read(read(result)) if isinstance(result, Path) else result
+            found[key] = _kept(result, wanted[key]) if isinstance(result, Path) else result
     if problems:
         raise NetworkError(problems)
     return found
 
 
-def _blended(network: StrutGraph, kinds: Kinds, order: int) -> Iterator[tuple[tuple[Any, ...], tuple[Pipe, ...]]]:
-    """The key of each class that takes a blend, and the arms of its first kind."""
+def _kept(path: Path, job: Job) -> Blend:
+    """The blend of a file of the cache; raises `ProjectFileError` where it is not that of the node's struts."""
+    found = loaded(LOAD)(path)
+    if found.kind != "blend" or (found.surface.order, found.surface.contacts) != job.meets:
+        raise ProjectFileError(f"{path} is no blend of the struts after which it is named; remove it")
+    blend: Blend = found
+    return blend
+
+
+def _jobs(network: StrutGraph, kinds: Kinds, order: int, *how: Any) -> Iterator[tuple[tuple[Any, ...], Job]]:
+    """The key of each class that takes a blend, and the blend of its first kind that is to be found."""
     for key, numbers in kinds.classes.items():
-        kind = kinds.kinds[numbers[0]]
-        if len(kind.arms) > 1 and not kind.straight:
-            yield key, tuple(pipes_of(kind, network, order))
+        if kinds.kinds[numbers[0]].blended:
+            yield key, Job(tuple(pipes_of(kinds.kinds[numbers[0]], network, order)), order, *how)
 
 
 def matched(network: StrutGraph, kinds: Kinds, order: int, found: Sequence[Blend]) -> dict[tuple[Any, ...], Blend]:
     """Which of some blends is that of which class; raises `ValueError` for a class of which none is."""
     known = {(b.surface.order, b.surface.contacts): b for b in found}
     result = {}
-    for key, pipes in _blended(network, kinds, order):
-        wanted = order, tuple(map(as_contact, pipes))
-        if wanted not in known:
+    for key, job in _jobs(network, kinds, order):
+        if job.meets not in known:
             raise ValueError(f"blends has none for the node {kinds.nodes(kinds.classes[key])[0]}")
-        result[key] = known[wanted]
+        result[key] = known[job.meets]
     return result
 
 
@@ -215,8 +214,13 @@ class Job:
 
     pipes: tuple[Pipe, ...]
     order: int
-    degree: Degree
-    folder: Path | None
+    degree: Degree = None
+    folder: Path | None = None
+
+    @property
+    def meets(self) -> tuple[int, tuple[Contact, ...]]:
+        """The order and the contacts that make a blend that of these pipes."""
+        return self.order, tuple(map(as_contact, self.pipes))
 
     @cached_property
     def path(self) -> Path | None:

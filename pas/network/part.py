@@ -2,34 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Unpack
 
 import numpy as np
+from flint import fmpq, fmpq_mpoly
 
+from pas.algebra.affine import ORIGIN, height
 from pas.algebra.inputs import check_tolerance, whole
 from pas.algebra.monomials import Floats
-from pas.certify.mesh_proofs import MeshCertificate
+from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.rational import cross, dot, exact, rational, vector
+from pas.certify.proofs import zeros_signs
 from pas.errors import MeshError
 from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality, manifold
+from pas.network.classes import Kinds
 from pas.network.clearance import clearance
-from pas.network.graph import NetworkError, StrutGraph
-from pas.network.nodes import Degree, NodeClass, PlacedEnds, blends, placed_ends
+from pas.network.graph import StrutGraph
+from pas.network.nodes import NodeClass, classes_of
 from pas.network.placing import PlacedPieces
-from pas.network.problems import check
 from pas.pipeline.result import Blend
 from pas.pipeline.search import excess
 from pas.settings import MeshSettings
 from pas.shape import Shape
 from pas.verdicts import Findings, Status, Verdict
 
-USUAL, FINE = 0.03, 0.02
-"""Of the least radius: the tolerance of meshes, and of those by which it is proved how far nodes reach."""
+USUAL = 0.03
+"""Of the least radius: the tolerance of meshes."""
+
+FACES = ("nodes", "struts")
 
 MOST_TRIANGLES = 40_000_000
 """Of one mesh, which take some 10 GB; more are written by pieces, see `NetworkPart.write`."""
@@ -39,24 +45,20 @@ MOST_TRIANGLES = 40_000_000
 class NetworkPart(Shape):
     """The body of a network: a blend for each class of its nodes, a cylinder for each strut, flat ends.
 
-    `placed` says where struts end at nodes, `blends` has the blend of each class by its key, in steps of the grid.
+    `kinds` are those of its nodes, with their ends, `blends` has the blend of each class by its key, in steps of the
+    grid.
     """
 
     network: StrutGraph
     order: int
-    placed: PlacedEnds
+    kinds: Kinds
     blends: Mapping[Any, Blend]
     kind = "network"
 
     @cached_property
     def classes(self) -> tuple[NodeClass, ...]:
         """The classes of its nodes with their ends, the most frequent first."""
-        kinds, made = self.placed.kinds, []
-        for numbers in kinds.classes.values():
-            first = kinds.kinds[numbers[0]]
-            ends = tuple(self.placed.ends[numbers[0]][: len(first.arms)].tolist())
-            made.append(NodeClass(first, kinds.nodes(numbers), self.network.radii, ends))
-        return tuple(sorted(made, key=lambda one: -one.count))
+        return classes_of(self.kinds, self.network)
 
     def blend_of(self, one: NodeClass) -> Blend | None:
         """The blend of a class of nodes, in steps of the grid around the origin; None where none is needed."""
@@ -74,19 +76,32 @@ class NetworkPart(Shape):
         A node is the blend of its class under an exact rotation or reflection, which keeps every claim of it; struts
         are the cylinders that these blends are proved to meet, on one exact axis from node to node.
         """
-        return Findings((self._nodes(), self._struts(), self._apart(), clearance(self.network, self._reach)))
+        apart = clearance(self.network, self._reach, self._ends)
+        return Findings((self._nodes(), self._struts(), self._apart(), apart))
 
     def _nodes(self) -> Verdict:
         claim = f"every node meets its struts with GC^{self.order}"
         for one in self.classes:
             found = self.blend_of(one)
+            if found is None and one.blended:
+                return Verdict(Status.UNDECIDED, claim, f"there is no blend of {one}")
             if found is not None and not found.certificate.proved:
-                return Verdict(
-                    Status.UNDECIDED, claim, f"the blend of {one} is not proved ({found.certificate.counts})"
-                )
-        turned = len(self.placed.kinds.kinds)
+                reason = f"the blend of {one} is not proved ({found.certificate.counts})"
+                return Verdict(Status.UNDECIDED, claim, reason)
+            if found is not None and not self._seen(one, found):
+                return Verdict(Status.UNDECIDED, claim, f"the blend of {one} has a centre away from its struts")
+        turned = len(self.kinds.kinds)
         reason = f"{len(self.blends)} proved blends in {turned} exact positions; cylinders between them"
         return Verdict(Status.PROVED, claim, reason, measure=turned)
+
+    def _seen(self, one: NodeClass, blend: Blend) -> bool:
+        """Whether the centre of a blend is nearer to the axes of all struts than these are thick.
+
+        Then a strut beyond its end is seen from there in the directions of the clip's circle, in which no surface is:
+        the cone through the circle holds the centre's parallel to the axis, and is convex.
+        """
+        off = [(cross(blend.surface.partition.center or ORIGIN, vector(way)), way, r) for way, r in one.struts]
+        return all(dot(a, a) < rational(r / self.network.grid) ** 2 * sum(c * c for c in way) for a, way, r in off)
 
     def _struts(self) -> Verdict:
         claim = "every strut is straight between its nodes"
@@ -98,39 +113,39 @@ class NetworkPart(Shape):
     @property
     def _ends(self) -> Floats:
         """Where each strut begins and ends (E, 2), in parts of its length."""
-        kinds = self.placed.kinds
-        return np.asarray(self.placed.ends[kinds.of[self.network.edges], kinds.slots])
-
-    @cached_property
-    def _extent(self) -> tuple[PlacedPieces, Floats]:
-        """Fine meshes of the kinds of nodes, and how far each surface is from them at most (K,), proved; inf if not."""
-        step = float(self.network.grid)
-        pieces = self._pieces(FINE * float(min(self.network.radii)))
-        bounds = np.zeros(len(self.placed.kinds.kinds))
-        for key, numbers in self.placed.kinds.classes.items():
-            if key in self.blends:
-                mesh = self.blends[key].surface.mesh(pieces.tolerance / step)
-                bounds[numbers] = step * _bound(mesh.certificate)
-        return pieces, bounds
+        return np.asarray(self.kinds.ends[self.kinds.of[self.network.edges], self.kinds.slots])
 
     @cached_property
     def _reach(self) -> Floats:
-        """The radius of a ball around each point that holds its node (N,)."""
-        pieces, bounds = self._extent
-        radii = [np.linalg.norm(p.points, axis=1).max() + b for p, b in zip(pieces.nodes, bounds, strict=True)]
-        kinds = self.placed.kinds.of
-        return np.where(kinds >= 0, np.array(radii)[kinds], 0.0)
+        """The radius of a ball around each point that holds its node (N,), proved on the polynomials; inf if not."""
+        pieces, step = self.pieces(), self.network.grid
+        found = np.array([np.linalg.norm(piece.points, axis=1).max() for piece in pieces.nodes]) + pieces.tolerance
+        for key, numbers in self.kinds.classes.items():
+            found[numbers] = most = found[numbers].max()
+            square = exact(most / step) ** 2 - dot(GENERATORS, GENERATORS)
+            if key in self.blends and not _holds(self.blends[key], square):
+                found[numbers] = np.inf
+        return np.where(self.kinds.of >= 0, found[self.kinds.of], 0.0)
 
     def _apart(self) -> Verdict:
-        claim = "neighbouring nodes are apart"
-        pieces, bounds = self._extent
+        """By planes across the struts, at so many parts of each, where the meshes leave as much room on both sides."""
+        claim, pieces, kinds = "neighbouring nodes are apart", self.pieces(), self.kinds
+        parts, least = 1024, np.full(kinds.ends.shape, np.inf)
         for strut in pieces.struts:
-            (a, b), axis = strut.kinds, strut.vector / np.linalg.norm(strut.vector)
-            here = (pieces.nodes[a].points @ axis).max() + bounds[a]
-            there = (pieces.nodes[b].points @ -axis).max() + bounds[b]
-            if not here + there < np.linalg.norm(strut.vector) * (1 - 1e-12):
-                one, other = self.network.edges[strut.edges[0]].tolist()
-                return Verdict(Status.UNDECIDED, claim, f"no plane was found between the nodes {one} and {other}")
+            way = strut.vector / (strut.vector @ strut.vector)
+            here, there = (pieces.nodes[kind].points @ way for kind in strut.kinds)
+            plane = round(parts * (1 + here.max() + there.min()) / 2)
+            for kind, slot, at in zip(strut.kinds, strut.slots, (plane, parts - plane), strict=True):
+                least[kind, slot] = min(least[kind, slot], at)
+        for key, numbers in kinds.classes.items():
+            first = kinds.kinds[numbers[0]]
+            rows = least[np.array(numbers)[:, None], [kinds.kinds[number].form.order for number in numbers]]
+            for arm, plane in zip(first.form.order, rows.min(axis=0).tolist(), strict=True):
+                arrow = first.exact(arm)
+                before = fmpq(int(plane), parts) * dot(arrow, arrow) - height(ORIGIN, arrow)
+                if not (plane > 0 and (key not in self.blends or _holds(self.blends[key], before))):
+                    reason = f"the node {kinds.nodes(numbers)[0]} may reach beyond a plane across its strut"
+                    return Verdict(Status.UNDECIDED, claim, reason)
         return Verdict(Status.PROVED, claim, "a plane across each strut is between them", measure=len(pieces.struts))
 
     @property
@@ -142,7 +157,7 @@ class NetworkPart(Shape):
     @cached_property
     def volume(self) -> float:
         """The volume in the model's units, cubed, of the mesh within the usual tolerance."""
-        return self._pieces(self._usual).volume
+        return self.pieces().volume
 
     @property
     def density(self) -> float:
@@ -150,23 +165,16 @@ class NetworkPart(Shape):
         sides = np.ptp(self.network.points, axis=0)
         return self.volume / float(sides.prod()) if sides.all() else float("nan")
 
-    @property
-    def _usual(self) -> float:
-        return USUAL * float(min(self.network.radii))
-
     @cached_property
     def _made(self) -> dict[float, PlacedPieces]:
         return {}
 
-    def _pieces(self, tolerance: float) -> PlacedPieces:
-        """What meshes of a tolerance consist of, kept."""
-        if tolerance not in self._made:
-            self._made[tolerance] = PlacedPieces(self.network, self.placed, dict(self.blends), tolerance)
-        return self._made[tolerance]
-
     def pieces(self, tolerance: float | None = None) -> PlacedPieces:
-        """The meshes of the kinds of nodes and struts, and their places, of which `mesh` and files consist."""
-        return self._pieces(self._usual if tolerance is None else check_tolerance(tolerance))
+        """The meshes of the kinds of nodes and struts, and their places, of which `mesh` and files consist; kept."""
+        wanted = USUAL * float(min(self.network.radii)) if tolerance is None else check_tolerance(tolerance)
+        if wanted not in self._made:
+            self._made[wanted] = PlacedPieces(self.network, self.kinds, dict(self.blends), wanted)
+        return self._made[wanted]
 
     @limited("meshing a network", "a coarser tolerance")
     def mesh(
@@ -178,8 +186,8 @@ class NetworkPart(Shape):
         """
         Quality.of(quality)
         pieces = self.pieces(tolerance)
-        counts = np.array([len(p.triangles) for p in pieces.nodes])[self.placed.kinds.of[self.placed.kinds.of >= 0]]
-        total = int(counts.sum()) + sum(len(s.triangles) * len(s.edges) for s in pieces.struts)
+        counts = np.array([len(p.triangles) for p in pieces.nodes])
+        total = int(counts @ self.kinds.counts) + sum(len(s.triangles) * len(s.edges) for s in pieces.struts)
         if total > MOST_TRIANGLES:
             raise MeshError(
                 f"the mesh would have {total} triangles, and {MOST_TRIANGLES} is the most; write a .3mf or .glb file, "
@@ -188,7 +196,7 @@ class NetworkPart(Shape):
 
         def made() -> NetworkMesh:
             points, triangles, normals, faces = pieces.mesh()
-            known = points, triangles, faces, ("nodes", "struts"), normals
+            known = points, triangles, faces, FACES, normals
             return NetworkMesh(*known, deviation=pieces.deviation, part=self, tolerance=pieces.tolerance)
 
         return self._kept((pieces.tolerance,), made)
@@ -199,7 +207,7 @@ class NetworkPart(Shape):
         pieces = self.pieces()
         found = []
         for kind, piece in enumerate(pieces.nodes):
-            places = self.network.points[self.placed.kinds.of == kind]
+            places = self.network.points[self.kinds.of == kind]
             found += [places.min(axis=0) + piece.points.min(axis=0), places.max(axis=0) + piece.points.max(axis=0)]
         return np.stack([np.min(found, axis=0), np.max(found, axis=0)])
 
@@ -221,11 +229,8 @@ class NetworkPart(Shape):
 
     def bodies(self, settings: MeshSettings) -> list[tuple[Mesh, Floats]]:
         """Closed meshes of the kinds of nodes with halves of their struts, and the places (M, 3) where each stands."""
-        pieces, network = self.pieces(settings.tolerance), self.network
-        return [
-            (Mesh.from_triangles(points, triangles, "node"), network.points[nodes])
-            for points, triangles, nodes in pieces.bodies()
-        ]
+        found = self.pieces(settings.tolerance).bodies()
+        return [(Mesh.from_triangles(p, t, "node"), self.network.points[nodes]) for p, t, nodes in found]
 
     def write_blocks(self, folder: str | Path, tolerance: float | None = None, *, struts: int = 20_000) -> list[Path]:
         """Write the watertight mesh as STL files of about so many struts each, for what is too large for one mesh.
@@ -246,14 +251,10 @@ class NetworkPart(Shape):
             checkpoint("writing blocks", number / across**3)
             path = place / "block-{}-{}-{}.stl".format(*np.unravel_index(number, (across,) * 3))
             if not path.exists():
-                self._joined(pieces, numbers == number).write(path, open=True)
+                points, triangles, normals, faces = pieces.mesh(numbers == number)
+                Mesh(points, triangles, faces, FACES, normals, deviation=pieces.deviation).write(path, open=True)
             paths.append(path)
         return paths
-
-    @staticmethod
-    def _joined(pieces: PlacedPieces, nodes: Any = None) -> Mesh:
-        points, triangles, normals, faces = pieces.mesh(nodes)
-        return Mesh(points, triangles, faces, ("nodes", "struts"), normals, deviation=pieces.deviation)
 
     def __repr__(self) -> str:
         return f"<NetworkPart: {len(self.network.places)} nodes, {len(self.network.edges)} struts, GC^{self.order}>"
@@ -270,46 +271,27 @@ class NetworkMesh(Mesh):
     def certificate(self) -> Findings:
         """Whether it is a closed manifold, each node's mesh has the topology of its surface, and how far it is off."""
         assert self.part is not None
-        pieces = self.part.pieces(self.tolerance)
-        step = float(self.part.network.grid)
+        pieces, step = self.part.pieces(self.tolerance), float(self.part.network.grid)
         topology, distance = Verdict(Status.PROVED, "the topology of every node", "by the meshes of their classes"), 0.0
         for one in self.part.classes:
-            blend = self.part.blend_of(one)
-            if blend is None:
+            if (blend := self.part.blend_of(one)) is None:
                 continue
             found = blend.surface.mesh(self.tolerance / step).certificate
-            distance = max(distance, step * _bound(found))
-            for verdict in found.verdicts:
-                if not (verdict.proved or verdict.measured):
-                    topology = Verdict(verdict.status, topology.claim, f"{one}: {verdict.claim}: {verdict.reason}")
+            open_ = [verdict for verdict in found.verdicts if not (verdict.proved or verdict.measured)]
+            for verdict in open_:
+                topology = Verdict(verdict.status, topology.claim, f"{one}: {verdict.claim}: {verdict.reason}")
+            # with the topology goes that points of both are joined along the gradient, on which the distance is bounded
+            distance = max(distance, np.inf if open_ or found.distance is None else step * found.distance)
         strips = max((s.deviation for s in pieces.struts), default=0.0)
-        rounding = float(np.abs(self.points).max()) * 2.0**-50
-        bound = max(distance, strips) + rounding
-        claim = "near the surface"
-        near = (
-            Verdict(Status.PROVED, claim, f"within {bound:.3g}: nodes by their classes, strips by their widest angle")
-            if np.isfinite(bound)
-            else Verdict(Status.UNDECIDED, claim, "of some class the distance is not proved")
-        )
+        bound = max(distance, strips) + float(np.abs(self.points).max()) * 2.0**-50
+        near = Verdict(Status.UNDECIDED, "near the surface", "of some class the distance is not proved")
+        if np.isfinite(bound):
+            reason = f"within {bound:.3g}: nodes by their classes, strips by their widest angle"
+            near = Verdict(Status.PROVED, near.claim, reason)
         return Findings((manifold(self.triangles), topology, near))
 
 
-def _bound(certificate: MeshCertificate) -> float:
-    """How far a mesh and its surface are from one another at most; inf where that, or the topology, is not proved.
-
-    With the topology goes that each point of the surface is joined with one of the mesh along the gradient of f, on
-    which the distance is bounded.
-    """
-    decided = all(verdict.proved or verdict.measured for verdict in certificate.verdicts)
-    return certificate.distance if decided and certificate.distance is not None else float("inf")
-
-
-def blend(
-    network: StrutGraph, order: int, degree: Degree, cache: str | Path | None, map_: Callable[..., Any]
-) -> NetworkPart:
-    """See `Network.blend`."""
-    problems = check(network, whole=False)
-    if problems:
-        raise NetworkError(problems)
-    placed = placed_ends(network, order)
-    return NetworkPart(network, order, placed, blends(network, placed.kinds, order, degree, cache, map_))
+def _holds(blend: Blend, value: fmpq_mpoly) -> bool:
+    """Whether a polynomial in the blend's coordinates is proved to be positive on the whole surface."""
+    local = blend.surface.partition.frame.localise(Polynomial.from_raw(value)).raw
+    return zeros_signs(blend.surface, [local] * len(blend.surface.patches)).status is Status.PROVED

@@ -21,9 +21,8 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
 from pas.mesh.rows import Integers
-from pas.network.classes import NodeKind, turn
+from pas.network.classes import Kinds, NodeKind, turn
 from pas.network.graph import StrutGraph
-from pas.network.nodes import PlacedEnds
 from pas.pipeline.result import Blend
 
 FEWEST = 8
@@ -46,16 +45,9 @@ class NodePiece:
         rings = [self.rings[0]] * len(self.rings)
         for place, ring in zip(order, self.rings, strict=True):
             rings[place] = ring
-        mirrored = np.linalg.det(matrix) < 0
-        triangles = self.triangles[:, ::-1] if mirrored else self.triangles
-        normals = self.normals @ matrix.T
-        return NodePiece(
-            self.points @ matrix.T,
-            triangles,
-            normals[:, ::-1] if mirrored else normals,
-            tuple(rings),
-            self.deviation,
-        )
+        way = -1 if np.linalg.det(matrix) < 0 else 1  # a reflection turns the order of corners around
+        triangles, normals = self.triangles[:, ::way], (self.normals @ matrix.T)[:, ::way]
+        return NodePiece(self.points @ matrix.T, triangles, normals, tuple(rings), self.deviation)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,9 +69,8 @@ class StrutPiece:
 class PlacedPieces:
     """All pieces of a network's mesh within a tolerance (the model's units)."""
 
-    def __init__(self, network: StrutGraph, placed: PlacedEnds, blends: dict[Any, Blend], tolerance: float) -> None:
-        self.network, self.placed, self.blends, self.tolerance = network, placed, blends, tolerance
-        self.kinds = placed.kinds
+    def __init__(self, network: StrutGraph, kinds: Kinds, blends: dict[Any, Blend], tolerance: float) -> None:
+        self.network, self.kinds, self.blends, self.tolerance = network, kinds, blends, tolerance
 
     @cached_property
     def nodes(self) -> list[NodePiece]:
@@ -87,7 +78,7 @@ class PlacedPieces:
         found: list[NodePiece] = [None] * len(self.kinds.kinds)  # type: ignore[list-item]
         for key, numbers in self.kinds.classes.items():
             first = self.kinds.kinds[numbers[0]]
-            made = self._piece(first, self.placed.ends[numbers[0]], self.blends.get(key))
+            made = self._piece(first, self.kinds.ends[numbers[0]], self.blends.get(key))
             for number in numbers:
                 kind = self.kinds.kinds[number]
                 matrix = np.array([to_floats(row) for row in turn(first, kind)])
@@ -100,10 +91,8 @@ class PlacedPieces:
         if blend is None:
             return self._ring(kind)
         mesh = blend.surface.mesh(self.tolerance / step)
-        arms = zip(
-            kind.vectors * 1.0, ends, (self._radius(kind, i) / step for i in range(len(kind.arms))), strict=False
-        )
-        rings = rings_of(mesh.points, mesh.boundary, list(arms))
+        radii = [self._radius(kind, i) / step for i in range(len(kind.arms))]
+        rings = rings_of(mesh.points, mesh.boundary, zip(kind.vectors * 1.0, ends, radii, strict=False))
         deviation = float("inf") if mesh.deviation is None else mesh.deviation * step
         return NodePiece(mesh.points * step, mesh.triangles, mesh.normals, rings, deviation)
 
@@ -138,13 +127,14 @@ class PlacedPieces:
         found = []
         for (a, i, b, j), numbers in zip(different.tolist(), groups, strict=True):
             vector = self.network.vectors[numbers[0]] * step
-            ends = self.nodes[a].points[self.nodes[a].rings[i]], self.nodes[b].points[self.nodes[b].rings[j]]
-            triangles, normals, widest = strip(ends[0], ends[1], vector)
-            radius = float(self.network.radii[self.kinds.kinds[a].arms[i][1]])
-            found.append(
-                StrutPiece((a, b), (i, j), vector, triangles, normals, radius * (1 - cos(widest / 2)), numbers)
-            )
+            triangles, normals, widest = strip(self._circle(a, i), self._circle(b, j), vector)
+            off = self._radius(self.kinds.kinds[a], i) * (1 - cos(widest / 2))
+            found.append(StrutPiece((a, b), (i, j), vector, triangles, normals, off, numbers))
         return found
+
+    def _circle(self, kind: int, slot: int) -> Floats:
+        """The points on the circle of an arm."""
+        return self.nodes[kind].points[self.nodes[kind].rings[slot]]
 
     @cached_property
     def deviation(self) -> float:
@@ -170,9 +160,8 @@ class PlacedPieces:
         triangles, normals = [], []
         for kind, piece in enumerate(self.nodes):
             all_of = np.flatnonzero(needed & (kinds.of == kind))
-            points[starts[all_of][:, None] + np.arange(len(piece.points))] = (
-                piece.points + network.points[all_of][:, None]
-            )
+            rows = starts[all_of][:, None] + np.arange(len(piece.points))
+            points[rows] = piece.points + network.points[all_of][:, None]
             own = np.flatnonzero(of == kind)
             triangles.append((piece.triangles + starts[own][:, None, None]).reshape(-1, 3))
             normals.append(np.tile(piece.normals, (len(own), 1, 1)))
@@ -195,8 +184,7 @@ class PlacedPieces:
             places = self.network.points[self.kinds.of == kind] - middle
             total += _volume(piece.points[piece.triangles], places)
         for strut in self.struts:
-            first, second = (self.nodes[strut.kinds[e]].points[self.nodes[strut.kinds[e]].rings[strut.slots[e]]]
-                             for e in (0, 1))  # fmt: skip
+            first, second = (self._circle(*end) for end in zip(strut.kinds, strut.slots, strict=True))
             corners = np.concatenate([first, second + strut.vector])[strut.triangles]
             total += _volume(corners, self.network.points[self.network.edges[strut.edges, 0]] - middle)
         return total
@@ -207,8 +195,8 @@ class PlacedPieces:
         A node has its struts up to the middle of what is straight of them, where they are cut off flat.
         """
         edges, kinds = self.network.edges, self.kinds
-        at = self.placed.ends[kinds.of[edges], kinds.slots]
-        cuts = np.zeros((len(kinds.of), self.placed.ends.shape[1]))
+        at = kinds.ends[kinds.of[edges], kinds.slots]
+        cuts = np.zeros((len(kinds.of), kinds.ends.shape[1]))
         cuts[edges, kinds.slots] = (1 + at - at[:, ::-1]) / 2
         used = np.flatnonzero(kinds.of >= 0)
         different, of = np.unique(np.column_stack([kinds.of, cuts.round(9)])[used], axis=0, return_inverse=True)

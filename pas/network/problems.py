@@ -21,11 +21,10 @@ NEAREST = 0.45
 
 def check(network: StrutGraph, whole: bool) -> tuple[NetworkProblem, ...]:
     """See `Network.check`."""
-    found = [*_of_graph(network)]
+    found = [*graph_problems(network)]
     if not found:
         found += [*_angles(network)]
-    if not found:
-        found += [*_short(network), *_crossing(network)]
+        found += [*([] if found else _short(network)), *_crossing(network)]
     if whole:
         ends = np.flatnonzero(network.valence == 1).tolist()
         found += [NetworkProblem("dangling", (n,), f"point {n} has one strut only, which ends there") for n in ends]
@@ -34,7 +33,7 @@ def check(network: StrutGraph, whole: bool) -> tuple[NetworkProblem, ...]:
     return tuple(found)
 
 
-def _of_graph(network: StrutGraph) -> Iterator[NetworkProblem]:
+def graph_problems(network: StrutGraph) -> Iterator[NetworkProblem]:
     """Loops, struts that are there twice, points in one place and points without struts."""
     edges = network.edges
     if not len(edges):

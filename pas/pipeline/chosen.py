@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache, cached_property, partial
 from typing import Self, TypeVar, Unpack
@@ -30,6 +30,7 @@ from pas.limits import WorkLimits, checkpoint, limited, note, stage_line
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.piecewise import PiecewiseSurface
+from pas.pipeline.simplify import simplified
 from pas.settings import MeshSettings
 from pas.shape import Shape
 from pas.surface.fairness import Fairness
@@ -201,6 +202,31 @@ class ChosenBlend(Shape):
     def certificate(self) -> Certificate:
         """The verdicts on the surface, proved in this process, when first asked for."""
         return self.surface.certificate
+
+    @limited("simplifying a blend", "a larger denominator")
+    def simplified(self, denominator: int = 1000, **limits: Unpack[WorkLimits]) -> Self:
+        """A blend of this degree near this one whose polynomials have short coefficients, proved anew: for papers,
+        files and speed.
+
+        It has coefficients of that `denominator` in `space.reduced()`, the basis of shortest polynomials: whole
+        multiples of a power of ten over it for each member, which moves no coefficient of a polynomial by much more
+        than the largest one over `denominator`.  Points to pass through stay exact, those inside and outside on their
+        sides; energy and fairness are measured anew.  Nearly all of the time goes into that basis.
+
+        Raises `NotProvedError` where something that is proved of this blend is not proved of that one, which says what,
+        and which power of ten is enough (its `blend` is the `PiecewiseSurface` that was found); `ValueError` for a
+        denominator that is no whole number from 1 to 10^9, for a blend with handles, coefficients or a value that were
+        given, and for one from a file whose surface is not of its space.
+        """
+        surface = simplified(self.surface, self.space, self.wishes, denominator)
+        return replace(
+            self,
+            surface=surface,
+            find_coefficients=lambda: [rational(c) for c in self.space.coordinates(surface.polynomials)],
+            energy=FitSolver(self.space.prepared, self.wishes).energy_of(surface),
+            choice=None,
+            stored=None,
+        )
 
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(

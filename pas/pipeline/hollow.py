@@ -116,6 +116,19 @@ class HollowBlend(Shape, Generic[B]):
         """
         return thicker_than(self.inner.surface, self.outer.surface, positive(bound, "bound"))
 
+    @limited("simplifying a blend", "a larger denominator")
+    def simplified(self, denominator: int = 1000, **limits: Unpack[WorkLimits]) -> HollowBlend[B]:
+        """This wall with short coefficients on both sides, proved anew; see `Blend.simplified`.
+
+        Raises what that raises, and `NotProvedError` where the wall itself is not proved (with the `HollowBlend`).
+        """
+        made = replace(self, outer=self.outer.simplified(denominator), inner=self.inner.simplified(denominator))
+        proved = {verdict.claim for verdict in self.certificate.verdicts if verdict.proved}
+        for verdict in made.certificate.verdicts:
+            if verdict.claim in proved and not verdict.proved:
+                raise NotProvedError(f"coefficients of the denominator {denominator} are too short: {verdict}", made)
+        return made
+
     def solid(self, length: Length = None, names: Sequence[str] | None = None) -> Solid:
         """The wall as a solid, open at its ends: see `Blend.solid` for the arguments.
 

@@ -1,1 +1,1 @@
-"""Bezier generatrix blends between any two surfaces, plane sections and intersections of quadrics."""
+"""Bezier generatrix blends between any two surfaces (Cheng and Gao), plane sections and intersections of quadrics."""

@@ -1,6 +1,6 @@
 """A blend by a generatrix as a surface: its control points, its values, and its exact components where it has such.
 
-For each s the segment runs from C1(s) to C2(s) with inner control points C_i + l_i T_i,
+For each s the segment runs from C1(s) to C2(s) with inner control points C_i + l_i T_i (Cheng and Gao, section 3),
 
     T_i = +-sqrt(1 - lambda_i^2) W_i + lambda_i E_i,
 

@@ -1,0 +1,134 @@
+"""The site: Sphinx with pages in Markdown (MyST), an API reference from docstrings, and formulas as MathML.
+
+`make docs` builds it into out/docs.  Nothing is fetched while it is built or read.  Pages that are made from
+other files (gallery, command line, file formats) are written by `generated.py` when the build begins.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+import textwrap
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.addnodes import pending_xref
+from sphinx.application import Sphinx
+from sphinx.transforms.post_transforms import SphinxPostTransform
+from sphinx.util.nodes import make_refnode
+
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import generated  # noqa: E402
+
+from pas._version import __version__  # noqa: E402
+
+project, author, release = "pas", "the pas developers", __version__
+copyright = f"2026, {author}. MIT licence"
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.viewcode", "sphinx_design", "sphinx_copybutton"]
+exclude_patterns = ["_build"]
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath", "amsmath", "attrs_block"]
+myst_heading_anchors = 3
+html_theme = "furo"
+html_title = f"pas {release}"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_math_renderer = "mathml"
+html_show_sphinx = False
+BLUE = {"color-brand-primary": "#2b5f8a", "color-brand-content": "#2b5f8a"}
+html_theme_options = {"navigation_with_keys": True, "light_css_variables": BLUE}
+pygments_style = "tango"
+highlight_language = "python"
+copybutton_exclude = ".linenos, .gp, .go"
+autodoc_default_options = {"members": True, "member-order": "bysource"}
+autodoc_typehints_format = "short"
+python_maximum_signature_line_length = 90
+suppress_warnings = ["config.cache"]
+
+CODE = re.compile(r"(`+)(.+?)\1", re.S)
+
+
+def as_rst(lines: list[str]) -> list[str]:
+    """The docstring, written in plain text with `code` and indented programs, as reStructuredText."""
+    found = re.split(r"((?:^|(?<=\n))(?: {4}.*(?:\n|$))(?:(?: {4}.*)?(?:\n|$))*)", "\n".join(lines))
+    done: list[str] = []
+    before = "\n\n"
+    for number, part in enumerate(found):
+        if number % 2 and before.endswith("\n\n"):  # a list goes on indented as well, without an empty line
+            text = textwrap.dedent(part).strip("\n")
+            done.append(f"\n\n.. code-block:: {language_of(text)}\n\n{textwrap.indent(text, '   ')}\n\n")
+        else:
+            done.append(inline(part))
+        before = part if part.strip() else before
+    return "".join(done).split("\n")
+
+
+def language_of(text: str) -> str:
+    """The language of a block, for its colours."""
+    try:
+        tree = ast.parse(text)
+    except SyntaxError:
+        return "toml" if re.search(r"^\[\[?\w+\]|^\w+ = ", text, re.M) else "text"
+    return "python" if any(isinstance(node, ast.Call) for node in ast.walk(tree)) else "text"
+
+
+def inline(text: str) -> str:
+    """Code in double backticks, and what reStructuredText would take for markup outside it escaped."""
+    pieces, at = [], 0
+    for found in CODE.finditer(text):
+        code, after = " ".join(found[2].split()), text[found.end() : found.end() + 1]
+        pieces += [escaped(text[at : found.start()]), f"``{code}``" + ("\\ " if after.isalnum() else "")]
+        at = found.end()
+    return "".join([*pieces, escaped(text[at:])])
+
+
+def escaped(text: str) -> str:
+    """Text in which nothing is markup."""
+    return re.sub(r"([*|]|_(?=\W|$))", r"\\\1", text.replace("\\", "\\\\"))
+
+
+def process(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+    """See `as_rst`."""
+    lines[:] = as_rst(lines)
+
+
+class LinkedCode(SphinxPostTransform):
+    """Code such as `pas.blend` or `solid.box(...)` in any page leads to the reference."""
+
+    default_priority = 5
+
+    def run(self, **kwargs: Any) -> None:
+        """Replace such literals by references."""
+        domain = self.env.get_domain("py")
+        for node in list(self.document.findall(nodes.literal)):
+            if isinstance(node.parent, nodes.reference | pending_xref) or node.findall is None:
+                continue
+            words = re.fullmatch(r"((?:pas|solid|network)\.[\w.]+)(\(.*\))?", node.astext(), re.S)
+            if not words:
+                continue
+            name = words[1] if words[1].startswith("pas.") else f"pas.{words[1]}"
+            entry = domain.objects.get(name)
+            if entry is None:
+                continue
+            link = make_refnode(self.app.builder, self.env.docname, entry.docname, entry.node_id, node.deepcopy(), name)
+            node.replace_self(link)
+
+
+def mathml(self: Any, node: Any) -> None:
+    """A formula, which browsers set themselves."""
+    block = isinstance(node, nodes.math_block)
+    text = tex2mathml(node.astext(), as_block=block)
+    self.body.append(f'<div class="math">{text}</div>' if block else text)
+    raise nodes.SkipNode
+
+
+def setup(app: Sphinx) -> None:
+    """Connect all this."""
+    app.add_html_math_renderer("mathml", (mathml, None), (mathml, None))
+    app.connect("autodoc-process-docstring", process)
+    app.connect("builder-inited", lambda app: generated.write(HERE / "generated"))
+    app.add_post_transform(LinkedCode)

@@ -1,0 +1,70 @@
+"""Short whole vectors: a reduced basis of all whole vectors in a space over the rationals.
+
+Whole combinations of given vectors miss most of the whole vectors in their span, and these may have many times fewer
+digits.  All are found modulo the denominator of the reduced echelon form (Cohen 1993, section 2.4), and short ones
+among them by lattice reduction (Lenstra, Lenstra and Lovasz 1982).
+"""
+
+from __future__ import annotations
+
+import random
+from math import gcd
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_mat, fmpz_mat
+
+from pas.limits import checkpoint
+
+Table = list[list[int]]
+
+
+def short_basis(rows: fmpz_mat) -> fmpz_mat:
+    """An LLL-reduced basis (m, N) of the whole vectors in the span of independent whole rows (m, N).
+
+    With the reduced echelon form `E / d`, the columns of E span a lattice that holds all multiples of d; where those of
+    H are a basis of it, the rows of `H^-1 E` are one of the whole vectors.
+    """
+    checkpoint("reducing a basis")
+    echelon, denominator = _echelon(rows).numer_denom()
+    d, (size, columns) = int(denominator), (rows.nrows(), rows.ncols())
+    # as many random sums of columns and some more span what all columns do, but for a chance of 2^-10
+    mixed = random.Random(size)
+    mix = fmpz_mat(columns, size + 10, [mixed.randint(-1, 1) for _ in range(columns * (size + 10))])
+    square = _triangular([[int(v) for v in column] for column in (echelon * mix).transpose().tolist()], d)
+    inverse, scale = fmpq_mat(fmpz_mat(square)).inv().numer_denom()
+    spanning, _ = (fmpq_mat(inverse * echelon) * fmpq(1, scale)).numer_denom()
+    checkpoint()
+    return spanning.lll()
+
+
+def _echelon(rows: fmpz_mat) -> fmpq_mat:
+    """The reduced echelon form up to the order of rows and columns: at once where each row has a column of its own."""
+    table = rows.tolist()
+    own: dict[int, int] = {}
+    for j, column in enumerate(rows.transpose().tolist()):
+        places = [i for i, v in enumerate(column) if v != 0]
+        if len(places) == 1:
+            own.setdefault(places[0], j)
+    if len(own) < len(table):
+        return fmpq_mat(rows).rref()[0]
+    return fmpq_mat([[fmpq(v, row[own[i]]) for v in row] for i, row in enumerate(table)])
+
+
+def _triangular(vectors: Table, modulus: int) -> Table:
+    """A triangular basis, as columns, of the lattice that vectors (k, m) and the multiples of a modulus span."""
+    table: Any = np.array(vectors, dtype=object) % modulus
+    size, basis = table.shape[1], []
+    for place in range(size):
+        checkpoint("reducing a basis", place / size)
+        pivot: Any = np.zeros(size, dtype=object)
+        pivot[place] = modulus
+        for number in np.nonzero(table[:, place])[0]:
+            other, a, b = table[number], int(pivot[place]), int(table[number, place])
+            g = gcd(a, b)
+            u = pow(a // g, -1, b // g) if b != g else 0
+            v = (g - u * a) // b
+            pivot, table[number] = (u * pivot + v * other) % modulus, (a // g * other - b // g * pivot) % modulus
+            pivot[place] = g
+        basis.append(pivot)
+    return [list(row) for row in np.array(basis, dtype=object).T]
