@@ -104,7 +104,10 @@ class Body:
     @property
     def opening(self) -> float:
         """The radius of the hollow pot's opening, in the plane of the rim."""
-        value, slope = (self.upper + self.wall).at((0, 0, self.top)), self.lower.at((1, 0, 0)) - self.lower.at((0, 0, 0))
+        value, slope = (
+            (self.upper + self.wall).at((0, 0, self.top)),
+            self.lower.at((1, 0, 0)) - self.lower.at((0, 0, 0)),
+        )
         return sqrt(-value / slope)
 
     @property

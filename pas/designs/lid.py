@@ -71,8 +71,12 @@ class Lid:
         return solid.joined("lid blend", "lid dome", (dome, -below(dome_end)), 2)
 
     def closed(self, body: Body) -> Solid:
-        """The lid as a part: with a flat bottom and its ring."""
-        lid = self.solid(body).cap(below(body.top), "lid bottom")
+        """The lid as a part, with a flat bottom."""
+        return self.solid(body).cap(below(body.top), "lid bottom")
+
+    def seated(self, body: Body) -> Solid:
+        """The lid of a hollow pot: with the ring that keeps it in the opening."""
+        lid = self.closed(body)
         if self.seat == 0:
             return lid
         radius = Fraction(f"{body.opening:.3f}") - self.gap

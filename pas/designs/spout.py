@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -25,6 +26,8 @@ MOST_TILT = Fraction(1, 5)
 UPRIGHT = Fraction(1, 2)
 """The height above which a spout leans."""
 
+NONE = Fraction(0)
+
 
 @dataclass(frozen=True)
 class Spout:
@@ -38,7 +41,7 @@ class Spout:
     axis: Points = points((1, -0.3, 0.28), (2.12, -0.02, 0.2), (2.42, 0.78, 0.13), (2.8, 1.15, 0.11))
     """Points (x, z, radius) in which the lines end: the first in the room of the body, the last in the mouth."""
 
-    tilt: Fraction = Fraction(0)
+    tilt: Fraction = NONE
     """How far the spout leans outwards for each unit of height."""
 
     bend: Fraction = Fraction(9, 20)
@@ -62,7 +65,9 @@ class Spout:
                 f"the joints of the spout cannot be made with spout_tilt {self.tilt}: it may be {MOST_TILT} either way"
             )
         if not 0 < self.bend < Fraction(1, 2):
-            raise GeometryError(f"the bends of the spout cannot be made: bend must be between 0 and 1/2, not {self.bend}")
+            raise GeometryError(
+                f"the bends of the spout cannot be made: bend must be between 0 and 1/2, not {self.bend}"
+            )
         thinnest = min(radius for *_, radius in self.axis)
         if not 0 <= self.wall < thinnest:
             raise GeometryError(
@@ -84,8 +89,8 @@ class Spout:
                 "the joint of spout and body cannot be made: the first line of the spout's axis must lead out of the "
                 f"lower body, not from {_told(first)} to {_told(second)}"
             )
-        start = self._cone(0, 1, Fraction(0), Fraction(0))
-        solid |= union([*self._tubes(self._bends, "spout", Fraction(0))])
+        start = self._cone(0, 1, NONE, NONE)
+        solid |= union([*self._tubes(self.bends, "spout", NONE)])
         tube, ahead = start.contact.surface, height_along(start.axis, first)
         sides = self.body_side, self.tube_side
         return filleted(solid, ("body lower", "spout base", "spout fillet"), (body.lower, tube), sides, ahead)
@@ -95,34 +100,34 @@ class Spout:
         if self.wall == 0:
             return None
         inner = []
-        for number, outer in enumerate(self._bends, 1):
+        for number, outer in enumerate(self.bends, 1):
             with _naming(f"bend {number} of the spout's channel"):
-                inner.append(outer.hollow(inner=self._ends(number, self.wall)).inner)
+                inner.append(outer.hollow(inner=self.cones(number, self.wall)).inner)
         return union([*self._tubes(inner, "channel", Fraction(1, 10))])
 
     @cached_property
     def _points(self) -> list[Point]:
         """The ends (x, 0, z) of the lines, leaning."""
-        zero = Fraction(0)
-        return [(x + self.tilt * max(z - UPRIGHT, zero), zero, z) for x, z, _ in self.axis]
+        return [(x + self.tilt * max(z - UPRIGHT, NONE), NONE, z) for x, z, _ in self.axis]
 
     @cached_property
     def _lengths(self) -> list[float]:
         return [dist(a, b) for a, b in pairwise(self._points)]
 
     @cached_property
-    def _bends(self) -> list[Blend]:
+    def bends(self) -> list[Blend]:
+        """The blends of the cones that meet in each inner point of the axis."""
         result = []
         for number in range(1, len(self.axis) - 1):
             with _naming(f"bend {number} of the spout"):
-                result.append(blend(self._ends(number, Fraction(0)), order=2))
+                result.append(blend(self.cones(number), order=2))
         return result
 
     def _reach(self, number: int) -> float:
         """How far from a point the tube bends."""
         return float(self.bend) * min(self._lengths[number - 1 : number + 1])
 
-    def _ends(self, number: int, less: Fraction) -> list[Cone]:
+    def cones(self, number: int, less: Fraction = NONE) -> list[Cone]:
         """The cones on both sides of a point of the axis, thinner by a radius, up to where they bend."""
         lines = ((number - 1, self._lengths[number - 1]), (number + 1, self._lengths[number]))
         return [self._cone(number, other, _near(self._reach(number) / length), less) for other, length in lines]
@@ -135,8 +140,7 @@ class Spout:
         return Cone(axis, self.axis[number][2] - less + slope * clip, clip, slope, here)
 
     def _tubes(self, bends: Sequence[Blend], name: str, beyond: Fraction) -> Iterator[Solid]:
-        """Bends, each with its two cones: to the ends of the axis, and `beyond` the last one, or so far between two bends
-        that they overlap."""
+        """Bends with their cones: to the ends of the axis, and `beyond` the last; those between two bends overlap."""
         last = len(self._lengths) - 1
         names = [f"{name} base", *(f"{name} {n + 1}" for n in range(1, last)), f"{name} tip"]
         for number, made in enumerate(bends, 1):
@@ -151,18 +155,13 @@ class Spout:
             yield body_of(made.surface, reaches, names[number - 1 : number + 1], f"{name} bend {number}")
 
 
-class _naming:
+@contextmanager
+def _naming(what: str) -> Iterator[None]:
     """Errors within name what could not be made."""
-
-    def __init__(self, what: str) -> None:
-        self.what = what
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, PasError):
-            raise GeometryError(f"{self.what} cannot be made: {error}") from error
+    try:
+        yield
+    except PasError as error:
+        raise GeometryError(f"{what} cannot be made: {error}") from error
 
 
 def _near(length: float) -> Fraction:

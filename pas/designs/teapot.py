@@ -51,7 +51,6 @@ class SpoutShape(Limb, Protocol):
         """The room inside, from the room of the body to beyond the mouth; None for a pot that is not hollow."""
 
 
-
 STYLES: dict[str, tuple[Callable[[], SpoutShape], Callable[[], HandleShape]]] = {
     "paper": (PaperSpout, PaperHandle),
     "better": (Spout, Handle),
@@ -144,9 +143,9 @@ def teapot(
     whole = (pot | cover).joined("lid dome", "body upper", base.rim_curve, 0).require_joints()
     hollow = pot.cap(-below(base.top), "rim")
     channel = nose.channel()
-    if channel is not None:
-        hollow -= base.room() | channel
-    return Teapot(style, whole, hollow, top.closed(base))
+    if channel is None:
+        return Teapot(style, whole, hollow, top.closed(base))
+    return Teapot(style, whole, hollow - (base.room() | channel), top.seated(base))
 
 
 Part = TypeVar("Part")
