@@ -74,8 +74,8 @@ mutants: setup
 	$(BIN)/python tests/mutants/run.py
 
 lint: setup
-	$(BIN)/ruff check pas tests examples benchmarks
-	$(BIN)/ruff format --check pas tests examples benchmarks
+	$(BIN)/ruff check pas tests examples benchmarks docs
+	$(BIN)/ruff format --check pas tests examples benchmarks docs
 	$(BIN)/mypy
 
 examples: setup

@@ -24,7 +24,7 @@ def __getattr__(name: str) -> Any:
     if name in __all__ or name.startswith("_"):
         return _named(name)
     try:
-        return _named(name)  # a room
+        return _named(name)  # a subpackage
     except AttributeError:
         from pas.errors import missing
 

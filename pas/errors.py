@@ -79,7 +79,7 @@ class PasError(Exception):
 
 
 class InputError(PasError):
-    """What the user asked for cannot be meant: geometry that cannot be, or a bad file."""
+    """The input makes no sense: impossible geometry, or a bad file."""
 
 
 class GeometryError(InputError):

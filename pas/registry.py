@@ -1,7 +1,7 @@
 """Registries: things by name, loaded when first asked for, and open to a user's own; and things made from tables.
 
-An entry is an object, or the text "module:name" of one, which is imported when it is first asked for.  So a room can
-list what rooms above it hold, without importing them:
+An entry is an object, or the text "module:name" of one, which is imported when it is first asked for.  So a layer
+can list what layers above it hold, without importing them:
 
     SHAPES = Registry("a shape", {"ball": "shapes.ball:BALL"})
     SHAPES["bal"]            # ValueError: there is no shape 'bal'; is 'ball' meant?

@@ -32,7 +32,7 @@ VERBS = {
     "html": "pas.render.window:html",
     "studio": "pas.studio.widget:studio",
 }
-"""Where the work of the verbs is done that all shapes have, in rooms above."""
+"""The implementations of the methods that all shapes have, in layers above."""
 
 
 S = TypeVar("S")

@@ -17,7 +17,7 @@ Point = tuple[float, float, float]
 
 
 class Status(Enum):
-    """What a proof came to; where there is none but samples were taken, whether they agree with the claim."""
+    """The outcome of a proof or, where only samples were taken, whether they agree with the claim."""
 
     PROVED = "proved"
     REFUTED = "refuted"

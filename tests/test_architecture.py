@@ -1,4 +1,4 @@
-"""The house: rooms in order, imports one way, fast to enter, every public name documented."""
+"""The package: layers in order, imports one way, fast to enter, every public name documented."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from conftest import ROOT, nodes, parsed
 import pas
 from pas.shape import KINDS
 
-ROOMS = [
+LAYERS = [
     *("_version", "errors", "threads", "limits", "registry", "verdicts", "kernels"),
     *("algebra", "settings", "shape", "bernstein", "partition", "mesh", "contacts", "surface", "certify", "piecewise"),
     *("solid", "parametric", "fairing"),
     *("layouts", "blending", "pipeline", "exchange", "independent", "render", "designs", "network", "kinds"),
     *("studio", "cli"),
 ]
-"""A module imports from rooms that stand before its own, and from its own."""
+"""A module imports from layers that stand before its own, and from its own."""
 
 PACKAGE = ROOT / "pas"
 MODULES = sorted(
@@ -31,7 +31,7 @@ MODULES = sorted(
 )
 
 
-def room(path: Path) -> str:
+def layer(path: Path) -> str:
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
@@ -49,11 +49,11 @@ def imported(path: Path) -> set[str]:
 def test_imports_go_one_way():
     wrong = []
     for path in MODULES:
-        assert room(path) in ROOMS, f"{path} is in no room"
-        strangers = imported(path) - set(ROOMS)
+        assert layer(path) in LAYERS, f"{path} is in no layer"
+        strangers = imported(path) - set(LAYERS)
         wrong += [f"{path} imports from {other or 'the package itself'}" for other in strangers]
         known = imported(path) - strangers
-        wrong += [f"{path} imports upwards from {r}" for r in known if ROOMS.index(r) > ROOMS.index(room(path))]
+        wrong += [f"{path} imports upwards from {r}" for r in known if LAYERS.index(r) > LAYERS.index(layer(path))]
     assert not wrong, "\n".join(wrong)
 
 
@@ -64,7 +64,7 @@ def test_modules_are_documented_and_short():
         called = {n.func.id for n in nodes(path) if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)}
         wrong += [f"{path} has no docstring"] * (not ast.get_docstring(tree))
         wrong += [f"{path} has more than 350 lines"] * (len(text.splitlines()) > 350)
-        wrong += [f"{path} prints"] * ("print" in called and room(path) != "cli")
+        wrong += [f"{path} prints"] * ("print" in called and layer(path) != "cli")
     assert not wrong, "\n".join(wrong)
 
 
@@ -116,7 +116,7 @@ def test_kinds_of_shapes_are_told_apart_by_their_registry_alone():
     asked = {
         (str(path.relative_to(PACKAGE)), name)
         for path in MODULES
-        if room(path) not in ("kinds", "shape")
+        if layer(path) not in ("kinds", "shape")
         for name in classes_asked_for(path) & known
     }
     assert asked == set(BY_CLASS), sorted(asked ^ set(BY_CLASS))
@@ -153,11 +153,11 @@ def test_solving_needs_no_pictures_nor_sympy():
     assert done.stdout.strip() == "[]"
 
 
-def test_the_picture_of_the_rooms_is_drawn_from_the_sources():
-    rooms = runpy.run_path(str(ROOT / "docs/rooms.py"))
-    drawn = rooms["picture"]()
-    for name in set(ROOMS) - {"_version"}:
+def test_the_picture_of_the_layers_is_drawn_from_the_sources():
+    layers = runpy.run_path(str(ROOT / "docs/layers.py"))
+    drawn = layers["picture"]()
+    for name in set(LAYERS) - {"_version"}:
         assert f">{name}</text>" in drawn
-    assert set(rooms["order"](["a", "b"], {("a", "b"): 1})) == {"a", "b"}
+    assert set(layers["order"](["a", "b"], {("a", "b"): 1})) == {"a", "b"}
     with pytest.raises(ValueError, match="a, b import from one another"):
-        rooms["order"](["a", "b"], {("a", "b"): 1, ("b", "a"): 1})
+        layers["order"](["a", "b"], {("a", "b"): 1, ("b", "a"): 1})

@@ -59,8 +59,8 @@ def without_code(text: str) -> str:
 def test_every_public_name_stands_in_the_reference_once():
     text = "".join(text for page, text in pages().items() if page.startswith("reference/"))
     found = Counter(re.findall(r"^\.\. auto(?:class|function|exception):: (\S+)$", text, re.M))
-    rooms = {"pas": pas, "pas.solid": solid, "pas.network": network}
-    names = {f"{prefix}.{name}" for prefix, room in rooms.items() for name in room.__all__}
+    modules = {"pas": pas, "pas.solid": solid, "pas.network": network}
+    names = {f"{prefix}.{name}" for prefix, module in modules.items() for name in module.__all__}
     assert set(found) == names - ALIASES - {"pas.__version__", "pas.solid", "pas.network"}
     assert set(found.values()) == {1}
     assert all(alias in text or alias.removeprefix("pas.") in text for alias in ALIASES)

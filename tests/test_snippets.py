@@ -76,7 +76,7 @@ PIPES = "".join(f'[[pipes]]\naxis = {list(axis)}\nradius = "1/3"\nclip = 1\n' fo
 IMAGINED = {"pas.registry", "pas.bernstein.search"}
 """Modules whose program is about things that are not there."""
 
-LONG = {"pas.pipeline.blend", "pas.pipeline.header", "pas.render.drawing"}
+LONG = {"pas.pipeline.blend", "pas.pipeline.header", "pas.render.drawing", "pas.network", "pas.network.network"}
 """Modules whose program takes long; pages have the same blend, node and header, and other tests animate."""
 
 BLOCKS = list(blocks())

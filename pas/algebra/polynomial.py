@@ -33,7 +33,7 @@ RING = fmpq_mpoly_ctx.get(VARIABLES, Ordering.degrevlex)
 GENERATORS: tuple[fmpq_mpoly, ...] = RING.gens()
 
 BOXED = "pas.piecewise:boxed"
-"""What makes a surface of a polynomial, in a room above."""
+"""What makes a surface of a polynomial, in a layer above."""
 
 PolynomialLike: TypeAlias = "Polynomial | Exact | Symbolic | Mapping[tuple[int, ...], Exact]"
 """What is taken for a polynomial; see `Polynomial`."""

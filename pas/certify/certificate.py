@@ -24,7 +24,7 @@ class Certificate(Verdicts):
     regular inside its clip face (or inside the region, where the clip is none of its faces).
     `faces`: one for each interior face: exact C^k.  `one_sheet`: every ray from the centre meets
     the surface at most once, transversally.  `enclosed`: the surface leaves the region through the
-    contact curves only.  `further`: what the claims of `pas.certify.proofs.CLAIMS` came to.
+    contact curves only.  `further`: the verdicts on the claims in `pas.certify.proofs.CLAIMS`.
     """
 
     contacts: tuple[Verdict, ...]

@@ -19,12 +19,12 @@ from pas.limits import note, stage_line
 from pas.settings import options
 
 EXIT_CODES = """\
-Exit codes: 0 done; 1 what could not be done or proved; 2 what the user got wrong; 130 interrupted.
-A command that prints verdicts ends with 1 where one of them is refuted, or fails as measured, whatever
-the file says of proofs.  What is only not proved is a failure for `pas check` and `pas teapot` and, of
-problem files, unless they say `prove = false`; where a kind of shape has claims that can only be measured,
-these need not be proved (but with `prove = true`, and for `pas check --independent`)."""
-"""The one rule of all commands, as `pas --help` shows it."""
+Exit codes: 0 success; 1 something could not be done or proved; 2 wrong usage or input; 130 interrupted.
+A command that prints verdicts ends with 1 if one of them is refuted, or fails as measured, even if the
+problem file says `prove = false`.  A verdict that is merely undecided is a failure for `pas check` and
+`pas teapot` and, for problem files, unless they say `prove = false`.  Claims that can only be measured
+need not be proved, except with `prove = true` and for `pas check --independent`."""
+"""The rule for all commands, as `pas --help` shows it."""
 
 DONE, FAILED, WRONG = 0, 1, 2
 INTERRUPTED = 130

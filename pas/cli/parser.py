@@ -39,7 +39,7 @@ class Command:
         parser.set_defaults(command=self.name, run=self.run)
         parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
         if self.name not in ("solve", "studio"):  # one prints other forms, too, the other nothing in the end
-            parser.add_argument("--json", action="store_true", help="print what came of it as JSON")
+            parser.add_argument("--json", action="store_true", help="print the result as JSON")
         if self.name != "studio":  # which runs until it is interrupted
             parser.add_argument("--seconds", type=float, metavar="S", help="give up after that many seconds")
         for add in self.arguments:
@@ -99,11 +99,11 @@ def _styles(parser: argparse.ArgumentParser) -> None:
 FOLDER = value("-o --output", "DIR", "folder to write to (default: here)", default=".")
 DEGREE = value("--degree", "N", "this degree, or lowest: the lowest that is proved; else one that is fair", _degree)
 PROBLEM = (
-    value("problem", "PROBLEM.toml", "the problem file, of whatever kind"),
+    value("problem", "PROBLEM.toml", "the problem file, of any kind"),
     FOLDER,
     value("--order", "K", "contact of order K, instead of the file's", int),
     DEGREE,
-    value("--tension", "T", "of the surface: from 0 (full) over 4.6 (as usual) up (slim), instead of the file's"),
+    value("--tension", "T", "from 0 (full) over 4.6 (the default) upwards (slim), instead of the file's"),
     settings(MeshSettings, "the file's, or 0.001 of the size"),
     flag("--no-picture", "do not draw NAME.png"),
 )  # fmt: skip
@@ -262,18 +262,18 @@ COMMANDS = (
     Command(
         "network",
         networks.run_network,
-        "look into a network of struts, or make a body of it: proved nodes, exact struts",
+        "check a network of struts, or make a body of it: proved nodes, exact struts",
         (
             value("action", "ACTION", "check (what is wrong), classes (of its nodes), or build"),
             value("source", "FILE", "a graph (.npz, .csv, .obj, .3mf), or cubic, BCC, FCC, octet, diamond, Kelvin"),
-            value("-o --output", "OUT", "of build: a file to write; may be said again", action="append", default=[]),
+            value("-o --output", "OUT", "of build: a file to write; may be repeated", action="append", default=[]),
             value("--cells", "X,Y,Z", "of a lattice: how many, as 4 or 4,4,2 (default: 1)"),
             value("--cell-size", "S", "of a lattice: the side of a cell (default: 1)", default=1),
             value("--radius", "R", "of all struts, instead of the file's (of a lattice by default: 1/20)"),
             value("--grid", "G", "of the points of a file (default: 1/1024)", default="1/1024"),
             value("--order", "K", "the k of GC^k (default: 1)", int, default=1),
             DEGREE,
-            value("--cache", "DIR", "keeps blends; a run that was ended goes on from it"),
+            value("--cache", "DIR", "folder that keeps blends; an interrupted run continues from it"),
             value("--blocks", "DIR", "for STL files of some 20 000 struts each"),
             flag("--collapse", "struts too short for any blend become points"),
             flag("--whole", "of check: loose ends and several pieces are wrong, too"),
@@ -338,8 +338,8 @@ def parser() -> argparse.ArgumentParser:
         epilog=f"`pas COMMAND --help` tells more of a command.\n\n{EXIT_CODES}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    result.add_argument("--version", action="store_true", help="show the version; with --verbose all that matters")
-    result.add_argument("--verbose", action="store_true", help="with --version: libraries and kernels as well")
+    result.add_argument("--version", action="store_true", help="show the version; with --verbose those of libraries")
+    result.add_argument("--verbose", action="store_true", help="with --version: versions of libraries as well")
     result.set_defaults(command=None, debug=False, json=False, seconds=None)
     added = result.add_subparsers(title="commands", metavar="COMMAND")
     for command in COMMANDS:

@@ -73,7 +73,7 @@ def write(
     blends that have them, joined where they are within the distance `sew` (the model's units, as of `tolerance`);
     .vtu the cells of a piecewise surface, .vtu and .msh the tetrahedra of a volume mesh, or such as fill a solid.
     `unit`, that of the model, is micrometer, millimeter, centimeter, meter, inch, foot, or um, mm, cm, m, in, ft: files
-    tell it, the numbers of .stl files become millimeters, those of .glb files meters.
+    record it, the numbers of .stl files become millimeters, those of .glb files meters.
     Files of .stl, .obj and .3mf are taken for closed bodies: surfaces with edges are written there if `open` says so.
 
     Raises `ValueError` for another suffix or unit, a folder that does not exist, options that say nothing of such files

@@ -1,4 +1,4 @@
-"""Energies: what is made small when a member of a solution space is chosen.
+"""Energies: functionals that are minimised when a member of a solution space is chosen.
 
 An energy is one class in one file (`examples/extensions/values.py` is one from outside).  It says by which name files
 know it (`kind`), its quadratic form on a working basis, its exact one where it has one, and, unless it is a dataclass

@@ -121,7 +121,7 @@ def check_point_options(options: Mapping[str, Any], known: type = PointOptions) 
 
 @dataclass(frozen=True, init=False)
 class Wishes:
-    """What shapes the surface: all that is wished of the member to choose, exact, in the user's coordinates.
+    """Conditions on the member to choose and options of the choice, exact, in the user's coordinates.
 
     - `inside`, `outside`, `through`, `near`: points, three exact numbers each.  f <= -margin at
       those inside, f >= margin at those outside, f = 0 exactly at those to pass through; to those
@@ -132,10 +132,10 @@ class Wishes:
     - `coefficients`: numbers of members of the space's basis, from 0, mapped to the values that their coefficients get
       exactly; beside the usual normalisation one of them must stay free, which fixes the scale.
     - `normalize`: what fixes the scale of f (`pas.MeanAlpha()` by default).
-    - `energy`: what is made small: by default `pas.CurvatureVariation()`, that of the surface, where there is
+    - `energy`: what is minimised: by default `pas.CurvatureVariation()`, that of the surface, where there is
       a centre to see it from and guard rows to keep one sheet, and else `pas.ThinPlate()`.
     - `tension` (no field): that of the curvature variation, from 0 (full) over 23/5 (as usual) up (slim).
-    - `limits`: up to what the surface counts as fair (`pas.FairnessLimits.of_order` by default): what is beyond
+    - `limits`: those of fairness (`pas.FairnessLimits.of_order` by default): what is beyond
       them is pressed back, and the degree raised where none is given.
     - `prove`: whether the surface must pass every proof; `guard`: whether conditions at sample
       points ask for what the proofs do.

@@ -1,10 +1,9 @@
 """Networks of struts: graphs whose nodes become proved blends and whose struts exact cylinders.
 
-from pas import network
+    from pas import network
+    mesh = network.lattice("octet", cells=(4, 4, 4), radius="1/20").blend(order=1).mesh(1e-3)
 
-net = network.lattice("octet", cells=(4, 4, 4), radius="1/20")
-part = net.blend(order=1)
-part.mesh(1e-3)
+Public names are those of `__all__`.
 """
 
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph

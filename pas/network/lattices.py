@@ -27,7 +27,7 @@ Whole3 = tuple[int, int, int]
 class UnitCell:
     """A cell that repeats: its side in steps, the sites in it, and the struts of one cell.
 
-    A strut (a, b, (x, y, z)) goes from site a to the site b of the cell that many cells away.  Each strut is said once.
+    A strut (a, b, (x, y, z)) goes from site a to site b of the cell (x, y, z) cells away.  Each strut is given once.
     """
 
     period: int
@@ -100,7 +100,7 @@ UNIT_CELLS: Registry[UnitCell] = Registry(
 
 
 def lattice(unit: str | UnitCell, cells: int | Sequence[int] = 1, radius: Exact = "1/20", size: Exact = 1) -> Network:
-    """A block of so many unit cells of an exact `size` (the model's units), with struts of that radius.
+    """A block of `cells` unit cells of an exact `size` (the model's units), with struts of one `radius`.
 
         pas.network.lattice("octet", cells=(20, 20, 20), radius="1/20")
 
@@ -140,7 +140,7 @@ def _number(places: Integers, sizes: Any) -> Integers:
 
 
 def voronoi(seeds: int, radius: Exact = "1/100", size: Exact = 1, *, seed: int = 0, grid: Exact = "1/4096") -> Network:
-    """The edges of the Voronoi cells of so many random points in a cube of that size: an open foam.
+    """The edges of the Voronoi cells of `seeds` random points in a cube of side `size`: an open foam.
 
     The points are those of numpy's default generator for the number `seed`, mirrored in the sides of the cube, so that
     these are sides of cells.  Many edges are short: `repair(collapse=True)` makes points of those that no blends fit.

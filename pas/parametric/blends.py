@@ -44,7 +44,7 @@ from pas.shape import Shape
 
 @dataclass(frozen=True)
 class PolynomialCriterion:
-    """Whether polynomial blends exist, and the reason in words where not.  True or false as such."""
+    """Whether polynomial blends exist, and why not; its truth value says so, too."""
 
     exists: bool
     reason: str

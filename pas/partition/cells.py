@@ -153,7 +153,7 @@ def _middle(points: Sequence[Vector]) -> Vector:
 
 
 class Region(Partition):
-    """A partition built around the curves of contacts, as `pas.layouts` does: its room follows from the contacts.
+    """A partition built around the curves of contacts, as `pas.layouts` does: its extent follows from the contacts.
 
     What counts as fair in it is judged by the arcs that fit between the contacts (`pas.FairnessLimits.of_node`),
     since no cell was given by the user.  Arguments and errors are those of `Partition`.

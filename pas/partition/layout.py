@@ -27,7 +27,7 @@ Triangle = tuple[int, int, int]
 
 SPHERE, PICTURE = "pas.layouts.sphere:sphere_mesh", "pas.render.layout:picture"
 DIMENSIONS = "pas.blending.solving:dimensions"
-"""Where its mesh and its picture are made and its surfaces counted, in rooms above."""
+"""Where its mesh and its picture are made and its surfaces counted, in layers above."""
 
 
 @dataclass(frozen=True)

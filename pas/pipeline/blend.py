@@ -43,13 +43,13 @@ def blend(
     pieces around the node are tried in turn; it may be a `pas.Partition`, a `pas.Layout`, or the name of a kind of
     layouts: "fan", "strips", "planes" or "six tetrahedra".  Without a `degree` it is raised until the proofs pass, and
     by default further while the surface is not fair (see `pas.FairnessLimits`): the fairest is returned.  With
-    degree="lowest" the first that is proved is.  The search ends, and says where, when a few degrees with regular
+    degree="lowest" it is the first that is proved.  The search ends, and says where, when a few degrees with regular
     surfaces have failed, at twice the order at the earliest and at degree 12 at the latest.
 
     In a session (see `pas.Session`) contacts that were blended before, up to a similarity, get the same blend moved.
 
-    What shapes the surface is in `wishes` (see `pas.Wishes`), or said by keywords, which go before
-    these: `energy`, `tension`, `limits`, `inside`, `outside`, `through`, `near`, `near_weight`, `handles`,
+    The surface is shaped by `wishes` (see `pas.Wishes`) or by the same options as keywords, which take
+    precedence: `energy`, `tension`, `limits`, `inside`, `outside`, `through`, `near`, `near_weight`, `handles`,
     `coefficients`, `margin`, `normalize`, `prove`, `guard`, `basis`.  The energy is minimised over the members: by
     default `pas.CurvatureVariation()`, that of the surface, whose `tension` goes from 0 (full) over 23/5 (as usual) up
     (slim); for a quadratic form such as `pas.ThinPlate()` the lowest degree is taken.  Points are sequences of
@@ -62,7 +62,7 @@ def blend(
 
     With `prove` (the default) the surface returned is proved in every verdict.  Without, it is the optimum under
     sampled conditions, or with `guard=False` under the points alone, and its certificate is worked out when asked for.
-    `on_stage` is told the name and the seconds of each stage at its end.
+    `on_stage` is called with the name and the seconds of each stage at its end.
 
     Raises `GeometryError` (contacts that do not fit), `NoSolutionError` (no usable surface), `InfeasibleError`
     (constraints that contradict), `NotProvedError`; `ValueError` and `TypeError` for wrong arguments.

@@ -133,7 +133,7 @@ class HollowBlend(Shape, Generic[B]):
         """The wall as a solid, open at its ends: see `Blend.solid` for the arguments.
 
         The inner sides of the faces "blend" and "neighbour 1" are "inside of blend" and "inside of neighbour 1"; the
-        ends "neighbour 1 end" are rings.  Neighbours of length 0 are left away.  Where the wall is not proved it is
+        ends "neighbour 1 end" are rings.  Neighbours of length 0 are left out.  Where the wall is not proved it is
         meshed from a lattice.
         """
         wall = hollow_body(self.outer.surface, self.inner.surface, length, names)

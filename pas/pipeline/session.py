@@ -135,7 +135,7 @@ def _factor(one: Polynomial, other: Polynomial) -> fmpq | None:
 
 
 class Session:
-    """Blends that are kept while it is open, at most so many of the last ones.
+    """Keeps the last `most` blends while it is open, so that they are not solved again.
 
         elbow = [pas.Pipe((1, 0, 0), "1/3", 1), pas.Pipe((0, 1, 0), "1/3", 1)]
         with pas.Session():  # the second and the third are moved, not solved
@@ -227,7 +227,7 @@ def open_session() -> Session | None:
 
 
 def keep_blends(most: int = USUAL) -> None:
-    """Open a session without end, or with 0 none: the name of `pas.Session` up to now, kept for one version.
+    """Open a session without end, or with 0 none: the former name of `pas.Session`, kept for one version.
 
     Raises `ValueError` and `TypeError` for a wrong number.
     """

@@ -1,9 +1,10 @@
-"""Solids by script: primitives, set operations, patches and joints, assemblies.
+"""Solids by script: primitives, set operations, patches and joints, assemblies.  For example:
 
-from pas import solid
+    from pas import solid
+    cross = solid.cylinder((-2, 0, 0), (2, 0, 0), 1) | solid.cylinder((0, -2, 0), (0, 2, 0), 1)
+    mesh = (cross - solid.ball((0, 0, 0), "3/4")).mesh(1e-3)
 
-cross = solid.cylinder((-2, 0, 0), (2, 0, 0), 1) | solid.cylinder((0, -2, 0), (0, 2, 0), 1) part = cross -
-solid.ball((0, 0, 0), "3/4") part.mesh(1e-3)
+Public names are those of `__all__`.
 """
 
 from typing import TYPE_CHECKING, NoReturn

@@ -2,7 +2,7 @@
 
 The page numbers its states.  "move" asks for a picture quickly, of the newest state only; after a rest its verdicts
 follow.  "rest" asks for the final shape with all proofs.  Every picture has a number of its own, its `shot`, and every
-verdict says to which shot it belongs: so no lamp is ever lit for another picture.
+verdict says to which shot it belongs: so none is ever shown for another picture.
 """
 
 from __future__ import annotations

@@ -56,7 +56,7 @@ class Neighbour:
 
 @dataclass(frozen=True)
 class FairnessLimits:
-    """Up to what a surface counts as fair; see `Fairness` for the measures."""
+    """The measures up to which a surface counts as fair; see `Fairness`."""
 
     sharpness: float = 1.02
     hollowness: float = 1.5
