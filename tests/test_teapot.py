@@ -195,6 +195,15 @@ def test_the_hollow_pot_pours():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("style", ["paper", "better"])
+def test_pots_and_lids_leave_to_cad(style, tmp_path):
+    """Read again by Open Cascade as one valid solid each, or not written."""
+    pytest.importorskip("OCP")
+    parts = built(style).assembly
+    assert parts.write(tmp_path / "teapot.step", tolerance=1e-3).exists()
+
+
+@pytest.mark.slow
 def test_parameters_rebuild():
     tall = built("better", spout_tilt="1/10", lid_height="3/2")
     assert tall.solid.proved
