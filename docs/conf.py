@@ -49,7 +49,15 @@ autodoc_default_options = {"members": True, "member-order": "bysource"}
 autodoc_typehints_format = "short"
 autodoc_type_aliases = {  # which the front page of the reference explains
     name: name
-    for name in ("Exact", "VectorLike", "PolynomialLike", "ContactLike", "PartitionLike", "ComponentLike", "FunctionLike")
+    for name in (
+        "Exact",
+        "VectorLike",
+        "PolynomialLike",
+        "ContactLike",
+        "PartitionLike",
+        "ComponentLike",
+        "FunctionLike",
+    )
 }
 python_maximum_signature_line_length = 90
 suppress_warnings = ["config.cache"]

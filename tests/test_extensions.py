@@ -120,6 +120,74 @@ def test_a_method(extension):
         pas.register_method("linear")
 
 
+def test_a_method_that_gives_polynomials(extension):
+    """Undetermined coefficients find what the other methods do; several pieces take tuples, and nonsense is refused."""
+    extension("undetermined")
+    crossed = [("y^2 + z^2 - 1", "x - 2"), ("x^2 + z^2 - 1", "y - 2")]
+    for order, degree in ((0, 3), (1, 2), (1, 4)):
+        found = pas.solutions(crossed, order, degree, pas.SingleCell(), method="undetermined coefficients")
+        assert found.equals(pas.solutions(crossed, order, degree, pas.SingleCell()))
+    known = pas.solutions(pipes(UNEQUAL), 1, 4)
+    bases = {
+        "tuples": list(known.basis),
+        "lists": [list(member) for member in known.basis],
+        "short": [member[:5] for member in known.basis],
+        "twice": [*known.basis, known.basis[0]],
+        "high": [tuple(p * "x" for p in known.basis[0])],
+    }
+    for name, basis in bases.items():
+        pas.register_method(pas.SolvingMethod(name, lambda placed, degree, basis=basis: basis, several=True))
+    for name in ("tuples", "lists"):
+        space = pas.solutions(pipes(UNEQUAL), 1, 4, method=name)
+        assert space.basis == known.basis and space.fit(energy=pas.ThinPlate()).certificate.proved
+    for name, words in (
+        ("short", "member 0 of the method 'short' has 5 polynomials for 6 pieces"),
+        ("twice", "the 26 members of the method 'twice' are not linearly independent"),
+        ("high", "of a degree above 4"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            pas.solutions(pipes(UNEQUAL), 1, 4, method=name)
+
+
+def test_a_contact(extension, tmp_path):
+    """A cyclide has the circles that it is made from, moves as others do, and is blended from files and back."""
+    cyclide = extension("cyclide").Cyclide
+    bend = cyclide((0, 0, 1), (4, 0, 0), 1, "3/2")
+    surface = bend.contact.surface
+    assert bend.rim.center == (4, 0, 0) and bend.rim.normal == (0, 1, 0)
+    for place, radius in ((4, 1), (-4, Fraction(3, 2))):  # both circles in the plane y = 0, exactly
+        for x, z in ((1, 0), (0, 1), (-1, 0), (Fraction(3, 5), Fraction(-4, 5))):
+            assert surface.at((place + radius * x, 0, radius * z)) == 0
+    ring = cyclide((0, 0, 1), (4, 0, 0), 1, 1).contact.surface  # of one radius it is a torus
+    assert ring == pas.Torus((0, 0, 1), (4, 0, 0), 1).contact.surface
+    moved = bend.rotate((1, 2, 2), 90).translate((1, "1/2", 0))
+    assert moved.rim.center == bend.contact.rotate((1, 2, 2), 90).translate((1, "1/2", 0)).rim.center
+    problem = tmp_path / "bend.toml"
+    problem.write_text(
+        'order = 1\n[[cyclides]]\naxis = [0, 0, 1]\narm = [4, 0, 0]\nradius = 1\nfar_radius = "3/2"\n'
+        '[[pipes]]\naxis = [0, -1, 0]\nradius = 1\nclip = "auto"\npoint = [4, -3, 0]\n'
+    )
+    read = pas.read_problem(problem)
+    assert [c.contact for c in read.contacts if isinstance(c, cyclide)] == [bend.contact]
+    blend = pas.blend(read.contacts, read.order, 4)
+    assert blend.certificate.proved and blend.fairness.within(blend.limits)
+    assert pas.load(blend.save(tmp_path / "bend.pas.json")).certificate.proved
+
+
+def test_the_octahedral_split(extension):
+    """A node of a diamond lattice: four pipes of one radius in four of the eight faces."""
+    split = extension("octahedron").OctahedralSplit(3)
+    assert len(split.cells) == 8 and read_partition(split.to_record()).vertices == split.vertices
+    assert (
+        extension("octahedron").OctahedralSplit("3/2", (1, "1/2", 0)).center
+        == pas.SixTetrahedra((1, "1/2", 0), ((1, 0, 0), (0, 1, 0), (0, 0, 1))).center
+    )
+    directions = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
+    blend = pas.blend([pas.Pipe(axis, "1/2", 1) for axis in directions], 2, 6, partition=split)
+    assert blend.certificate.proved and blend.dimension == 26
+    assert blend.fairness.sharpness < 1.02 and blend.fairness.hollowness < 1.7
+
+
 def test_every_registered_partition_is_tested_here():
     inside = {name for name, made in PARTITIONS.items() if made.__module__.startswith("pas.")}
     assert set(PARTITION_SAMPLES) == inside

@@ -32,6 +32,16 @@ s, t, u, d, l1, l2, v, a, x, y, z = sympy.symbols("s t u delta l1 l2 v alpha x y
 theta = sympy.Symbol("theta", real=True)
 Vector = sympy.Matrix
 
+
+def in_tangent_plane(crossed: bool) -> sympy.Expr:
+    """The product of the vector of formula (3) or (4) with the normal, of any length."""
+    n, w, q = (Vector(sympy.symbols(f"{name}1:4")) for name in "nwq")
+    slant = sympy.Symbol("lambda")
+    along = n.cross(w) if crossed else n.cross(q)
+    vector = sympy.sqrt(1 - slant**2) * (n.cross(along) if crossed else n.cross(w)) + slant * along
+    return sympy.expand(vector.dot(n))
+
+
 # --- the worked example of section 3.3 ------------------------------------------------------------
 
 HELICOID = Vector([v * sympy.sin(a), v * sympy.cos(a), 2 + a])
@@ -310,6 +320,10 @@ def least_radius() -> sympy.Expr:
 
 # --- rows -----------------------------------------------------------------------------------------
 
+work.agrees("formula (3)", "T_i . N_i, for all lambda and C' = N x w", 0, lambda: in_tangent_plane(crossed=True))
+work.agrees(
+    "formula (4)", "T_i . N_i, for all lambda and V = N x w, C' = N x q", 0, lambda: in_tangent_plane(crossed=False)
+)
 work.agrees("section 3.3", "C1 and C11", (0, 4 * s, 2, -4 * s * l1, 4 * s, 2 - l1),
             lambda: tuple(map(sympy.expand, first_boundary().T)))  # fmt: skip
 work.agrees("section 3.3", "F(C2(s))", 0, lambda: sympy.expand(on_cubic(CUBIC)))

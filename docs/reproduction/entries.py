@@ -13,11 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from numbers import Rational
 from time import perf_counter
 from typing import Any
 
-LONGEST = 64
-"""Characters of a value that a table shows."""
+LONGEST, LONG = 76, 18
+"""Characters of a value that a table shows, and of a fraction that is shown as one."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,13 @@ class Work:
     entries: list[Entry] = field(default_factory=list)
 
     def agrees(
-        self, where: str, what: str, printed: Any, compute: Callable[[], Any], note: str = "", **more: Any
+        self,
+        where: str,
+        what: str,
+        printed: Any,
+        compute: Callable[[], Any],
+        note: str | Callable[[], str] = "",
+        **more: Any,
     ) -> None:
         """A row whose two values are equal."""
         self.entries.append(Entry(where, what, printed, compute, "agrees", note, **more))
@@ -102,10 +109,17 @@ class Work:
 
 def show(value: Any) -> str:
     """A value on one line, shortened."""
+    text = whole(value) or "none"
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 16]} ... ({len(text)} characters)"
+
+
+def whole(value: Any) -> str:
+    """A value on one line."""
     if isinstance(value, bool):
         return "yes" if value else "no"
+    if isinstance(value, Rational) and len(str(value)) > LONG:
+        return f"{float(value):.10g}"
     if isinstance(value, float):
         return f"{value:.6g}"
-    text = ", ".join(map(show, value)) if isinstance(value, Sequence) and not isinstance(value, str) else str(value)
-    text = text or "none"
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 16]} ... ({len(text)} characters)"
+    several = isinstance(value, Sequence) and not isinstance(value, str)
+    return ", ".join(map(whole, value)) if several else str(value)

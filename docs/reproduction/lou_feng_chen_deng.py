@@ -223,9 +223,10 @@ def draw(folder: Path) -> None:
 
 
 READ = (
-    "the copy that was read has other signs of single terms, not the same in all places; these are taken for errors of "
-    "reading"
+    "the copy that was read, by a machine, has -2 x^4 in p1 and, in one place or the other, other signs in p2; signs "
+    "are what machines misread, so these are not counted as misprints"
 )
+SIGN = "the copy that was read has - 1249360200 x y^2, which is not counted as a misprint"
 KNOB = "the knob must end at z = 7/5 with the printed a = 45/4"
 
 work.agrees(
@@ -238,7 +239,7 @@ work.agrees("example 1", "lowest degree", 4, lambda: next(n for n in range(1, 9)
 work.agrees("example 1", "degrees of freedom", 2, lambda: len(meeting().members(4)) - 1)
 work.agrees(
     "example 1", "a, b, c through two points", (sympy.Rational(-105, 16), sympy.Rational(83, 16), 1), through,
-    note="with f = a p1 + b p2 + c p3, as in the printed f; " + READ,
+    note="with f = a p1 + b p2 + c p3, as in the printed f",
 )  # fmt: skip
 work.agrees(
     "figure 1", "contacts have GC^2; openings", (True, 2),
@@ -284,7 +285,8 @@ work.misprint(
 )  # fmt: skip
 work.misprint(
     "section 4, lid", "exponent of (z - 6/5) in the knob f1", 1, lambda: next(filter(has_gc2, range(1, 5))),
-    "a (z - 6/5)^power must lie in <cone, (z - 6/5)^3>, and with power 1 it would be a = 9/20", has_gc2,
+    lambda: f"a (z - 6/5)^power must lie in <cone, (z - 6/5)^3>, and with power 1 it would be a = {tops(-CONE, 1)}",
+    has_gc2,
 )  # fmt: skip
 work.agrees("section 4, lid", "a", Fraction(45, 4), lambda: tops(-CONE, 3))
 work.agrees("section 4, lid", "patches, highest degree", (3, 4), lambda: patches("lid"), slow=True)
@@ -314,7 +316,7 @@ work.agrees(
 for name, generator in (("first", G0), ("d", GD), ("e", GE)):
     work.agrees(
         "section 4, spout", f"the generator {name} lies in both ideals", True, lambda g=generator: g in spouts(),
-        note=READ if name == "e" else "",
+        note=SIGN if name == "e" else "",
     )  # fmt: skip
 work.agrees("section 4, spout", "free coefficients a, b, c, d, e of f1", 5, even_cubics)
 work.agrees(
@@ -324,8 +326,8 @@ work.agrees(
 work.agrees(
     "section 4, spout", "f1 as printed meets both curves, to six digits", True,
     lambda: distance("4/9") < 1e-6 and distance("9/4") > 1e-2,
-    note="its coefficients are within 4.5e-7 of a cubic that meets them exactly; with 9/4 in place of 4/9 they are not "
-    "within 1e-2",
+    note=lambda: f"its coefficients are {distance('4/9'):.1e} from the nearest cubic that meets them exactly; with 9/4 "
+    f"in place of 4/9 {distance('9/4'):.1e}",
 )  # fmt: skip
 work.differs(
     "section 4, spout", "13 coefficients of f1", tuple(map(float, DIGITS)), lambda: tuple(units(cubic(False)).values()),

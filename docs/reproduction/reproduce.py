@@ -10,11 +10,11 @@ change.  Wrong rows and drift are printed and make the exit code 1; nothing is w
 from __future__ import annotations
 
 import argparse
+import difflib
 import importlib
 import re
 import sys
 from collections import Counter
-from itertools import zip_longest
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -109,12 +109,12 @@ def timeless(text: str) -> str:
 
 
 def drift(path: Path, text: str) -> list[str]:
-    """The lines in which a page differs from what it should be, times apart."""
+    """The lines that a page has (-) and should have (+), times apart."""
     if not path.exists():
         return [f"{path.name} is new"]
-    old = timeless(path.read_text(encoding="utf-8"))
-    pairs = zip_longest(old.splitlines(), timeless(text).splitlines(), fillvalue="")
-    return [f"{path.name}: recorded {a!r}, now {b!r}" for a, b in pairs if a != b]
+    old, new = (timeless(page).splitlines() for page in (path.read_text(encoding="utf-8"), text))
+    changes = list(difflib.unified_diff(old, new, path.name, path.name, n=0, lineterm=""))
+    return [f"{path.name}: {change}" for change in changes[2:] if not change.startswith("@@")]
 
 
 def main(arguments: list[str] | None = None) -> int:

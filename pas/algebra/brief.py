@@ -93,18 +93,20 @@ def listed(head: str, names: Iterable[str]) -> str:
     return f"{head} {', '.join(shown)}{f' and {more} more' if more else ''}>"
 
 
-def latex(text: str) -> str:
-    """A polynomial such as `4/9*x^2*y - z + 1`, as it prints, for math mode; of long ones the beginning and length.
+def latex(text: str, *, whole: bool = False) -> str:
+    """A polynomial such as `4/9*x^2*y - z + 1`, as it prints, for math mode.
+
+    Of long ones it is the beginning and the length, unless the `whole` is asked for.
 
     >>> latex("4/9*x^12*y - z + 1")
     '\\\\frac{4}{9} x^{12} y - z + 1'
     """
     terms = re.split(r" (?=[+-] )", text)
-    if len(terms) > MOST_TERMS:
+    if len(terms) > MOST_TERMS and not whole:
         terms = [*terms[: MOST_TERMS - 1], rf"+ \cdots \text{{ ({len(terms)} terms)}}"]
     line = re.sub(r"\^(\d+)", r"^{\1}", " ".join(terms))
     line = re.sub(r"(\d+)/(\d+)", lambda found: rf"\frac{{{found[1]}}}{{{found[2]}}}", line)
-    return re.sub(r"\d+", lambda found: _shortened(found[0]), line).replace("*", " ")
+    return (line if whole else re.sub(r"\d+", lambda found: _shortened(found[0]), line)).replace("*", " ")
 
 
 def _shortened(digits: str) -> str:

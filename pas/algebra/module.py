@@ -18,9 +18,21 @@ from pas.algebra.inputs import natural
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
+from pas.algebra.systems import Exchanged, Exported, Rows
 from pas.limits import WorkLimits, checkpoint, limited
 
 Syzygy = tuple[Polynomial, ...]
+
+
+class Syzygies(tuple[Syzygy, ...], Exported):
+    """A tuple of syzygies, which notebooks show as formulas and other programs read."""
+
+    __slots__ = ()
+
+    @property
+    def rows(self) -> Rows:
+        """The syzygies."""
+        return tuple(self)
 
 
 @limited("finding syzygies", "a lower degree")
@@ -28,7 +40,7 @@ def syzygies(
     polynomials: Sequence[PolynomialLike | Sequence[PolynomialLike]],
     degree: int | None = None,
     **limits: Unpack[WorkLimits],
-) -> tuple[Syzygy, ...]:
+) -> Syzygies:
     """All relations `a_1 v_1 + .. + a_m v_m = 0` with polynomial coefficients.
 
     `polynomials` are m polynomials (anything that `Polynomial` takes) or m tuples of equally many
@@ -56,10 +68,10 @@ def syzygies(
     for syzygy in found:
         if not all(p.is_zero() for p in combination(syzygy, vectors)):
             raise ArithmeticError("a syzygy that was found is none")  # pragma: no cover
-    return tuple(tuple(map(Polynomial.from_raw, syzygy)) for syzygy in found)
+    return Syzygies(tuple(map(Polynomial.from_raw, syzygy)) for syzygy in found)
 
 
-class Submodule:
+class Submodule(Exchanged):
     """The submodule of Q[x, y, z]^s that tuples of s polynomials generate: several, or a list of them.
 
     The order of terms is graded reverse lexicographic, x > y > z, and position after that, the
@@ -78,6 +90,11 @@ class Submodule:
         several = isinstance(one, list | tuple) and all(isinstance(row, list | tuple) for row in one)
         given: Sequence[Any] = one if several and one is not None else generators
         self.generators = tuple(tuple(map(Polynomial.from_raw, v)) for v in _vectors(given, "generators"))
+
+    @property
+    def rows(self) -> Rows:
+        """The generators."""
+        return self.generators
 
     @property
     def width(self) -> int:

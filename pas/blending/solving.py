@@ -33,7 +33,7 @@ from pas.blending.multipliers import consistency
 from pas.blending.net import Net
 from pas.blending.normal_form_system import normal_form_system
 from pas.blending.place import place
-from pas.blending.space import Space
+from pas.blending.space import MemberLike, Space
 from pas.blending.spherical import solve_on_layout, splines
 from pas.contacts.contact import Contact, contact_ideal
 from pas.limits import checkpoint
@@ -51,12 +51,14 @@ Patches = tuple[fmpq_mat, ...] | Products
 class SolvingMethod:
     """One way to find all members of a degree; `several` says whether it serves several pieces.
 
-    All ways find the same space, by different bases.
+    All ways find the same space, by different bases.  `solve(placed, degree)` gives a basis: a list of members, each
+    one polynomial for each piece in the user's coordinates (or a polynomial alone where there is one piece), or their
+    patches.  `placed` has the `partition`, the `contacts` and the `order`.
     """
 
     name: str
-    solve: Callable[[PlacedContacts, int], Patches]
-    several: bool
+    solve: Callable[[PlacedContacts, int], Patches | Sequence[MemberLike]]
+    several: bool = False
 
 
 def patches_of(placed: PlacedContacts, degree: int, members: Sequence[Sequence[Polynomial]]) -> Patches:
@@ -129,8 +131,22 @@ METHODS: Registry[SolvingMethod] = Registry(
 
 
 def solve(placed: PlacedContacts, degree: int, method: str = "linear") -> Space:
-    """The space of one degree."""
-    return Space(placed, degree, METHODS[method].solve(placed, degree))
+    """The space of one degree; raises `ValueError` for a method of one's own that gives no basis of it."""
+    found = METHODS[method].solve(placed, degree)
+    if isinstance(found, Products) or (isinstance(found, tuple) and found and isinstance(found[0], fmpq_mat)):
+        return Space(placed, degree, found)
+    pieces, rows = len(placed.partition.pieces), list[tuple[Polynomial, ...]]()
+    for number, member in enumerate(found):
+        parts = member if isinstance(member, list | tuple) else (member,)
+        if len(parts) != pieces:
+            raise ValueError(
+                f"member {number} of the method {method!r} has {len(parts)} polynomials for {pieces} pieces"
+            )
+        rows.append(tuple(map(Polynomial, parts)))
+    table = [[value for polynomial in row for value in polynomial.row(degree)] for row in rows]
+    if table and fmpq_mat(table).rank() < len(table):
+        raise ValueError(f"the {len(rows)} members of the method {method!r} are not linearly independent")
+    return Space(placed, degree, patches_of(placed, degree, rows))
 
 
 def register_method(method: SolvingMethod) -> SolvingMethod:

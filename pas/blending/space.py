@@ -15,12 +15,12 @@ from typing import Any, Self, TypeAlias
 
 from flint import fmpq, fmpq_mat, fmpz_mat
 
-from pas.algebra.brief import latex
 from pas.algebra.lattice import short_basis
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.products import Products
 from pas.algebra.rational import Exact, VectorLike, rational, to_fraction, vector
+from pas.algebra.systems import Exported, Rows, spanned
 from pas.errors import NoSolutionError
 from pas.fairing.functionals import Functional, value_at
 from pas.fairing.prepared import PreparedSpace
@@ -33,11 +33,8 @@ Member = tuple[Polynomial, ...]
 MemberLike: TypeAlias = "PolynomialLike | Sequence[PolynomialLike]"
 """What is taken for one; a polynomial alone where there is one piece."""
 
-LATEX_MEMBERS = 4
-"""Members that a notebook shows."""
 
-
-class Space(InPlace):
+class Space(InPlace, Exported):
     """All piecewise polynomials of one degree that satisfy every contact and face condition.
 
     `placed` are the problem's contacts in place; `source` holds the patches of the basis.  `given_basis` is None for a
@@ -93,6 +90,11 @@ class Space(InPlace):
         """A basis; each member is one exact polynomial for each piece, in the user's coordinates."""
         frame = self.partition.frame
         return tuple(tuple(map(frame.globalise, self._local_member(i))) for i in range(self.dimension))
+
+    @property
+    def rows(self) -> Rows:
+        """The basis: what is written for other programs."""
+        return self.basis
 
     def member(self, coefficients: Sequence[Exact]) -> PiecewiseSurface:
         """The surface `sum a_j basis_j`, exact; `coefficients` are `dimension` exact numbers."""
@@ -187,9 +189,7 @@ class Space(InPlace):
         line = rf"GC^{{{self.order}}},\ n = {self.degree},\ \dim = {self.dimension}"
         if len(self.patches) > 1 or not self.dimension:
             return f"${line}$"
-        members = [latex(str(member[0])) for member in self.basis[:LATEX_MEMBERS]]
-        more = [r"\ldots"] if self.dimension > LATEX_MEMBERS else []
-        return f"${line}:\\quad " + r"\langle " + ",\\; ".join([*members, *more]) + r" \rangle$"
+        return rf"${line}:\quad {spanned(self.basis)}$"
 
     def __repr__(self) -> str:
         what = f"GC^{self.order}, degree {self.degree}, dimension {self.dimension}, {self.partition.name}"
