@@ -166,7 +166,7 @@ def _naming(what: str) -> Iterator[None]:
 
 def _near(length: float) -> Fraction:
     """A short fraction close to a length: any keeps the joints."""
-    return Fraction(length).limit_denominator(1000)
+    return Fraction(length).limit_denominator(100)
 
 
 def _told(point: Point) -> str:
