@@ -6,6 +6,7 @@ import json
 import re
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from fractions import Fraction
 from functools import cache
 from types import SimpleNamespace
 
@@ -13,6 +14,7 @@ import manifold3d
 import networkx
 import numpy as np
 import pytest
+import trimesh
 
 import pas
 from pas import network, solid
@@ -184,6 +186,70 @@ def test_a_blend_around_another_centre_is_not_that_of_a_node(axis):
         assert moved._nodes().proved is proved
 
 
+@cache
+def trunk():
+    """Struts that are cones: two that fork, one of which bends, and one that goes straight on and widens again."""
+    points = [(0, 0, 0), (4, 0, 0), (-3, 4, 0), (4, 4, 0), (4, 8, 0)]
+    radii = [("1/2", "1/4"), ("1/2", "3/10"), ("1/4", "1/8"), ("1/8", "1/2")]
+    return network.Network(points, [(0, 1), (0, 2), (1, 3), (3, 4)], radii, "1/64")
+
+
+@cache
+def trunk_part():
+    return trunk().blend(1, "lowest")
+
+
+def test_struts_may_be_cones():
+    found = trunk_part()
+    assert found.certificate.proved, found.certificate
+    assert [(found.blend_of(one) is None, len(one.struts)) for one in found.classes].count((False, 2)) == 3
+    mesh = found.mesh(0.004)
+    assert mesh.certificate.proved
+    assert mesh.components == 1
+    other = manifold3d.Manifold(manifold3d.Mesh(mesh.points.astype(np.float32), mesh.triangles.astype(np.uint32)))
+    assert other.volume() == pytest.approx(mesh.volume, rel=1e-5)
+    total = sum(body.volume * len(places) for body, places in found.bodies(MeshSettings(0.004)))
+    assert total == pytest.approx(mesh.volume, rel=2e-3)
+    strips = mesh.triangles[mesh.faces == 1]
+    ends, widths = trunk().points[trunk().edges], trunk().widths
+    ways = ends[:, 1] - ends[:, 0]
+    middles = mesh.points[strips].mean(axis=1)
+    along = np.einsum("tei,ei->te", middles[:, None] - ends[:, 0], ways) / (ways**2).sum(axis=1)
+    across = middles[:, None] - ends[:, 0] - along[:, :, None] * ways
+    off = np.linalg.norm(across, axis=2) - widths[:, 0] - along * np.diff(widths, axis=1)[:, 0]
+    nearest = np.abs(off).argmin(axis=1)
+    assert 0 < np.abs(off).min(axis=1).max() < 0.004
+    radial = across[np.arange(len(strips)), nearest]
+    rise = (np.diff(widths, axis=1) / (ways**2).sum(axis=1, keepdims=True) * ways)[nearest]
+    normals = radial / np.linalg.norm(radial, axis=1, keepdims=True) - rise
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    found_normals = mesh.normals[mesh.faces == 1].mean(axis=1)
+    found_normals /= np.linalg.norm(found_normals, axis=1, keepdims=True)
+    assert (normals * found_normals).sum(axis=1).min() > 1 - 1e-3
+
+
+def test_nodes_that_differ_in_a_far_radius_are_not_one_class():
+    points, edges = [(0, 0, 0), (3, 0, 0), (0, 3, 0), (0, 0, 3)], [(0, 1), (0, 2), (0, 3)]
+    one, other = (kinds_of(network.Network(points, edges, radii, 1)) for radii in ([1, 1, 1], [1, 1, (1, 2)]))
+    assert one.kinds[one.of[0]].form.key != other.kinds[other.of[0]].form.key
+
+
+def test_cones_in_a_line_do_not_go_straight_on():
+    points, edges = [(0, 0, 0), (3, 0, 0), (-3, 0, 0)], [(0, 1), (0, 2)]
+    for radii in ([(1, 2), 1], [1, (1, 2)], [(1, 2), (1, 2)], [1, 2]):
+        assert [kind.blended for kind in kinds_of(network.Network(points, edges, radii, 1)).kinds].count(True) == 1
+
+
+@pytest.mark.parametrize(
+    ("center", "inside"), [((256, 0, 15), True), ((256, 0, 17), False), ((0, 0, 31), True), ((600, 0, 0), False)]
+)
+def test_centres_are_inside_of_cones(center, inside):
+    """Where the surface of a strut, were it to go on, is a double cone, its other half does not count."""
+    one = SimpleNamespace(struts=(((256, 0, 0), Fraction(1, 2), Fraction(1, 4)),))
+    blend = SimpleNamespace(surface=SimpleNamespace(partition=SimpleNamespace(center=vector(center))))
+    assert trunk_part()._seen(one, blend) is inside
+
+
 def test_its_mesh_is_watertight_and_proved():
     mesh = part().mesh()
     assert mesh.is_closed
@@ -221,6 +287,20 @@ def test_bodies_in_many_places_make_the_whole(tmp_path):
     components = model.GetComponentsObjects()
     assert components.MoveNext()
     assert components.GetCurrentComponentsObject().GetComponentCount() == len(frame().points)
+
+
+def test_glb_files_hold_each_body_once(tmp_path):
+    bodies = part().bodies(MeshSettings())
+    scene = trimesh.load_scene(part().write(tmp_path / "frame.glb", unit="cm"))
+    assert len(scene.geometry) == len(bodies)
+    drawn = [scene.geometry[scene.graph[node][1]] for node in scene.graph.nodes_geometry]
+    assert len(drawn) == len(frame().points)
+    assert sum(len(one.faces) for one in drawn) == sum(len(mesh.triangles) * len(places) for mesh, places in bodies)
+    np.testing.assert_allclose(scene.bounds * 100, part().bounding_box, atol=1e-6)
+    for mesh, _ in bodies:
+        corners = mesh.points[mesh.triangles]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert ((across[:, None] * mesh.normals).sum(axis=2) > 0.9 * np.linalg.norm(across, axis=1)[:, None]).all()
 
 
 def test_blocks_are_the_mesh(tmp_path):
@@ -369,6 +449,13 @@ def test_struts_that_overlap_are_refuted(height):
     assert clearance(net, np.zeros(4), np.array([[0.1, 0.6], [0, 0]])).status is pas.Status.UNDECIDED
 
 
+@pytest.mark.parametrize(("radii", "status"), [(("1/100", "1/2"), "REFUTED"), (("1/2", "1/100"), "UNDECIDED")])
+def test_cones_that_overlap_are_refuted_where_they_are_thick(radii, status):
+    points = [(0, 0, 0), (4, 0, 0), (3.5, -2, 0.3), (3.5, 2, 0.3)]
+    net = network.Network(points, [(0, 1), (2, 3)], [radii, "1/100"], "1/10")
+    assert clearance(net, np.zeros(4), np.zeros((2, 2))).status is pas.Status[status]
+
+
 def test_the_end_of_a_strut_in_another_is_refuted():
     net = network.Network([(0, 0, 0), (4, 0, 0), (2, 0.1, 0), (2, 2, 1)], [(0, 1), (2, 3)], "1/5", "1/10")
     assert clearance(net, np.zeros(4), np.zeros((2, 2))).status is pas.Status.REFUTED
@@ -419,13 +506,18 @@ def test_repair_says_what_it_does():
     )
 
 
-@pytest.mark.parametrize("suffix", [".npz", ".csv", ".3mf"])
-def test_graphs_in_files(suffix, tmp_path):
-    path = frame().write(tmp_path / f"frame{suffix}")
-    again = network.Network.read(path, grid="1/64")
-    ours = {frozenset(map(tuple, pair)) for pair in frame().points[frame().edges].tolist()}
-    assert {frozenset(map(tuple, pair)) for pair in again.points[again.edges].tolist()} == ours
-    assert again.radii == frame().radii
+@pytest.mark.parametrize("suffix", [".npz", ".csv", ".3mf", ".pas.json"])
+@pytest.mark.parametrize("made", [part, trunk_part])
+def test_graphs_in_files(made, suffix, tmp_path):
+    net = made().network
+    path = (made().save if suffix == ".pas.json" else net.write)(tmp_path / f"frame{suffix}")
+    again = pas.load(path).network if suffix == ".pas.json" else network.Network.read(path, grid="1/64")
+    ours, theirs = (
+        {(*map(tuple, ends), *r) for ends, r in zip(n.points[n.edges].tolist(), n.widths.tolist(), strict=True)}
+        for n in (net, again)
+    )
+    assert ours == theirs
+    assert again.radii == net.radii
 
 
 def test_lines_of_obj_files_and_graphs_of_networkx(tmp_path):
@@ -456,6 +548,7 @@ def test_lines_of_obj_files_and_graphs_of_networkx(tmp_path):
         ((SQUARE, [(0, 1)], 0), "radius must be positive"),
         ((SQUARE, [(0, 1)], [1, 2]), "one for each of the 1 struts, not 2"),
         ((SQUARE, [(0, 1)], ["-1"]), r"radii\[0\] must be positive"),
+        ((SQUARE, [(0, 1)], [(1, 2, 3)]), r"radii\[0\] must be one number, or one for each end, not \(1, 2, 3\)"),
         ((SQUARE, [(0, 1)], 1, "1/10000000"), "the grid 1/10000000 is too fine: a strut is 10000000 steps long"),
     ],
 )

@@ -51,9 +51,9 @@ def _check(network: Network, options: argparse.Namespace) -> CommandResult:
 
 def _classes(network: Network, options: argparse.Namespace) -> CommandResult:
     found = network.classes()
-    struts = [[[*way, str(r)] for way, r in one.struts] for one in found]
     record = [
-        {"count": one.count, "symmetries": one.symmetries, "struts": s} for one, s in zip(found, struts, strict=True)
+        {"count": one.count, "symmetries": one.symmetries, "struts": [[*way, *map(str, r)] for way, *r in one.struts]}
+        for one in found
     ]
     return CommandResult("\n".join([f"{network!r}"[1:-1], *map(str, found)]), {"classes": record})
 

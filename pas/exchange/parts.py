@@ -116,7 +116,9 @@ def _rgb(color: str) -> tuple[int, int, int]:
 def in_unit(parts: Sequence[Piece], request: Request, unit: str) -> Sequence[Piece]:
     """The parts with lengths in the unit that all files of a format are in, or as they are where the model has none."""
     factor = 1 if request.unit is None else UNITS[request.unit].meters / UNITS[unit].meters
-    return parts if factor == 1 else [replace(part, mesh=part.mesh.scale(factor)) for part in parts]
+    moved = [None if part.places is None else part.places * float(factor) for part in parts]
+    scaled = zip(parts, moved, strict=True)
+    return parts if factor == 1 else [replace(p, mesh=p.mesh.scale(factor), places=m) for p, m in scaled]
 
 
 def joined(parts: Sequence[Piece]) -> tuple[Floats, Integers]:

@@ -28,7 +28,7 @@ def _graph(thing: NetworkPart) -> dict[str, Any]:
         "points": network.places.tolist(),
         "edges": network.edges.tolist(),
         "radii": network.radii,
-        "sizes": network.sizes.tolist(),
+        "sizes": network.sizes[:, : 2 - network.even].ravel().tolist(),
         "order": thing.order,
         "blends": list(thing.blends.values()),
     }
@@ -38,10 +38,11 @@ def _part(
     grid: str, points: list[Any], edges: list[Any], radii: list[str], sizes: list[int], order: int, blends: list[Any]
 ) -> NetworkPart:
     """The part of a file; raises `ValueError` where the blends are not those of its nodes."""
-    if len(sizes) != len(edges) or not all(0 <= size < len(radii) for size in sizes):
-        raise ValueError("sizes must say of each strut which of the radii it has")
+    if len(sizes) not in (len(edges), 2 * len(edges)) or not all(0 <= size < len(radii) for size in sizes):
+        raise ValueError("sizes must say of each strut which of the radii it has, or which at both ends")
+    both = np.array(sizes).reshape(len(edges), -1)[:, [0, -1]].tolist() if edges else []
     places = np.array(points, dtype=float).reshape(-1, 3) * float(to_fraction(rational(grid, "grid")))
-    network = Network(places, np.array(edges).reshape(-1, 2), [radii[size] for size in sizes], grid)
+    network = Network(places, np.array(edges).reshape(-1, 2), [(radii[a], radii[b]) for a, b in both], grid)
     kinds = placed_ends(network, order)
     return NetworkPart(network, order, kinds, matched(network, kinds, order, blends))
 

@@ -28,9 +28,10 @@ AUTO = 0
 
 @dataclass(frozen=True)
 class NodeKind:
-    """The arms of nodes: vectors in steps of the grid, numbers of radii, and clips in 64ths of the vector (0: auto)."""
+    """The arms of nodes: vectors in steps of the grid, numbers of the radii here and at the other end, and clips in
+    64ths of the vector (0: auto)."""
 
-    arms: tuple[tuple[tuple[int, int, int], int, int], ...]
+    arms: tuple[tuple[tuple[int, int, int], int, int, int], ...]
 
     @cached_property
     def vectors(self) -> Integers:
@@ -69,9 +70,10 @@ class NodeKind:
     @cached_property
     def blended(self) -> bool:
         """Whether it takes a blend: not at ends of struts, nor where one goes straight on with one radius."""
-        (first, size, _), *others = self.arms
-        on = len(others) == 1 and others[0][1] == size and dot(first, others[0][0]) < 0 and self.form.rank == 1
-        return bool(others) and not on
+        first, *others = self.arms
+        sizes = {size for arm in self.arms for size in arm[1:3]}
+        opposite = len(others) == 1 and dot(first[0], others[0][0]) < 0 and self.form.rank == 1
+        return bool(others) and not (opposite and len(sizes) == 1)
 
 
 @dataclass(frozen=True)
@@ -128,10 +130,9 @@ def kinds_of(network: StrutGraph, clips: Any = AUTO) -> Kinds:
     """The kinds of the points of a network with given clips (E, 2), in 64ths of the struts or 0."""
     edges, count = network.edges, len(network.places)
     clips = np.broadcast_to(clips, edges.shape)
-    vectors = np.concatenate([network.vectors, -network.vectors])
-    labels = np.stack([np.tile(network.sizes, 2), clips.T.ravel()], axis=1)
-    rows = np.concatenate([vectors, labels], axis=1)
-    codes, firsts = _ranked(rows)
+    labels = network.sizes.T.ravel(), network.sizes[:, ::-1].T.ravel(), clips.T.ravel()
+    columns = [*(np.concatenate([way, -way], dtype=np.int32) for way in network.vectors.T), *labels]
+    codes, firsts = ranked(columns)
     owners = edges.T.ravel()
     order = np.lexsort((codes, owners))
     valence = network.valence
@@ -142,18 +143,19 @@ def kinds_of(network: StrutGraph, clips: Any = AUTO) -> Kinds:
     table = np.full((count, int(valence.max(initial=0))), -1, dtype=np.int64)
     table[owners[order], places] = codes[order]
     used = np.flatnonzero(valence)
-    _, first, of = np.unique(_ranked(table[used])[0], return_index=True, return_inverse=True)
-    arms = [[rows[firsts[code]].tolist() for code in table[node] if code >= 0] for node in used[first]]
-    kinds = tuple(NodeKind(tuple(((x, y, z), size, clip) for x, y, z, size, clip in kind)) for kind in arms)
+    of, first = ranked(list(table[used].T))
+    rows = np.stack([column[firsts] for column in columns], axis=1).tolist()
+    arms = [[rows[code] for code in table[node] if code >= 0] for node in used[first]]
+    kinds = tuple(NodeKind(tuple(((x, y, z), *labels) for x, y, z, *labels in kind)) for kind in arms)
     kind_of = np.full(count, -1, dtype=np.int64)
     kind_of[used] = of
     return Kinds(kinds, kind_of, slots.reshape(2, -1).T)
 
 
-def _ranked(rows: Integers) -> tuple[Integers, Integers]:
-    """A number for each row, equal for equal rows and in their order, and the first row of each number."""
-    codes = np.zeros(len(rows), dtype=np.int64)
-    for column in rows.T:
+def ranked(columns: Sequence[Integers]) -> tuple[Integers, Integers]:
+    """A number for each row of a table, equal for equal rows and in their order, and the first row of each number."""
+    codes = np.zeros(len(columns[0]), dtype=np.int64)
+    for column in columns:
         values, ranks = np.unique(column, return_inverse=True)
         codes = np.unique(codes * len(values) + ranks, return_inverse=True)[1]
     return codes, np.unique(codes, return_index=True)[1]

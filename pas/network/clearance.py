@@ -103,12 +103,13 @@ def _near_nodes(network: StrutGraph, reach: Floats) -> Iterator[tuple[int, str, 
         distance = segment_distances(np.stack([points[node]] * 2, axis=1), points[edges[other]])
         close = distance < reach[node] + network.thickness[other] + slack
         yield from ((n, f"strut {m}", d) for n, m, d in _listed(node, other, distance, close))
-    joined = np.sort(edges, axis=1) @ (len(points), 1)
+    joined = np.sort(np.sort(edges, axis=1) @ (len(points), 1))
     for first, second in _near(points[used], points[used], 2 * float(reach.max()) + slack):
         node, other = used[first[first < second]], used[second[first < second]]
         distance = np.linalg.norm(points[node] - points[other], axis=1)
         close = distance < reach[node] + reach[other] + slack
-        close[close] = ~np.isin(node[close] * len(points) + other[close], joined)
+        pairs = node[close] * len(points) + other[close]
+        close[close] = joined[np.searchsorted(joined, pairs).clip(max=len(joined) - 1)] != pairs
         yield from ((n, f"node {m}", d) for n, m, d in _listed(node, other, distance, close))
 
 
@@ -120,17 +121,23 @@ def _common(network: StrutGraph, ends: Floats, first: int, second: int) -> Float
     """A point inside of the straight parts of two struts, with room for rounding; None where none was found."""
     pair = [first, second]
     start, way = network.points[network.edges[pair, 0]], network.vectors[pair] * float(network.grid)
-    radii, tops = network.thickness[pair], np.stack([ends[pair, 0], 1 - ends[pair, 1]], axis=1)
+    widths, tops = network.widths[pair], np.stack([ends[pair, 0], 1 - ends[pair, 1]], axis=1)
     straight = start[:, None] + tops[:, :, None] * way[:, None]
     one, other = near = np.concatenate(nearest_points(straight[:1], straight[1:]))
+
+    def along_and_radii(points: Floats) -> tuple[Floats, Floats]:
+        along = np.einsum("ni,ni->n", points - start, way) / np.einsum("ni,ni->n", way, way)
+        return along, widths[:, 0] + along * (widths[:, 1] - widths[:, 0])
+
+    radii = along_and_radii(near)[1]
     inwards = straight.mean(axis=1) - near
     inwards /= np.maximum(np.linalg.norm(inwards, axis=1, keepdims=True), 1e-300)
     pulled = near + inwards * (radii[::-1, None] - np.linalg.norm(one - other)) / 2
     for point in (one + (other - one) * radii[0] / radii.sum(), *pulled):
-        along = np.einsum("ni,ni->n", point - start, way) / np.einsum("ni,ni->n", way, way)
+        along, thick = along_and_radii(point)
         off = np.linalg.norm(point - start - along[:, None] * way, axis=1)
         room = np.min([along - tops[:, 0], tops[:, 1] - along], axis=0) * network.lengths[pair]
-        if (np.minimum(room, radii - off) > _slack(network)).all():
+        if (np.minimum(room, thick - off) > _slack(network)).all():
             return np.asarray(point)
     return None
 

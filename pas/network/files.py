@@ -2,8 +2,8 @@
 
 | suffix | what is in it                                                          | read | written |
 |--------|------------------------------------------------------------------------|------|---------|
-| .npz   | arrays `points` (N, 3), `edges` (E, 2), and `radii` (E,) or one        | yes  | yes     |
-| .csv   | a strut a line: x, y, z of its ends, and its radius; titles may be on top | yes  | yes     |
+| .npz   | arrays `points` (N, 3), `edges` (E, 2), and `radii` (E,), (E, 2) or one | yes  | yes     |
+| .csv   | a strut a line: x, y, z of its ends, and its radius or the radii of both; titles may be on top | yes | yes |
 | .obj   | `v` and `l` lines, without radii                                       | yes  | no      |
 | .3mf   | a beam lattice (3MF beam lattice extension 1.2), radii of its beams    | yes  | yes     |
 
@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact
 from pas.errors import ProblemFileError
 from pas.exchange.files import read_text, replacing, source, target
@@ -68,7 +69,7 @@ def _read_npz(file: Path) -> GraphArrays:
 
 def _read_csv(file: Path) -> GraphArrays:
     rows: list[tuple[float, ...]] = []
-    radii: list[str] = []
+    radii: list[list[str]] = []
     for number, line in enumerate(csv.reader(read_text(file, MOST_BYTES, ProblemFileError).splitlines()), start=1):
         if not line:
             continue
@@ -80,7 +81,8 @@ def _read_csv(file: Path) -> GraphArrays:
             said = f"{file.name}, line {number}: a strut is x, y, z of both ends and its radius, not {','.join(line)!r}"
             raise ProblemFileError(said, number) from None
         rows.append((x, y, z, u, v, w))
-        radii += [value.strip() for value in line[6:7]]
+        given = [value.strip() for value in line[6:8]]
+        radii += [given * (2 // len(given))] if given else []
     if len(radii) not in (0, len(rows)):
         raise ProblemFileError(f"{file.name}: {len(radii)} of {len(rows)} struts have a radius; give all of them one")
     points, edges = np.unique(np.array(rows).reshape(-1, 3), axis=0, return_inverse=True)
@@ -118,7 +120,7 @@ def _read_3mf(file: Path) -> GraphArrays:
         if beams:
             points = np.array([tuple(vertex.Coordinates) for vertex in found.GetVertices()])
             edges = np.array([tuple(beam.Indices) for beam in beams], dtype=np.int64)
-            return GraphArrays(points, edges, [str(np.float32(beam.Radii[0])) for beam in beams])
+            return GraphArrays(points, edges, [[str(np.float32(r)) for r in beam.Radii] for beam in beams])
     raise ProblemFileError(f"{file.name} has no beam lattice")
 
 
@@ -141,15 +143,21 @@ def write(network: StrutGraph, path: str | Path, unit: str | None = None) -> Pat
 
 def _write_npz(network: StrutGraph, path: Path, request: Request) -> None:
     with path.open("wb") as stream:
-        np.savez_compressed(stream, points=network.points, edges=network.edges, radii=network.thickness)
+        np.savez_compressed(stream, points=network.points, edges=network.edges, radii=_told(network))
+
+
+def _told(network: StrutGraph) -> Floats:
+    """The radii of struts (E,), or (E, 2) where some have others at their two ends."""
+    return network.thickness if network.even else network.widths
 
 
 def _write_csv(network: StrutGraph, path: Path, request: Request) -> None:
     with path.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
-        writer.writerow(["x1", "y1", "z1", "x2", "y2", "z2", "radius"])
-        ends = network.points[network.edges].reshape(-1, 6).tolist()
-        writer.writerows([*row, radius] for row, radius in zip(ends, network.thickness.tolist(), strict=True))
+        rows = np.column_stack([network.points[network.edges].reshape(-1, 6), _told(network)])
+        radii = ["radius"] if network.even else ["radius1", "radius2"]
+        writer.writerow(["x1", "y1", "z1", "x2", "y2", "z2", *radii])
+        writer.writerows(rows.tolist())
 
 
 def _write_3mf(network: StrutGraph, path: Path, request: Request) -> None:
@@ -161,7 +169,7 @@ def _write_3mf(network: StrutGraph, path: Path, request: Request) -> None:
     vertices = np.ascontiguousarray(network.points, dtype="<f4")
     item.SetGeometry((lib3mf.Position * len(vertices)).from_buffer_copy(vertices.tobytes()), [])
     beams = np.zeros(len(network.edges), dtype=[("ends", "<u4", 2), ("radii", "<f8", 2), ("caps", "<i4", 2)])
-    beams["ends"], beams["radii"] = network.edges, network.thickness[:, None]
+    beams["ends"], beams["radii"] = network.edges, network.widths
     lattice = item.BeamLattice()
     lattice.SetBeams((lib3mf.Beam * len(beams)).from_buffer_copy(beams.tobytes()))
     model.AddBuildItem(item, lib3mf.get_wrapper().GetIdentityTransform())

@@ -57,8 +57,9 @@ class StrutGraph:
     """Points, struts between them, and the radii of these.
 
     `points` (N, 3) are rounded to multiples of the `grid` (the model's units), `edges` (E, 2) are numbers of points,
-    `radii` one exact number or one for each strut.  `places` (N, 3) are the points as whole numbers of the grid;
-    `sizes` (E,) says which of the different radii `radii` each strut has.
+    `radii` one exact number, or for each strut one, or a pair for its two ends, between which it is a cone.  `places`
+    (N, 3) are the points as whole numbers of the grid; `sizes` (E, 2) says which of the different radii `radii` each
+    strut has at its ends.
 
     Raises `ValueError` for arrays of other shapes, numbers of points that do not exist, radii that are not positive,
     a grid that is not positive or so fine that a strut is longer than 2^20 of its steps; `TypeError` for what are no
@@ -94,9 +95,19 @@ class StrutGraph:
         return np.asarray(np.linalg.norm(self.vectors, axis=1) * float(self.grid))
 
     @cached_property
+    def widths(self) -> Floats:
+        """The radii of each strut at its ends (E, 2), in the model's units."""
+        return np.array([float(r) for r in self.radii])[self.sizes] if len(self.edges) else np.zeros((0, 2))
+
+    @cached_property
     def thickness(self) -> Floats:
-        """The radius of each strut (E,), in the model's units."""
-        return np.array([float(r) for r in self.radii])[self.sizes] if len(self.edges) else np.zeros(0)
+        """The radius of each strut (E,) where it is widest, in the model's units."""
+        return np.asarray(self.widths.max(axis=1))
+
+    @property
+    def even(self) -> bool:
+        """Whether all struts have one radius, so that they are cylinders."""
+        return bool((self.sizes[:, 0] == self.sizes[:, 1]).all())
 
     @cached_property
     def valence(self) -> Integers:
@@ -147,15 +158,19 @@ def _edges(edges: Any) -> Integers:
 
 
 def _radii(radii: Any, count: int) -> tuple[tuple[Fraction, ...], Integers]:
-    """The different radii, the least first, and which of them each strut has (E,)."""
+    """The different radii, the least first, and which of them each strut has at its ends (E, 2)."""
     if isinstance(radii, str) or not hasattr(radii, "__len__"):
-        return (to_fraction(positive(radii, "radius")),), np.zeros(count, dtype=np.int64)
+        return (to_fraction(positive(radii, "radius")),), np.zeros((count, 2), dtype=np.int64)
     if len(radii) != count:
         raise ValueError(f"radii must be one number, or one for each of the {count} struts, not {len(radii)}")
+    pairs = [(r, r) if isinstance(r, str) or not hasattr(r, "__len__") else tuple(r) for r in radii]
     known: dict[Any, Fraction] = {}
-    for number, value in enumerate(radii):
-        if value not in known:
-            known[value] = to_fraction(positive(value, f"radii[{number}]"))
+    for number, pair in enumerate(pairs):
+        if len(pair) != 2:
+            raise ValueError(f"radii[{number}] must be one number, or one for each end, not {shown(radii[number])}")
+        for value in pair:
+            if value not in known:
+                known[value] = to_fraction(positive(value, f"radii[{number}]"))
     values = tuple(sorted(set(known.values())))
     ranks = {value: number for number, value in enumerate(values)}
-    return values, np.array([ranks[known[value]] for value in radii], dtype=np.int64)
+    return values, np.array([[ranks[known[r]] for r in pair] for pair in pairs], dtype=np.int64).reshape(-1, 2)

@@ -53,7 +53,8 @@ class Network(StrutGraph):
 
         Struts from a point to itself, several between two points, points in one place or without struts, angles of
         less than 10 degrees, struts too short for any blend at their ends, struts that meet no common point and come
-        nearer than their radii; with `whole` also ends that meet nothing, and several pieces.
+        nearer than their radii (those of cones where they are widest); with `whole` also ends that meet nothing, and
+        several pieces.
         """
         return problems.check(self, whole)
 
@@ -80,7 +81,7 @@ class Network(StrutGraph):
         map: Callable[..., Any] = map,
         **limits: Unpack[WorkLimits],
     ) -> NetworkPart:
-        """The body of it: a proved blend of this order for each class of nodes, an exact cylinder for each strut.
+        """The body of it: a proved blend of this order for each class of nodes, and exact struts between them.
 
         `degree` is that of `pas.blend`.  In the folder `cache` blends are kept as they are found, and found again by
         any network that has such nodes: a run that was ended goes on where it was.  `map(function, items)` may be the

@@ -21,14 +21,14 @@ import numpy as np
 from pas.algebra.inputs import check_order
 from pas.algebra.monomials import Floats
 from pas.contacts.contact import Contact, as_contact
-from pas.contacts.endless import AUTO as AUTO_CLIP
-from pas.contacts.endless import Pipe
+from pas.contacts.endless import Cone, Pipe
 from pas.errors import PasError, ProjectFileError
+from pas.layouts.clips import with_clips
 from pas.limits import checkpoint
 from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.network.problems import graph_problems
-from pas.pipeline.blend import blend, struts
+from pas.pipeline.blend import blend
 from pas.pipeline.result import Blend
 from pas.registry import loaded
 
@@ -59,9 +59,9 @@ class NodeClass:
         return len(self.nodes)
 
     @property
-    def struts(self) -> tuple[tuple[tuple[int, int, int], Fraction], ...]:
-        """Direction in steps of the grid and radius (the model's units) of each arm."""
-        return tuple((vector, self.radii[size]) for vector, size, _ in self.kind.arms)
+    def struts(self) -> tuple[tuple[tuple[int, int, int], Fraction, Fraction], ...]:
+        """Vector in steps of the grid, and radii (the model's units) here and at the other end, of each arm."""
+        return tuple((vector, self.radii[size], self.radii[far]) for vector, size, far, _ in self.kind.arms)
 
     @property
     def symmetries(self) -> int:
@@ -141,17 +141,17 @@ def _without(nodes: tuple[int, ...], error: Exception) -> NetworkProblem:
     return NetworkProblem("no blend", nodes, f"the node{'s' * (len(nodes) > 1)} {told}: {error}")
 
 
-def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe]:
-    """The arms of a kind as pipes with ends, in steps of the grid; raises `GeometryError` for ones without room."""
-    radii = [radius / network.grid for radius in network.radii]
-    items = [
-        (vector, radii[size], AUTO_CLIP if clip == AUTO else Fraction(clip, PARTS)) for vector, size, clip in kind.arms
-    ]
-    if not kind.blended:
-        return [Pipe(vector, radius, 0) for vector, radius, _ in items]
+def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe | Cone]:
+    """The arms of a kind as pipes or cones with ends, in steps of the grid; raises `GeometryError` where there is no
+    room."""
+    radii, items = [radius / network.grid for radius in network.radii], list[Pipe | Cone]()
+    for vector, size, far, clip in kind.arms:
+        cone = size != far
+        arm = Cone(vector, radii[size], "auto", radii[far] - radii[size]) if cone else Pipe(vector, radii[size], "auto")
+        items.append(arm if clip == AUTO and kind.blended else arm.clipped(Fraction(clip, PARTS)))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # on clips that are far out, which networks share anyway
-        return struts(items, order)
+        return list(with_clips(items, order)[0])
 
 
 def blends(
@@ -210,9 +210,9 @@ def matched(network: StrutGraph, kinds: Kinds, order: int, found: Sequence[Blend
 
 @dataclass(frozen=True)
 class Job:
-    """One blend to be found: the pipes, the order, the degree, and the folder in which it is kept."""
+    """One blend to be found: the pipes and cones, the order, the degree, and the folder in which it is kept."""
 
-    pipes: tuple[Pipe, ...]
+    pipes: tuple[Pipe | Cone, ...]
     order: int
     degree: Degree = None
     folder: Path | None = None
@@ -227,7 +227,7 @@ class Job:
         """The file that keeps it."""
         if self.folder is None:
             return None
-        told = repr([(tuple(map(str, p.axis)), str(p.radius), str(p.clip)) for p in self.pipes])
+        told = repr([(tuple(map(str, p.axis)), str(p.radius), str(p.clip), str(p.slope)) for p in self.pipes])
         name = hashlib.sha256(f"{told} {self.order} {self.degree}".encode()).hexdigest()[:32]
         return self.folder / f"{name}.pas.json"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Unpack
@@ -43,7 +43,7 @@ MOST_TRIANGLES = 40_000_000
 
 @dataclass(frozen=True, eq=False, repr=False)
 class NetworkPart(Shape):
-    """The body of a network: a blend for each class of its nodes, a cylinder for each strut, flat ends.
+    """The body of a network: a blend for each class of its nodes, a cylinder or cone for each strut, flat ends.
 
     `kinds` are those of its nodes, with their ends, `blends` has the blend of each class by its key, in steps of the
     grid.
@@ -74,7 +74,7 @@ class NetworkPart(Shape):
         """That every node is proved, is its class turned, meets its struts, and that nothing else meets.
 
         A node is the blend of its class under an exact rotation or reflection, which keeps every claim of it; struts
-        are the cylinders that these blends are proved to meet, on one exact axis from node to node.
+        are the cylinders and cones that these blends are proved to meet, on one exact axis from node to node.
         """
         apart = clearance(self.network, self._reach, self._ends)
         return Findings((self._nodes(), self._struts(), self._apart(), apart))
@@ -91,17 +91,24 @@ class NetworkPart(Shape):
             if found is not None and not self._seen(one, found):
                 return Verdict(Status.UNDECIDED, claim, f"the blend of {one} has a centre away from its struts")
         turned = len(self.kinds.kinds)
-        reason = f"{len(self.blends)} proved blends in {turned} exact positions; cylinders between them"
+        reason = f"{len(self.blends)} proved blends in {turned} exact positions; cylinders or cones between"
         return Verdict(Status.PROVED, claim, reason, measure=turned)
 
     def _seen(self, one: NodeClass, blend: Blend) -> bool:
-        """Whether the centre of a blend is nearer to the axes of all struts than these are thick.
+        """Whether the centre of a blend is inside of all struts, were they to go on.
 
         Then a strut beyond its end is seen from there in the directions of the clip's circle, in which no surface is:
-        the cone through the circle holds the centre's parallel to the axis, and is convex.
+        parted in the ratio of distances, the centre's distance from the axis and the circle's radius are at least the
+        strut's.
         """
-        off = [(cross(blend.surface.partition.center or ORIGIN, vector(way)), way, r) for way, r in one.struts]
-        return all(dot(a, a) < rational(r / self.network.grid) ** 2 * sum(c * c for c in way) for a, way, r in off)
+        center = blend.surface.partition.center or ORIGIN
+        for way, radius, far in one.struts:
+            axis, slope = vector(way), rational((far - radius) / self.network.grid)
+            width = rational(radius / self.network.grid) + slope * dot(center, axis) / dot(axis, axis)
+            off = cross(center, axis)
+            if width <= 0 or dot(off, off) >= width**2 * dot(axis, axis):
+                return False
+        return True
 
     def _struts(self) -> Verdict:
         claim = "every strut is straight between its nodes"
@@ -230,7 +237,8 @@ class NetworkPart(Shape):
     def bodies(self, settings: MeshSettings) -> list[tuple[Mesh, Floats]]:
         """Closed meshes of the kinds of nodes with halves of their struts, and the places (M, 3) where each stands."""
         found = self.pieces(settings.tolerance).bodies()
-        return [(Mesh.from_triangles(p, t, "node"), self.network.points[nodes]) for p, t, nodes in found]
+        meshes = [replace(Mesh.from_triangles(p, t, "node"), normals=n) for p, t, n, _ in found]
+        return [(mesh, self.network.points[nodes]) for mesh, (*_, nodes) in zip(meshes, found, strict=True)]
 
     def write_blocks(self, folder: str | Path, tolerance: float | None = None, *, struts: int = 20_000) -> list[Path]:
         """Write the watertight mesh as STL files of about so many struts each, for what is too large for one mesh.

@@ -6,7 +6,7 @@ size is a few tables and a place for each node.
 
 A strip merges the vertices of two rings by their angles around the strut.  A triangle of it has two neighbours of one
 ring, and one of the other between them or between which they are, so that its corners are no farther apart, in angle,
-than neighbours of one ring; it is r (1 - cos(angle / 2)) from the cylinder at most.
+than neighbours of one ring; it is r (1 - cos(angle / 2)) from the cylinder or cone at most, with its largest radius r.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
 from pas.mesh.rows import Integers
-from pas.network.classes import Kinds, NodeKind, turn
+from pas.network.classes import Kinds, NodeKind, ranked, turn
 from pas.network.graph import StrutGraph
 from pas.pipeline.result import Blend
 
@@ -91,17 +91,19 @@ class PlacedPieces:
         if blend is None:
             return self._ring(kind)
         mesh = blend.surface.mesh(self.tolerance / step)
-        radii = [self._radius(kind, i) / step for i in range(len(kind.arms))]
+        radii = [self._width(kind, i, ends[i]) / step for i in range(len(kind.arms))]
         rings = rings_of(mesh.points, mesh.boundary, zip(kind.vectors * 1.0, ends, radii, strict=False))
         deviation = float("inf") if mesh.deviation is None else mesh.deviation * step
         return NodePiece(mesh.points * step, mesh.triangles, mesh.normals, rings, deviation)
 
-    def _radius(self, kind: NodeKind, arm: int) -> float:
-        return float(self.network.radii[kind.arms[arm][1]])
+    def _width(self, kind: NodeKind, arm: int, at: float = 0.0) -> float:
+        """The radius of an arm at some part of its vector."""
+        here, there = (float(self.network.radii[size]) for size in kind.arms[arm][1:3])
+        return here + (there - here) * at
 
     def _ring(self, kind: NodeKind) -> NodePiece:
         """A ring where a strut goes straight on; a flat end where there is no other."""
-        radius = self._radius(kind, 0)
+        radius = self._width(kind, 0)
         count = max(FEWEST, ceil(pi / acos(max(0.0, 1 - min(self.tolerance / radius, 1.0)))))
         axis = kind.vectors[0] / np.linalg.norm(kind.vectors[0])
         first, second = across(axis)
@@ -127,8 +129,9 @@ class PlacedPieces:
         found = []
         for (a, i, b, j), numbers in zip(different.tolist(), groups, strict=True):
             vector = self.network.vectors[numbers[0]] * step
-            triangles, normals, widest = strip(self._circle(a, i), self._circle(b, j), vector)
-            off = self._radius(self.kinds.kinds[a], i) * (1 - cos(widest / 2))
+            rise = self._width(self.kinds.kinds[a], i, 1.0) - self._width(self.kinds.kinds[a], i)
+            triangles, normals, widest = strip(self._circle(a, i), self._circle(b, j), vector, rise)
+            off = float(self.network.thickness[numbers[0]]) * (1 - cos(widest / 2))
             found.append(StrutPiece((a, b), (i, j), vector, triangles, normals, off, numbers))
         return found
 
@@ -189,28 +192,34 @@ class PlacedPieces:
             total += _volume(corners, self.network.points[self.network.edges[strut.edges, 0]] - middle)
         return total
 
-    def bodies(self) -> list[tuple[Floats, Integers, Integers]]:
-        """Closed meshes that together make the whole: points, triangles, and the numbers of the nodes where each is.
+    def bodies(self) -> list[tuple[Floats, Integers, Floats, Integers]]:
+        """Closed meshes that together make the whole: points, triangles, normals at their corners, and the numbers of
+        the nodes where each is.
 
         A node has its struts up to the middle of what is straight of them, where they are cut off flat.
         """
         edges, kinds = self.network.edges, self.kinds
         at = kinds.ends[kinds.of[edges], kinds.slots]
-        cuts = np.zeros((len(kinds.of), kinds.ends.shape[1]))
-        cuts[edges, kinds.slots] = (1 + at - at[:, ::-1]) / 2
+        cuts, codes = np.unique(((1 + at - at[:, ::-1]) / 2).round(9), return_inverse=True)
+        table = np.zeros((len(kinds.of), kinds.ends.shape[1]), dtype=np.int32)
+        table[edges, kinds.slots] = codes.reshape(edges.shape)
         used = np.flatnonzero(kinds.of >= 0)
-        different, of = np.unique(np.column_stack([kinds.of, cuts.round(9)])[used], axis=0, return_inverse=True)
-        return [(*self._body(int(row[0]), row[1:]), used[of.ravel() == number]) for number, row in enumerate(different)]
+        of, firsts = ranked([kinds.of[used], *table[used].T])
+        made = [self._body(int(kinds.of[node]), cuts[table[node]]) for node in used[firsts]]
+        return [(*body, used[of == number]) for number, body in enumerate(made)]
 
-    def _body(self, kind: int, cuts: Floats) -> tuple[Floats, Integers]:
+    def _body(self, kind: int, cuts: Floats) -> tuple[Floats, Integers, Floats]:
         piece = self.nodes[kind]
-        points, triangles, count = [piece.points], [piece.triangles], len(piece.points)
-        vectors = self.kinds.kinds[kind].vectors * float(self.network.grid)
-        for vector, ring, cut in zip(vectors, piece.rings, cuts, strict=False):
-            axis = vector / np.linalg.norm(vector)
+        points, triangles, normals, count = [piece.points], [piece.triangles], [piece.normals], len(piece.points)
+        one, ends = self.kinds.kinds[kind], self.kinds.ends[kind]
+        vectors = one.vectors * float(self.network.grid)
+        for i, (vector, ring, cut) in enumerate(zip(vectors, piece.rings, cuts, strict=False)):
+            length = float(np.linalg.norm(vector))
+            axis, rise = vector / length, self._width(one, i, 1.0) - self._width(one, i)
             own = ring[np.argsort(angles_around(piece.points[ring], axis))]
-            corners = piece.points[own]
-            points.append(corners + cut * vector - (corners @ axis)[:, None] * axis)
+            corners = piece.points[own] - (piece.points[own] @ axis)[:, None] * axis
+            out = _out(corners, axis, rise / length)
+            points.append(corners * self._width(one, i, cut) / self._width(one, i, ends[i]) + cut * vector)
             here, there = np.arange(len(own)), count + np.arange(len(own))
             after = np.roll(here, -1)
             triangles += [
@@ -218,8 +227,10 @@ class PlacedPieces:
                 np.stack([own[after], there[after], there[here]], axis=1),
                 np.stack([np.full(len(own) - 2, count), there[1:-1], there[2:]], axis=1),
             ]
+            normals += [out[np.stack([here, after, here], axis=1)], out[np.stack([after, after, here], axis=1)],
+                        np.broadcast_to(axis, (len(own) - 2, 3, 3))]  # fmt: skip
             count += len(own)
-        return np.concatenate(points), np.concatenate(triangles)
+        return np.concatenate(points), np.concatenate(triangles), np.concatenate(normals)
 
 
 def _volume(corners: Floats, places: Floats) -> float:
@@ -260,10 +271,18 @@ def angles_around(points: Floats, axis: Floats) -> Floats:
     return np.asarray(np.arctan2(points @ second, points @ first) % tau)
 
 
-def strip(first: Floats, second: Floats, vector: Floats) -> tuple[Integers, Floats, float]:
+def _out(points: Floats, axis: Floats, slope: float) -> Floats:
+    """The normals of a cone about an axis, which widens by so much along it, over points (N, 3) beside the axis."""
+    across_ = points - (points @ axis)[:, None] * axis
+    found = across_ / np.linalg.norm(across_, axis=1, keepdims=True) - slope * axis
+    return np.asarray(found / np.hypot(1.0, slope))
+
+
+def strip(first: Floats, second: Floats, vector: Floats, rise: float = 0.0) -> tuple[Integers, Floats, float]:
     """The triangles between rings around the ends of a vector, over the first ring's vertices and then the second's.
 
-    With the normals of the cylinder at their corners, and the widest angle between neighbours of a ring.
+    With the normals at their corners of the cone, whose radius grows by `rise` along the vector, and the widest angle
+    between neighbours of a ring.
     """
     axis = vector / np.linalg.norm(vector)
     angles = [angles_around(ring, axis) for ring in (first, second)]
@@ -278,8 +297,6 @@ def strip(first: Floats, second: Floats, vector: Floats) -> tuple[Integers, Floa
         triangles.append((a, number, b) if side == 0 else (number, a, b))
         latest[side] = number
     found = np.array(triangles)
-    turned = np.concatenate(angles)
-    first_, second_ = across(axis)
-    normals = (np.cos(turned)[:, None] * first_ + np.sin(turned)[:, None] * second_)[found]
+    normals = _out(np.concatenate([first, second]), axis, rise / float(np.linalg.norm(vector)))[found]
     gaps = [np.diff(np.sort(a), append=np.sort(a)[0] + tau).max() for a in angles]
     return found, normals, float(max(gaps))

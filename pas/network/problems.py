@@ -9,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from pas.mesh.rows import Floats, Integers
+from pas.network.classes import kinds_of
 from pas.network.clearance import crossing
 from pas.network.graph import NetworkProblem, StrutGraph
 
@@ -58,20 +59,16 @@ def _repeated(rows: Integers) -> list[tuple[int, int]]:
 
 def _least_angles(network: StrutGraph) -> tuple[Floats, Integers]:
     """At both ends of each strut the largest cosine of an angle with another there (E, 2), and that other."""
-    count = len(network.edges)
-    owners, numbers = network.edges.T.ravel(), np.tile(np.arange(count), 2)
-    units = network.vectors / np.linalg.norm(network.vectors, axis=1, keepdims=True)
-    ways = np.concatenate([units, -units])
-    order = np.argsort(owners, kind="stable")
-    starts = np.searchsorted(owners[order], np.arange(len(network.places) + 1))
-    largest, other = np.full(2 * count, -1.0), np.full(2 * count, -1)
-    valence = network.valence
-    for arms in np.unique(valence[valence > 1]).tolist():
-        own = order[starts[:-1][valence == arms][:, None] + np.arange(arms)]
-        products = np.einsum("nai,nbi->nab", ways[own], ways[own])
-        products[:, np.arange(arms), np.arange(arms)] = -2
-        largest[own], other[own] = products.max(axis=2), numbers[np.take_along_axis(own, products.argmax(axis=2), 1)]
-    return largest.reshape(2, -1).T, other.reshape(2, -1).T
+    kinds, most = kinds_of(network), int(network.valence.max(initial=0))
+    largest, other = np.full((len(kinds.kinds), most), -1.0), np.zeros((len(kinds.kinds), most), dtype=np.int64)
+    for number, kind in enumerate(kinds.kinds):
+        units = kind.vectors / np.linalg.norm(kind.vectors, axis=1, keepdims=True)
+        products = units @ units.T - 3 * np.eye(len(units))
+        largest[number, : len(units)] = products.max(axis=1).clip(min=-1)
+        other[number, : len(units)] = products.argmax(axis=1)
+    struts, at = np.zeros((len(network.places), most), dtype=np.int32), kinds.of[network.edges]
+    struts[network.edges, kinds.slots] = np.arange(len(network.edges))[:, None]
+    return np.asarray(largest[at, kinds.slots]), np.asarray(struts[network.edges, other[at, kinds.slots]])
 
 
 def _angles(network: StrutGraph) -> Iterator[NetworkProblem]:
@@ -93,7 +90,7 @@ def shortest(network: StrutGraph) -> Floats:
     angles = np.arccos(np.clip(_least_angles(network)[0], -1, 1))
     widest = radians(80)
     free = network.valence[network.edges] > 1
-    near = network.thickness[:, None] / np.tan(np.minimum(NEAREST * angles, widest))
+    near = network.widths / np.tan(np.minimum(NEAREST * angles, widest))
     return np.asarray(np.where(free, near, 0.0).sum(axis=1))
 
 
@@ -149,7 +146,7 @@ def _apart(network: StrutGraph, short: Integers) -> Integers:
 
 def _changed(network: G, points: Floats, edges: Integers, kept: Integers) -> G:
     """With other points and some of the struts, their radii as they were."""
-    radii = [network.radii[size] for size in network.sizes[kept].tolist()]
+    radii = [(network.radii[a], network.radii[b]) for a, b in network.sizes[kept].tolist()]
     return type(network)(points, edges[kept], radii, network.grid)
 
 
@@ -161,7 +158,7 @@ def _mended(network: G) -> tuple[G, list[str]]:
     edges = target[network.edges]
     loops = edges[:, 0] == edges[:, 1]
     changes += [f"strut {n} was a loop and went" for n in np.flatnonzero(loops).tolist()]
-    order = np.lexsort((np.arange(len(edges)), -network.sizes, edges.max(axis=1), edges.min(axis=1)))
+    order = np.lexsort((np.arange(len(edges)), -network.sizes.max(axis=1), edges.max(axis=1), edges.min(axis=1)))
     order = order[~loops[order]]
     pairs = np.sort(edges[order], axis=1)
     new = np.ones(len(order), dtype=bool)
