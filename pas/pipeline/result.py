@@ -170,8 +170,7 @@ class SolutionSpace(Space):
 
     @cached_property
     def consistency(self) -> Consistency:
-        """The equations of the multipliers, in the user's coordinates: `consistency.multipliers(polynomials)` gives those
-        of any member, such as `blend.surface.polynomials`."""
+        """The equations of multipliers: `.multipliers(polynomials)` are those of a member, in the user's coordinates."""
         return multipliers.consistency(self.placed)
 
     @cached_property
