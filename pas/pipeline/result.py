@@ -170,7 +170,7 @@ class SolutionSpace(Space):
 
     @cached_property
     def consistency(self) -> Consistency:
-        """The equations of multipliers: `.multipliers(polynomials)` are those of a member, in the user's coordinates."""
+        """The equations of multipliers: `.multipliers(polynomials)` are those of a member, in user coordinates."""
         return multipliers.consistency(self.placed)
 
     @cached_property
