@@ -43,9 +43,22 @@ BLUE = {"color-brand-primary": "#2b5f8a", "color-brand-content": "#2b5f8a"}
 html_theme_options = {"navigation_with_keys": True, "light_css_variables": BLUE}
 pygments_style = "tango"
 highlight_language = "python"
+smartquotes_action = "q"  # options keep their dashes
 copybutton_exclude = ".linenos, .gp, .go"
 autodoc_default_options = {"members": True, "member-order": "bysource"}
 autodoc_typehints_format = "short"
+autodoc_type_aliases = {  # which the front page of the reference explains
+    name: name
+    for name in (
+        "Exact",
+        "VectorLike",
+        "PolynomialLike",
+        "ContactLike",
+        "PartitionLike",
+        "ComponentLike",
+        "FunctionLike",
+    )
+}
 python_maximum_signature_line_length = 90
 suppress_warnings = ["config.cache"]
 
