@@ -9,13 +9,10 @@ from pas.algebra.brief import brief
 from pas.algebra.polynomial import Polynomial
 from pas.designs.body import Body, below
 from pas.designs.exact import Point, Points, closest, even, nearest, points, settle
+from pas.designs.spout import MOST_TILT, UPRIGHT
 from pas.errors import GeometryError, InfeasibleError, NoSolutionError
 from pas.pipeline.result import SolutionSpace
 from pas.solid.solid import Solid, patch
-
-MOST_TILT = Fraction(1, 5)
-UPRIGHT = Fraction(1, 2)
-"""The height above which the spout leans."""
 
 
 @dataclass(frozen=True)
