@@ -168,3 +168,10 @@ def test_no_change_is_told_twice():
 
 def test_the_citation_has_the_version():
     assert f"\nversion: {pas.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("command", [[], *([command.name] for command in COMMANDS)], ids=" ".join)
+def test_every_command_has_its_help(command, capsys):
+    with pytest.raises(SystemExit) as done:
+        parser().parse_args([*command, "--help"])
+    assert done.value.code == 0 and " ".join(["usage: pas", *command]) in capsys.readouterr().out
