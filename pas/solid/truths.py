@@ -8,6 +8,7 @@ out (`LeafTree`).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -22,9 +23,6 @@ Bits = NDArray[np.uint8]
 
 ALL = 0xFF
 """Eight truth values, all of them true."""
-
-DEAREST = 1000
-"""What the truth of a function that is no polynomial costs, where that of a polynomial costs its degree."""
 
 TOGETHER = 4096
 """Bytes, or values, of each branch that are kept at once, so that the table stays in the caches."""
@@ -157,8 +155,8 @@ class LeafTree:
         columns = Columns()
         self.signed = [columns.of(f) if isinstance(f := a.function, Polynomial) else (-1, 1) for a in self.leaves]
         self.polynomials = [f for f in columns.functions if isinstance(f, Polynomial)]
-        costs = [f.degree if isinstance(f := a.function, Polynomial) else DEAREST for a in self.leaves]
-        asks = {leaf: Ask(*pair) for leaf, *pair in zip(self.leaves, range(len(self.leaves)), costs, strict=True)}
+        costs = [f.degree if isinstance(f := a.function, Polynomial) else math.inf for a in self.leaves]
+        asks = {leaf: Ask(n, cost) for n, (leaf, cost) in enumerate(zip(self.leaves, costs, strict=True))}
         self._code = _ordered(mapped(tree, asks.__getitem__))
 
     def holds(self, leaf: int, sign: int) -> bool:
@@ -190,15 +188,15 @@ class Branch:
 
     parts: tuple[Code, ...]
     union: bool
-    cost: int
+    cost: float
 
 
 @dataclass(frozen=True)
 class Ask:
-    """A leaf by number, and what its truth costs."""
+    """A leaf by number, and what its truth costs: of no polynomial most."""
 
     leaf: int
-    cost: int
+    cost: float
 
 
 Code = Ask | Branch
