@@ -74,12 +74,7 @@ class Exported:
 
 
 class Exchanged(Exported):
-    """What can be made of its generators again: its class takes these."""
-
-    @classmethod
-    def of_written(cls, system: str, text: str) -> Self:
-        """That which is written in the language of a registered system; raises `ValueError` where it cannot be read."""
-        return cls.of_rows(SYSTEMS[system].read(text))
+    """What can be made of its generators again."""
 
     @classmethod
     def of_rows(cls, rows: Rows) -> Self:
@@ -92,7 +87,7 @@ class Exchanged(Exported):
 
         The ring is Q[x, y, z].  Raises `ValueError`, which quotes what cannot be read.
         """
-        return cls.of_written("singular", text)
+        return cls.of_rows(SYSTEMS["singular"].read(text))
 
     @classmethod
     def from_macaulay2(cls, text: str) -> Self:
@@ -100,7 +95,7 @@ class Exchanged(Exported):
 
         The ring is Q[x, y, z].  Raises `ValueError`, which quotes what cannot be read.
         """
-        return cls.of_written("macaulay2", text)
+        return cls.of_rows(SYSTEMS["macaulay2"].read(text))
 
 
 def spanned(rows: Sequence[Sequence[Polynomial]], most: int = SHOWN, *, whole: bool = False) -> str:
