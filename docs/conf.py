@@ -109,6 +109,13 @@ def process(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: li
     lines[:] = as_rst(lines)
 
 
+def relinked(app: Sphinx, page: str, source: list[str]) -> None:
+    """Links to texts elsewhere in the repository, as the README of an example, lead to their pages here."""
+    path = HERE / f"{page}.md"
+    if path.parent != generated.FOLDER:
+        source[0] = generated.moved(source[0], path, path)
+
+
 class LinkedCode(SphinxPostTransform):
     """Code such as `pas.blend` or `solid.box(...)` in any page leads to the reference."""
 
@@ -143,5 +150,6 @@ def setup(app: Sphinx) -> None:
     """Connect all this."""
     app.add_html_math_renderer("mathml", (mathml, None), (mathml, None))
     app.connect("autodoc-process-docstring", process)
+    app.connect("source-read", relinked)
     app.connect("builder-inited", lambda app: generated.write(HERE / "generated"))
     app.add_post_transform(LinkedCode)
