@@ -10,11 +10,14 @@ import re
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import TYPE_CHECKING, Self
 
 from pas.algebra.brief import latex
 from pas.algebra.polynomial import Polynomial
 from pas.registry import Registry
+
+if TYPE_CHECKING:
+    import sympy
 
 Rows = tuple[tuple[Polynomial, ...], ...]
 """Generators of a module, all of one length; of length 1 they generate an ideal."""
@@ -60,7 +63,7 @@ class Exported:
         """Input for Macaulay2: the ring R, and the ideal I or the module M that the generators generate."""
         return self.written("macaulay2")
 
-    def to_sympy(self) -> list[Any]:
+    def to_sympy(self) -> list[sympy.Expr | tuple[sympy.Expr, ...]]:
         """The generators as sympy expressions in the symbols x, y, z, or tuples of them."""
         rows = [tuple(p.to_sympy() for p in row) for row in self.rows]
         return [row[0] if len(row) == 1 else row for row in rows]
