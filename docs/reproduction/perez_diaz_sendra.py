@@ -23,8 +23,8 @@ work = Work(
     "Computing all parametric solutions for blending parametric surfaces",
     "Rational surfaces are met along their curves h = 0, 1, ... with all derivatives up to k: by Hermite interpolation "
     "(algorithm 1) and by weights (algorithm 2).  Long polynomials are compared as rational functions; they are in "
-    "`perez_diaz_sendra.json`.  The printed times are of a Pentium III in 2003, of the algorithms alone; ours are with the "
-    "check of their contacts.",
+    "`perez_diaz_sendra.json`.  The printed times are of a Pentium III in 2003, of the algorithms alone; ours "
+    "are with the check of their contacts.",
 )
 
 HERE = Path(__file__).parent
