@@ -161,7 +161,7 @@ def blends(
 
     Raises `NetworkError` with all nodes for which there is none.
     """
-    folder = None if cache is None else Path(cache)
+    folder = None if cache is None else Path(cache).absolute()  # workers may run in folders of their own
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
     elif map_ is not map:
@@ -172,6 +172,7 @@ def blends(
     results: Iterator[Any] = iter(map_(solved, wanted.values()))
     for done, (key, result) in enumerate(zip(wanted, results, strict=True)):
         checkpoint("blending nodes", (done + 1) / len(wanted))
+        result = result.result() if hasattr(result, "result") else result
         if isinstance(result, str):
             problems.append(_without(kinds.nodes(kinds.classes[key]), PasError(result)))
         else:
