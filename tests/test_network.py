@@ -336,6 +336,9 @@ def test_a_cache_is_gone_on_from(tmp_path, monkeypatch):
         second = net.blend(1, "lowest", cache="kept", map=lambda f, jobs: [engine.submit(f, job) for job in jobs])
     assert second.certificate.proved
     assert (second.mesh().points == first.mesh().points).all()
+    (tmp_path / "file").touch()
+    with pytest.raises(ValueError, match="cache names a folder, and .*file is a file"):
+        net.blend(1, cache=tmp_path / "file")
     with pytest.raises(ValueError, match="give the folder as cache="):
         net.blend(1, map=lambda function, items: [function(item) for item in items])
 

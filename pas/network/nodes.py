@@ -163,6 +163,8 @@ def blends(
     """
     folder = None if cache is None else Path(cache).absolute()  # workers may run in folders of their own
     if folder is not None:
+        if folder.exists() and not folder.is_dir():
+            raise ValueError(f"cache names a folder, and {folder} is a file")
         folder.mkdir(parents=True, exist_ok=True)
     elif map_ is not map:
         raise ValueError("the map of another engine hands blends over in files: give the folder as cache=")
