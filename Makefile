@@ -54,7 +54,7 @@ demo: setup
 	$(BIN)/pas blend examples/corners/three_pipes.toml -o out
 
 docs: setup
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	$(BIN)/python -m sphinx --builder html --fail-on-warning --keep-going --quiet --doctree-dir out/doctrees docs out/docs
 	@echo "open out/docs/index.html"
 

@@ -43,9 +43,22 @@ BLUE = {"color-brand-primary": "#2b5f8a", "color-brand-content": "#2b5f8a"}
 html_theme_options = {"navigation_with_keys": True, "light_css_variables": BLUE}
 pygments_style = "tango"
 highlight_language = "python"
+smartquotes_action = "q"  # options keep their dashes
 copybutton_exclude = ".linenos, .gp, .go"
 autodoc_default_options = {"members": True, "member-order": "bysource"}
 autodoc_typehints_format = "short"
+autodoc_type_aliases = {  # which the front page of the reference explains
+    name: name
+    for name in (
+        "Exact",
+        "VectorLike",
+        "PolynomialLike",
+        "ContactLike",
+        "PartitionLike",
+        "ComponentLike",
+        "FunctionLike",
+    )
+}
 python_maximum_signature_line_length = 90
 suppress_warnings = ["config.cache"]
 
@@ -96,6 +109,13 @@ def process(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: li
     lines[:] = as_rst(lines)
 
 
+def relinked(app: Sphinx, page: str, source: list[str]) -> None:
+    """Links to texts elsewhere in the repository, as the README of an example, lead to their pages here."""
+    path = HERE / f"{page}.md"
+    if path.parent != generated.FOLDER:
+        source[0] = generated.moved(source[0], path, path)
+
+
 class LinkedCode(SphinxPostTransform):
     """Code such as `pas.blend` or `solid.box(...)` in any page leads to the reference."""
 
@@ -130,5 +150,6 @@ def setup(app: Sphinx) -> None:
     """Connect all this."""
     app.add_html_math_renderer("mathml", (mathml, None), (mathml, None))
     app.connect("autodoc-process-docstring", process)
+    app.connect("source-read", relinked)
     app.connect("builder-inited", lambda app: generated.write(HERE / "generated"))
     app.add_post_transform(LinkedCode)

@@ -134,7 +134,7 @@ def command_line() -> str:
     from pas.cli.parser import parser
 
     whole = parser()
-    lines = ["# Command line\n", "## Exit codes\n", f"{EXIT_CODES}\n"]
+    lines = ["# Command line\n", "## Exit codes\n", EXIT_CODES.removeprefix("Exit codes: ") + "\n"]
     lines += ["## pas\n", "```text\n" + whole.format_usage().removeprefix("usage: ") + "```\n", *arguments(whole)]
     (group,) = (action for action in whole._actions if isinstance(action, argparse._SubParsersAction))
     for name, command in group.choices.items():
@@ -302,11 +302,15 @@ def project_files() -> str:
     return "\n".join(lines)
 
 
+EXPLAINED = ("a polynomial", "a list of terms", "a point of three numbers", 'an exact number such as "1/3"')
+"""Forms that the page explains at its head."""
+
+
 def form_lines(form: Any, indent: int = 0, seen: tuple[Any, ...] = ()) -> list[str]:
     """A form of records as lines: keys, what their values must be, and what is inside of these."""
     from pas.exchange.schema import Table
 
-    if any(form is other for other in seen):
+    if any(form is other for other in seen) or form.words in EXPLAINED:
         return []
     seen = (*seen, form)
     lines: list[str] = []
@@ -324,8 +328,8 @@ def form_lines(form: Any, indent: int = 0, seen: tuple[Any, ...] = ()) -> list[s
             entry = inner[name]
             head = [] if isinstance(entry, Table) or name == "form" else [f"{' ' * indent}each {entry.words}"]
             lines += [*head, *form_lines(entry, indent + (0 if not head else 4), seen)]
-    for entry in inner.get("entries", ()):
-        lines += [f"{' ' * indent}{entry.words}"]
+    if "entries" in inner:
+        lines += [f"{' ' * indent}[{', '.join(entry.words for entry in inner['entries'])}]"]
     if "fitting" in inner:
         inner = inspect.getclosurevars(inner["fitting"]).nonlocals
     for number, entry in enumerate(inner.get("forms", ())):

@@ -164,6 +164,7 @@ from .pipeline.result import Blend as Blend
 from .pipeline.result import SolutionSpace as SolutionSpace
 from .pipeline.session import Session as Session
 from .pipeline.session import keep_blends as keep_blends
+from .pipeline.tables import table as table
 from .render.drawing import animate as animate
 from .render.drawing import draw as draw
 from .render.window import show as show

@@ -11,6 +11,8 @@ import sys
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 ELSEWHERE = {
@@ -152,3 +154,18 @@ def library(name: str, how: str) -> Any:
     except ImportError:
         raise MissingLibraryError(how) from None
     return sys.modules[name]
+
+
+OPTIONAL = {
+    "pyvista": "pictures, files of VTK and distances between sides of walls need pyvista: pip install 'pas[pictures]'",
+    "cvxpy": "convex problems of one's own need cvxpy: pip install 'pas[convex]'",
+    "matplotlib": "fonts by name need matplotlib: pip install 'pas[fonts]', or give the path of a .ttf file",
+}
+"""Packages that a lean install has not, and what is said where they are needed."""
+
+
+def optional(name: str) -> Any:
+    """The module of one of `OPTIONAL`; raises `MissingLibraryError` where it is not installed."""
+    if find_spec(name) is None:
+        raise MissingLibraryError(OPTIONAL[name])
+    return import_module(name)

@@ -30,8 +30,9 @@ from pas.threads import one_thread
 P = ParamSpec("P")
 R = TypeVar("R")
 
-Report = Callable[[str], Any]
-"""Called with one line on what is being done, such as `print`."""
+Report = Callable[[str], Any] | Callable[[float | None, str], Any]
+"""Called with one line on what is being done, such as `print`; or, where it has two arguments, with the share that is
+done of it, from 0 to 1 (None where that is not known), and with what is being done: for progress bars."""
 
 FIRST_REPORT, REPORT_EVERY = 1.0, 0.5
 """Seconds before the first progress line, and between lines."""
@@ -58,9 +59,17 @@ KEYWORDS = [
 class _Reports:
     """A listener, when it began to listen, and when it is told next."""
 
-    listener: Report
+    listener: Callable[..., Any]
     started: float
     next_one: float
+
+    def tell(self, words: str, done: float | None, seconds: float | None = None) -> None:
+        """Hand on what is being done, as the listener takes it."""
+        if _takes(self.listener, None, "") and not _takes(self.listener, ""):
+            self.listener(done, words)
+            return
+        share = "" if done is None else f" ({100 * done:.0f}%)"
+        self.listener(words if seconds is None else f"{words}{share}, {seconds:.0f} s")
 
 
 @dataclass
@@ -88,7 +97,7 @@ def limit(
     An inner limit cannot outlast an outer one; without a `progress` of its own it reports to the outer one's.  What is
     stopped raises `LimitError`; `stopped` is asked often, and must answer at once.
     Raises `ValueError` for a limit that is not positive, `TypeError` for one that is no number, for a `stopped` that
-    cannot be called, and for a `progress` that cannot be called with one line of text.
+    cannot be called, and for a `progress` that takes neither one line of text nor a fraction and a text.
     """
     if stopped is not None and not callable(stopped):
         raise TypeError(f"stopped must be a function without arguments, not {stopped!r}")
@@ -151,8 +160,7 @@ def checkpoint(task: str = "", done: float | None = None) -> None:
     if reports is not None and now >= reports.next_one:
         reports.next_one = now + REPORT_EVERY
         work = f"{current.work}: {task}" if current.work not in ("", task) else task
-        share = "" if done is None else f" ({100 * done:.0f}%)"
-        reports.listener(f"{work}{share}, {now - reports.started:.0f} s")
+        reports.tell(work, done, now - reports.started)
 
 
 def note(line: str) -> None:
@@ -160,7 +168,7 @@ def note(line: str) -> None:
     current = _CURRENT.get()
     reports = None if current is None else current.reports
     if reports is not None and time.monotonic() >= reports.started + FIRST_REPORT:
-        reports.listener(line)
+        reports.tell(line, None)
 
 
 def stage_line(stage: str, seconds: float) -> str:
@@ -201,13 +209,16 @@ def _check(seconds: Any, progress: Any) -> None:
         raise TypeError(f"seconds must be a positive number or None, not {seconds!r}")
     if seconds is not None and not float(seconds) > 0:
         raise ValueError(f"seconds must be a positive number or None, not {seconds!r}")
-    if progress is None:
-        return
-    if not callable(progress):
-        raise TypeError(f"progress must be a function of one line of text, such as print, not {progress!r}")
+    if progress is not None and not (callable(progress) and (_takes(progress, "") or _takes(progress, None, ""))):
+        right = "a function of one line of text, such as print, or of a fraction and a text"
+        raise TypeError(f"progress must be {right}, not {progress!r}")
+
+
+def _takes(function: Callable[..., Any], *arguments: Any) -> bool:
     try:
-        inspect.signature(progress).bind("")
+        inspect.signature(function).bind(*arguments)
     except TypeError:
-        raise TypeError(f"progress must be a function of one line of text, such as print, not {progress!r}") from None
+        return False
     except ValueError:  # a builtin that does not say what it takes
-        pass
+        return len(arguments) == 1
+    return True

@@ -211,3 +211,37 @@ def test_limited_functions_show_their_two_keywords_and_take_no_others():
         count(3, second=60)
     with pytest.raises(TypeError, match="must take the keywords seconds and progress to be limited"):
         limited("counting", "less")(lambda number: number)
+
+
+def test_progress_with_fractions(clock):
+    """A function of a fraction and a text is told both; one of a text, or of any number of things, gets a line."""
+    told, lines = [], []
+    with limit(progress=lambda fraction, words: told.append((fraction, words))):
+        clock.now += 2
+        checkpoint("eliminating", 0.25)
+        clock.now += 2
+        checkpoint("waiting")
+        note("done")
+    assert told == [(0.25, "eliminating"), (None, "waiting"), (None, "done")]
+    with limit(progress=lambda *words: lines.append(words)):
+        clock.now += 2
+        checkpoint("eliminating", 0.25)
+    assert lines == [("eliminating (25%), 2 s",)]
+    for wrong in (lambda: None, lambda a, b, c: None, 3, "print"):
+        with pytest.raises(
+            TypeError, match=r"progress must be a function of one line of text, .* or of a fraction and"
+        ):
+            limit(progress=wrong).__enter__()
+
+
+def test_tables_tell_their_share(ticking):
+    told = []
+    blends = {name: pas.blend([pas.Pipe(a, "1/3", 1) for a in ((1, 0, 0), (0, 1, 0), (0, 0, 1))], 1) for name in "ab"}
+    table = pas.table(blends, progress=lambda fraction, words: told.append((fraction, words)))
+    assert (0.5, "comparing blends: measuring blend b") in told
+    rows = table if isinstance(table, list) else table.to_dict("records")
+    assert [row["verdict"] for row in rows] == ["proved"] * 2 and rows[0]["degree"] == blends["a"].surface.degree
+    assert rows[0]["sharpness"] == blends["a"].fairness.sharpness and rows[0]["fair"] is True
+    assert isinstance(table, list) or list(table.index) == ["a", "b"]
+    with pytest.raises(TypeError, match=r"blends\[0\] must be a pas\.Blend, not"):
+        pas.table([blends["a"].surface])

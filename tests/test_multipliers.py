@@ -261,3 +261,17 @@ def test_multipliers_that_do_not_fit_are_refused():
     one, zero = Polynomial(1), Polynomial(0)
     with pytest.raises(ValueError, match="do not satisfy the consistency system"):
         system.solution(Multipliers((one, zero), (zero, zero), (zero,)))
+
+
+def test_multipliers_of_spaces():
+    """Of each basis member, and of any member, in the user's coordinates; of one piece and of several."""
+    elbow = [("y^2 + z^2 - 1", "x - 2"), ("x^2 + z^2 - 1", "y - 2")]
+    for space in (pas.solutions(elbow, 1, 3, pas.SingleCell()), pas.solutions(pipes(UNEQUAL), 1, 4)):
+        assert len(space.multipliers) == space.dimension
+        for member, found in zip(space.basis, space.multipliers, strict=True):
+            sites = [(c, p) for c, join in zip(space.contacts, space.placed.joins, strict=True) for p in join.pieces]
+            for (contact, piece), gamma, beta in zip(sites, found.gamma, found.beta, strict=True):
+                assert member[piece] == gamma * contact.surface + beta * contact.clip**2
+            for face, alpha in zip(space.partition.interior_faces, found.alpha, strict=True):
+                first, second = member[face.first], member[face.second]
+                assert second - first == alpha * face.plane**2

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import inspect
 from functools import cache
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from conftest import pipes, solved
+from conftest import UNEQUAL, fair, pipes, solved
 from flint import fmpq
+from matplotlib.mathtext import MathTextParser
+from test_contact_kinds import SAMPLES as CONTACT_SAMPLES
 
 import pas
 from pas import solid
 from pas.algebra.brief import LONGEST, brief, cut
+from pas.contacts.contact import CONTACTS
 from pas.fairing.basis import to_doubles
 from pas.fairing.solver import FitSolver
 from pas.shape import KINDS
@@ -254,3 +258,19 @@ def test_solution_spaces_as_latex():
     assert "x^{3}" in text
     assert pas.solutions(pipes(), 1, 4)._repr_latex_() == r"$GC^{1},\ n = 4,\ \dim = 25$"
     assert r"\ldots" in pas.solutions(elbow, 1, 4, pas.SingleCell())._repr_latex_()
+
+
+def test_contacts_and_measures_in_notebooks():
+    """Formulas that matplotlib reads, and well-formed tables."""
+    parser = MathTextParser("path")
+    pipe = pas.Pipe((1, 0, 0), "1/3", 1)
+    assert pipe._repr_latex_() == r"$y^{2} + z^{2} - \frac{1}{9} = 0, \quad x - 1 = 0$"
+    for table, arguments in CONTACT_SAMPLES.items():
+        parser.parse(CONTACTS[table](**arguments)._repr_latex_())
+    assert pas.Pipe((1, 0, 0), "1/3", "auto")._repr_latex_() is None
+    fairness = fair(UNEQUAL, 1).fairness
+    root = ElementTree.fromstring(fairness._repr_html_())
+    assert [row[0].text for row in root] == [name for name, _ in fairness.lines()]
+    assert ElementTree.fromstring(f"<div>{fair(UNEQUAL, 1).certificate._repr_html_()}</div>").find("table") is not None
+    for thing in (pas.contact_ideal(pipe, 1), pas.syzygies(["x", "y^2"]), pas.solutions(pipes(), 1, 3)):
+        parser.parse(thing._repr_latex_())

@@ -135,6 +135,7 @@ WITH_PROBLEMS = [p for p in PAGES if "```toml\n" in p.read_text(encoding="utf-8"
 LONG_PAGES = {
     *("guide/corners", "guide/hollow", "guide/junctions", "guide/nodes", "guide/pictures"),
     *("tutorials/bracket", "tutorials/lattice", "tutorials/manifold", "tutorials/partition", "coming_from"),
+    *("research", "research_studies"),
 }
 """Pages of `docs` whose programs take more than some three seconds: what they use other tests have as well."""
 

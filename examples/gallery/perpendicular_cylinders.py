@@ -39,12 +39,12 @@ def conditions() -> pas.Existence:
 
 
 def main(picture: Path = PICTURE) -> tuple[pas.Optimum, pas.Blend]:
-    """Conditions, the published optimum, and a proved member; returns the last two."""
+    """Conditions, the optimum of Xu, Chen and Deng's problem, and a proved member; returns the last two."""
     print(conditions())
     quartics = pas.solutions(CONTACTS, order=1, degree=4, partition=REGION)
     five = quartics.restricted([(g,) for g in PUBLISHED])
     optimum = five.optimum(ENERGY, inside=[("-1/4", "-1/4", 0)])
-    print("published problem:", *optimum.coefficients, f"energy {float(optimum.energy):.6g}")
+    print("Xu, Chen and Deng:", *optimum.coefficients, f"energy {float(optimum.energy):.6g}")
     blend = pas.blend(CONTACTS, order=1, partition=REGION)
     print(blend)
     pas.draw(blend.surface, picture, size=(480, 360))

@@ -18,7 +18,7 @@ from pas.algebra.inputs import natural
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
-from pas.algebra.systems import Exchanged, Rows, Exported
+from pas.algebra.systems import Exchanged, Exported, Rows
 from pas.limits import WorkLimits, checkpoint, limited
 
 Syzygy = tuple[Polynomial, ...]

@@ -20,7 +20,7 @@ from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.products import Products
 from pas.algebra.rational import Exact, VectorLike, rational, to_fraction, vector
-from pas.algebra.systems import Rows, Exported, spanned
+from pas.algebra.systems import Exported, Rows, spanned
 from pas.errors import NoSolutionError
 from pas.fairing.functionals import Functional, value_at
 from pas.fairing.prepared import PreparedSpace

@@ -11,13 +11,14 @@ from functools import cached_property
 from typing import Any, Protocol, Self, TypeAlias, runtime_checkable
 
 from pas.algebra.affine import Affine, rotation, translation
-from pas.algebra.brief import brief
+from pas.algebra.brief import brief, latex
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, VectorLike, vector
 from pas.algebra.scaling import scaled
 from pas.contacts.rims import Rim, rim_of
+from pas.errors import GeometryError
 from pas.registry import Registry
 
 POINTS = ("point", "near")
@@ -56,6 +57,14 @@ class Movable:
         multiples of 90 about an axis of rational length.
         """
         return self._moved(rotation(axis, degrees, center))
+
+    def _repr_latex_(self) -> str | None:
+        """The surface and its clip; nothing where the clip is "auto", so that notebooks show the repr."""
+        try:
+            contact = self.contact
+        except GeometryError:
+            return None
+        return rf"${latex(str(contact.surface))} = 0, \quad {latex(str(contact.clip))} = 0$"
 
     def _moved(self, map_: Affine) -> Self:
         arguments = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""Handles: a loop that flows through two tubes and two fillets into the body, and the published one, a quartic."""
+"""Handles: a loop that flows through two tubes and two fillets into the body; and a quartic (Lou et al. 2002)."""
 
 from __future__ import annotations
 

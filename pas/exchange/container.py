@@ -5,7 +5,7 @@ the content in canonical form, so that a file changed by hand or damaged is noti
 is no proof of who wrote the file: verdicts in it are not believed.  The content has a `kind` ("blend", "solid",
 "assembly", "parametric surface", "parametric blend", "generatrix blend"); without one it is a blend.
 
-Read is strict JSON: no key twice, no NaN, no infinity, nothing nested deeper than `inputs.DEEPEST`.
+Only strict JSON is read: no key twice, no NaN, no infinity, nothing nested deeper than `inputs.DEEPEST`.
 """
 
 from __future__ import annotations

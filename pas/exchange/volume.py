@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from pas.algebra.brief import brief
-from pas.errors import GeometryError
+from pas.errors import GeometryError, optional
 from pas.exchange.files import target
 from pas.exchange.formats import Content, Request
 from pas.exchange.parts import Piece, counted_on, face_names, parts_of
@@ -101,8 +101,7 @@ class VolumeMesh:
         `region` is -1 for triangles, `face` is -1 for tetrahedra.  The names are bytes, a line each (UTF-8),
         in the field arrays `region names` and `face names`: readers such as meshio refuse files with strings.
         """
-        import pyvista
-
+        pyvista = optional("pyvista")
         cells = {
             pyvista.CellType.TETRA: self.tetrahedra.astype(int),
             pyvista.CellType.TRIANGLE: self.boundary.astype(int),
@@ -301,8 +300,7 @@ def _boundary(tetrahedra: Integers, name: str) -> Integers:
 
 def _nearest_faces(mesh: Mesh, points: Floats) -> Integers:
     """The faces (P,) of the triangles of a mesh that are nearest to points (P, 3)."""
-    import pyvista
-
+    pyvista = optional("pyvista")
     surface = pyvista.PolyData.from_regular_faces(mesh.points, mesh.triangles.astype(int))
     nearest = np.atleast_1d(surface.find_closest_cell(points))
     return np.asarray(mesh.faces[nearest])

@@ -116,7 +116,7 @@ static inline char kind_of(const Mesh *m, whole v)
 {
     const whole first = m->outgoing[v];
     whole curves = 0, one = m->label_of[first / 3], other = -1, last = first;
-    int corner = m->kinds[v] == PINNED;
+    int corner = 0;
     AROUND(m, v, h)
     {
         const whole label = m->label_of[h / 3];
@@ -127,8 +127,8 @@ static inline char kind_of(const Mesh *m, whole v)
     }
     curves += m->twins[last] < 0;
     corner |= m->twins[last] < 0 && m->twins[last] != m->twins[first];
-    if (!curves) return INSIDE;
-    return m->kinds[v] == PINNED ? PINNED : corner || curves != 2 ? CORNER : ON_CURVE;
+    if (m->kinds[v] == PINNED) return PINNED;
+    return !curves ? INSIDE : corner || curves != 2 ? CORNER : ON_CURVE;
 }
 
 #endif

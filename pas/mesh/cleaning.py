@@ -7,6 +7,9 @@ triangle, curves that turn back, and folded triangles go as far as collapses rem
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import product
+
 import numpy as np
 
 from pas.limits import checkpoint
@@ -114,11 +117,25 @@ def _bend(mesh: HalfEdges) -> Floats:
 
 
 def _with_special_points(mesh: Labelled, field: FaceField) -> Labelled:
-    """The vertex nearest to each special point moved there."""
-    points = mesh.points.copy()
+    """The nearest vertex of the faces that end in each special point of the boundary moved there, and pinned.
+
+    It may be far away in the lattice's scale, which does not show the tip of a slender cone.
+    """
+    points, pinned, every = (
+        mesh.points.copy(),
+        [*mesh.topology.pinned],
+        2 * np.arange(len(field.signs(mesh.points[:1]))),
+    )
     for special in field.special_points:
-        square = ((points - special) ** 2).sum(axis=1)
-        nearest = int(square.argmin())
-        if square[nearest] < (2 * mesh.sizes[nearest]) ** 2:
+        here = special[None]
+        values = field.jets(np.repeat(here, len(every), axis=0), every)[:, 0]
+        zero = np.flatnonzero(np.abs(values) < 2.0**-36)  # which is rounding of what is of size 1
+        signs = np.repeat(field.signs(here), 2 ** len(zero), axis=1)
+        signs[zero] = np.array(list(product((False, True), repeat=len(zero)))).T
+        inside = field.inside(signs)
+        chosen = np.isin(mesh.topology.vertex_labels // 2, zero).any(axis=1)
+        if inside.any() and not inside.all() and chosen.any():
+            nearest = int(np.where(chosen, norms(points - special), np.inf).argmin())
             points[nearest] = special
-    return mesh.moved(points)
+            pinned.append(nearest)
+    return Labelled(points, replace(mesh.topology, pinned=np.array(pinned, dtype=np.intp)))

@@ -13,23 +13,27 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from pas.mesh.cleaning import FOLD
+from pas.mesh.cleaning import FOLD, cleaned
+from pas.mesh.contraction import contracted
 from pas.mesh.diagnostics import diagnosis
 from pas.mesh.face_ground import FaceGround
-from pas.mesh.field import FaceField
+from pas.mesh.field import FaceField, extent_of
 from pas.mesh.first import first_lattice, first_mesh, unsound
 from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.hollowed import mesh_hollowed, too_thick
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
+from pas.mesh.nodes import SAME, Nodes
 from pas.mesh.octree import Octree
-from pas.mesh.projection import pair_normals
+from pas.mesh.projection import newton, pair_normals, project
 from pas.mesh.quality import Quality
 from pas.mesh.refusals import Made, Refusal, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
-from pas.mesh.rows import Floats
+from pas.mesh.rows import Floats, norms
 from pas.mesh.surfaces import mesh_apart, mesh_touching, together
+from pas.mesh.topology import connected
 
 THIN = 0.3
 """Share of the cubes of the first lattice that do not show one sheet, above which surfaces are meshed one by one."""
@@ -78,13 +82,57 @@ class FaceMesh:
         )
 
 
-def triangulate_faces(field: FaceField, tolerance: float, quality: Quality = Quality.BALANCED) -> FaceMesh:
+def triangulate_faces(
+    field: FaceField, tolerance: float, quality: Quality = Quality.BALANCED, first: Labelled | None = None
+) -> FaceMesh:
     """A closed mesh of some quality whose distance from the boundary is at most `tolerance`, measured.
 
-    Raises `MeshError` where the set is empty, too thin for the finest lattice, or the tolerance
-    needs too many triangles.
+    It is made of a `first` mesh, where such a one is known and shows all of the boundary, and of lattices elsewhere.
+    Raises `MeshError` where the set is empty, too thin for the finest lattice, or the tolerance needs too many
+    triangles.
     """
-    return _finished(_bounded(field, tolerance, quality), field)
+    made = None if first is None else _from_first(first, field, tolerance, quality)
+    return _finished(_bounded(field, tolerance, quality) if made is None else made, field)
+
+
+def _from_first(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> Made | None:
+    """The mesh of a boundary from a first one that need not be good; None where it is not of all of the boundary."""
+    mesh = cleaned(_joined(first, field), field, tolerance, quality is Quality.ANGLES)
+    if unsound(mesh, field, tolerance)[0]:
+        return None
+    found = _refined(mesh, field, tolerance, quality)
+    return found if isinstance(found, tuple) and _bounding(found[0], field, tolerance) else None
+
+
+def _joined(mesh: Labelled, field: FaceField) -> Labelled:
+    """A mesh with vertices that their faces put in one place made one, as corners are in which more faces meet."""
+    placed = project(mesh, field, mesh.sizes / 2)
+    close = SAME * extent_of(field)
+    near = cKDTree(placed.points).query_pairs(close, output_type="ndarray")
+    firsts = np.unique(connected(near, len(placed.points))[near[:, 0]], return_index=True)[1]
+    nodes = placed.points[near[firsts, 0]]
+    drawn = contracted(field, placed.points, mesh.triangles, mesh.labels, Nodes(nodes, np.full(len(nodes), 2 * close)))
+    return placed if isinstance(drawn, Nodes) else Labelled.of(*drawn)
+
+
+def _bounding(mesh: Labelled, field: FaceField, tolerance: float) -> bool:
+    """Whether the set begins at all triangles: with the face's function alone it changes from inside to outside.
+
+    As ten points of each show, where these are farther from the sides than the mesh may be from the boundary.
+    """
+    corners, parts = mesh.points[mesh.triangles], 6
+    sides = np.roll(corners, -1, axis=1) - corners
+    heights = norms(np.cross(sides[:, 0], sides[:, 1])) / np.sqrt((sides**2).sum(axis=2)).max(axis=1)
+    rows = np.flatnonzero(heights > 2 * parts * tolerance)
+    weights = np.array([(i, j, parts - i - j) for i in range(1, parts) for j in range(1, parts - i)]) / parts
+    points = np.einsum("wc,tcx->twx", weights, corners[rows]).reshape(-1, 3)
+    labels = np.repeat(mesh.labels[rows], len(weights))
+    points = newton(points, field, labels[:, None], np.full(len(points), tolerance))
+    signs, every = field.signs(points), np.arange(len(points))
+    signs[labels // 2, every] = labels % 2 == 0
+    inside = field.inside(signs)
+    signs[labels // 2, every] = labels % 2 == 1
+    return bool((inside & ~field.inside(signs)).all())
 
 
 def refined_faces(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> FaceMesh:

@@ -22,9 +22,10 @@ NONE = np.empty(0, dtype=np.intp)
 class Topology:
     """Triangles (T, 3), the label of each (T,), and the number of vertices.
 
-    The triangles form a closed manifold.  `pinned` vertices (K,) on curves are corners, whatever the labels around them
-    say: a curve between two faces may turn sharply where these touch.  Of an open mesh, which has one label, `rims`
-    (T, 3) are the numbers of the boundary curves that the edges from each corner to the next are on, -1 inside.
+    The triangles form a closed manifold.  `pinned` vertices (K,) stay as corners do, whatever the labels around them
+    say: a curve between two faces may turn sharply where these touch, and a cone has an apex.  Of an open mesh, which
+    has one label, `rims` (T, 3) are the numbers of the boundary curves that the edges from each corner to the next are
+    on, -1 inside.
     """
 
     triangles: Integers

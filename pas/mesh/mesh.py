@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, AffineShape, numbered
-from pas.errors import GeometryError
+from pas.errors import GeometryError, optional
 from pas.mesh.booleans import Triangles, boolean
 from pas.mesh.quality import Quality, smallest_angles, soundness
 from pas.mesh.rows import Floats, Integers
@@ -258,8 +258,7 @@ class Mesh(AffineShape["Mesh"], Shape):
 
         Vertices are doubled along sharp edges, as in `shading`.
         """
-        import pyvista
-
+        pyvista = optional("pyvista")
         points, triangles, normals = self.shading
         data = pyvista.PolyData.from_regular_faces(points, triangles.astype(int))
         data.point_data.active_normals = normals

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from importlib import import_module
 from typing import Any, Generic
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from pas.algebra.inputs import short, shown, whole
 from pas.algebra.monomials import Floats
 from pas.blending.space import Space
-from pas.errors import InfeasibleError, NotProvedError, NotSolvedError
+from pas.errors import InfeasibleError, NotProvedError, NotSolvedError, optional
 from pas.fairing.constraints import Inequalities
 from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import as_energy
@@ -53,7 +52,7 @@ class ConvexProblem(Generic[B]):
         self.blends, self.space, self.wishes = blends, space, wishes
         self._solver = FitSolver(space.prepared, wishes)
         self._conditions = SampledConditions(space.prepared, SLIM)
-        cvxpy: Any = import_module("cvxpy")
+        cvxpy = optional("cvxpy")
         programme = self._solver.programme
         if programme.exact is None:
             raise programme.conflict(Inequalities.none(space.dimension))
@@ -116,7 +115,7 @@ class ConvexProblem(Generic[B]):
 
     def _status(self, objective: Any, constraints: Sequence[Any]) -> str:
         """What cvxpy says of a programme; raises `NotSolvedError` where its solver fails."""
-        cvxpy: Any = import_module("cvxpy")
+        cvxpy = optional("cvxpy")
         problem = cvxpy.Problem(cvxpy.Minimize(objective), list(constraints))
         try:
             problem.solve(solver=cvxpy.CLARABEL)
@@ -167,7 +166,7 @@ class ConvexProblem(Generic[B]):
 def check_constraints(constraints: Any) -> list[Any]:
     """One's own constraints as a list; raises `TypeError` for what are no constraints of cvxpy, and `ValueError` for
     those that are not convex by its rules."""
-    cvxpy: Any = import_module("cvxpy")
+    cvxpy = optional("cvxpy")
     right = "of cvxpy, such as problem.values([point]) <= 0"
     if isinstance(constraints, str | cvxpy.Constraint) or not isinstance(constraints, Iterable):
         raise TypeError(f"constraints must be a list of constraints {right}, not {shown(constraints)}")
@@ -183,7 +182,7 @@ def check_constraints(constraints: Any) -> list[Any]:
 def check_term(term: Any) -> Any:
     """What is added to the energy; raises `TypeError` for what is neither a number nor an expression of cvxpy, and
     `ValueError` for one that is not a single convex value."""
-    cvxpy: Any = import_module("cvxpy")
+    cvxpy = optional("cvxpy")
     right = "a number or a convex expression of cvxpy with a single value"
     if not isinstance(term, int | float | np.number | cvxpy.Expression):
         raise TypeError(f"term must be {right}, not {shown(term)}")

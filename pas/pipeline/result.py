@@ -15,7 +15,7 @@ from typing import Unpack
 from pas.algebra.inputs import check_flag, whole
 from pas.algebra.rational import Exact, to_fraction
 from pas.blending import multipliers, regularity, shaping
-from pas.blending.multipliers import Multipliers
+from pas.blending.multipliers import Consistency, Multipliers
 from pas.blending.space import Space
 from pas.contacts.contact import ContactLike
 from pas.contacts.ends import ContactEnd
@@ -164,10 +164,14 @@ class SolutionSpace(Space):
     regular = cached_property(regularity.is_regular)
     trivial_part = cached_property(regularity.trivial_part)
     generators = cached_property(regularity.generators)
-    consistency = cached_property(multipliers.consistency)
     optimum = shaping.optimum
     determining_set = shaping.determining_set
     least_squares = shaping.least_squares
+
+    @cached_property
+    def consistency(self) -> Consistency:
+        """The equations of multipliers: `.multipliers(polynomials)` are those of a member, in user coordinates."""
+        return multipliers.consistency(self.placed)
 
     @cached_property
     def multipliers(self) -> tuple[Multipliers, ...]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.monomials import Floats
+from pas.errors import optional
 from pas.render.scene import Comb, Layer
 
 CONVEX, CONCAVE, NEARBY = "#b2182b", "#2166ac", "#22303c"
@@ -41,8 +42,7 @@ def tips(layer: Layer, factor: float) -> Floats:
 
 def add_combs(plotter: Any, layer: Layer, factor: float, shift: Floats) -> None:
     """Draw a layer's combs, moved by `shift` (3,)."""
-    import pyvista
-
+    pyvista = optional("pyvista")
     for comb in layer.combs:
         # lifted, so that the surface's triangles do not hide them
         base = comb.points + 0.002 * _extent(layer) * comb.normals + shift

@@ -9,6 +9,7 @@ import numpy as np
 
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
+from pas.errors import optional
 from pas.exchange.picture_options import VIEWS, Picture
 from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
@@ -139,8 +140,7 @@ def _middle_plane(picture: Picture, meshes: Sequence[Mesh]) -> tuple[Floats, Flo
 
 def _clip(actors: Sequence[Any], plane: tuple[Floats, Floats], shift: Floats, margin: float = 0.0) -> None:
     """Hide what actors, moved by `shift` (3,), have further before a plane than a margin."""
-    import pyvista
-
+    pyvista = optional("pyvista")
     normal, origin = plane
     for actor in actors:
         actor.mapper.AddClippingPlane(pyvista.generate_plane(-normal, origin + shift + margin * normal))
@@ -194,8 +194,7 @@ def _add(
 
 def _lines(points: Floats, edges: Integers) -> Any:
     """Edges (E, 2) between points (N, 3) as lines of pyvista."""
-    import pyvista
-
+    pyvista = optional("pyvista")
     cells = np.concatenate([np.full((len(edges), 1), 2), edges], axis=1)
     return pyvista.PolyData(points, lines=cells.ravel()) if len(edges) else pyvista.PolyData()
 
@@ -204,8 +203,7 @@ def _data(mesh: Mesh, paint: Paint) -> Any:
     """The mesh for pyvista, each triangle with points of its own where the values are by triangle."""
     if paint.values is None or paint.values.ndim == 1:
         return mesh.to_pyvista()
-    import pyvista
-
+    pyvista = optional("pyvista")
     points, triangles, normals = mesh.shading
     alone = np.arange(triangles.size).reshape(-1, 3).astype(int)
     data = pyvista.PolyData.from_regular_faces(points[triangles].reshape(-1, 3), alone)

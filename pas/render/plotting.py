@@ -5,13 +5,14 @@ from __future__ import annotations
 import ctypes
 import os
 from collections.abc import Sequence
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.errors import MissingLibraryError
+from pas.errors import MissingLibraryError, optional
 from pas.exchange.picture_options import Picture
 from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
@@ -78,8 +79,7 @@ LIGHTS = {
 
 def add_lights(plotter: Any) -> None:
     """The lights of a view, which go with the camera."""
-    import pyvista
-
+    pyvista = optional("pyvista")
     for place, intensity in LIGHTS.values():
         light = pyvista.Light(position=place, light_type="camera light", intensity=intensity)
         light.positional = False
@@ -142,8 +142,7 @@ def add_dimensions(plotter: Any, points: Floats, towards: Floats, width: int) ->
 
     From a direction (3,) one sees length and width below what is drawn, and the height on its right.
     """
-    import pyvista
-
+    pyvista = optional("pyvista")
     low, high = points.min(axis=0), points.max(axis=0)
     away = 0.07 * float((high - low).max())
     right = np.cross((0.0, 0.0, 1.0) if abs(towards[2]) < 1 - 1e-9 else (0.0, 1.0, 0.0), towards)
@@ -230,11 +229,9 @@ def offscreen_pyvista() -> Any:
         )
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     checkpoint("loading the graphics library")  # which takes seconds on slow machines: looked at between its halves
-    import pyvista
-
+    pyvista = optional("pyvista")
     checkpoint()
-    import pyvista.plotting
-
+    import_module("pyvista.plotting")
     checkpoint()
     pyvista.OFF_SCREEN = True
     return pyvista

@@ -11,7 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Unpack
 
-from pas.errors import MissingLibraryError, PasError
+from pas.errors import MissingLibraryError, PasError, optional
 from pas.exchange.picture_options import Picture, PictureOptions
 from pas.mesh.mesh import Mesh
 from pas.render.drawing import draw
@@ -42,8 +42,7 @@ def show_scene(scene: Scene, picture: Picture) -> None:
         raise MissingLibraryError(
             "a window needs a screen, and there is none here (DISPLAY is not set); draw a picture with pas.draw"
         )
-    import pyvista
-
+    pyvista = optional("pyvista")
     hidden = os.environ.pop("VTK_DEFAULT_OPENGL_WINDOW", None)  # that of pictures drawn before, without a screen
     try:
         plotted(pyvista, scene, picture, off_screen=False).show()

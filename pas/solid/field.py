@@ -178,9 +178,17 @@ class SolidField:
         return self.evaluator.inside(signs)
 
     def jets(self, points: Floats, label: int | Integers) -> Floats:
-        """Values and gradients (N, 4) of a label's function, or each point's own (N,), positive outside."""
+        """Values and gradients (N, 4) of a label's function, or each point's own (N,), positive outside.
+
+        At special points both are 0 where they are rounding, which has no direction.
+        """
         labels = np.broadcast_to(np.asarray(label, dtype=np.intp), len(points))
-        return self.evaluator.jets(points, labels // 2) * (1.0 - 2.0 * (labels % 2))[:, None]
+        jets = self.evaluator.jets(points, labels // 2) * (1.0 - 2.0 * (labels % 2))[:, None]
+        for special in self.special_points:
+            rounding = 2.0**-36  # of coordinates and functions that are of size 1
+            here = (np.abs(points - special).max(axis=1) < rounding) & (np.abs(jets).max(axis=1) < rounding)
+            jets[here] = 0.0
+        return jets
 
     def lines(self, labels: Integers) -> NDArray[np.bool_]:
         """Whether labels' functions (N,) are planes, cylinders or cones: quadrics without a determinant (N,)."""

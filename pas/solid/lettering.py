@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from pas.algebra.rational import Exact, positive, rational
-from pas.errors import GeometryError, meant
+from pas.errors import GeometryError, meant, optional
 from pas.solid.edges import PlaneEdge, Point, turn
 from pas.solid.profile import Profile, plane_point
 from pas.solid.sketch import closed
@@ -58,6 +58,7 @@ def _font_file(font: str | Path) -> str:
         if not Path(font).is_file():
             raise FileNotFoundError(f"there is no font file {font}")
         return str(font)
+    optional("matplotlib")
     from matplotlib import font_manager
 
     try:

@@ -185,10 +185,11 @@ def _cut(found: FaceMesh, field: FaceField) -> Labelled:
 
     A parabola's chord makes the same angles with the curve at both ends, so by the normals there these parts are known.
     They may be `THIRD` times as large as those of edges as long as the tolerance makes them on other faces; edges are
-    halved 12 times at most.
+    halved 12 times at most.  In apexes, where there is no normal, patches of a size are off by the deviation in as much
+    of the volume as their size cubed.
     """
-    mesh = found.mesh
-    most = THIRD * found.deviation**1.5 / float(np.ptp(field.box, axis=0).max()) ** 0.5
+    mesh, extent = found.mesh, float(np.ptp(field.box, axis=0).max())
+    most, apex = THIRD * found.deviation**1.5 / extent**0.5, (found.deviation * extent**2) ** (1 / 3)
     for _ in range(12):
         edges, labels = mesh.topology.edge_table
         normals, off = pair_normals(mesh, field), np.zeros(len(edges))
@@ -196,6 +197,8 @@ def _cut(found: FaceMesh, field: FaceField) -> Labelled:
         for column in labels.T:
             rows = mesh.topology.rows(edges, column[:, None])
             third = np.abs((along * (normals[rows[:, 0]] + normals[rows[:, 1]])).sum(axis=1)) / 8
+            singular = (np.abs(normals[rows]).max(axis=2).min(axis=1) == 0) & (mesh.lengths > apex)
+            third[singular] = np.inf
             off = np.maximum(off, np.where(field.lines(column) & ~field.planes(column), third, 0.0))
         off[mesh.topology.seam_mask] = 0.0
         if not (off > most).any() or len(mesh.triangles) > LARGEST / 4:

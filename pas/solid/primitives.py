@@ -5,11 +5,30 @@ Points are three exact numbers, lengths are exact numbers, both in the model's u
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+import numpy as np
+
 from pas.algebra.affine import away, height
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, VectorLike, dot, minus, plain, positive, rational, to_float, vector
+from pas.algebra.rational import (
+    Exact,
+    Vector,
+    VectorLike,
+    dot,
+    minus,
+    plain,
+    positive,
+    rational,
+    to_float,
+    to_floats,
+    vector,
+)
 from pas.contacts.torus import torus_polynomial
+from pas.mesh.shading import unit_rows
+from pas.solid.sheets import Faces
 from pas.solid.solid import Solid, patch
+from pas.solid.swept import PlacedBody, put_flat
 from pas.solid.tree import Atom, combined
 
 
@@ -87,7 +106,45 @@ def cone(start: VectorLike, end: VectorLike, radius: Exact, end_radius: Exact = 
     walls = [Atom(Polynomial.from_raw(plane), name if radius > 0 else "") for plane, radius, name in ends]
     apexes = [p for p, r in ((a, r0), (b, r1)) if r == 0]
     special = tuple((to_float(x), to_float(y), to_float(z)) for x, y, z in apexes)
-    return Solid(combined(False, Atom(Polynomial.from_raw(surface), face), *walls), (), special)
+    tree, body = combined(False, Atom(Polynomial.from_raw(surface), face), *walls), None
+    if apexes:
+        base, names = (b if r0 == 0 else a), (face, f"{face} {'end' if r0 == 0 else 'start'}")
+        body = Pointed(names=names, apex=apexes[0], base=base, radius=to_float(max(r0, r1)))
+    return Solid(tree, (), special, body)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Pointed(PlacedBody):
+    """A cone from its `base`, the centre of a disc, to its `apex`, near which a lattice would be in vain if it is
+    slender; the `names` are those of its side and of the disc."""
+
+    names: tuple[str, str]
+    apex: Vector
+    base: Vector
+    radius: float
+
+    @property
+    def extent(self) -> float:
+        """The longer one of its height and width."""
+        return max(2 * self.radius, float(np.linalg.norm(np.subtract(to_floats(self.apex), to_floats(self.base)))))
+
+    def made(self, tolerance: float) -> Faces:
+        """Its faces, of triangles from the disc to the apex."""
+        apex, base = np.array(to_floats(self.apex)), np.array(to_floats(self.base))
+        axis = (apex - base) / np.linalg.norm(apex - base)
+        across = np.cross(np.eye(3)[np.abs(axis).argmin()], axis)
+        across /= np.linalg.norm(across)
+        many = max(8, int(np.ceil(np.pi / np.arccos(max(1 - tolerance / self.radius, 0.5)))))
+        turns = 2 * np.pi * np.arange(many) / many
+        ways = np.cos(turns)[:, None] * across + np.sin(turns)[:, None] * np.cross(axis, across)
+        made = Faces([base + self.radius * ways, apex[None]], self.radius * (1 - float(np.cos(np.pi / many))))
+        side = np.stack([np.arange(many), np.roll(np.arange(many), -1), np.full(many, many)], axis=1)
+        slopes = unit_rows(ways * np.linalg.norm(apex - base) + self.radius * axis)
+        pairs = np.stack([slopes, np.roll(slopes, -1, axis=0)], axis=1)
+        made.add(self.names[0], side, np.concatenate([pairs, unit_rows(pairs.sum(axis=1))[:, None]], axis=1))
+        fan = np.stack([np.zeros(many - 2, dtype=np.intp), np.arange(2, many), np.arange(1, many - 1)], axis=1)
+        put_flat(made, self.names[1], fan, -axis)
+        return made
 
 
 def torus(center: VectorLike, axis: VectorLike, major: Exact, minor: Exact, face: str = "torus") -> Solid:

@@ -39,10 +39,12 @@ from pas.errors import GeometryError, meant
 from pas.mesh.rows import Integers
 from pas.solid.fillets import short
 from pas.solid.joints import Joint
+from pas.solid.linked import SolidBoundary
+from pas.solid.operands import Operands
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
 from pas.solid.swept import Jets, PlacedBody, flat, put_curved, put_flat, put_side
-from pas.solid.tree import Atom, Tree, combined, parts_of
+from pas.solid.tree import Atom, Tree, combined, complement, parts_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,18 +173,13 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
     known = list(dict.fromkeys(plane.name for plane in planes if plane.name))
     for name in faces or ():
         if name not in known:
-            found = (
-                meant(name, known)
-                or "; edges are rounded between the plane faces of a convex solid, or of one with holes"
-            )
+            found = meant(name, known) or "; edges are rounded between planes of a convex solid, or of one with holes"
             raise GeometryError(f"the solid has no plane face {name!r} that bounds all of it{found}")
     chosen = {plane for plane in planes if plane.name and (faces is None or plane.name in faces)}
     edges = tuple(_edges(planes, chosen))
     among = [edge for edge in edges if chosen.issuperset(edge.planes)]
     if not among:
-        raise GeometryError(
-            "no two of the faces are planes that meet in an edge of a convex solid, or of one with holes"
-        )
+        raise GeometryError("no two of the faces are planes that meet in an edge of a convex solid, or one with holes")
     chosen = {plane for edge in among for plane in edge.planes}
     most = min((limit for edge in edges if (limit := edge.largest(chosen, order)) is not None), default=None)
     if most is not None and radius >= most:
@@ -192,11 +189,14 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
     patches = {some: RoundPatch.of([plane for plane in planes if plane in some], radius, order) for some in meeting}
     if again := {*solid.faces}.intersection(patch.face for patch in patches.values()):
         raise GeometryError(f"the edge {min(again)!r} is rounded already")
-    tree = combined(False, solid.tree, *(patch.rest for patch in patches.values()))
-    vertices = {vertex for edge in edges for vertex in edge.vertices}
-    simple = len(planes) == len(parts) and 2 * len(edges) == 3 * len(vertices)
-    body = RoundedBody(edges=edges, patches=patches, radius=to_float(radius)) if simple else None
-    return replace(solid, tree=tree, joints=(*solid.joints, *_claims(patches)), sheets=body)
+    rests = [patch.rest for patch in patches.values()]
+    simple = 2 * len(edges) == 3 * len({vertex for edge in edges for vertex in edge.vertices})
+    body: SolidBoundary | None = RoundedBody(edges=edges, patches=patches, radius=to_float(radius)) if simple else None
+    if body and (others := [part for part in parts if PlaneFace.of(part) is None]):
+        whole = Solid(combined(False, *(p for p in parts if p not in others), *rests), sheets=body)
+        body = Operands((whole, *(Solid(complement(part)) for part in others)), "Subtract")
+    joints = *solid.joints, *_claims(patches)
+    return replace(solid, tree=combined(False, solid.tree, *rests), joints=joints, sheets=body)
 
 
 def _edges(planes: Sequence[PlaneFace], chosen: set[PlaneFace]) -> Iterator[StraightEdge]:

@@ -290,7 +290,10 @@ def face_mesh(mesh: Mesh, field: SolidField, tolerance: float, quality: Quality)
         off = (np.abs(jets[..., 0]) + 1 - np.abs(cosines)).mean(axis=1)
         best = int(np.argmin(np.nan_to_num(off, nan=np.inf)))
         numbers[face], sides[face] = known[best], cosines[best].sum() < 0
-    made = Labelled.of(points, mesh.triangles, (2 * numbers + sides)[mesh.faces])
+    # Apexes are exact up to rounding.
+    special = [np.flatnonzero(norms(points - point) < 2.0**-36) for point in field.special_points]
+    pinned = np.concatenate([np.empty(0, dtype=np.intp), *special])
+    made = Labelled.of(points, mesh.triangles, (2 * numbers + sides)[mesh.faces], pinned)
     if quality is Quality.ANGLES:
         return refined_faces(made, field, tolerance / field.scale, quality)
     return FaceMesh(made, pair_normals(made, field), (mesh.deviation or 0.0) / field.scale)

@@ -35,8 +35,9 @@ from pas.solid.edge_verbs import WithEdges
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
 from pas.solid.joints import Joint, prove, refuse_unknown, verdict_list
-from pas.solid.linked import SolidBoundary, united
+from pas.solid.linked import SolidBoundary
 from pas.solid.measures import Measures, curved_measures
+from pas.solid.operands import Operands, combined_boundary
 from pas.solid.sheets import face_mesh, merged
 from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, copied, image, mapped
@@ -52,8 +53,8 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     `a | b`, `a & b` and `a - b` are union, intersection and difference.  Nothing changes a solid: all
     methods return new ones.  `joints` are the claims of `joined`; `verdicts` proves them.  Where `sheets` bound it, as
-    they do a blend's solid until set operations change it, and unions of such that go on in one another or are apart,
-    it is meshed from these, else from a lattice.
+    they do solids of blends, of profiles and rounded ones, it is meshed from these; what set operations make of such
+    from their meshes, cut by one another; all else from a lattice.
     """
 
     tree: Tree
@@ -74,16 +75,14 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     def __invert__(self) -> NoReturn:
         """Raises `TypeError`: what is outside a solid is unbounded, and no solid."""
-        raise TypeError(
-            "~ of a solid is unbounded, and no solid; take it from a larger one, as in pas.solid.box(...) - a"
-        )
+        raise TypeError("~ of a solid is unbounded, and no solid; take it from a larger one, as in solid.box(...) - a")
 
     def _with(self, other: Solid, union: bool, less: bool = False) -> Solid:
         if not isinstance(other, Solid):
             refuse_mixed(self, other)
         tree = combined(union, self.tree, complement(other.tree) if less else other.tree)
         joints = tuple(dict.fromkeys(self.joints + other.joints))
-        sheets = united(self.sheets, other.sheets) if union and self.sheets and other.sheets else None
+        sheets = combined_boundary(self, other, "Add" if union else "Subtract" if less else "Intersect")
         return Solid(tree, joints, self.special_points + other.special_points, sheets)
 
     def _moved(self, map_: Affine) -> Solid:
@@ -201,16 +200,18 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     @cached_property
     def _around(self) -> Floats:
-        """Two corners (2, 3) of a box in which it is meshed and measured: where sheets bound it that of a coarse mesh,
-        as the one that is proved takes long."""
+        """Two corners (2, 3) of a box in which it is meshed: where sheets bound it that of a coarse mesh, for speed."""
         known = None if self.sheets is None else self.sheets.box
         return self.box if known is None else known
 
     @cached_property
     def field(self) -> SolidField:
         """The solid as the mesher and evaluation want it."""
+        return self._field_of(self.tree)
+
+    def _field_of(self, tree: Tree) -> SolidField:
         curves = list(dict.fromkeys(j.along for j in self.joints))
-        return SolidField(self.tree, self._around, curves, np.array(self.special_points).reshape(-1, 3))
+        return SolidField(tree, self._around, curves, np.array(self.special_points).reshape(-1, 3))
 
     def contains(self, points: ArrayLike) -> np.ndarray:
         """Whether points (..., 3) are inside, shape (...).
@@ -277,7 +278,9 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     def _from_lattices(self, tolerance: float, quality: Quality) -> FaceMesh:
         self.field.refuse_coincident()
-        return triangulate_faces(self.field, tolerance / self.field.scale, quality)
+        within, known = tolerance / self.field.scale, self.sheets
+        first = known.first_mesh(self.field, within) if isinstance(known, Operands) else None
+        return triangulate_faces(self.field, within, quality, first)
 
     def _tolerance(self, tolerance: float | None) -> float:
         if tolerance is not None:
@@ -316,8 +319,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     @property
     def _faces_alone(self) -> SolidField:
         """The functions of all faces, and where faces are joined: all that is asked about what a mesh shows."""
-        tree = combined(True, *(atom for atom in atoms(self.tree) if atom.face))
-        return SolidField(tree, self._around, list(dict.fromkeys(j.along for j in self.joints)), np.empty((0, 3)))
+        return self._field_of(combined(True, *(atom for atom in atoms(self.tree) if atom.face)))
 
     @property
     def description(self) -> str:

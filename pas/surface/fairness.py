@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -152,6 +153,10 @@ class Fairness:
 
     def __str__(self) -> str:
         return "\n".join(f"{name:<13} {value}" for name, value in self.lines())
+
+    def _repr_html_(self) -> str:
+        rows = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in self.lines())
+        return f"<table>{rows}</table>"
 
 
 def fairness(surface: PiecewisePolynomial, rays: int = RAYS) -> Fairness:

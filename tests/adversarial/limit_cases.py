@@ -184,6 +184,7 @@ LONG_CALLS = {
     "SolutionSpace.fit": LongCall(_space, lambda p, f, **k: p.fit(**k)),
     "pas.save": LongCall(_corner, lambda p, f, **k: pas.save(p, f / "x.pas.json", **k)),
     "Blend.mesh": LongCall(_corner, lambda p, f, **k: p.mesh(T, **k), 3),
+    "pas.table": LongCall(lambda f: [_corner(f), _corner(f)], lambda p, f, **k: pas.table(p, **k)),
     "Blend.simplified": LongCall(lambda p: pas.blend(_pipes(), 1, 3), lambda p, f, **k: p.simplified(**k), 3),
     "HollowBlend.simplified": LongCall(
         lambda p: pas.blend(_pipes(), 1, 3).hollow("1/20"), lambda p, f, **k: p.simplified(**k), 3

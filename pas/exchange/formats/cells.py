@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.monomials import homogeneous_exponents
-from pas.errors import library
+from pas.errors import library, optional
 from pas.exchange.formats import Content, Format, Request
 from pas.exchange.parts import all_different
 from pas.exchange.volume import TETRAHEDRA, VolumeMesh, is_filled, tetrahedra_of
@@ -53,8 +53,7 @@ def cell_grid(surface: PiecewiseSurface) -> Any:
     polynomials and `b_coefficients` (C, (n+1)(n+2)(n+3)/6) the B-coefficients, whose multi-indices, one a
     row, are the field data `b_indices`.  Raises `ValueError` for a surface without cells.
     """
-    import pyvista
-
+    pyvista = optional("pyvista")
     if not surface.cells:
         raise ValueError("the surface has no cells: give its region a box, as in pas.SingleCell(lower, upper)")
     degree = max(surface.degree, 1)

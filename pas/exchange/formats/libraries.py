@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from pas.errors import library
+from pas.errors import library, optional
 from pas.exchange.formats import Format, Request
 from pas.exchange.parts import (
     PLACED,
@@ -80,8 +80,7 @@ GLB = Format(".glb", PLACED, write_glb)
 
 def write_vtp(parts: Sequence[Piece], path: Path, request: Request) -> None:
     """All parts put together."""
-    import pyvista
-
+    pyvista = optional("pyvista")
     checkpoint()  # that library takes long to load
     shading = [p.mesh.shading for p in parts]
     checkpoint()

@@ -1,0 +1,150 @@
+"""First meshes of what a set operation made: the meshes of two solids, one of which sheets bound, cut by one another.
+
+Where faces go on smoothly in one another in a corner, as rounds do, a lattice shows which is where only if it is far
+finer than they are.  The meshes of such solids know it, and that of what is made of them inherits it.
+
+Guaranteed: nothing.  The mesh is refined on the faces of the whole, and looked at there (see `pas.mesh.closed`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, reduce
+from itertools import combinations
+from operator import or_
+from typing import Any, Protocol
+
+import numpy as np
+
+from pas.algebra.affine import Affine
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.rational import rational
+from pas.errors import GeometryError
+from pas.mesh.booleans import Triangles, boolean
+from pas.mesh.closed import FaceMesh
+from pas.mesh.labelled import Labelled
+from pas.mesh.quality import Quality
+from pas.mesh.topology import connected, euler_characteristic, piece_count
+from pas.solid.field import SolidField
+from pas.solid.linked import SolidBoundary, united
+from pas.solid.tree import Atom, combined
+
+
+class Operand(Protocol):
+    """What is asked of a solid that is united with another one, or cut by it."""
+
+    @property
+    def sheets(self) -> SolidBoundary | None:
+        """What bounds it, where that is known."""
+
+    @property
+    def box(self) -> Floats:
+        """Two corners (2, 3) of a box that holds it."""
+
+    @property
+    def field(self) -> SolidField:
+        """Its boundary as the mesher wants it."""
+
+    def face_mesh(self, tolerance: float | None = None) -> FaceMesh:
+        """Its mesh within a tolerance, with labels."""
+
+    def __or__(self, other: Any) -> Any:
+        """Both together."""
+
+    def _moved(self, map_: Affine) -> Any:
+        """Its image."""
+
+
+def combined_boundary(first: Operand, second: Operand, operation: str) -> SolidBoundary | None:
+    """What is known to bound the result of an operation, named as for `boolean`; None where sheets bound neither."""
+    before, new = first.sheets, second.sheets
+    if before is None and new is None:
+        return None
+    linked = united(before, new) if operation == "Add" and before and new else None
+    parts = before.parts if isinstance(before, Operands) and before.operation == operation else (first,)
+    return linked or Operands((*parts, second), operation)
+
+
+@dataclass(frozen=True, eq=False)
+class Operands:
+    """Solids and the operation, named as for `boolean`, that made another one of the first and the others in turn."""
+
+    parts: tuple[Operand, ...]
+    operation: str
+    size = None
+    box = None
+
+    def mesh(self, tolerance: float, quality: Quality) -> None:
+        """None: what is cut is only a first mesh."""
+
+    def moved(self, map_: Affine) -> Operands:
+        """That of the image."""
+        return replace(self, parts=tuple(part._moved(map_) for part in self.parts))
+
+    def first_mesh(self, field: SolidField, tolerance: float) -> Labelled | None:
+        """A mesh to begin with of the boundary of a field, with its labels, for a tolerance in its coordinates.
+
+        None where there is none, or a finer one has other pieces, holes or faces.
+        """
+        try:
+            found, finer = (self._cut(field, tolerance / parts) for parts in (4, 16))
+        except GeometryError:  # the whole says what is wrong with it, if anything is
+            return None
+        same = _shape(found) == _shape(finer) and found.faces.max() < 2 * field.evaluator.used
+        return Labelled.of(*found) if same else None
+
+    @cached_property
+    def _grouped(self) -> tuple[Operand, ...]:
+        """The parts, but that those after the first which sheets do not bound are one where their boxes meet.
+
+        What is theirs alone, such as two equal bores that cross, a lattice shows.
+        """
+        first, *others = self.parts
+        if self.operation == "Intersect":
+            return first, *(other if _bounded(other) else _within(other, first.box) for other in others)
+        loose = [part if _bounded(part) else _within(part, first.box) for part in others if part.sheets is None]
+        pairs = [(i, j) for (i, a), (j, b) in combinations(enumerate(loose), 2) if _meet(a.box, b.box)]
+        groups = connected(np.array(pairs, dtype=np.intp).reshape(-1, 2), len(loose))
+        joined = [reduce(or_, (loose[i] for i in np.flatnonzero(groups == g))) for g in np.unique(groups)]
+        return first, *joined, *(part for part in others if part.sheets is not None)
+
+    def _cut(self, field: SolidField, tolerance: float) -> Triangles:
+        found, *others = (_cut(part, field, tolerance) for part in self._grouped)
+        for other in others:
+            turned = other._replace(faces=other.faces ^ 1) if self.operation == "Subtract" else other
+            found = boolean(found, turned, self.operation)
+        return found
+
+
+def _cut(part: Operand, field: SolidField, tolerance: float) -> Triangles:
+    """The mesh of a solid with the labels and in the coordinates of a field that has its functions."""
+    if isinstance(part.sheets, Operands):
+        return part.sheets._cut(field, tolerance)
+    mesh = part.face_mesh(tolerance * field.scale).mesh
+    points = field.evaluator.local(part.field.world(mesh.points))
+    return Triangles(points, mesh.triangles, field.labels_of(part.field, mesh.labels))
+
+
+def _meet(one: Floats, other: Floats) -> bool:
+    """Whether two boxes (2, 3) do."""
+    return bool((np.maximum(one[0], other[0]) <= np.minimum(one[1], other[1])).all())
+
+
+def _shape(cut: Triangles) -> tuple[int, int, set[int]]:
+    """The number of pieces, the Euler characteristic and the labels."""
+    return piece_count(cut.triangles), euler_characteristic(cut.triangles), {*cut.faces.tolist()}
+
+
+def _within(part: Any, box: Floats) -> Any:
+    """The part of a solid in a box (2, 3), with walls where it is cut."""
+    ends = [(g, rational(x)) for g, side in zip(GENERATORS, box.T.tolist(), strict=True) for x in side]
+    walls = (Atom(Polynomial.from_raw(g - x), "", number % 2 == 0) for number, (g, x) in enumerate(ends))
+    return replace(part, tree=combined(False, part.tree, *walls), joints=(), sheets=None)
+
+
+def _bounded(part: Operand) -> bool:
+    try:
+        return bool(np.isfinite(part.box).all())
+    except GeometryError:
+        return False

@@ -1,0 +1,104 @@
+"""Solids with rounds, and others that sheets bound, after set operations: meshed from their parts' meshes."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from pas import solid
+from pas.errors import GeometryError, MeshError
+from pas.mesh.closed import _bounding
+from pas.mesh.labelled import Labelled
+from pas.solid.operands import Operands
+
+
+def soft(order=1):
+    return solid.box((0, 0, 0), (40, 30, 10)).rounded(radius=2, order=order)
+
+
+def upright(x, y, radius=5, low=-1, high=11):
+    return solid.cylinder((x, y, low), (x, y, high), radius, face="hole")
+
+
+CASES = {
+    "a hole": (lambda: soft() - upright(20, 15), 0),
+    "a hole through a round": (lambda: soft() - upright(39, 15), 2),
+    "a hole through a corner": (lambda: soft(2) - upright(39, 29), 2),
+    "a bore along a round": (lambda: soft() - solid.cylinder((-1, 1, 5), (41, 1, 5), 2, face="hole"), 2),
+    "holes in a pattern": (lambda: soft() - upright(5, 5, 1).pattern(4, (10, 0, 0)), -6),
+    "bores that cross": (lambda: soft() - upright(20, 15, 2) - solid.cylinder((-1, 15, 5), (41, 15, 5), 2), -4),
+    "a boss over a round": (lambda: soft() | upright(38, 15, 5, 8, 15), 2),
+    "a block flush with the top": (lambda: soft() | solid.box((30, 5, 0), (60, 20, 10)), 2),
+    "raised letters": (lambda: soft() | solid.text("l", size=10).extrude(2).translate((15, 10, 10)), 2),
+    "two that meet": (lambda: soft() | soft().translate((35, 25, 5)), 2),
+    "two in common": (lambda: soft() & soft().translate((20, 11, 5)), 2),
+    "two a little apart": (lambda: soft() | soft().translate((0, 0, "10.001")), 4),
+    "the same twice": (lambda: soft() | soft(), 2),
+    "half of it": (lambda: soft() - solid.half_space("z - 5", face="cut"), 2),
+    "rounded afterwards": (lambda: (solid.box((0, 0, 0), (40, 30, 10)) - upright(20, 15)).rounded(radius=2), 0),
+    "moved": (lambda: (soft() - upright(20, 15)).rotate((1, 2, 3), 33).translate(1000, 0, 0), 0),
+    "a plate of a profile": (lambda: solid.rounded_rectangle(40, 30, 3).extrude(10) - upright(20, 15), 0),
+}
+
+
+@pytest.mark.sampled(4)
+@pytest.mark.parametrize("name", CASES)
+def test_closed_with_the_topology_and_the_volume(name):
+    make, euler = CASES[name]
+    made = make()
+    mesh = made.mesh()
+    assert isinstance(made.sheets, Operands) or name == "the same twice"
+    assert mesh.is_closed and mesh.euler_characteristic == euler
+    low, high = made.box
+    points = low + np.random.default_rng(1).random((40_000, 3)) * (high - low)
+    inside = np.prod(high - low) * made.contains(points).mean()
+    spread = np.prod(high - low) / 2 / 200
+    assert abs(inside - mesh.volume) < 4 * spread + mesh.deviation * mesh.area
+
+
+def test_volume_of_a_drilled_rounded_box():
+    """Steiner's formula, less a cylinder."""
+    r, a, b, c = 2.0, 36.0, 26.0, 6.0
+    whole = a * b * c + 2 * r * (a * b + b * c + c * a) + np.pi * r * r * (a + b + c) + 4 / 3 * np.pi * r**3
+    made = soft() - upright(20, 15)
+    assert made.volume(1e-2) == pytest.approx(whole - np.pi * 25 * 10, rel=1e-6)
+    assert made.proved
+
+
+def test_what_touches_is_refused_by_name():
+    with pytest.raises((GeometryError, MeshError), match="'box x\\+' and 'hole' touch"):
+        (soft() - upright(35, 15)).mesh()
+
+
+def test_a_mesh_that_is_not_all_of_the_boundary_is_known():
+    """That of one part of a union is no mesh of both, nor is one with another label."""
+    made = soft() - upright(20, 15)
+    mesh, field = made.face_mesh().mesh, made.field
+    assert _bounding(mesh, field, 1e-3)
+    turned = Labelled.of(mesh.points, mesh.triangles, mesh.labels ^ 1)
+    assert not _bounding(turned, field, 1e-3)
+    plain = soft().face_mesh(1e-2).mesh
+    labels = field.labels_of(soft_field := soft().field, plain.labels)
+    moved = Labelled.of(field.evaluator.local(soft_field.world(plain.points)), plain.triangles, labels)
+    assert _bounding(plain, soft_field, 1e-3) and not _bounding(moved, (made - upright(8, 8)).field, 1e-3)
+
+
+CONES = [
+    ((9, 1, 3), (2, 5, 1), "1/2"),
+    ((0, 2, 2), (7, 7, 3), 1),
+    ((3, 3, 3), (4, 7, 9), "6/5"),
+    ((0, 0, 0), (0, 0, 9), 1),
+]
+
+
+@pytest.mark.parametrize(("start", "end", "radius"), CONES)
+@pytest.mark.parametrize("tolerance", [3e-2, 3e-3])
+def test_cones_in_any_position_have_their_apex(start, end, radius, tolerance):
+    mesh = solid.cone(start, end, radius).mesh(tolerance)
+    assert mesh.is_closed and np.linalg.norm(mesh.points - np.array(end), axis=1).min() < 1e-9
+    exact = np.pi / 3 * float(Fraction(radius)) ** 2 * np.linalg.norm(np.subtract(end, start))
+    assert exact * (1 - 3 * tolerance / float(Fraction(radius))) < mesh.volume <= exact
+    even = solid.cone(start, end, radius).mesh(tolerance, quality="angles")
+    assert even.is_closed and np.linalg.norm(even.points - np.array(end), axis=1).min() < 1e-9
