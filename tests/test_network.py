@@ -337,7 +337,7 @@ def test_a_cache_is_gone_on_from(tmp_path, monkeypatch):
     assert second.certificate.proved
     assert (second.mesh().points == first.mesh().points).all()
     (tmp_path / "file").touch()
-    with pytest.raises(ValueError, match="cache names a folder, and .*file is a file"):
+    with pytest.raises(ValueError, match=r"cache names a folder, and .*file is a file"):
         net.blend(1, cache=tmp_path / "file")
     with pytest.raises(ValueError, match="give the folder as cache="):
         net.blend(1, map=lambda function, items: [function(item) for item in items])

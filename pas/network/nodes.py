@@ -172,9 +172,9 @@ def blends(
     found: dict[tuple[Any, ...], Blend] = {}
     problems = []
     results: Iterator[Any] = iter(map_(solved, wanted.values()))
-    for done, (key, result) in enumerate(zip(wanted, results, strict=True)):
+    for done, (key, given) in enumerate(zip(wanted, results, strict=True)):
         checkpoint("blending nodes", (done + 1) / len(wanted))
-        result = result.result() if hasattr(result, "result") else result
+        result = given.result() if hasattr(given, "result") else given
         if isinstance(result, str):
             problems.append(_without(kinds.nodes(kinds.classes[key]), PasError(result)))
         else:
