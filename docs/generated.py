@@ -153,7 +153,7 @@ def arguments(command: argparse.ArgumentParser) -> list[str]:
             continue
         value = "" if action.nargs == 0 else f" {action.metavar or action.dest.upper()}"
         shown = ", ".join(action.option_strings) + value if action.option_strings else value.strip()
-        rows.append(f"| `{shown}` | {cell(action.help or '')} |")
+        rows.append(f"| `{shown}` | {cell(command._get_formatter()._expand_help(action) if action.help else '')} |")
     return [*rows, ""]
 
 

@@ -164,3 +164,14 @@ def test_no_change_is_told_twice():
     text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     told = Counter(" ".join(entry.split()) for entry in re.split(r"\n(?=- |#|\n)", text) if entry.startswith("- "))
     assert not [entry for entry, times in told.items() if times > 1]
+
+
+def test_the_citation_has_the_version():
+    assert f"\nversion: {pas.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("command", [[], *([command.name] for command in COMMANDS)], ids=" ".join)
+def test_every_command_has_its_help(command, capsys):
+    with pytest.raises(SystemExit) as done:
+        parser().parse_args([*command, "--help"])
+    assert done.value.code == 0 and " ".join(["usage: pas", *command]) in capsys.readouterr().out

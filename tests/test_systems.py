@@ -111,7 +111,7 @@ def test_a_system_of_ones_own():
     SYSTEMS.register(System("lines", lambda rows: "\n".join(str(row[0]) for row in rows), read))
     try:
         assert pas.Ideal("x", "y - 1").written("lines") == "x\ny - 1"
-        assert pas.Ideal.of_written("lines", write((("x",),))) == pas.Ideal("x")
+        assert pas.Ideal.of_rows(SYSTEMS["lines"].read(write((("x",),)))) == pas.Ideal("x")
     finally:
         del SYSTEMS._entries["lines"]
     with pytest.raises(ValueError, match="is 'singular' meant"):

@@ -244,12 +244,13 @@ class Polynomial:
         return Polynomial.from_raw(operation(self.raw, other.raw))
 
 
-def as_sympy(raw: fmpq_mpoly, names: Sequence[str]) -> sympy.Expr:
-    """A polynomial of any ring as a sympy expression in symbols of given names."""
+def as_sympy(raw: fmpq_mpoly, names: Sequence[Any]) -> sympy.Expr:
+    """A polynomial of any ring as a sympy expression in symbols, or in those of given names."""
     import sympy
 
+    symbols = [sympy.Symbol(name) if isinstance(name, str) else name for name in names]
     terms = {e: sympy.Rational(int(c.p), int(c.q)) for e, c in raw.to_dict().items()}
-    return sympy.Poly(terms or {(0,) * len(names): 0}, *sympy.symbols(names)).as_expr()
+    return sympy.Poly(terms or {(0,) * len(names): 0}, *symbols).as_expr()
 
 
 def primitive(raw: fmpq_mpoly) -> fmpq_mpoly:

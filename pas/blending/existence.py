@@ -36,7 +36,7 @@ from pas.algebra.parametric import (
     parametric_nullspaces,
     power,
 )
-from pas.algebra.polynomial import VARIABLES, primitive
+from pas.algebra.polynomial import VARIABLES, as_sympy, primitive
 from pas.algebra.rational import Exact, Symbolic, rational
 from pas.errors import GeometryError
 from pas.limits import WorkLimits, limited
@@ -242,10 +242,10 @@ def _case(
     monomials = exponents(degree)
     members = [_whole({monomials[u]: c for u, c in vector.items()}, symbols) for vector in solution.basis]
     return ExistenceCase(
-        tuple(_to_sympy(q, symbols) for q in locus.equations),
-        tuple(_to_sympy(q, symbols) for q in locus.inequations),
+        tuple(as_sympy(q, symbols) for q in locus.equations),
+        tuple(as_sympy(q, symbols) for q in locus.inequations),
         len(members),
-        tuple(_readable(g, ideals, (*_variables(), *symbols)) for g in members),
+        tuple(_readable(g, ideals, (*VARIABLES, *symbols)) for g in members),
     )
 
 
@@ -299,21 +299,5 @@ def _factored(polynomial: fmpq_mpoly, symbols: Sequence[Any]) -> Any:
     import sympy
 
     content, factors = polynomial.factor()
-    powers = (_to_sympy(p, symbols) ** int(times) for p, times in factors)
+    powers = (as_sympy(p, symbols) ** int(times) for p, times in factors)
     return sympy.prod(powers, start=sympy.Rational(int(content.p), int(content.q)))
-
-
-def _variables() -> tuple[Any, ...]:
-    import sympy
-
-    return tuple(sympy.symbols(VARIABLES))
-
-
-def _to_sympy(polynomial: fmpq_mpoly, symbols: Sequence[Any]) -> Any:
-    import sympy
-
-    terms = (
-        sympy.Rational(int(c.p), int(c.q)) * sympy.prod(s ** int(k) for s, k in zip(symbols, e, strict=True))
-        for e, c in polynomial.to_dict().items()
-    )
-    return sympy.Add(*terms)

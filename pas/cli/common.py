@@ -75,7 +75,7 @@ def add_settings(
     """An argument for each option of a class of settings, but those to leave out; `usual` stands in help texts."""
     for one in options(settings, "command", leave):
         name, about = f"--{one.name.replace('_', '-')}", one.metadata
-        text = about["text"].format(usual=usual)
+        text = about["text"].format(usual=usual).replace("%", "%%")
         if about["kind"] is bool and about["metavar"]:  # which may be said more closely
             parser.add_argument(name, nargs="?", const=True, default=None, metavar=about["metavar"], help=text)
         elif about["kind"] is bool:

@@ -123,10 +123,9 @@ class HollowBlend(Shape, Generic[B]):
         Raises what that raises, and `NotProvedError` where the wall itself is not proved (with the `HollowBlend`).
         """
         made = replace(self, outer=self.outer.simplified(denominator), inner=self.inner.simplified(denominator))
-        proved = {verdict.claim for verdict in self.certificate.verdicts if verdict.proved}
-        for verdict in made.certificate.verdicts:
-            if verdict.claim in proved and not verdict.proved:
-                raise NotProvedError(f"coefficients of the denominator {denominator} are too short: {verdict}", made)
+        if self.certificate.proved and not made.certificate.proved:
+            failed = next(v for v in made.certificate.verdicts if not v.proved)
+            raise NotProvedError(f"coefficients of the denominator {denominator} are too short: {failed}", made)
         return made
 
     def solid(self, length: Length = None, names: Sequence[str] | None = None) -> Solid:

@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Sequence
 
+from pas.algebra.brief import latex
 from pas.algebra.polynomial import Polynomial
 from pas.blending.regularity import Generator
 from pas.pipeline.result import SolutionSpace
@@ -80,8 +81,6 @@ def _regularity(generator: Generator) -> str:
 
 
 def _latex(space: SolutionSpace, generators: Sequence[Generator]) -> str:
-    import sympy
-
     lines = [
         f"% GC^{space.order}, degree {space.degree}, dimension {space.dimension}",
         r"\begin{align*}",
@@ -90,28 +89,18 @@ def _latex(space: SolutionSpace, generators: Sequence[Generator]) -> str:
         for number, member in enumerate(members, start=1):
             for piece, polynomial in enumerate(member, start=1):
                 mark = f"{name}_{{{number}}}" if len(member) == 1 else f"{name}_{{{number}}}|_{{{piece}}}"
-                lines.append(f"{mark} &= {sympy.latex(polynomial.to_sympy())} \\\\")
+                lines.append(f"{mark} &= {latex(str(polynomial), whole=True)} \\\\")
     return "\n".join([*lines, r"\end{align*}"])
 
 
 def _sympy(space: SolutionSpace, generators: Sequence[Generator]) -> str:
-    def written(member: Sequence[Polynomial]) -> str:
-        return f"({', '.join(str(p.to_sympy()) for p in member)},)"
-
     lines = [
         "from sympy import Rational, symbols",
         'x, y, z = symbols("x y z")',
         f"order, degree, dimension = {space.order}, {space.degree}, {space.dimension}",
-        "basis = [",
-        *(f"    {_exact(written(member))}," for member in space.basis),
-        "]",
-        "generators = [",
-        *(f"    {_exact(written(g.polynomials))}," for g in generators),
-        "]",
     ]
+    for name, members in (("basis", space.basis), ("generators", [g.polynomials for g in generators])):
+        written = [f"    {tuple(p.to_sympy() for p in member)},\n" for member in members]
+        # fractions that Python reads exactly: 3/7 as Rational(3, 7), not x/7 as a division of a symbol
+        lines.append(re.sub(r"(?<![\w)])(\d+)/(\d+)", r"Rational(\1, \2)", f"{name} = [\n{''.join(written)}]"))
     return "\n".join(lines)
-
-
-def _exact(text: str) -> str:
-    """Fractions that Python reads exactly: 3/7 as Rational(3, 7), not x/7 as a division of a symbol."""
-    return re.sub(r"(?<![\w)])(\d+)/(\d+)", r"Rational(\1, \2)", text)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from itertools import chain
 from math import floor, log10
 
-from flint import fmpq, fmpq_mat
+from flint import fmpq
 
 from pas.algebra.inputs import whole
 from pas.algebra.rational import binary_exponent, rational
@@ -24,8 +26,9 @@ def simplified(surface: PiecewiseSurface, space: Space, wishes: Wishes, denomina
         raise ValueError("what handles, coefficients or a normalisation fix at a number is lost in shorter numbers")
     space = (space.through(wishes.through) if wishes.through else space).reduced()
     exact = [rational(c) for c in space.coordinates(surface.polynomials)]
-    largest = _power_of_ten(max(_largest(patch.raw.coeffs()) for patch in surface.patches))
-    units = [fmpq(10) ** (largest - _power_of_ten(size)) for size in _sizes(space.patches)]
+    largest = _power_of_ten(c for patch in surface.patches for c in patch.raw.coeffs())
+    rows = zip(*(patch.tolist() for patch in space.patches), strict=True)
+    units = [fmpq(10) ** (largest - _power_of_ten(chain(*row))) for row in rows]
 
     def member(denominator: int) -> PiecewiseSurface:
         checkpoint(f"proving with the denominator {denominator}")
@@ -52,16 +55,6 @@ def _lost(surface: PiecewiseSurface, found: PiecewiseSurface, wishes: Wishes) ->
     return next((str(v) for v in found.certificate.verdicts if v.claim in proved and not v.proved), "")
 
 
-def _sizes(patches: tuple[fmpq_mat, ...]) -> list[fmpq]:
-    """The largest coefficient of each member of a basis."""
-    tables = [patch.tolist() for patch in patches]
-    return [max(_largest(table[number]) for table in tables) for number in range(len(tables[0]))]
-
-
-def _largest(numbers: list[fmpq]) -> fmpq:
-    return max(map(abs, numbers), default=fmpq(0))
-
-
-def _power_of_ten(size: fmpq) -> int:
-    """The exponent of a power of ten near a positive number."""
-    return floor(binary_exponent(size) * log10(2))
+def _power_of_ten(numbers: Iterable[fmpq]) -> int:
+    """The exponent of a power of ten near the largest of some numbers, which are not all zero."""
+    return floor(binary_exponent(max(map(abs, numbers))) * log10(2))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any, Unpack
 
 from pas.algebra.inputs import shown
@@ -30,23 +32,12 @@ def table(blends: Sequence[ChosenBlend] | Mapping[str, ChosenBlend], **limits: U
         if not isinstance(blend, ChosenBlend):
             raise TypeError(f"blends[{name!r}] must be a pas.Blend, not {shown(blend)}")
         checkpoint(f"measuring blend {name}", done / len(named))
-        rows.append(_row(blend))
-    try:
-        import pandas
-    except ImportError:
+        proved, fairness, surface = blend.certificate.proved, blend.fairness, blend.surface
+        row: dict[str, Any] = {"order": surface.order, "degree": surface.degree, "dimension": blend.dimension}
+        row |= {"energy": blend.energy, "seconds": sum(blend.timings.values())}
+        row |= {name: getattr(fairness, name, None) for name in MEASURES}
+        row["fair"] = None if fairness is None else fairness.within(blend.limits)
+        rows.append(row | {"verdict": "proved" if proved else blend.standing})
+    if find_spec("pandas") is None:
         return rows
-    return pandas.DataFrame(rows, index=list(named))
-
-
-def _row(blend: ChosenBlend) -> dict[str, Any]:
-    proved, fairness = blend.certificate.proved, blend.fairness
-    return {
-        "order": blend.surface.order,
-        "degree": blend.surface.degree,
-        "dimension": blend.dimension,
-        "energy": blend.energy,
-        "seconds": sum(blend.timings.values()),
-        **{name: getattr(fairness, name, None) for name in MEASURES},
-        "fair": None if fairness is None else fairness.within(blend.limits),
-        "verdict": "proved" if proved else blend.standing,
-    }
+    return import_module("pandas").DataFrame(rows, index=list(named))

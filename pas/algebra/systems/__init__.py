@@ -10,11 +10,14 @@ import re
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import TYPE_CHECKING, Self
 
 from pas.algebra.brief import latex
 from pas.algebra.polynomial import Polynomial
 from pas.registry import Registry
+
+if TYPE_CHECKING:
+    import sympy
 
 Rows = tuple[tuple[Polynomial, ...], ...]
 """Generators of a module, all of one length; of length 1 they generate an ideal."""
@@ -60,7 +63,7 @@ class Exported:
         """Input for Macaulay2: the ring R, and the ideal I or the module M that the generators generate."""
         return self.written("macaulay2")
 
-    def to_sympy(self) -> list[Any]:
+    def to_sympy(self) -> list[sympy.Expr | tuple[sympy.Expr, ...]]:
         """The generators as sympy expressions in the symbols x, y, z, or tuples of them."""
         rows = [tuple(p.to_sympy() for p in row) for row in self.rows]
         return [row[0] if len(row) == 1 else row for row in rows]
@@ -74,12 +77,7 @@ class Exported:
 
 
 class Exchanged(Exported):
-    """What can be made of its generators again: its class takes these."""
-
-    @classmethod
-    def of_written(cls, system: str, text: str) -> Self:
-        """That which is written in the language of a registered system; raises `ValueError` where it cannot be read."""
-        return cls.of_rows(SYSTEMS[system].read(text))
+    """What can be made of its generators again."""
 
     @classmethod
     def of_rows(cls, rows: Rows) -> Self:
@@ -92,7 +90,7 @@ class Exchanged(Exported):
 
         The ring is Q[x, y, z].  Raises `ValueError`, which quotes what cannot be read.
         """
-        return cls.of_written("singular", text)
+        return cls.of_rows(SYSTEMS["singular"].read(text))
 
     @classmethod
     def from_macaulay2(cls, text: str) -> Self:
@@ -100,7 +98,7 @@ class Exchanged(Exported):
 
         The ring is Q[x, y, z].  Raises `ValueError`, which quotes what cannot be read.
         """
-        return cls.of_written("macaulay2", text)
+        return cls.of_rows(SYSTEMS["macaulay2"].read(text))
 
 
 def spanned(rows: Sequence[Sequence[Polynomial]], most: int = SHOWN, *, whole: bool = False) -> str:
