@@ -331,9 +331,14 @@ def test_a_cache_is_gone_on_from(tmp_path, monkeypatch):
     with ThreadPoolExecutor(1) as engine:
         first = net.blend(1, "lowest", cache=tmp_path / "kept", map=engine.map)
     monkeypatch.setattr("pas.network.nodes.blend", None)
-    second = net.blend(1, "lowest", cache=tmp_path / "kept")
+    monkeypatch.chdir(tmp_path)
+    with ThreadPoolExecutor(1) as engine:  # which gives futures, and relative names
+        second = net.blend(1, "lowest", cache="kept", map=lambda f, jobs: [engine.submit(f, job) for job in jobs])
     assert second.certificate.proved
     assert (second.mesh().points == first.mesh().points).all()
+    (tmp_path / "file").touch()
+    with pytest.raises(ValueError, match=r"cache names a folder, and .*file is a file"):
+        net.blend(1, cache=tmp_path / "file")
     with pytest.raises(ValueError, match="give the folder as cache="):
         net.blend(1, map=lambda function, items: [function(item) for item in items])
 
@@ -378,6 +383,17 @@ def test_a_file_is_of_a_graph_of_struts(tmp_path):
     path.write_text(json.dumps(content))
     with pytest.raises(pas.ProjectFileError, match="the points 1 and 2 are in one place"):
         pas.load(path, edited=True)
+
+
+def test_networks_are_cut_off_flat():
+    """By a plane through the middle of the frame's cube, which takes half of it and all of the line beside."""
+    half = part().mesh() & solid.box((-1, -1, -1), (2, 2, "1/2")).mesh()
+    assert half.is_closed
+    assert half.components == 1
+    cap = half.triangles[half.faces == half.names.index("box z+")]
+    assert set(half.points[cap][..., 2].ravel()) == {0.5}
+    cube = network.Network(frame().points[:8], frame().edges[:12], "1/10", "1/64").blend(1, "lowest")
+    assert half.volume == pytest.approx(cube.volume / 2, rel=1e-3)
 
 
 def test_foams():

@@ -22,13 +22,29 @@ def test_notebooks_are_stored_without_outputs(path):
             assert cell.execution_count is None
 
 
+def executed(name, folder, monkeypatch):
+    """The outputs of a notebook that runs in a folder, and what it prints."""
+    monkeypatch.setenv("PYTHONPATH", str(ROOT), prepend=":")
+    notebook = nbformat.read(ROOT / f"examples/notebooks/{name}.ipynb", as_version=4)
+    NotebookClient(notebook, timeout=600, resources={"metadata": {"path": folder}}).execute()
+    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+    return outputs, "".join(output.get("text", "") for output in outputs)
+
+
+@pytest.mark.slow
+def test_a_lattice(tmp_path, monkeypatch):
+    outputs, text = executed("lattice", tmp_path, monkeypatch)
+    assert "35 points, 64 struts" in text
+    assert text.count("nothing else meets: proved") == 2
+    assert re.search(r"^genus 30, density 0\.\d{3}$", text, re.MULTILINE)
+    assert sum("image/png" in output.get("data", {}) for output in outputs) == 3
+    files = {"block.png", "ball.png", "fork.png", "block.3mf", "block.glb", "ball.stl"}
+    assert {p.name for p in tmp_path.iterdir()} == files
+
+
 @pytest.mark.slow
 def test_the_first_blend(tmp_path, monkeypatch):
-    monkeypatch.setenv("PYTHONPATH", str(ROOT), prepend=":")
-    notebook = nbformat.read(ROOT / "examples/notebooks/first_blend.ipynb", as_version=4)
-    NotebookClient(notebook, timeout=600, resources={"metadata": {"path": tmp_path}}).execute()
-    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
-    text = "".join(output.get("text", "") for output in outputs)
+    outputs, text = executed("first_blend", tmp_path, monkeypatch)
     assert re.search(r"^order +GC\^2 at the contacts", text, re.MULTILINE)  # columns are as wide as they need be
     energies = re.search(r"^energy (\S+) and (\S+); proved: True$", text, re.MULTILINE)
     assert energies and [float(e) for e in energies.groups()] == pytest.approx([45.74, 46.02], rel=3e-3)

@@ -156,7 +156,7 @@ SAMPLES = {
     "Submodule": lambda: pas.Submodule([LONG, "x"], [LONG, "y"]),
     "SumOfCoefficients": pas.SumOfCoefficients,
     "SurfaceCurve": lambda: pas.iso_curve(parametric().surface, h=0),
-    "Teapot": lambda: pas.teapot(),
+    "Teapot": lambda: pas.teapot("paper"),
     "ThinPlate": lambda: pas.ThinPlate(pas.Box((0, 0, 0), (1, 1, 1))),
     "TrivialPart": lambda: space().trivial_part,
     "UnitCoefficients": pas.UnitCoefficients,

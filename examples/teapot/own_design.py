@@ -2,8 +2,8 @@
 
     python examples/teapot/own_design.py out/own_design.stl
 
-The joints are proved for the changed parts as for the first ones, whatever the points of an outline are: each cubic is
-taken from the ideal of its joints. What cannot be made is refused in one sentence that names the joint.
+The joints are proved for the changed parts as for the first ones, whatever the points and radii are: bends are blends,
+fillets are taken from the ideals of their joints. What cannot be made is refused in one sentence that names the joint.
 """
 
 import sys
@@ -12,11 +12,8 @@ from pathlib import Path
 import pas
 from pas.designs import Handle, Spout, Teapot, points
 
-SPOUT = Spout(
-    upper_outline=points(  # (x, z) in the plane y = 0: first the front, then the back
-        *((2.26, 0.55), (2.36, 0.75), (2.5, 0.95), (2.62, 1.1)),
-        *((1.98, 0.65), (2.09, 0.85), (2.18, 1.0), (2.24, 1.1)),
-    )
+SPOUT = Spout(  # (x, z, radius) where the lines of its axis end; the last one widens towards the mouth
+    axis=points((1, -0.3, 0.28), (2.12, -0.02, 0.19), (2.35, 0.75, 0.12), (2.62, 1.15, 0.15))
 )
 HANDLE = Handle(reach="7/5", thickness="1/10")
 

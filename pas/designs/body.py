@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from math import sqrt
+
+import numpy as np
 
 from pas.algebra.brief import brief
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.designs.exact import settle
+from pas.algebra.rational import Exact
+from pas.designs.exact import points, settle
 from pas.errors import GeometryError
 from pas.solid.solid import Solid, patch
 
@@ -16,6 +21,32 @@ from pas.solid.solid import Solid, patch
 def below(height: Fraction) -> Polynomial:
     """The polynomial `height - z`, which is positive below."""
     return Polynomial(height) - Polynomial.from_raw(GENERATORS[2])
+
+
+def height_along(axis: Sequence[Exact], point: Sequence[Exact]) -> Polynomial:
+    """The polynomial `axis . (x - point)`, which is positive ahead of the point."""
+    x = map(Polynomial.from_raw, GENERATORS)
+    return sum(((g - p) * a for g, p, a in zip(x, point, axis, strict=True)), Polynomial(0))
+
+
+def filleted(
+    solid: Solid,
+    names: tuple[str, str, str],
+    surfaces: tuple[Polynomial, Polynomial],
+    sides: tuple[Fraction, Fraction],
+    *walls: Polynomial,
+) -> Solid:
+    """The solid with a fillet between its body and a tube that stands on it, within walls, and its two joints.
+
+    The fillet is an ellipse in the plane of the `surfaces`' values, tangent to both axes at `sides`: it is of the
+    ideals `<body, (tube - b)^2>` and `<tube, (body - a)^2>`, hence meets both with GC^1.  The `names` are those of the
+    body, the tube and the fillet.
+    """
+    (body, tube), (base, tip, name) = surfaces, names
+    a, b = body / sides[0], tube / sides[1]
+    solid |= patch(name, -((a - 1) ** 2) - (b - 1) ** 2 + 1, body, tube, -(a + b - 1), *walls)
+    solid = solid.joined(tip, name, (tube, body - sides[0]), 1)
+    return solid.joined(base, name, (body, tube - sides[1]), 1)
 
 
 @dataclass(frozen=True)
@@ -71,6 +102,15 @@ class Body:
         return self.lower + seam**2 * (-self.lower.at(rim_point) / seam.at(rim_point) ** 2)
 
     @property
+    def opening(self) -> float:
+        """The radius of the hollow pot's opening, in the plane of the rim."""
+        value, slope = (
+            (self.upper + self.wall).at((0, 0, self.top)),
+            self.lower.at((1, 0, 0)) - self.lower.at((0, 0, 0)),
+        )
+        return sqrt(-value / slope)
+
+    @property
     def rim_curve(self) -> tuple[Polynomial, Polynomial]:
         """The circle in which the lid lies on the body, as the cylinder and the plane that it is on."""
         x, y, _ = map(Polynomial.from_raw, GENERATORS)
@@ -81,6 +121,21 @@ class Body:
         solid = patch("body upper", self.upper, -below(self.seam), below(self.top), *upper_walls)
         solid |= patch("body lower", self.lower, -below(self.bottom), below(self.seam), *lower_walls)
         return solid.joined("body upper", "body lower", (self.lower, -below(self.seam)), 1)
+
+    @classmethod
+    def through(cls, profile: Sequence[Sequence[Exact]], **others: Exact) -> Body:
+        """The body whose lower quadric `a r^2 + b z^2 + c z = 1` is nearest to points (radius, height) of a profile.
+
+        Least in squares is the equation's error, and the coefficients have six digits.  `others` are the other fields:
+        the upper quadric is given by the seam, the top and the rim.  Raises `ValueError` or `TypeError` for what are no
+        points, `GeometryError` where they determine no quadric or the body cannot be made.
+        """
+        rows = np.array([(float(r) ** 2, float(z) ** 2, float(z)) for r, z in points(*profile)])
+        found, _, rank, _ = np.linalg.lstsq(rows, np.ones(len(rows)), rcond=None)
+        if rank < rows.shape[1]:
+            raise GeometryError("the profile must have at least three points (radius, height) that determine a quadric")
+        a, b, c = (f"{value:.6f}" for value in found)
+        return cls(Polynomial(f"{a}*(x^2 + y^2) + {b}*z^2 + {c}*z - 1"), **others)  # type: ignore[arg-type]
 
     def room(self) -> Solid:
         """The room inside: level sets of the body's own polynomials, which keep their joint."""

@@ -15,9 +15,6 @@ from flint import fmpq_mat
 from pas.algebra.inputs import shown
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, rational, to_fraction
-from pas.fairing.energies.squared_derivatives import ThinPlate
-from pas.fairing.functionals import Box
-from pas.fairing.wishes import ValueAt
 from pas.partition.boxes import SingleCell
 from pas.pipeline.blend import solutions
 from pas.pipeline.result import SolutionSpace
@@ -84,34 +81,17 @@ def even(contacts: Contacts, order: int, degree: int) -> SolutionSpace:
     return space.restricted([m[0] for m in space.basis if all(e[1] % 2 == 0 for e in m[0].coefficients())])
 
 
-def continued(
-    contacts: Contacts, order: int, points: Sequence[Point], center: Point, inside: Sequence[Point] = ()
-) -> Polynomial:
-    """The cubic that meets the contacts, is -1 at the centre and least in squares at the given points.
-
-    At points `inside` it is below 0 by 20.  The thin-plate energy has a small part, 1/2000, in what is minimised.
-    """
-    space = even(contacts, order, 3)
-    around = Box((Fraction(6, 5), Fraction(-3, 10), Fraction(-3, 5)), (3, Fraction(3, 10), Fraction(11, 10)))
-    best = space.optimum(
-        ThinPlate(around, weight=rational("1/2000")), near=points, near_weight=1, inside=inside, margin=20,
-        normalize=ValueAt(center, -1),
-    )  # fmt: skip
-    return _rounded(space, best.coefficients)
-
-
 def closest(
     space: SolutionSpace,
     points: Sequence[Any],
     inside: Point,
-    weights: Sequence[Exact] | None = None,
     by_gradient: bool = True,
 ) -> Polynomial:
     """The member at the least mean squared distance from the given points, negative at the one inside.
 
     Without `by_gradient` the distance is `|f(p)| / |f|`, |f| the length of the coefficients.
     """
-    member = _rounded(space, space.least_squares(points, weights, by_gradient=by_gradient).coefficients)
+    member = _rounded(space, space.least_squares(points, by_gradient=by_gradient).coefficients)
     return -member if member.at(inside) > 0 else member
 
 

@@ -8,7 +8,7 @@ from math import cos, pi, sin, sqrt
 
 from pas.algebra.brief import brief
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.designs.body import Body
+from pas.designs.body import Body, filleted
 from pas.designs.exact import Point, closest, even, settle
 from pas.errors import GeometryError
 from pas.solid.solid import Solid, patch
@@ -18,10 +18,8 @@ from pas.solid.solid import Solid, patch
 class Handle:
     """Half a stretched torus between two straight tubes, and fillets from these to the body.
 
-    The loop meets the tubes with GC^1 where these are straight.  A fillet is an ellipse in the plane of
-    (value of the body, value of the tube), tangent to both axes, hence of the ideals
-    `<body, (tube - b)^2>` and `<tube, (body - a)^2>`.  Numbers are exact, in the model's units.  Raises `GeometryError`
-    for the joint that cannot be made.
+    The loop meets the tubes with GC^1 where these are straight, as the fillets do (see `pas.designs.body.filleted`).
+    Numbers are exact, in the model's units.  Raises `GeometryError` for the joint that cannot be made.
     """
 
     size: Fraction = Fraction(1)
@@ -69,13 +67,10 @@ class Handle:
         solid |= patch("handle loop", self._loop(), -start)
         for name, surface, height in (("upper", body.upper, upper), ("lower", body.lower, lower)):
             tube = y**2 + (z - height) ** 2 - self.thickness**2
-            a, b = surface / self.body_side, tube / self.tube_side
-            fillet = -((a - 1) ** 2) - (b - 1) ** 2 + 1
             solid |= patch(f"handle {name} tube", tube, start, -x, surface)
-            solid |= patch(f"handle {name} fillet", fillet, surface, tube, -(a + b - 1), -x)
             solid = solid.joined("handle loop", f"handle {name} tube", (tube, start), 1)
-            solid = solid.joined(f"handle {name} tube", f"handle {name} fillet", (tube, surface - self.body_side), 1)
-            solid = solid.joined(f"body {name}", f"handle {name} fillet", (surface, tube - self.tube_side), 1)
+            names = f"body {name}", f"handle {name} tube", f"handle {name} fillet"
+            solid = filleted(solid, names, (surface, tube), (self.body_side, self.tube_side), -x)
         return solid
 
     def walls(self) -> tuple[tuple[Polynomial, ...], tuple[Polynomial, ...]]:

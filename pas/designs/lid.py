@@ -12,6 +12,7 @@ from pas.contacts.contact import Contact, contact_ideal
 from pas.designs.body import Body, below
 from pas.designs.exact import settle
 from pas.errors import GeometryError
+from pas.solid.primitives import cylinder
 from pas.solid.solid import Solid, patch
 
 KNOB_HEIGHTS = Fraction(1, 10), Fraction(2, 5)
@@ -39,6 +40,11 @@ class Lid:
     apex: Fraction = Fraction(1, 10)
     """Of the cone of which the knob has the curvature where it starts."""
 
+    seat: Fraction = Fraction(3, 20)
+    gap: Fraction = Fraction(1, 50)
+    """How far the ring under the lid goes down into the opening of a hollow pot, and its distance from that; 0 for no
+    ring."""
+
     __repr__ = brief
 
     def __post_init__(self) -> None:
@@ -63,6 +69,21 @@ class Lid:
         solid |= patch("lid dome", dome, -below(body.top), below(dome_end))
         solid = solid.joined("lid knob", "lid blend", (cone, -below(knob_start)), 2)
         return solid.joined("lid blend", "lid dome", (dome, -below(dome_end)), 2)
+
+    def closed(self, body: Body) -> Solid:
+        """The lid as a part, with a flat bottom."""
+        return self.solid(body).cap(below(body.top), "lid bottom")
+
+    def seated(self, body: Body) -> Solid:
+        """The lid of a hollow pot: with the ring that keeps it in the opening."""
+        lid = self.closed(body)
+        if self.seat == 0:
+            return lid
+        radius = Fraction(f"{body.opening:.3f}") - self.gap
+        room = self.dome * Fraction(f"{sqrt(1 - float(radius / body.rim) ** 2):.3f}")  # of the dome above the ring
+        low, high = ((0, 0, body.top + z) for z in (-self.seat, room / 2))
+        ring = cylinder(low, high, radius, "lid ring") - cylinder(low, high, radius - body.wall / 2, "lid ring inside")
+        return lid | ring
 
     def blend(self, body: Body) -> Polynomial:
         """The quartic that meets the dome and the cone with GC^2.

@@ -14,7 +14,8 @@ from pas.designs.body import Body, below
 from pas.designs.exact import number
 from pas.designs.handle import Handle, PaperHandle
 from pas.designs.lid import Lid
-from pas.designs.spout import PaperSpout, Spout, SpoutShape
+from pas.designs.paper_spout import PaperSpout
+from pas.designs.spout import Spout
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
@@ -27,15 +28,27 @@ from pas.verdicts import Findings
 POT_COLOR, LID_COLOR = "#7d9db5", "#e8a33d"
 
 
-@runtime_checkable
-class HandleShape(Protocol):
-    """What a handle must be able to do."""
+class Limb(Protocol):
+    """What handles and spouts must be able to do."""
 
     def walls(self) -> tuple[tuple[Polynomial, ...], tuple[Polynomial, ...]]:
-        """Where upper and lower body end at the handle: polynomials that are positive on the body's side."""
+        """Where upper and lower body end at it: polynomials that are positive on the body's side."""
 
     def attached(self, solid: Solid, body: Body) -> Solid:
-        """The solid, of which the body is part, with the handle and its joints."""
+        """The solid, of which the body is part, with this one and its joints."""
+
+
+@runtime_checkable
+class HandleShape(Limb, Protocol):
+    """What a handle must be able to do."""
+
+
+@runtime_checkable
+class SpoutShape(Limb, Protocol):
+    """What a spout must be able to do."""
+
+    def channel(self) -> Solid | None:
+        """The room inside, from the room of the body to beyond the mouth; None for a pot that is not hollow."""
 
 
 STYLES: dict[str, tuple[Callable[[], SpoutShape], Callable[[], HandleShape]]] = {
@@ -121,19 +134,18 @@ def teapot(
     base = _part("body", body, Body(), Body)
     nose = _changed(_part("spout", spout, spout_of(), SpoutShape), "tilt", spout_tilt, "spout_tilt")
     grip = _changed(_part("handle", handle, handle_of(), HandleShape), "size", handle_size, "handle_size")
-    cover = _changed(_part("lid", lid, Lid(), Lid), "height", lid_height, "lid_height").solid(base)
+    top = _changed(_part("lid", lid, Lid(), Lid), "height", lid_height, "lid_height")
+    cover = top.solid(base)
 
     upper_walls, lower_walls = (a + b for a, b in zip(nose.walls(), grip.walls(), strict=True))
     pot = grip.attached(nose.attached(base.solid(upper_walls, lower_walls), base), base)
-    pot = pot.cap(-below(base.bottom), "bottom disc").cap(-below(nose.mouth), "mouth")
+    pot = pot.cap(-below(base.bottom), "bottom disc")
     whole = (pot | cover).joined("lid dome", "body upper", base.rim_curve, 0).require_joints()
     hollow = pot.cap(-below(base.top), "rim")
-    if nose.channel:
-        room = base.room()
-        for piece in nose.passage(pot):
-            room |= piece
-        hollow -= room
-    return Teapot(style, whole, hollow, cover.cap(below(base.top), "lid bottom"))
+    channel = nose.channel()
+    if channel is None:
+        return Teapot(style, whole, hollow, top.closed(base))
+    return Teapot(style, whole, hollow - (base.room() | channel), top.seated(base))
 
 
 Part = TypeVar("Part")

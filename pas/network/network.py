@@ -85,7 +85,8 @@ class Network(StrutGraph):
 
         `degree` is that of `pas.blend`.  In the folder `cache` blends are kept as they are found, and found again by
         any network that has such nodes: a run that was ended goes on where it was.  `map(function, items)` may be the
-        `map` of another engine, such as that of a `concurrent.futures.Executor`, in the order of the items.
+        `map` of another engine, which gives results or futures in the order of the items, such as that of a
+        `concurrent.futures.Executor` or of a client of Dask.
 
         Raises `NetworkError` for a network that `check` finds at fault, and with the points of every node for which
         there is no proved blend.

@@ -161,8 +161,10 @@ def blends(
 
     Raises `NetworkError` with all nodes for which there is none.
     """
-    folder = None if cache is None else Path(cache)
+    folder = None if cache is None else Path(cache).absolute()  # workers may run in folders of their own
     if folder is not None:
+        if folder.exists() and not folder.is_dir():
+            raise ValueError(f"cache names a folder, and {folder} is a file")
         folder.mkdir(parents=True, exist_ok=True)
     elif map_ is not map:
         raise ValueError("the map of another engine hands blends over in files: give the folder as cache=")
@@ -170,8 +172,9 @@ def blends(
     found: dict[tuple[Any, ...], Blend] = {}
     problems = []
     results: Iterator[Any] = iter(map_(solved, wanted.values()))
-    for done, (key, result) in enumerate(zip(wanted, results, strict=True)):
+    for done, (key, given) in enumerate(zip(wanted, results, strict=True)):
         checkpoint("blending nodes", (done + 1) / len(wanted))
+        result = given.result() if hasattr(given, "result") else given
         if isinstance(result, str):
             problems.append(_without(kinds.nodes(kinds.classes[key]), PasError(result)))
         else:

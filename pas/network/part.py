@@ -91,7 +91,7 @@ class NetworkPart(Shape):
             if found is not None and not self._seen(one, found):
                 return Verdict(Status.UNDECIDED, claim, f"the blend of {one} has a centre away from its struts")
         turned = len(self.kinds.kinds)
-        reason = f"{len(self.blends)} proved blends in {turned} exact positions; cylinders or cones between"
+        reason = f"{len(self.blends)} proved blends in {turned} exact positions; exact struts between them"
         return Verdict(Status.PROVED, claim, reason, measure=turned)
 
     def _seen(self, one: NodeClass, blend: Blend) -> bool:

@@ -106,44 +106,56 @@ def cone(start: VectorLike, end: VectorLike, radius: Exact, end_radius: Exact = 
     walls = [Atom(Polynomial.from_raw(plane), name if radius > 0 else "") for plane, radius, name in ends]
     apexes = [p for p, r in ((a, r0), (b, r1)) if r == 0]
     special = tuple((to_float(x), to_float(y), to_float(z)) for x, y, z in apexes)
-    tree, body = combined(False, Atom(Polynomial.from_raw(surface), face), *walls), None
-    if apexes:
-        base, names = (b if r0 == 0 else a), (face, f"{face} {'end' if r0 == 0 else 'start'}")
-        body = Pointed(names=names, apex=apexes[0], base=base, radius=to_float(max(r0, r1)))
+    tree = combined(False, Atom(Polynomial.from_raw(surface), face), *walls)
+    body = None if r0 == r1 else ConeBody(face=face, ends=(a, b), radii=(to_float(r0), to_float(r1)))
     return Solid(tree, (), special, body)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Pointed(PlacedBody):
-    """A cone from its `base`, the centre of a disc, to its `apex`, near which a lattice would be in vain if it is
-    slender; the `names` are those of its side and of the disc."""
+class ConeBody(PlacedBody):
+    """A cone between the centres of its flat `ends`, of which one may be its apex: slender tips and blunt rims are what
+    lattices hardly show."""
 
-    names: tuple[str, str]
-    apex: Vector
-    base: Vector
-    radius: float
+    face: str
+    ends: tuple[Vector, Vector]
+    radii: tuple[float, float]
 
     @property
     def extent(self) -> float:
-        """The longer one of its height and width."""
-        return max(2 * self.radius, float(np.linalg.norm(np.subtract(to_floats(self.apex), to_floats(self.base)))))
+        """The longer one of its length and width."""
+        start, end = map(to_floats, self.ends)
+        return max(2 * max(self.radii), float(np.linalg.norm(np.subtract(end, start))))
 
     def made(self, tolerance: float) -> Faces:
-        """Its faces, of triangles from the disc to the apex."""
-        apex, base = np.array(to_floats(self.apex)), np.array(to_floats(self.base))
-        axis = (apex - base) / np.linalg.norm(apex - base)
+        """Its faces, with two triangles along each chord, or one up to the apex."""
+        (start, end), (low, high) = (np.array(to_floats(p)) for p in self.ends), self.radii
+        length, widest = float(np.linalg.norm(end - start)), max(self.radii)
+        axis = (end - start) / length
         across = np.cross(np.eye(3)[np.abs(axis).argmin()], axis)
         across /= np.linalg.norm(across)
-        many = max(8, int(np.ceil(np.pi / np.arccos(max(1 - tolerance / self.radius, 0.5)))))
+        many = max(8, int(np.ceil(np.pi / np.arccos(max(1 - tolerance / widest, 0.5)))))
         turns = 2 * np.pi * np.arange(many) / many
         ways = np.cos(turns)[:, None] * across + np.sin(turns)[:, None] * np.cross(axis, across)
-        made = Faces([base + self.radius * ways, apex[None]], self.radius * (1 - float(np.cos(np.pi / many))))
-        side = np.stack([np.arange(many), np.roll(np.arange(many), -1), np.full(many, many)], axis=1)
-        slopes = unit_rows(ways * np.linalg.norm(apex - base) + self.radius * axis)
-        pairs = np.stack([slopes, np.roll(slopes, -1, axis=0)], axis=1)
-        made.add(self.names[0], side, np.concatenate([pairs, unit_rows(pairs.sum(axis=1))[:, None]], axis=1))
+        made = Faces([], widest * (1 - float(np.cos(np.pi / many))))
+        slopes = unit_rows(ways * length + (low - high) * axis)
+        first, last = (
+            made.added(place + radius * ways) if radius else made.added(place[None]).repeat(many)
+            for place, radius in ((start, low), (end, high))
+        )
+        beside, normals = np.roll(np.arange(many), -1), (slopes, np.roll(slopes, -1, axis=0))
+        middle = unit_rows(normals[0] + normals[1])
+        upper = normals if high else (middle, middle)
+        lower = normals if low else (middle, middle)
+        ring = (first, lower[0]), (first[beside], lower[1]), (last[beside], upper[1]), (last, upper[0])
+        for corners in ((0, 1, 2), (0, 2, 3)):
+            rows, shades = (np.stack([ring[k][0] for k in corners], 1), np.stack([ring[k][1] for k in corners], 1))
+            if (rows != np.roll(rows, 1, axis=1)).all():
+                made.add(self.face, rows, shades)
         fan = np.stack([np.zeros(many - 2, dtype=np.intp), np.arange(2, many), np.arange(1, many - 1)], axis=1)
-        put_flat(made, self.names[1], fan, -axis)
+        if low:
+            put_flat(made, f"{self.face} start", first[fan], -axis)
+        if high:
+            put_flat(made, f"{self.face} end", last[fan[:, ::-1]], axis)
         return made
 
 

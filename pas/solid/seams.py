@@ -19,15 +19,17 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations, combinations_with_replacement, permutations, product
 
 import numpy as np
-from flint import fmpq, fmpq_mpoly
+from flint import fmpq, fmpq_mat, fmpq_mpoly
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import cross
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import polynomials_of
 from pas.solid.tree import Bools, Tree, atoms
@@ -58,12 +60,25 @@ class Seam:
     curves: tuple[Ideal, ...]
     section: Polynomial | None = None
 
+    @cached_property
+    def _place(self) -> list[fmpq] | None:
+        """A point of the curve where that is a line, which tells most surfaces that do not hold it."""
+        if any(f.degree != 1 for f in self.functions):
+            return None
+        rows = [[f.diff(i).raw(0, 0, 0) for i in range(3)] for f in self.functions]
+        if not any(along := cross(*rows)):
+            return None
+        heights = [-f.raw(0, 0, 0) for f in self.functions]
+        return list(fmpq_mat([*rows, [*along]]).solve(fmpq_mat(3, 1, [*heights, fmpq(0)])).entries())
+
     def crosses(self, surfaces: Sequence[Polynomial]) -> bool:
         """Whether one of some surfaces is the section."""
         return self.section is not None and self.section in [f.primitive() for f in surfaces]
 
     def is_on(self, surfaces: Sequence[Polynomial]) -> bool:
         """Whether each of the curves is on one of some surfaces."""
+        if self._place and all(surface.raw(*self._place) != 0 for surface in surfaces):
+            return False
         return all(any(map(curve.contains, surfaces)) for curve in self.curves)
 
 
@@ -128,6 +143,7 @@ class Seams:
         self._evaluator, self._given = evaluator, tuple(given)
         self._found: dict[tuple[int, int], tuple[int, ...]] = {}
         self._same: dict[tuple[int, int, int], bool] = {}
+        self._on: dict[int, set[int]] = {}
 
     def between(self, a: int, b: int) -> tuple[int, ...]:
         """The columns of the curves in which two columns' faces touch, or nothing where they cross."""
@@ -138,9 +154,9 @@ class Seams:
     def _find(self, a: int, b: int) -> tuple[int, ...]:
         columns, used = self._evaluator.columns, self._evaluator.used
         first, second = (polynomials_of(columns[c].function) for c in (a, b))
-        for start, seam in zip(range(used, len(columns), 2), self._given, strict=True):
-            if not seam.crosses((*first, *second)) and seam.is_on(first) and seam.is_on(second):
-                return start, start + 1
+        for number in sorted(self._of(a) & self._of(b)):
+            if not self._given[number].crosses((*first, *second)):
+                return used + 2 * number, used + 2 * number + 1
         if len(first) != 1 or len(second) != 1 or first[0].degree == second[0].degree == 1:
             return ()  # planes cross
         for number in np.flatnonzero(self._evaluator.walls).tolist():
@@ -151,6 +167,13 @@ class Seams:
                     if ideal.contains(q) and not ideal.is_whole_ring and _touch(p, q, ideal):
                         return kept, number
         return ()
+
+    def _of(self, column: int) -> set[int]:
+        """The numbers of the seams on which a column's faces are."""
+        if column not in self._on:
+            surfaces = polynomials_of(self._evaluator.columns[column].function)
+            self._on[column] = {number for number, seam in enumerate(self._given) if seam.is_on(surfaces)}
+        return self._on[column]
 
     def hidden(self, yes: Bools, no: Bools, below: Bools, above: Bools) -> Bools:
         """The planes (M, N) that matter from both sides in cubes and are no boundary there: on them two faces meet.

@@ -8,6 +8,7 @@ out (`LeafTree`).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -154,7 +155,9 @@ class LeafTree:
         columns = Columns()
         self.signed = [columns.of(f) if isinstance(f := a.function, Polynomial) else (-1, 1) for a in self.leaves]
         self.polynomials = [f for f in columns.functions if isinstance(f, Polynomial)]
-        self._code = mapped(tree, {leaf: number for number, leaf in enumerate(self.leaves)}.__getitem__)
+        costs = [f.degree if isinstance(f := a.function, Polynomial) else math.inf for a in self.leaves]
+        asks = {leaf: Ask(n, cost) for n, (leaf, cost) in enumerate(zip(self.leaves, costs, strict=True))}
+        self._code = _ordered(mapped(tree, asks.__getitem__))
 
     def holds(self, leaf: int, sign: int) -> bool:
         """Whether a leaf holds where the polynomial of its number has a sign (not 0)."""
@@ -176,12 +179,39 @@ class LeafTree:
         return _matters(self._code, leaf, truth)
 
 
-Code = int | Node[int]
+@dataclass(frozen=True)
+class Branch:
+    """An intersection or union, with its parts in the order of their `cost`.
+
+    The cost is what it takes at least to find out what it says: the degree of a polynomial of one of its leaves.
+    """
+
+    parts: tuple[Code, ...]
+    union: bool
+    cost: float
+
+
+@dataclass(frozen=True)
+class Ask:
+    """A leaf by number, and what its truth costs: of no polynomial most."""
+
+    leaf: int
+    cost: float
+
+
+Code = Ask | Branch
+
+
+def _ordered(tree: Node[Ask] | Ask) -> Code:
+    if isinstance(tree, Ask):
+        return tree
+    parts = sorted(map(_ordered, tree.parts), key=lambda part: part.cost)
+    return Branch(tuple(parts), tree.union, parts[0].cost)
 
 
 def _says(code: Code, truth: Truth) -> bool | None:
-    if isinstance(code, int):
-        return truth(code)
+    if isinstance(code, Ask):
+        return truth(code.leaf)
     result: bool | None = not code.union
     for part in code.parts:
         found = _says(part, truth)
@@ -192,22 +222,26 @@ def _says(code: Code, truth: Truth) -> bool | None:
 
 
 def _rests_on(code: Code, says: bool, truth: Truth, fixed: Callable[[int], bool]) -> set[int]:
-    if isinstance(code, int):
-        return set() if fixed(code) else {code}
+    if isinstance(code, Ask):
+        return set() if fixed(code.leaf) else {code.leaf}
     if says is not code.union:
         return {leaf for part in code.parts for leaf in _rests_on(part, says, truth, fixed)}
-    ways = (_rests_on(part, says, truth, fixed) for part in code.parts if _says(part, truth) is says)
-    best = next(ways)
-    for way in ways if best else ():
-        best = min(best, way, key=len)
-        if not best:
-            break
+    best: set[int] = set()
+    cost = None
+    for part in code.parts:
+        if cost is not None and part.cost > cost:
+            break  # to cut at some more planes costs less than to ask a polynomial of higher degree
+        if _says(part, truth) is says:
+            way = _rests_on(part, says, truth, fixed)
+            best, cost = way if cost is None else min(best, way, key=len), part.cost
+            if not best:
+                break
     return best
 
 
 def _matters(code: Code, leaf: int, truth: Truth) -> bool:
-    if isinstance(code, int):
-        return code == leaf
+    if isinstance(code, Ask):
+        return code.leaf == leaf
     return any(
         _matters(part, leaf, truth)
         and all(_says(other, truth) is not code.union for other in code.parts if other is not part)

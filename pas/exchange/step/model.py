@@ -229,10 +229,14 @@ def _joined(solid: Any) -> Any:
     from OCP.Geom import Geom_BSplineSurface
     from OCP.GProp import GProp_GProps
     from OCP.ShapeUpgrade import ShapeUpgrade_UnifySameDomain
+    from OCP.Standard import Standard_Failure
     from OCP.TopoDS import TopoDS
 
     joining = ShapeUpgrade_UnifySameDomain(solid, True, True, False)
-    joining.Build()
+    try:
+        joining.Build()
+    except Standard_Failure:  # it may fail on edges that it has joined itself; the solid as it is stays valid
+        return solid
     found = explored(joining.Shape(), "SOLID")
     if len(found) != 1 or not is_valid(found[0]):
         return solid
