@@ -264,6 +264,15 @@ def test_its_mesh_is_watertight_and_proved():
     assert ((across[:, None] * mesh.normals).sum(axis=2) > 0).all()
 
 
+def test_a_node_that_has_no_mesh_is_named():
+    def mesh(_):
+        raise pas.MeshError("no good mesh was found")
+
+    blends = {key: SimpleNamespace(surface=SimpleNamespace(mesh=mesh)) for key in part().blends}
+    with pytest.raises(pas.MeshError, match="the node 0, in steps of the grid: no good mesh was found"):
+        replace(part(), blends=blends).mesh()
+
+
 def test_struts_of_the_mesh_are_on_their_cylinders():
     mesh, tolerance = part().mesh(0.002), 0.002
     middles = mesh.points[mesh.triangles[mesh.faces == 1]].mean(axis=1)
