@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from fractions import Fraction
@@ -15,6 +18,7 @@ import networkx
 import numpy as np
 import pytest
 import trimesh
+from conftest import ROOT
 
 import pas
 from pas import network, solid
@@ -639,3 +643,12 @@ def test_blocks_of_a_thousand_nodes(name):
     mesh = found.mesh()
     assert mesh.is_closed
     assert mesh.euler_characteristic == 2 - 2 * BLOCKS[name, cells][2]
+
+
+@pytest.mark.slow
+def test_the_examples(tmp_path):
+    script = ROOT / "examples/networks/networks.py"
+    subprocess.run(
+        [sys.executable, script, "tower", "-o", tmp_path], env=os.environ | {"PYTHONPATH": str(ROOT)}, check=True
+    )
+    assert {path.name for path in tmp_path.iterdir()} == {"kept", "tower.3mf", "tower.png"}
