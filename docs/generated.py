@@ -204,7 +204,7 @@ def problem_files() -> str:
         'fractions in quotes, `"1/3"`. A key that is unknown or wrong is answered with its line and the '
         "nearest that is known.\n",
         "## What all problems have\n",
-        described(import_module("pas.exchange.problem")),
+        "All problem files may have" + described(import_module("pas.exchange.problem")).partition("All may have")[2],
     ]
     for name, (title, module, example) in KINDS_OF_PROBLEMS.items():
         assert name in PROBLEMS

@@ -243,6 +243,7 @@ def test_combs_are_seen_in_every_picture(tmp_path, options):
         assert (blue(image) > 40).sum() > (blue(before) > 40).sum() + 30
 
 
+@pytest.mark.slow
 def test_the_command_line_draws_combs(tmp_path):
     from pas.cli import main
 

@@ -288,6 +288,7 @@ def test_the_lowest_degree_and_other_limits():
         pas.FairnessLimits(hollowness=-1)
 
 
+@pytest.mark.slow
 def test_a_surface_that_cannot_be_fair_is_the_fairest_found(monkeypatch):
     """The degrees get fairer here, and so the last is made to look worse than it is."""
     beyond = {}

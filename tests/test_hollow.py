@@ -92,6 +92,7 @@ def test_a_closed_tube_is_a_torus():
     assert ring.volume(2e-2) == pytest.approx(2 * pi * pi / 16, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_tubes_and_shells_compose_move_and_survive_files(tmp_path):
     coil = solid.tube(("t", "t^2", "0"), "1/4", (-1, 1))
     pipe = coil.shell(0.1, open=["tube start", "tube end"])

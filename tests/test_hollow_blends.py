@@ -304,6 +304,7 @@ def test_walls_around_sharp_bends_may_be_thin_and_thick(thickness, order):
     assert shares(Depth(hollow.inner.surface).samples).min() > 0.5
 
 
+@pytest.mark.slow
 def test_a_centre_further_in_sees_all_contacts():
     outer = pas.node([((1, 0, 0), 1), ((0, 1, 0), "1/2")], 1)
     hollow = outer.hollow("1/4")

@@ -171,6 +171,7 @@ def test_a_kind_that_is_asked_for_has_a_region_at_any_order_or_a_sentence(kind, 
         assert next(ended(five(), order, kind).places()).partition.title.startswith("strips")
 
 
+@pytest.mark.slow
 def test_strips_have_a_surface_of_order_2():
     items = [((1, 0, 0), 1), ((-1, 2, 0), 1), ((0, -1, 3), "3/4")]
     blend = pas.node(items, 2, partition="strips", degree=6, energy=pas.ThinPlate())

@@ -119,6 +119,7 @@ def test_failing_tests_kill_nothing(tree, capsys):
     assert "without any mutation" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_pattern_chooses(tree, capsys):
     assert main([*tree(KILLED, ("zero", "else 0", "else 1", "")), "--only", "positive"]) == 0
     assert "1 of 1 killed" in capsys.readouterr().out

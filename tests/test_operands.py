@@ -67,6 +67,23 @@ def test_volume_of_a_drilled_rounded_box():
     assert made.proved
 
 
+def test_rounded_twice():
+    """Two edges that do not meet, each with a quarter of a circle instead of a square."""
+    once = solid.box((0, 0, 0), (4, 3, 2)).rounded(["box x+", "box y+"], radius="1/4")
+    twice = once.rounded(["box z+", "box x-"], radius="1/8")
+    assert twice.proved and {*twice.mesh().names} == {*twice.faces}
+    assert twice.volume(1e-3) == pytest.approx(24 - (1 - np.pi / 4) * (2 / 16 + 3 / 64), rel=1e-6)
+
+
+def test_cut_through_points_where_four_faces_meet():
+    """The plane passes through two ends of a round's lines."""
+    made = soft() & solid.half_space("x + y + z - 50", face="cut")
+    mesh = made.mesh()
+    assert mesh.is_closed and "cut" in mesh.names
+    for corner in ((40, 2, 8), (38, 2, 10)):
+        assert np.linalg.norm(mesh.points - np.array(corner), axis=1).min() < 1e-6
+
+
 def test_what_touches_is_refused_by_name():
     with pytest.raises((GeometryError, MeshError), match="'box x\\+' and 'hole' touch"):
         (soft() - upright(35, 15)).mesh()

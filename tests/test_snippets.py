@@ -76,7 +76,10 @@ PIPES = "".join(f'[[pipes]]\naxis = {list(axis)}\nradius = "1/3"\nclip = 1\n' fo
 IMAGINED = {"pas.registry", "pas.bernstein.search"}
 """Modules whose program is about things that are not there."""
 
-LONG = {"pas.pipeline.blend", "pas.pipeline.header", "pas.render.drawing", "pas.network", "pas.network.network"}
+LONG = {
+    *("pas.pipeline.blend", "pas.pipeline.header", "pas.render.drawing", "pas.network", "pas.network.network"),
+    "pas.designs",
+}
 """Modules whose program takes long; pages have the same blend, node and header, and other tests animate."""
 
 BLOCKS = list(blocks())
@@ -135,6 +138,7 @@ WITH_PROBLEMS = [p for p in PAGES if "```toml\n" in p.read_text(encoding="utf-8"
 LONG_PAGES = {
     *("guide/corners", "guide/hollow", "guide/junctions", "guide/nodes", "guide/pictures"),
     *("tutorials/bracket", "tutorials/lattice", "tutorials/manifold", "tutorials/partition", "coming_from"),
+    *("start/teapot", "tutorials/teapot"),
     *("research", "research_studies"),
 }
 """Pages of `docs` whose programs take more than some three seconds: what they use other tests have as well."""

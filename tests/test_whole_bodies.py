@@ -28,7 +28,8 @@ def bent():
     return read("bent")
 
 
-@pytest.mark.parametrize("length", ["1/2", pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("length", ["1/2", 1])
 def test_the_far_side_of_a_torus_is_no_part_of_a_body(bent, length):
     body = bent.solid(length)
     assert body.proved and not body.contains([(-4, 2.1, 0), (-4, 2.4, 0.1)]).any()

@@ -10,7 +10,7 @@ upwards: no second sheet, no bubble, no singular point.
 Enclosed: `f > 0` on the outer faces that are not in a clip plane, and `f = alpha f_i` with `alpha > 0` on all of the
 clip faces (alpha times all f_i of the contacts that share a face), so the surface leaves the region through its contact
 curves alone.  Together the two say that the surface is a graph over the sphere of directions less one disc a contact:
-for c contacts its Euler characteristic is 2 - c.
+for c contacts of one closed curve each, as those of degree 2 in a plane are, its Euler characteristic is 2 - c.
 
 A region may be open towards one contact whose clip is a cone around the centre, as to the edge of a plate (see
 `pas.certify.openings`): then the surface is in use inside that cone.  It is one disc more that the graph lacks.  The

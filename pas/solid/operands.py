@@ -20,7 +20,7 @@ from pas.algebra.affine import Affine
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import rational
-from pas.errors import GeometryError
+from pas.errors import GeometryError, MeshError
 from pas.mesh.booleans import Triangles, boolean
 from pas.mesh.closed import FaceMesh
 from pas.mesh.labelled import Labelled
@@ -89,7 +89,7 @@ class Operands:
         """
         try:
             found, finer = (self._cut(field, tolerance / parts) for parts in (4, 16))
-        except GeometryError:  # the whole says what is wrong with it, if anything is
+        except (GeometryError, MeshError):  # of a part: what is wrong with the whole, if anything is, that says
             return None
         same = _shape(found) == _shape(finer) and found.faces.max() < 2 * field.evaluator.used
         return Labelled.of(*found) if same else None
@@ -137,8 +137,9 @@ def _shape(cut: Triangles) -> tuple[int, int, set[int]]:
 
 
 def _within(part: Any, box: Floats) -> Any:
-    """The part of a solid in a box (2, 3), with walls where it is cut."""
-    ends = [(g, rational(x)) for g, side in zip(GENERATORS, box.T.tolist(), strict=True) for x in side]
+    """The part of a solid in a box (2, 3) and an eighth of its sides around it, with walls where it is cut."""
+    wider = box + np.ptp(box, axis=0) / 8 * np.array([[-1.0], [1.0]])
+    ends = [(g, rational(x)) for g, side in zip(GENERATORS, wider.T.tolist(), strict=True) for x in side]
     walls = (Atom(Polynomial.from_raw(g - x), "", number % 2 == 0) for number, (g, x) in enumerate(ends))
     return replace(part, tree=combined(False, part.tree, *walls), joints=(), sheets=None)
 
