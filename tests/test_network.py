@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from fractions import Fraction
@@ -15,6 +18,7 @@ import networkx
 import numpy as np
 import pytest
 import trimesh
+from conftest import ROOT
 
 import pas
 from pas import network, solid
@@ -262,6 +266,15 @@ def test_its_mesh_is_watertight_and_proved():
     np.testing.assert_allclose(part().bounding_box, mesh.bounding_box)
     across = np.cross(*(mesh.points[mesh.triangles[:, i]] - mesh.points[mesh.triangles[:, 0]] for i in (1, 2)))
     assert ((across[:, None] * mesh.normals).sum(axis=2) > 0).all()
+
+
+def test_a_node_that_has_no_mesh_is_named():
+    def mesh(_):
+        raise pas.MeshError("no good mesh was found")
+
+    blends = {key: SimpleNamespace(surface=SimpleNamespace(mesh=mesh)) for key in part().blends}
+    with pytest.raises(pas.MeshError, match="the node 0, in steps of the grid: no good mesh was found"):
+        replace(part(), blends=blends).mesh()
 
 
 def test_struts_of_the_mesh_are_on_their_cylinders():
@@ -630,3 +643,12 @@ def test_blocks_of_a_thousand_nodes(name):
     mesh = found.mesh()
     assert mesh.is_closed
     assert mesh.euler_characteristic == 2 - 2 * BLOCKS[name, cells][2]
+
+
+@pytest.mark.slow
+def test_the_examples(tmp_path):
+    script = ROOT / "examples/networks/networks.py"
+    subprocess.run(
+        [sys.executable, script, "tower", "-o", tmp_path], env=os.environ | {"PYTHONPATH": str(ROOT)}, check=True
+    )
+    assert {path.name for path in tmp_path.iterdir()} == {"kept", "tower.3mf", "tower.png"}

@@ -20,6 +20,7 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
+from pas.errors import MeshError
 from pas.mesh.rows import Integers
 from pas.network.classes import Kinds, NodeKind, ranked, turn
 from pas.network.graph import StrutGraph
@@ -78,7 +79,10 @@ class PlacedPieces:
         found: list[NodePiece] = [None] * len(self.kinds.kinds)  # type: ignore[list-item]
         for key, numbers in self.kinds.classes.items():
             first = self.kinds.kinds[numbers[0]]
-            made = self._piece(first, self.kinds.ends[numbers[0]], self.blends.get(key))
+            try:
+                made = self._piece(first, self.kinds.ends[numbers[0]], self.blends.get(key))
+            except MeshError as error:
+                raise MeshError(f"the node {self.kinds.nodes(numbers)[0]}, in steps of the grid: {error}") from None
             for number in numbers:
                 kind = self.kinds.kinds[number]
                 matrix = np.array([to_floats(row) for row in turn(first, kind)])
