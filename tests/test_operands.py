@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+import pas
 from pas import solid
 from pas.errors import GeometryError, MeshError
 from pas.mesh.closed import _bounding
@@ -82,6 +83,13 @@ def test_cut_through_points_where_four_faces_meet():
     assert mesh.is_closed and "cut" in mesh.names
     for corner in ((40, 2, 8), (38, 2, 10)):
         assert np.linalg.norm(mesh.points - np.array(corner), axis=1).min() < 1e-6
+
+
+def test_corners_of_smooth_faces_are_no_trouble_for_a_lattice(tmp_path):
+    """Files keep the inequalities alone, so that what is read is meshed from a lattice."""
+    soft().save(tmp_path / "soft.pas.json")
+    mesh = pas.load(tmp_path / "soft.pas.json").mesh()
+    assert mesh.is_closed and {*mesh.names} == {*soft().faces}
 
 
 def test_what_touches_is_refused_by_name():

@@ -22,6 +22,7 @@ from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.projection import distances, newton, second_derivatives
 from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.shading import unit_rows
+from pas.mesh.topology import connected
 
 PLACES = 10
 """That are looked at, spread over those given."""
@@ -131,7 +132,7 @@ class _Place:
         if len(deciding) == 2:
             kind = self._edge(point, deciding, normals)
         elif len(deciding) > 2 and np.linalg.svd(normals, compute_uv=False)[2] < PARALLEL:
-            kind = "" if self._on_seam(point, deciding) else "curve"
+            kind = "" if self._on_seam(point, deciding) or self._all_joined(deciding) else "curve"
         else:
             kind = "many" if len(deciding) > 3 else ""
         if kind:
@@ -152,13 +153,26 @@ class _Place:
     def _tangency(self, point: Floats, a: int, b: int) -> str:
         """What is wrong where two surfaces touch, by the two sides that are not between them; nothing on a known seam
         along which the boundary goes on from one to the other."""
+        zero = [c for c, vanishes in zip(self.near, self._vanishing(point[None])[0], strict=True) if vanishes]
+        if len({a, b, *zero}) > 2 and self._all_joined([a, b, *zero]):
+            return ""  # a corner of smooth faces
         both, first, second, neither = self._patterns(point, (a, b))
         alike = float(self._normal(point, a) @ self._normal(point, b)) > 0
         beside = (both, neither) if alike else (first, second)
         if beside[0] == beside[1]:
             return "gap" if beside[0] else "thin"
+        return "" if self._joined(a, b) else "touch"
+
+    def _all_joined(self, columns: Sequence[int]) -> bool:
+        """Whether surfaces go on in one another along known seams, over others of them."""
+        distinct = list(dict.fromkeys(columns))
+        pairs = [pair for pair in combinations(range(len(distinct)), 2) if self._joined(*(distinct[k] for k in pair))]
+        return bool(connected(np.array(pairs, dtype=np.intp).reshape(-1, 2), len(distinct)).max() == 0)
+
+    def _joined(self, a: int, b: int) -> bool:
+        """Whether two surfaces touch along a known seam."""
         pair = 2 * min(a, b), 2 * max(a, b)
-        return "touch" if self.field.functions(pair) == pair else ""
+        return a != b and self.field.functions(pair) != pair
 
     def _on_seam(self, point: Floats, columns: Sequence[int]) -> bool:
         """Whether two of some surfaces touch along a known seam that the others pass through as well."""
