@@ -132,7 +132,10 @@ REFUSED = {
     "equal pipes": (lambda: (run(), pipe()), "'run' and 'branch' touch, or nearly so, near ("),
     "order": (lambda: (plate(), peg(), "1/4", 0), "order must be at least 1; chamfer cuts edges off flatly"),
     "radius": (lambda: (plate(), peg(), 0), "radius must be positive, not 0"),
-    "mesh": (lambda: (plate(), peg().mesh()), "b must be a solid, as in smooth_union(a, b, radius), not <Mesh"),
+    "mesh": (
+        lambda: (plate(), peg().mesh()),
+        "smooth_union takes two solids and a radius, as in smooth_union(a, b, 1), not <Mesh",
+    ),
 }
 
 

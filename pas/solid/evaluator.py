@@ -80,9 +80,9 @@ class TreeEvaluator:
     def names_within(self, number: int, above: bool, centers: Floats, halves: Floats) -> tuple[str, ...]:
         """The names on a column that may be on the boundary in some boxes of given half edges (N, 3).
 
-        `above` says whether the inside is where it is positive: a name is not on the boundary if all of its
-        inequalities are on the other side.  Nor is one where, with all other inequalities on that surface held to be
-        true, or to be false, the tree does not depend on its own.
+        `above` says whether the inside is where it is positive.  A name is not there whose inequalities are all of the
+        other side; nor where, with all other inequalities on that surface held to be true, or to be false, the tree
+        does not depend on its own.
         """
         on_it = self.columns[number].names
         names = tuple(name for name in on_it if (number, above, name) in self._sides) or on_it
