@@ -52,12 +52,13 @@ class FaceSeam:
         faces = _polynomial(solid, names[0]), _polynomial(solid, names[1])
         mesh = solid.mesh()
         numbers = [mesh.names.index(name) if name in mesh.names else -1 for name in names]
-        edges, across = _between(mesh, *numbers)
+        edges = _between(mesh, *numbers)
         if not len(edges):
             raise GeometryError(f"the faces {names[0]!r} and {names[1]!r} of the solid do not meet in an edge")
         points, reach = _along(mesh.points[edges])
         points = newton(points, Levels(faces), _numbers(points, 0, 1), np.full(len(points), reach))
-        above = faces[0](mesh.points[across]) > 0
+        middles, ways = mesh.points[edges].mean(axis=1), mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
+        above = (np.cross(*(face.gradient(middles) for face in faces)) * ways).sum(axis=1) < 0
         found = cls(faces, points, 1 if above.all() else -1, tuple(_walls(solid, mesh, edges, numbers)))
         flat = 1e-2  # sine of an angle between faces below which they are taken for tangent
         worst = int(np.argmax(found.cosines**2))
@@ -310,14 +311,14 @@ def _polynomial(solid: Solid, name: str) -> Polynomial:
     return found[0]
 
 
-def _between(mesh: Mesh, first: int, second: int) -> tuple[Integers, Integers]:
-    """The edges (E, 2) between two faces of a mesh, by number, and the third corners (E,) of the second's triangles."""
+def _between(mesh: Mesh, first: int, second: int) -> Integers:
+    """The edges (E, 2) between two faces of a mesh, by number, with the first on their left."""
     corners = mesh.triangles[mesh.faces == first], mesh.triangles[mesh.faces == second]
     sides = [np.concatenate([np.roll(c, -i, axis=1) for i in range(3)]) for c in corners]
     n = len(mesh.points)
     keys = sides[0][:, 0] * n + sides[0][:, 1], sides[1][:, 1] * n + sides[1][:, 0]
-    _, mine, others = np.intersect1d(*keys, return_indices=True)
-    return sides[0][mine, :2], sides[1][others, 2]
+    _, mine, _ = np.intersect1d(*keys, return_indices=True)
+    return np.asarray(sides[0][mine, :2])
 
 
 def _walls(solid: Solid, mesh: Mesh, edges: Integers, numbers: Sequence[int]) -> list[Polynomial]:
