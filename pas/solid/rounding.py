@@ -44,8 +44,9 @@ from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operands
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import Jets, PlacedBody, flat, put_curved, put_flat, put_side
+from pas.solid.swept import PlacedBody, flat, jets_of, put_curved, put_flat, put_side, weights_and_triangles
 from pas.solid.tree import Atom, Tree, combined, complement, parts_of
+
 
 @dataclass(frozen=True, eq=False)
 class PlaneFace:
@@ -192,13 +193,11 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
     among = [edge for edge in edges if chosen.issuperset(edge.planes)]
     if not among:
         raise GeometryError("no two of the faces are planes that meet in an edge of a convex solid, or one with holes")
-    chosen = {plane for edge in among for plane in edge.planes}
-    rounds = {frozenset(edge.planes) for edge in among}
-    most = min((limit for edge in edges if (limit := edge.largest(rounds, order)) is not None), default=None)
+    rounds = dict.fromkeys(frozenset(edge.planes) for edge in among)
+    most = min((limit for edge in edges if (limit := edge.largest(rounds.keys(), order)) is not None), default=None)
     if most is not None and radius >= most:
         raise GeometryError(f"radius must be below {to_float(most):.6g}, where an edge is used up, not {plain(radius)}")
-    meeting = dict.fromkeys(frozenset(edge.planes) for edge in among)
-    meeting |= dict.fromkeys(vertex for edge in among for vertex in edge.vertices if chosen.issuperset(vertex))
+    meeting = rounds | dict.fromkeys(vertex for edge in among for vertex in edge.vertices if chosen.issuperset(vertex))
     patches = {some: RoundPatch.of([plane for plane in planes if plane in some], radius, order) for some in meeting}
     if again := {*solid.faces}.intersection(patch.face for patch in patches.values()):
         raise GeometryError(f"the edge {min(again)!r} is rounded already")
@@ -230,8 +229,7 @@ def _edges(planes: Sequence[PlaneFace], chosen: set[PlaneFace]) -> Iterator[Stra
         for plane in planes:
             slope, value = dot(plane.normal, way), dot(plane.normal, start) + plane.offset
             if slope == 0:
-                outside = value == 0 and any(dot(plane.normal, step) > 0 for step in steps.values())
-                if value > 0 or outside:
+                if value > 0 or (value == 0 and any(dot(plane.normal, step) > 0 for step in steps.values())):
                     break
                 continue
             moves = {p: -p.length * dot(plane.normal, step) / (square * slope) for p, step in steps.items()}
@@ -250,7 +248,7 @@ def _edges(planes: Sequence[PlaneFace], chosen: set[PlaneFace]) -> Iterator[Stra
         for some in ends if chosen.issuperset((one, other)) else ():
             if len(some) == 1:
                 continue
-            at = [to_float(x + some[0].place * w) for x, w in zip(start, way, strict=True)] if some else []
+            at = [to_float(x + end.place * w) for end in some[:1] for x, w in zip(start, way, strict=True)]
             where = f"ends in {len(some)} planes near {shown_point(at)}" if some else "does not end"
             raise GeometryError(
                 f"the edge of {one.name!r} and {other.name!r} {where}: only corners of three planes are rounded"
@@ -305,7 +303,7 @@ class RoundedBody(PlacedBody):
                     outlines.setdefault(plane, []).append(here)
                 continue
             planes = (*patch.planes, *(vertex - {*patch.planes}))
-            weights, triangles = _grid(n, len(patch.planes))
+            weights, triangles = weights_and_triangles(n, len(patch.planes))
             q = np.ones((len(weights), 3))
             q[:, : len(patch.planes)] = patch.heights(weights / n)
             numbers = made.added(_corner(planes, q, self.radius))
@@ -325,9 +323,9 @@ class RoundedBody(PlacedBody):
             if pair in self.patches:
                 patch = self.patches[pair]
                 start, end = (arcs[pair, vertex] for vertex in edge.vertices)
-                put_side(made, patch.face, [*np.stack([end, start], axis=1)], _jets(patch.surface))
+                put_side(made, patch.face, [*np.stack([end, start], axis=1)], jets_of(patch.surface))
         for patch, triangles in curved:
-            put_curved(made, patch.face, [triangles], _jets(patch.surface))
+            put_curved(made, patch.face, [triangles], jets_of(patch.surface))
         points = made.points
         for plane, parts in outlines.items():
             normal = np.array(to_floats(plane.normal))
@@ -345,25 +343,8 @@ class RoundedBody(PlacedBody):
         return made
 
 
-def _grid(n: int, many: int) -> tuple[Integers, Integers]:
-    """Weights (N, many) of two or three corners, whole numbers that add up to n, and triangles (T, 3) between them."""
-    if many == 2:
-        return np.stack([n - np.arange(n + 1), np.arange(n + 1)], axis=1), np.empty((0, 3), dtype=np.intp)
-    u, v = np.nonzero(np.add.outer(np.arange(n + 1), np.arange(n + 1)) <= n)
-    number = np.zeros((n + 2, n + 2), dtype=np.intp)
-    number[u, v] = np.arange(len(u))
-    up, down = u + v < n, u + v < n - 1
-    first = np.stack([number[u, v], number[u + 1, v], number[u, v + 1]], axis=1)[up]
-    second = np.stack([number[u + 1, v], number[u + 1, v + 1], number[u, v + 1]], axis=1)[down]
-    return np.stack([n - u - v, u, v], axis=1), np.concatenate([first, second])
-
-
 def _corner(planes: Sequence[PlaneFace], q: Floats, radius: float) -> Floats:
     """The points (N, 3) that have values q (N, 3) over three planes."""
     normals = np.array([to_floats(plane.normal) for plane in planes])
     offsets, lengths = np.array([to_floats((plane.offset, plane.length)) for plane in planes]).T
     return np.asarray(np.linalg.solve(normals, (radius * lengths * (q - 1) - offsets).T).T)
-
-
-def _jets(surface: Polynomial) -> Jets:
-    return lambda points: (surface(points), surface.gradient(points))
