@@ -153,5 +153,5 @@ def test_what_moves_or_turns_nothing_is_said_in_a_sentence():
             TypeError, match=r"takes an axis and degrees, as in shape.rotate\(\(0, 0, 1\), 90\), not 90"
         ):
             shape.rotate(90)
-    with pytest.raises(TypeError, match=r"~ of a solid is unbounded, .* as in pas.solid.box\(...\) - a"):
+    with pytest.raises(TypeError, match=r"~ of a solid is unbounded, .* as in solid.box\(...\) - a"):
         operator.invert(ball)

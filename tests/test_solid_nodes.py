@@ -186,7 +186,7 @@ STACKED = {
     "a narrower cylinder on one": (
         lambda: solid.cylinder((0, 0, 0), (0, 0, 1), 1, "a") | solid.cylinder((0, 0, 1), (0, 0, 2), "1/2", "b"),
         5 * pi / 4,
-        {"a", "b", "a start", "a end + b start", "b end"},
+        {"a", "b", "a start", "a end", "b end"},
     ),
 }
 

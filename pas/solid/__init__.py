@@ -17,6 +17,7 @@ from pas.solid.lettering import text
 from pas.solid.primitives import ball, box, cone, cylinder, half_space, implicit, torus
 from pas.solid.profile import Profile
 from pas.solid.sketch import Sketch, circle, polygon, rectangle, regular_polygon, rounded_rectangle, sketch
+from pas.solid.smooth_union import smooth_union
 from pas.solid.solid import Solid, patch
 from pas.solid.tube import tube
 
@@ -46,6 +47,7 @@ __all__ = [
     "regular_polygon",
     "rounded_rectangle",
     "sketch",
+    "smooth_union",
     "text",
     "torus",
     "tube",

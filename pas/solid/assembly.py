@@ -240,7 +240,12 @@ def _solids(first: Any, others: Sequence[Any], name: str) -> list[Solid]:
     items = list(first) if isinstance(first, Iterable) and not others else [first, *others]
     if not items:
         raise ValueError("there must be at least one solid")
+    return only_solids(items, f"{name} takes solids, as in {name}(a, b) or {name}([a, b])")
+
+
+def only_solids(items: list[Any], rule: str) -> list[Solid]:
+    """Solids that they are; raises `TypeError` with a rule for one that is none."""
     for item in items:
         if not isinstance(item, Solid):
-            raise TypeError(f"{name} takes solids, as in {name}(a, b) or {name}([a, b]), not {shown(item)}")
+            raise TypeError(f"{rule}, not {shown(item)}")
     return items

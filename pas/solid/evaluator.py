@@ -56,6 +56,7 @@ class TreeEvaluator:
         names: list[dict[str, None]] = [{} for _ in self._numbers.functions]
         for atom in atoms(tree):
             names[self._column_of(atom)[0]] |= {atom.face: None} if atom.face else {}
+        self._sides = {(*self._column_of(atom), atom.face) for atom in atoms(tree)}
         self.columns = [Column(f, tuple(n)) for f, n in zip(self._numbers.functions, names, strict=True)]
         self.used = len(self.columns)
         self.columns += [Column(function, ()) for function in extra]
@@ -76,13 +77,15 @@ class TreeEvaluator:
 
         return rows, CompiledTree(self._tree, row_of)
 
-    def names_within(self, number: int, centers: Floats, halves: Floats) -> tuple[str, ...]:
+    def names_within(self, number: int, above: bool, centers: Floats, halves: Floats) -> tuple[str, ...]:
         """The names on a column that may be on the boundary in some boxes of given half edges (N, 3).
 
-        One is not where, with all other inequalities on that surface held to be true, or to be false, the tree does not
-        depend on its own.
+        `above` says whether the inside is where it is positive.  A name is not there whose inequalities are all of the
+        other side; nor where, with all other inequalities on that surface held to be true, or to be false, the tree
+        does not depend on its own.
         """
-        names = self.columns[number].names
+        on_it = self.columns[number].names
+        names = tuple(name for name in on_it if (number, above, name) in self._sides) or on_it
         if len(names) < 2:
             return names
         rows, tree = self._named

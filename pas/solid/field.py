@@ -231,7 +231,7 @@ class SolidField:
 
     def face_within(self, label: int, centers: Floats, halves: Floats) -> str:
         """The name of a label's face as far as it is in boxes of given half edges (N, 3)."""
-        return called(self.evaluator.names_within(label // 2, centers, halves)) or self.face(label)
+        return called(self.evaluator.names_within(label // 2, label % 2 == 1, centers, halves)) or self.face(label)
 
     def refuse_coincident(self) -> None:
         """Raise `GeometryError` where two faces lie on different functions with a common surface, and `MeshError` where

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain, count
 
 import numpy as np
 from flint import fmpq
@@ -31,6 +32,12 @@ from pas.registry import Registry
 from pas.solid.joints import Joint
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, combined, complement
+
+PIPES = (
+    "; pipes of one radius are joined by pas.node, three of radius 1 in a T by "
+    "pas.node([((1, 0, 0), 1), ((-1, 0, 0), 1), ((0, 0, 1), 1)]).solid(length=5)"
+)
+"""The end of a sentence about two quadrics that touch."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,21 +58,23 @@ class FaceSeam:
         """The seam of two faces by their names; raises `GeometryError` where there is none to be filled."""
         faces = _polynomial(solid, names[0]), _polynomial(solid, names[1])
         mesh = solid.mesh()
-        numbers = [mesh.names.index(name) if name in mesh.names else -1 for name in names]
-        edges = _between(mesh, *numbers)
+        numbers = [[k for k, several in enumerate(mesh.names) if name in several.split(" + ")] for name in names]
+        edges = edges_between(mesh, *numbers)
         if not len(edges):
             raise GeometryError(f"the faces {names[0]!r} and {names[1]!r} of the solid do not meet in an edge")
         points, reach = _along(mesh.points[edges])
         points = newton(points, Levels(faces), _numbers(points, 0, 1), np.full(len(points), reach))
         middles, ways = mesh.points[edges].mean(axis=1), mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
         above = (np.cross(*(face.gradient(middles) for face in faces)) * ways).sum(axis=1) < 0
-        found = cls(faces, points, 1 if above.all() else -1, tuple(_walls(solid, mesh, edges, numbers)))
+        found = cls(
+            faces, points, 1 if above.all() else -1, tuple(_walls(solid, mesh, edges, [*numbers[0], *numbers[1]]))
+        )
         flat = 1e-2  # sine of an angle between faces below which they are taken for tangent
         worst = int(np.argmax(found.cosines**2))
         if 1 - found.cosines[worst] ** 2 < flat**2:
             raise GeometryError(
-                f"the faces {names[0]!r} and {names[1]!r} touch, or nearly so, near {shown_point(points[worst])}: "
-                f"a fillet is for faces that meet with an angle (pipes of one radius are joined by pas.node)"
+                f"the faces {names[0]!r} and {names[1]!r} touch, or nearly so, near {shown_point(points[worst])}: a "
+                f"fillet is for faces that meet with an angle" + (PIPES if all(f.degree == 2 for f in faces) else "")
             )
         if above.any() != above.all():
             raise GeometryError(
@@ -292,11 +301,8 @@ def _box(points: Floats, room: float) -> list[Polynomial]:
 
 def _free(solid: Solid, name: str) -> str:
     """The name, or with the first number behind it with which the solid has no face."""
-    found, number = name, 1
-    while found in solid.faces:
-        number += 1
-        found = f"{name} {number}"
-    return found
+    later = (f"{name} {number}" for number in count(2))
+    return next(found for found in chain([name], later) if found not in solid.faces)
 
 
 def _polynomial(solid: Solid, name: str) -> Polynomial:
@@ -311,9 +317,9 @@ def _polynomial(solid: Solid, name: str) -> Polynomial:
     return found[0]
 
 
-def _between(mesh: Mesh, first: int, second: int) -> Integers:
-    """The edges (E, 2) between two faces of a mesh, by number, with the first on their left."""
-    corners = mesh.triangles[mesh.faces == first], mesh.triangles[mesh.faces == second]
+def edges_between(mesh: Mesh, first: Sequence[int], second: Sequence[int]) -> Integers:
+    """The edges (E, 2) between some faces of a mesh and others, with the former on their left."""
+    corners = [mesh.triangles[np.isin(mesh.faces, numbers)] for numbers in (first, second)]
     sides = [np.concatenate([np.roll(c, -i, axis=1) for i in range(3)]) for c in corners]
     n = len(mesh.points)
     keys = sides[0][:, 0] * n + sides[0][:, 1], sides[1][:, 1] * n + sides[1][:, 0]

@@ -25,6 +25,7 @@ from pas.mesh.booleans import Triangles, boolean
 from pas.mesh.closed import FaceMesh
 from pas.mesh.labelled import Labelled
 from pas.mesh.quality import Quality
+from pas.mesh.rows import cross, norms
 from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.solid.field import SolidField
 from pas.solid.linked import SolidBoundary, united
@@ -85,14 +86,16 @@ class Operands:
     def first_mesh(self, field: SolidField, tolerance: float) -> Labelled | None:
         """A mesh to begin with of the boundary of a field, with its labels, for a tolerance in its coordinates.
 
-        None where there is none, or a finer one has other pieces, holes or faces.
+        None where there is none, or a finer one has other pieces or holes, other faces or one of much less area: where
+        rims of both parts are one curve, slivers are left between their polygons.
         """
         try:
             found, finer = (self._cut(field, tolerance / parts) for parts in (4, 16))
         except (GeometryError, MeshError):  # of a part: what is wrong with the whole, if anything is, that says
             return None
+        first, second = map(_areas, (found, finer))
         same = _shape(found) == _shape(finer) and found.faces.max() < 2 * field.evaluator.used
-        return Labelled.of(*found) if same else None
+        return Labelled.of(*found) if same and np.all(second > first / 2) else None
 
     @cached_property
     def _grouped(self) -> tuple[Operand, ...]:
@@ -129,6 +132,12 @@ def _cut(part: Operand, field: SolidField, tolerance: float) -> Triangles:
 def _meet(one: Floats, other: Floats) -> bool:
     """Whether two boxes (2, 3) do."""
     return bool((np.maximum(one[0], other[0]) <= np.minimum(one[1], other[1])).all())
+
+
+def _areas(cut: Triangles) -> Floats:
+    """The area of each label that occurs, in their order (K,)."""
+    a, b, c = np.moveaxis(cut.points[cut.triangles], 1, 0)
+    return np.bincount(np.unique(cut.faces, return_inverse=True)[1], norms(cross(b - a, c - a)) / 2)
 
 
 def _shape(cut: Triangles) -> tuple[int, int, set[int]]:

@@ -243,10 +243,10 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     ) -> Mesh:
         """A closed triangle mesh within `tolerance` (the model's units) of the boundary.
 
-        Every triangle lies on one face; edges between faces lie on their common curve.  Where faces lie on one another
-        that is called "a + b"; equal names are one face.  By default the tolerance is 1e-3 of the longest side of the
-        box.  Along straight lines triangles are long; with `quality` "angles" they are not, with "count" however long
-        that leaves fewest.  Raises `MeshError` where the solid is too thin or has an unclaimed tangency,
+        Every triangle lies on one face; edges between faces lie on their common curve.  Where faces lie on one another,
+        seen from one side, that is called "a + b"; equal names are one face.  By default the tolerance is 1e-3 of the
+        longest side of the box.  Along straight lines triangles are long; with `quality` "angles" they are not, with
+        "count" however long that leaves fewest.  Raises `MeshError` where it is too thin or has an unclaimed tangency,
         `GeometryError` where it is empty or unbounded.
         """
         how = Quality.of(quality)

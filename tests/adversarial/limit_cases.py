@@ -216,6 +216,11 @@ LONG_CALLS = {
     "Solid.measures": LongCall(_solid, lambda p, f, **k: p.measures(T, **k), 3),
     "Part.measures": LongCall(_parts, lambda p, f, **k: p["ball"].measures(T, **k), 3),
     "Assembly.part_list": LongCall(_parts, lambda p, f, **k: p.part_list(T, **k), 3),
+    "pas.solid.smooth_union": LongCall(
+        lambda _: (_box(), solid.cylinder((1, 1, 0), (1, 1, 2), "1/2")),
+        lambda p, f, **k: solid.smooth_union(*p, "1/4", **k),
+        3,
+    ),
     "Solid.shell": LongCall(_ball, lambda p, f, **k: p.shell(0.2, tolerance=0.4, **k), 3),
     "Part.mesh": LongCall(_parts, lambda p, f, **k: p["ball"].mesh(T, **k), 3),
     "Assembly.mesh": LongCall(_parts, lambda p, f, **k: p.mesh(T, **k), 3),

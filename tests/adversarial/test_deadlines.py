@@ -62,7 +62,7 @@ def functions() -> Iterator[tuple[str, FunctionType]]:
                     if isinstance(function, FunctionType) and not attribute.startswith("_"):
                         yield f"{thing.__name__}.{attribute}", function
             elif isinstance(thing, FunctionType):
-                yield f"pas.{name}", thing
+                yield f"{home.__name__}.{name}", thing
     yield f"{check_independently.__module__}.{check_independently.__name__}", check_independently
 
 
