@@ -65,7 +65,8 @@ class FaceSeam:
         points, reach = _along(mesh.points[edges])
         points = newton(points, Levels(faces), _numbers(points, 0, 1), np.full(len(points), reach))
         middles, ways = mesh.points[edges].mean(axis=1), mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
-        above = (np.cross(*(face.gradient(middles) for face in faces)) * ways).sum(axis=1) < 0
+        crossed = np.cross(faces[0].gradient(middles), faces[1].gradient(middles))
+        above = (crossed * ways).sum(axis=1) < 0
         found = cls(
             faces, points, 1 if above.all() else -1, tuple(_walls(solid, mesh, edges, [*numbers[0], *numbers[1]]))
         )
