@@ -195,3 +195,28 @@ def test_refused(name):
     with pytest.raises((GeometryError, ValueError)) as caught:
         make()
     assert sentence in str(caught.value) and "\n" not in str(caught.value)
+
+
+GOING_OUT = {
+    "cone cut off": (
+        lambda: solid.cone((0, 0, -1), (0, 0, 1), 1, "1/4") - solid.box((-2, -2, "1/10"), (2, 2, 2)),
+        ("cone", "box z-"),
+    ),
+    "drilled ring": (
+        lambda: solid.torus((0, 0, 0), (0, 0, 1), 1, "2/5") - solid.cylinder((1, 0, -1), (1, 0, 1), "1/5"),
+        ("torus", "cylinder"),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", GOING_OUT)
+def test_edges_go_out_where_all_corners_of_a_face_are_on_them(name):
+    """No corner of a triangle shows then on which side of the first face the second is."""
+    make, names = GOING_OUT[name]
+    assert FaceSeam.of(make(), names).sign == FaceSeam.of(make(), names[::-1]).sign == -1
+
+
+def test_the_rim_of_a_cone_that_is_cut_off():
+    make, names = GOING_OUT["cone cut off"]
+    made = make().fillet(*names, "1/20")
+    assert made.proved and made.mesh().is_closed and made.volume() < make().volume()

@@ -108,12 +108,66 @@ def test_it_stays_where_it_is_moved():
     assert prove(made.joints[0], made.tree, lambda: made.box).proved
 
 
-@pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize(("make", "most"), [(box, 0.5), (tetrahedron, 1 / (3 + 3**0.5)), (wedge, 0.5)])
-def test_the_largest_radius_is_exact(make, most, order):
+LARGEST = [
+    (box, 1, 0.5),
+    (box, 2, 0.5),
+    (wedge, 1, 0.5),
+    (wedge, 2, 0.5),
+    (tetrahedron, 1, 1 / (3 + 3**0.5)),  # the radius of the ball in it
+    (tetrahedron, 2, 1 / (2 + 3**0.5)),  # that of the circle in the smallest face, whose sides move as their planes do
+]
+
+
+@pytest.mark.parametrize(("make", "order", "most"), LARGEST)
+def test_the_largest_radius_is_exact(make, order, most):
     assert make().rounded(radius=0.999 * most, order=order).mesh(1e-2).is_closed
-    with pytest.raises(GeometryError, match=rf"radius must be below {most:.5g}\d*, where an edge is used up, not 1"):
+    with pytest.raises(GeometryError, match="where an edge is used up, not 1") as caught:
         make().rounded(radius=1, order=order)
+    assert float(str(caught.value).split("below ")[1].split(",")[0]) == pytest.approx(most, rel=1e-5)
+
+
+TOUCHING = {
+    "along an edge": lambda: box() & solid.half_space("x + y - 5", face="along"),
+    "in a corner": lambda: box() & solid.half_space("x + y + z - 6", face="in"),
+    "equal": lambda: solid.half_space("2*x - 6", face="") & box(),
+    "in three corners": lambda: box() & solid.box((0, 0, 0), (4, 3, 2), face="larger"),
+}
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("name", TOUCHING)
+def test_planes_that_only_touch_are_left_out(name, order):
+    made, expected = TOUCHING[name]().rounded(radius="1/4", order=order), box().rounded(radius="1/4", order=order)
+    assert {*made.joints} == {*expected.joints}
+    assert made.mesh(1e-2).is_closed and made.volume(1e-2) == pytest.approx(expected.volume(1e-2), rel=1e-12)
+
+
+def leaning(wall: str) -> solid.Solid:
+    """A prism with an upright wall, a top, and opposite the former one that leans."""
+    planes = {"wall": "-x", "foot": "-y", "front": "-z", "back": "z-1", "top": "y-1", "leaning": wall}
+    return solid.intersection(*(solid.half_space(plane, face=name) for name, plane in planes.items()))
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_round_ends_at_the_sharp_edge_of_a_plane_that_it_touches(order):
+    """The top is 1/2 wide, and less deep it is wider: there a larger ball would have room."""
+    made = leaning("x+19*y-39/2").rounded(["wall", "top"], radius=0.499, order=order)
+    assert made.proved and made.mesh(1e-2).is_closed
+    with pytest.raises(GeometryError, match=r"radius must be below 0\.5, where an edge is used up"):
+        leaning("x+19*y-39/2").rounded(["wall", "top"], radius="9/10", order=order)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_edges_away_from_a_round_are_no_limit_to_it(order):
+    """The far side is only as high as 1/10, and stays so."""
+    roof = {"wall": "-x", "foot": "-y", "front": "-z", "back": "z-1", "far": "x-1", "roof": "9*x+10*y-10"}
+    plain = solid.intersection(*(solid.half_space(plane, face=name) for name, plane in roof.items()))
+    made = plain.rounded(["wall", "roof"], radius="1/5", order=order)
+    mesh = made.mesh(1e-3)
+    assert made.proved and mesh.is_closed and mesh.points[mesh.points[:, 0] > 1 - 1e-9, 1].max() == pytest.approx(0.1)
+    if order == 1:  # the kite between the edge, both lines of contact and the centre, less the sector of the ball
+        turn = np.pi - np.arctan2(10, 9)
+        assert 0.55 - made.volume(1e-4) == pytest.approx(0.04 * (np.tan(turn / 2) - turn / 2), rel=1e-3)
 
 
 def pyramid() -> solid.Solid:

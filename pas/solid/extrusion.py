@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -20,7 +19,7 @@ from pas.solid.formulas import PlaneSet, formula
 from pas.solid.joints import Joint
 from pas.solid.sheets import COARSE, Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import SweptBody, cross, flat, put_flat, put_side
+from pas.solid.swept import SweptBody, cross, flat, jets_of, put_flat, put_side
 from pas.solid.tree import Atom, Tree, combined
 
 X, Y, Z = GENERATORS
@@ -131,7 +130,7 @@ class Prism(SweptBody):
             borders = np.cumsum([0, *count])
             for edge, (a, b) in zip(loop.edges, pairwise(borders.tolist()), strict=True):
                 below, above = (first + np.arange(a, b + 1) % len(points) + up for up in (0, n))
-                put_side(made, edge.name, [*np.stack([above, below], axis=1)], partial(_jets, self.lean.surface(edge)))
+                put_side(made, edge.name, [*np.stack([above, below], axis=1)], jets_of(self.lean.surface(edge)))
             first += len(points)
         put_flat(made, "bottom", triangles[:, ::-1], np.array([0.0, 0.0, -1.0]))
         top = flat(tops) if self.lean.slope else triangles
@@ -182,10 +181,6 @@ class Prism(SweptBody):
     @property
     def _signs(self) -> list[int]:
         return [1 if loop.is_counterclockwise else -1 for loop in self.loops]
-
-
-def _jets(surface: Polynomial, points: Floats) -> tuple[Floats, Floats]:
-    return surface(points), surface.gradient(points)
 
 
 def _square(edge: PlaneEdge) -> fmpq:

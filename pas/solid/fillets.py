@@ -59,12 +59,14 @@ class FaceSeam:
         faces = _polynomial(solid, names[0]), _polynomial(solid, names[1])
         mesh = solid.mesh()
         numbers = [[k for k, several in enumerate(mesh.names) if name in several.split(" + ")] for name in names]
-        edges, across = edges_between(mesh, *numbers)
+        edges = edges_between(mesh, *numbers)
         if not len(edges):
             raise GeometryError(f"the faces {names[0]!r} and {names[1]!r} of the solid do not meet in an edge")
         points, reach = _along(mesh.points[edges])
         points = newton(points, Levels(faces), _numbers(points, 0, 1), np.full(len(points), reach))
-        above = faces[0](mesh.points[across]) > 0
+        middles, ways = mesh.points[edges].mean(axis=1), mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
+        crossed = np.cross(faces[0].gradient(middles), faces[1].gradient(middles))
+        above = (crossed * ways).sum(axis=1) < 0
         found = cls(
             faces, points, 1 if above.all() else -1, tuple(_walls(solid, mesh, edges, [*numbers[0], *numbers[1]]))
         )
@@ -316,14 +318,14 @@ def _polynomial(solid: Solid, name: str) -> Polynomial:
     return found[0]
 
 
-def edges_between(mesh: Mesh, first: Sequence[int], second: Sequence[int]) -> tuple[Integers, Integers]:
-    """The edges (E, 2) between some faces of a mesh and others, and the third corners (E,) of the others' triangles."""
+def edges_between(mesh: Mesh, first: Sequence[int], second: Sequence[int]) -> Integers:
+    """The edges (E, 2) between some faces of a mesh and others, with the former on their left."""
     corners = [mesh.triangles[np.isin(mesh.faces, numbers)] for numbers in (first, second)]
     sides = [np.concatenate([np.roll(c, -i, axis=1) for i in range(3)]) for c in corners]
     n = len(mesh.points)
     keys = sides[0][:, 0] * n + sides[0][:, 1], sides[1][:, 1] * n + sides[1][:, 0]
-    _, mine, others = np.intersect1d(*keys, return_indices=True)
-    return sides[0][mine, :2], sides[1][others, 2]
+    _, mine, _ = np.intersect1d(*keys, return_indices=True)
+    return np.asarray(sides[0][mine, :2])
 
 
 def _walls(solid: Solid, mesh: Mesh, edges: Integers, numbers: Sequence[int]) -> list[Polynomial]:

@@ -137,8 +137,8 @@ def _meet(one: Floats, other: Floats) -> bool:
 def _areas(cut: Triangles) -> Floats:
     """The area of each label that occurs, in their order (K,)."""
     a, b, c = np.moveaxis(cut.points[cut.triangles], 1, 0)
-    rows = np.unique(cut.faces, return_inverse=True)[1]
-    return np.bincount(rows, norms(cross(b - a, c - a)) / 2).astype(float)
+    areas = norms(cross(b - a, c - a)) / 2
+    return np.asarray(np.bincount(np.unique(cut.faces, return_inverse=True)[1], areas), dtype=np.float64)
 
 
 def _shape(cut: Triangles) -> tuple[int, int, set[int]]:

@@ -33,16 +33,14 @@ from pas.solid.tree import Atom, combined
 
 
 def half_space(plane: PolynomialLike, face: str = "plane") -> Solid:
-    """The points where a linear polynomial is <= 0, such as `"x + y - 1"`.
+    """The points where a linear polynomial is <= 0, such as `"x + y - 1"`; without a name a wall.
 
     Raises `ValueError` for a polynomial of another degree.
     """
-    solid = patch(face, plane)
-    if solid.polynomials[face][0].degree != 1:
-        raise ValueError(
-            f"plane must be a linear polynomial, not {solid.polynomials[face][0]}; use implicit for others"
-        )
-    return solid
+    polynomial = Polynomial.named(plane, "plane", constant=False)
+    if polynomial.degree != 1:
+        raise ValueError(f"plane must be a linear polynomial, not {polynomial}; use implicit for others")
+    return patch(face, polynomial)
 
 
 def implicit(polynomial: PolynomialLike, *region: PolynomialLike, face: str = "surface") -> Solid:

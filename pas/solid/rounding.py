@@ -21,7 +21,8 @@ same, from the solid alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
@@ -43,7 +44,7 @@ from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operands
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import Jets, PlacedBody, flat, put_curved, put_flat, put_side
+from pas.solid.swept import PlacedBody, flat, jets_of, put_curved, put_flat, put_side, weights_and_triangles
 from pas.solid.tree import Atom, Tree, combined, complement, parts_of
 
 
@@ -72,6 +73,10 @@ class PlaneFace:
         root = square_root(dot(self.normal, self.normal))
         return root if root * root == dot(self.normal, self.normal) else short(to_float(root))
 
+    def cosine(self, other: PlaneFace) -> fmpq:
+        """Of the angle between the normals."""
+        return fmpq(1) if other is self else dot(self.normal, other.normal) / (self.length * other.length)
+
 
 @dataclass(frozen=True)
 class EdgeEnd:
@@ -95,16 +100,22 @@ class StraightEdge:
         start, end = (frozenset((*self.planes, end.plane)) for end in self.ends)
         return start, end
 
-    def largest(self, chosen: set[PlaneFace], order: int) -> fmpq | None:
-        """The radius at which it is used up, as chosen planes move in: all together, or of a higher order just some.
+    def largest(self, rounds: Set[frozenset[PlaneFace]], order: int) -> fmpq | None:
+        """The radius up to which all lines along it, in which rounds of pairs of planes end, certainly have a length.
 
-        As long as no edge is, all polyhedra between have the same edges and corners.  None where it never is.
+        On a plane each ends as far from the other as a ball or level surface touches it; between two the ends of a
+        round are looked at where these meet.  None where no radius is too large.
         """
         start, end = self.ends
-        planes = {*start.moves, *end.moves} & chosen
-        moves = [end.moves.get(plane, fmpq(0)) - start.moves.get(plane, fmpq(0)) for plane in planes]
-        shorter = -sum((m for m in moves if order == 1 or m < 0), fmpq(0))
-        return (end.place - start.place) / shorter if shorter > 0 else None
+        rates = [fmpq(0), fmpq(0), fmpq(0)]
+        for number, face in enumerate(self.planes):
+            for plane in (p for p in {*start.moves, *end.moves} if frozenset((face, p)) in rounds):
+                depth = 1 - face.cosine(plane) if order == 1 else fmpq(1)
+                rates[number] += depth * (start.moves.get(plane, fmpq(0)) - end.moves.get(plane, fmpq(0)))
+        for at, sign in ((start, 1), (end, -1)):
+            if {frozenset(pair) for pair in combinations((*self.planes, at.plane), 2)} <= rounds:
+                rates[2] += sign * (sum(at.moves.values(), fmpq(0)) if order == 1 else at.moves[at.plane])
+        return (end.place - start.place) / max(rates) if max(rates) > 0 else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,9 +132,7 @@ class RoundPatch:
     def of(cls, planes: Sequence[PlaneFace], radius: fmpq, order: int) -> RoundPatch:
         """That of two or three planes."""
         q = [1 + plane.polynomial * (1 / (radius * plane.length)) for plane in planes]
-        cosines = fmpq_mat(
-            [[dot(a.normal, b.normal) / (a.length * b.length) if a is not b else 1 for b in planes] for a in planes]
-        )
+        cosines = fmpq_mat([[a.cosine(b) for b in planes] for a in planes])
         walls, parts = q, [_norm(x, order) for x in q]
         if order == 1:
             inverse = cosines.inv().tolist()
@@ -169,28 +178,31 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
     if check_order(order) < 1:
         raise ValueError("order must be at least 1; chamfer cuts edges off flatly")
     parts = parts_of(solid.tree, union=False)
-    planes = [plane for part in parts if (plane := PlaneFace.of(part)) is not None]
+    found = [plane for part in parts if (plane := PlaneFace.of(part)) is not None]
+    sides = dict[tuple[Polynomial, bool], PlaneFace]()
+    for plane in sorted(found, key=lambda plane: not plane.name):  # of equal ones the first that has a name
+        sides.setdefault((plane.polynomial.primitive(), max(plane.normal, key=abs) > 0), plane)
+    planes = [*sides.values()]
     known = list(dict.fromkeys(plane.name for plane in planes if plane.name))
     for name in faces or ():
         if name not in known:
-            found = meant(name, known) or "; edges are rounded between planes of a convex solid, or of one with holes"
-            raise GeometryError(f"the solid has no plane face {name!r} that bounds all of it{found}")
+            hint = meant(name, known) or "; edges are rounded between planes of a convex solid, or of one with holes"
+            raise GeometryError(f"the solid has no plane face {name!r} that bounds all of it{hint}")
     chosen = {plane for plane in planes if plane.name and (faces is None or plane.name in faces)}
     edges = tuple(_edges(planes, chosen))
     among = [edge for edge in edges if chosen.issuperset(edge.planes)]
     if not among:
         raise GeometryError("no two of the faces are planes that meet in an edge of a convex solid, or one with holes")
-    chosen = {plane for edge in among for plane in edge.planes}
-    most = min((limit for edge in edges if (limit := edge.largest(chosen, order)) is not None), default=None)
+    rounds = dict.fromkeys(frozenset(edge.planes) for edge in among)
+    most = min((limit for edge in edges if (limit := edge.largest(rounds.keys(), order)) is not None), default=None)
     if most is not None and radius >= most:
         raise GeometryError(f"radius must be below {to_float(most):.6g}, where an edge is used up, not {plain(radius)}")
-    meeting = dict.fromkeys(frozenset(edge.planes) for edge in among)
-    meeting |= dict.fromkeys(vertex for edge in among for vertex in edge.vertices if chosen.issuperset(vertex))
+    meeting = rounds | dict.fromkeys(vertex for edge in among for vertex in edge.vertices if chosen.issuperset(vertex))
     patches = {some: RoundPatch.of([plane for plane in planes if plane in some], radius, order) for some in meeting}
     if again := {*solid.faces}.intersection(patch.face for patch in patches.values()):
         raise GeometryError(f"the edge {min(again)!r} is rounded already")
     rests = [patch.rest for patch in patches.values()]
-    simple = 2 * len(edges) == 3 * len({vertex for edge in edges for vertex in edge.vertices})
+    simple = {*Counter(vertex for edge in edges for vertex in edge.vertices).values()} == {3}
     body: SolidBoundary | None = RoundedBody(edges=edges, patches=patches, radius=to_float(radius)) if simple else None
     if body and (others := [part for part in parts if PlaneFace.of(part) is None]):
         whole = Solid(combined(False, *(p for p in parts if p not in others), *rests), sheets=body)
@@ -200,10 +212,11 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
 
 
 def _edges(planes: Sequence[PlaneFace], chosen: set[PlaneFace]) -> Iterator[StraightEdge]:
-    """The edges of the convex polyhedron that planes bound.
+    """The edges of the convex polyhedron that planes bound; planes that only touch it have none and end none.
 
     Raises `GeometryError` where one of two chosen planes has no end, or ends in several planes.
     """
+    lines = list[tuple[tuple[PlaneFace, PlaneFace], list[fmpq], Vector, list[list[EdgeEnd]]]]()
     for pair in combinations(planes, 2):
         one, other = pair
         way = cross(one.normal, other.normal)
@@ -215,9 +228,9 @@ def _edges(planes: Sequence[PlaneFace], chosen: set[PlaneFace]) -> Iterator[Stra
         ends: list[list[EdgeEnd]] = [[], []]
         for plane in planes:
             slope, value = dot(plane.normal, way), dot(plane.normal, start) + plane.offset
-            if slope == 0 and value > 0:
-                break
             if slope == 0:
+                if value > 0 or (value == 0 and any(dot(plane.normal, step) > 0 for step in steps.values())):
+                    break
                 continue
             moves = {p: -p.length * dot(plane.normal, step) / (square * slope) for p, step in steps.items()}
             found = EdgeEnd(plane, -value / slope, {**moves, plane: -plane.length / slope})
@@ -228,16 +241,20 @@ def _edges(planes: Sequence[PlaneFace], chosen: set[PlaneFace]) -> Iterator[Stra
             if all(ends) and ends[1][0].place <= ends[0][0].place:
                 break
         else:
-            for some in ends if chosen.issuperset(pair) else ():
-                if len(some) == 1:
-                    continue
-                at = [to_float(x + some[0].place * w) for x, w in zip(start, way, strict=True)] if some else []
-                where = f"ends in {len(some)} planes near {shown_point(at)}" if some else "does not end"
-                raise GeometryError(
-                    f"the edge of {one.name!r} and {other.name!r} {where}: only corners of three planes are rounded"
-                )
-            if all(ends):
-                yield StraightEdge((one, other), (ends[0][0], ends[1][0]))
+            lines.append((pair, start, way, ends))
+    bounding = {plane for pair, *_ in lines for plane in pair}
+    for (one, other), start, way, both in lines:
+        ends = [[end for end in some if end.plane in bounding] for some in both]
+        for some in ends if chosen.issuperset((one, other)) else ():
+            if len(some) == 1:
+                continue
+            at = [to_float(x + end.place * w) for end in some[:1] for x, w in zip(start, way, strict=True)]
+            where = f"ends in {len(some)} planes near {shown_point(at)}" if some else "does not end"
+            raise GeometryError(
+                f"the edge of {one.name!r} and {other.name!r} {where}: only corners of three planes are rounded"
+            )
+        if all(ends):
+            yield StraightEdge((one, other), (ends[0][0], ends[1][0]))
 
 
 def _claims(patches: Mapping[frozenset[PlaneFace], RoundPatch]) -> Iterator[Joint]:
@@ -286,7 +303,7 @@ class RoundedBody(PlacedBody):
                     outlines.setdefault(plane, []).append(here)
                 continue
             planes = (*patch.planes, *(vertex - {*patch.planes}))
-            weights, triangles = _grid(n, len(patch.planes))
+            weights, triangles = weights_and_triangles(n, len(patch.planes))
             q = np.ones((len(weights), 3))
             q[:, : len(patch.planes)] = patch.heights(weights / n)
             numbers = made.added(_corner(planes, q, self.radius))
@@ -306,9 +323,9 @@ class RoundedBody(PlacedBody):
             if pair in self.patches:
                 patch = self.patches[pair]
                 start, end = (arcs[pair, vertex] for vertex in edge.vertices)
-                put_side(made, patch.face, [*np.stack([end, start], axis=1)], _jets(patch.surface))
+                put_side(made, patch.face, [*np.stack([end, start], axis=1)], jets_of(patch.surface))
         for patch, triangles in curved:
-            put_curved(made, patch.face, [triangles], _jets(patch.surface))
+            put_curved(made, patch.face, [triangles], jets_of(patch.surface))
         points = made.points
         for plane, parts in outlines.items():
             normal = np.array(to_floats(plane.normal))
@@ -326,25 +343,8 @@ class RoundedBody(PlacedBody):
         return made
 
 
-def _grid(n: int, many: int) -> tuple[Integers, Integers]:
-    """Weights (N, many) of two or three corners, whole numbers that add up to n, and triangles (T, 3) between them."""
-    if many == 2:
-        return np.stack([n - np.arange(n + 1), np.arange(n + 1)], axis=1), np.empty((0, 3), dtype=np.intp)
-    u, v = np.nonzero(np.add.outer(np.arange(n + 1), np.arange(n + 1)) <= n)
-    number = np.zeros((n + 2, n + 2), dtype=np.intp)
-    number[u, v] = np.arange(len(u))
-    up, down = u + v < n, u + v < n - 1
-    first = np.stack([number[u, v], number[u + 1, v], number[u, v + 1]], axis=1)[up]
-    second = np.stack([number[u + 1, v], number[u + 1, v + 1], number[u, v + 1]], axis=1)[down]
-    return np.stack([n - u - v, u, v], axis=1), np.concatenate([first, second])
-
-
 def _corner(planes: Sequence[PlaneFace], q: Floats, radius: float) -> Floats:
     """The points (N, 3) that have values q (N, 3) over three planes."""
     normals = np.array([to_floats(plane.normal) for plane in planes])
     offsets, lengths = np.array([to_floats((plane.offset, plane.length)) for plane in planes]).T
     return np.asarray(np.linalg.solve(normals, (radius * lengths * (q - 1) - offsets).T).T)
-
-
-def _jets(surface: Polynomial) -> Jets:
-    return lambda points: (surface(points), surface.gradient(points))

@@ -83,7 +83,7 @@ def _crossing(solid: Solid, sides: tuple[set[str], set[str]]) -> dict[tuple[str,
     found, of_vertex = dict[tuple[str, str], Integers](), dict[int, tuple[str, str]]()
     for one, other in pairs.tolist():
         pair = parts[one][0], parts[other][0]
-        found[pair] = np.unique(edges_between(mesh, [one], [other])[0])
+        found[pair] = np.unique(edges_between(mesh, [one], [other]))
         for vertex in found[pair].tolist():
             if (known := of_vertex.setdefault(vertex, pair)) != pair:
                 raise GeometryError(

@@ -13,6 +13,7 @@ import numpy as np
 
 from pas.algebra.affine import Affine
 from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
@@ -150,3 +151,21 @@ def put_curved(made: Faces, name: str, parts: Sequence[Integers], jets: Jets) ->
 def put_flat(made: Faces, name: str, triangles: Integers, normal: Floats) -> None:
     """A flat face of vertices (T, 3) with a unit normal (3,)."""
     made.add(name, triangles, np.broadcast_to(normal, (len(triangles), 3, 3)))
+
+
+def weights_and_triangles(n: int, many: int) -> tuple[Integers, Integers]:
+    """Weights (N, many) of two or three corners, whole numbers that add up to n, and triangles (T, 3) between them."""
+    if many == 2:
+        return np.stack([n - np.arange(n + 1), np.arange(n + 1)], axis=1), np.empty((0, 3), dtype=np.intp)
+    u, v = np.nonzero(np.add.outer(np.arange(n + 1), np.arange(n + 1)) <= n)
+    number = np.zeros((n + 2, n + 2), dtype=np.intp)
+    number[u, v] = np.arange(len(u))
+    up, down = u + v < n, u + v < n - 1
+    first = np.stack([number[u, v], number[u + 1, v], number[u, v + 1]], axis=1)[up]
+    second = np.stack([number[u + 1, v], number[u + 1, v + 1], number[u, v + 1]], axis=1)[down]
+    return np.stack([n - u - v, u, v], axis=1), np.concatenate([first, second])
+
+
+def jets_of(surface: Polynomial) -> Jets:
+    """The jets of a polynomial whose zeros a face is on."""
+    return lambda points: (surface(points), surface.gradient(points))
