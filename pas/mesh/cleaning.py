@@ -121,11 +121,8 @@ def _with_special_points(mesh: Labelled, field: FaceField) -> Labelled:
 
     It may be far away in the lattice's scale, which does not show the tip of a slender cone.
     """
-    points, pinned, every = (
-        mesh.points.copy(),
-        [*mesh.topology.pinned],
-        2 * np.arange(len(field.signs(mesh.points[:1]))),
-    )
+    points, pinned = mesh.points.copy(), [*mesh.topology.pinned]
+    every = 2 * np.arange(len(field.signs(points[:1])))  # the labels of all functions
     for special in field.special_points:
         here = special[None]
         values = field.jets(np.repeat(here, len(every), axis=0), every)[:, 0]

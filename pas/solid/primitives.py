@@ -5,17 +5,18 @@ Points are three exact numbers, lengths are exact numbers, both in the model's u
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
+from flint import fmpq
 
-from pas.algebra.affine import away, height
+from pas.algebra.affine import Affine, away, height
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
 from pas.algebra.rational import (
     Exact,
     Vector,
     VectorLike,
     dot,
+    exact,
+    exact_vector,
     minus,
     plain,
     positive,
@@ -26,9 +27,9 @@ from pas.algebra.rational import (
 )
 from pas.contacts.torus import torus_polynomial
 from pas.mesh.shading import unit_rows
-from pas.solid.sheets import Faces
+from pas.solid.edges import Loop, PlaneEdge
+from pas.solid.revolution import Turned
 from pas.solid.solid import Solid, patch
-from pas.solid.swept import PlacedBody, put_flat
 from pas.solid.tree import Atom, combined
 
 
@@ -105,56 +106,25 @@ def cone(start: VectorLike, end: VectorLike, radius: Exact, end_radius: Exact = 
     apexes = [p for p, r in ((a, r0), (b, r1)) if r == 0]
     special = tuple((to_float(x), to_float(y), to_float(z)) for x, y, z in apexes)
     tree = combined(False, Atom(Polynomial.from_raw(surface), face), *walls)
-    body = None if r0 == r1 else ConeBody(face=face, ends=(a, b), radii=(to_float(r0), to_float(r1)))
+    body = None if r0 == r1 else _turned(face, (a, b), (r0, r1))
     return Solid(tree, (), special, body)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ConeBody(PlacedBody):
-    """A cone between the centres of its flat `ends`, of which one may be its apex: slender tips and blunt rims are what
-    lattices hardly show."""
+def _turned(face: str, ends: tuple[Vector, Vector], radii: tuple[fmpq, fmpq]) -> Turned:
+    """What bounds a cone of two radii: its section, turned.
 
-    face: str
-    ends: tuple[Vector, Vector]
-    radii: tuple[float, float]
-
-    @property
-    def extent(self) -> float:
-        """The longer one of its length and width."""
-        start, end = map(to_floats, self.ends)
-        return max(2 * max(self.radii), float(np.linalg.norm(np.subtract(end, start))))
-
-    def made(self, tolerance: float) -> Faces:
-        """Its faces, with two triangles along each chord, or one up to the apex."""
-        (start, end), (low, high) = (np.array(to_floats(p)) for p in self.ends), self.radii
-        length, widest = float(np.linalg.norm(end - start)), max(self.radii)
-        axis = (end - start) / length
-        across = np.cross(np.eye(3)[np.abs(axis).argmin()], axis)
-        across /= np.linalg.norm(across)
-        many = max(8, int(np.ceil(np.pi / np.arccos(max(1 - tolerance / widest, 0.5)))))
-        turns = 2 * np.pi * np.arange(many) / many
-        ways = np.cos(turns)[:, None] * across + np.sin(turns)[:, None] * np.cross(axis, across)
-        made = Faces([], widest * (1 - float(np.cos(np.pi / many))))
-        slopes = unit_rows(ways * length + (low - high) * axis)
-        first, last = (
-            made.added(place + radius * ways) if radius else made.added(place[None]).repeat(many)
-            for place, radius in ((start, low), (end, high))
-        )
-        beside, normals = np.roll(np.arange(many), -1), (slopes, np.roll(slopes, -1, axis=0))
-        middle = unit_rows(normals[0] + normals[1])
-        upper = normals if high else (middle, middle)
-        lower = normals if low else (middle, middle)
-        ring = (first, lower[0]), (first[beside], lower[1]), (last[beside], upper[1]), (last, upper[0])
-        for corners in ((0, 1, 2), (0, 2, 3)):
-            rows, shades = (np.stack([ring[k][0] for k in corners], 1), np.stack([ring[k][1] for k in corners], 1))
-            if (rows != np.roll(rows, 1, axis=1)).all():
-                made.add(self.face, rows, shades)
-        fan = np.stack([np.zeros(many - 2, dtype=np.intp), np.arange(2, many), np.arange(1, many - 1)], axis=1)
-        if low:
-            put_flat(made, f"{self.face} start", first[fan], -axis)
-        if high:
-            put_flat(made, f"{self.face} end", last[fan[:, ::-1]], axis)
-        return made
+    Slender tips and blunt rims are what lattices hardly show.
+    """
+    start, end = np.array(to_floats(ends[0])), np.array(to_floats(ends[1]))
+    length, zero = exact(float(np.linalg.norm(end - start))), fmpq(0)
+    corners = [(zero, zero), (radii[0], zero), (radii[1], length), (zero, length)]
+    names = f"{face} start", face, f"{face} end", ""
+    sides = zip(corners, [*corners[1:], corners[0]], names, strict=True)
+    loop = Loop(tuple(PlaneEdge.straight(a, b, name) for a, b, name in sides if a != b))
+    axis = (end - start) / float(length)
+    across = unit_rows(np.cross(np.eye(3)[np.abs(axis).argmin()], axis)[None])[0]
+    first, second, third = map(exact_vector, np.stack([across, np.cross(axis, across), axis], axis=1).tolist())
+    return Turned(loops=(loop,), angle=2 * np.pi, place=Affine((first, second, third), ends[0]))
 
 
 def torus(center: VectorLike, axis: VectorLike, major: Exact, minor: Exact, face: str = "torus") -> Solid:
