@@ -329,6 +329,69 @@ def test_blocks_are_the_mesh(tmp_path):
     assert before[0] != after[0]
 
 
+def pipework():
+    """A corner of three tubes, one of which goes on straight: with open ends, and made of cones."""
+    points = [(0, 0, 0), (4, 0, 0), (0, 4, 0), (0, 0, 4), (8, 0, 0)]
+    return network.Network(points, [(0, 1), (0, 2), (0, 3), (1, 4)], "1/2", "1/64"), "1/8"
+
+
+@pytest.mark.parametrize(
+    ("made", "surfaces"), [(pipework, 1), (lambda: (cube(), "1/40"), 2), (lambda: (trunk(), "1/16"), 1)]
+)
+def test_hollow_networks(made, surfaces, tmp_path):
+    net, wall = made()
+    found = net.blend(1, "lowest", wall=wall)
+    assert found.certificate.proved, found.certificate
+    mesh = found.mesh()
+    assert mesh.certificate.proved, mesh.certificate
+    assert mesh.components == surfaces
+    assert mesh.euler_characteristic == 2 * mesh.components - 2 * found.genus
+    full = replace(found, wall=None, hollow={})
+    inside = full.pieces(mesh.tolerance).volume - found.cavity.pieces(mesh.tolerance).volume
+    assert found.volume == pytest.approx(mesh.volume) == pytest.approx(inside)
+    across = np.cross(*(mesh.points[mesh.triangles[:, i]] - mesh.points[mesh.triangles[:, 0]] for i in (1, 2)))
+    assert ((across[:, None] * mesh.normals).sum(axis=2) > 0).all()
+    bodies = found.bodies(MeshSettings())
+    assert all(body.is_closed for body, _ in bodies)
+    assert sum(body.volume * len(places) for body, places in bodies) == pytest.approx(mesh.volume, rel=2e-2)
+    for body, _ in bodies:
+        corners = body.points[body.triangles]
+        out = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert ((out[:, None] * body.normals).sum(axis=2) > 0).all()
+    again = pas.load(found.save(tmp_path / "a.pas.json"))
+    assert again.certificate.proved
+    assert (again.mesh().points == mesh.points).all()
+
+
+@cache
+def cube():
+    """The cube of the frame alone."""
+    return network.Network(frame().points[:8], frame().edges[:12], "1/10", "1/64")
+
+
+def test_a_wall_has_its_thickness_between_straight_struts():
+    """Rings of the mesh at open ends are as thick as the wall, and cylinders inside are of the radius that is left."""
+    net, wall = pipework()
+    found = net.blend(1, "lowest", wall=wall)
+    points = found.mesh().points
+    ends = np.linalg.norm(points[np.abs(points[:, 0] - 8) < 1e-9][:, 1:], axis=1)
+    assert set(ends.round(9)) == {0.5, 0.375}
+    swapped = {key: replace(blend, outer=blend.inner, inner=blend.outer) for key, blend in found.hollow.items()}
+    assert "that of 1 node of 3 struts, 6 symmetries is not proved" in str([*replace(found, hollow=swapped)._inside()])
+    with pytest.raises(ValueError, match="a wall of 1/2 leaves no cavity in struts of the radius 1/2; give a thinner"):
+        net.blend(wall="1/2")
+    with pytest.raises(ValueError, match="wall must be positive"):
+        net.blend(wall=0)
+
+
+def test_meshes_of_a_wall_may_meet():
+    """What is coarser than the wall is thick is not proved to be apart."""
+    found = pipework()[0].blend(1, "lowest", wall="1/50")
+    said = {v.claim: v for v in found.mesh(0.03).certificate.verdicts}
+    assert said["the topology of every node"].proved
+    assert not said["both sides of the wall are apart"].proved
+
+
 def test_short_struts_are_shared():
     """Clips that would overlap leave 1/32 of the strut between them."""
     net = network.Network([(0, 0, 0), (2, 0, 0), (0, 2, 0), (2, 2, 0), (0, 5, 1)],
@@ -405,8 +468,7 @@ def test_networks_are_cut_off_flat():
     assert half.components == 1
     cap = half.triangles[half.faces == half.names.index("box z+")]
     assert set(half.points[cap][..., 2].ravel()) == {0.5}
-    cube = network.Network(frame().points[:8], frame().edges[:12], "1/10", "1/64").blend(1, "lowest")
-    assert half.volume == pytest.approx(cube.volume / 2, rel=1e-3)
+    assert half.volume == pytest.approx(cube().blend(1, "lowest").volume / 2, rel=1e-3)
 
 
 def test_foams():

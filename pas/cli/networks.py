@@ -69,7 +69,7 @@ def _build(network: Network, options: argparse.Namespace) -> CommandResult:
     changes: tuple[str, ...] = ()
     if options.collapse:
         network, changes = network.repair(collapse=True)
-    part = network.blend(options.order, options.degree, cache=options.cache)
+    part = network.blend(options.order, options.degree, wall=options.wall, cache=options.cache)
     clock.passed("blend")
     certificate = part.certificate
     clock.passed("prove")

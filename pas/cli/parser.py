@@ -273,6 +273,7 @@ COMMANDS = (
             value("--grid", "G", "of the points of a file (default: 1/1024)", default="1/1024"),
             value("--order", "K", "the k of GC^k (default: 1)", int, default=1),
             DEGREE,
+            value("--wall", "W", "struts and nodes are hollow, with walls of this thickness"),
             value("--cache", "DIR", "folder that keeps blends; an interrupted run continues from it"),
             value("--blocks", "DIR", "for STL files of some 20 000 struts each"),
             flag("--collapse", "struts too short for any blend become points"),

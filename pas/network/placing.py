@@ -213,9 +213,24 @@ class PlacedPieces:
         return [(*body, used[of == number]) for number, body in enumerate(made)]
 
     def _body(self, kind: int, cuts: Floats) -> tuple[Floats, Integers, Floats]:
+        points, triangles, normals, rings = self.cut(kind, cuts)
+        for ring, axis in zip(rings, self._axes(kind), strict=True):
+            fan = np.stack([np.full(len(ring) - 2, ring[0]), ring[1:-1], ring[2:]], axis=1)
+            triangles.append(fan)
+            normals.append(np.broadcast_to(axis, (len(fan), 3, 3)))
+        return points, np.concatenate(triangles), np.concatenate(normals)
+
+    def _axes(self, kind: int) -> Floats:
+        """The unit vectors of a kind's arms (n, 3)."""
+        vectors = self.kinds.kinds[kind].vectors
+        return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
+
+    def cut(self, kind: int, cuts: Floats) -> tuple[Floats, list[Integers], list[Floats], list[Integers]]:
+        """A kind's mesh with its struts up to some parts of their lengths, open there: points, triangles and normals in
+        pieces, and the rings where it is open, counterclockwise about the struts."""
         piece = self.nodes[kind]
         points, triangles, normals, count = [piece.points], [piece.triangles], [piece.normals], len(piece.points)
-        one, ends = self.kinds.kinds[kind], self.kinds.ends[kind]
+        one, ends, rings = self.kinds.kinds[kind], self.kinds.ends[kind], []
         vectors = one.vectors * float(self.network.grid)
         for i, (vector, ring, cut) in enumerate(zip(vectors, piece.rings, cuts, strict=False)):
             length = float(np.linalg.norm(vector))
@@ -229,12 +244,11 @@ class PlacedPieces:
             triangles += [
                 np.stack([own[here], own[after], there[here]], axis=1),
                 np.stack([own[after], there[after], there[here]], axis=1),
-                np.stack([np.full(len(own) - 2, count), there[1:-1], there[2:]], axis=1),
             ]
-            normals += [out[np.stack([here, after, here], axis=1)], out[np.stack([after, after, here], axis=1)],
-                        np.broadcast_to(axis, (len(own) - 2, 3, 3))]  # fmt: skip
+            normals += [out[np.stack([here, after, here], axis=1)], out[np.stack([after, after, here], axis=1)]]
+            rings.append(there)
             count += len(own)
-        return np.concatenate(points), np.concatenate(triangles), np.concatenate(normals)
+        return np.concatenate(points), triangles, normals, rings
 
 
 def _volume(corners: Floats, places: Floats) -> float:
