@@ -7,7 +7,7 @@ import os
 import re
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -24,6 +24,7 @@ import pas
 from pas import network, solid
 from pas.algebra.rational import vector
 from pas.cli import main
+from pas.network.blocks import status
 from pas.network.classes import kinds_of, turn
 from pas.network.clearance import clearance, segment_distances
 from pas.network.nodes import placed_ends
@@ -327,6 +328,30 @@ def test_blocks_are_the_mesh(tmp_path):
     after = [path.stat().st_mtime_ns for path in paths]
     assert before[1:] == after[1:]
     assert before[0] != after[0]
+    assert status(tmp_path / "blocks") == (len(paths), len(paths))
+    with pytest.raises(ValueError, match="blocks has blocks of another mesh, or cut otherwise; give another folder"):
+        part().write_blocks(tmp_path / "blocks", 0.002, struts=2)
+    with pytest.raises(ValueError, match=r"is no folder of blocks, which has a file blocks\.json"):
+        status(tmp_path)
+
+
+def test_an_engine_that_is_lost_is_told(tmp_path):
+    """What it had done is there, and the same folder is gone on with."""
+
+    def breaking(function, jobs):
+        yield function(jobs[0])
+        raise BrokenExecutor
+
+    with pytest.raises(network.EngineLostError, match=r"map= was lost \(BrokenExecutor\) with 1 of [0-9]+ results"):
+        part().write_blocks(tmp_path / "blocks", struts=2, map=breaking)
+    (tmp_path / "blocks/.block-0-0-0-half.stl").touch()
+    done, most = status(tmp_path / "blocks")
+    assert done == 1 < most == len(part().write_blocks(tmp_path / "blocks", struts=2))
+    assert not [*(tmp_path / "blocks").glob(".*")]
+    with pytest.raises(
+        network.EngineLostError, match="with 0 of 1 results; what was done is whole, and kept in .*kept"
+    ):
+        bend().blend(1, "lowest", cache=tmp_path / "kept", map=lambda *_: (_ for _ in ()).throw(BrokenExecutor()))
 
 
 def pipework():
@@ -671,6 +696,31 @@ def test_the_command(tmp_path, capsys):
     text = capsys.readouterr().out
     assert "every node meets its struts with GC^1: proved" in text
     assert f"\nwritten:\n  {out[0]}\n  {out[1]}\n" in text
+    blocks = [
+        "network",
+        "build",
+        str(graph),
+        "--degree",
+        "lowest",
+        "--grid",
+        "1/8",
+        "--blocks",
+        str(tmp_path / "blocks"),
+    ]
+    assert main([*blocks, "--wall", "1/32"]) == 0
+    assert "the cavity is inside: proved" in capsys.readouterr().out
+    assert main([*blocks, "--wall", "1/32"]) == 2
+    assert "blocks has blocks of an earlier run; go on with it by --resume, or empty it" in capsys.readouterr().err
+    assert main([*blocks, "--wall", "1/32", "--resume"]) == 0
+    assert main(["network", "status", str(tmp_path / "blocks")]) == 0
+    assert "1 of 1 blocks are written" in capsys.readouterr().out
+    for wrong, sentence in (
+        (["--workers", "2"], "workers hand blends over in files: give a folder that all of them see as --cache"),
+        (["--workers", "2", "--scheduler", "tcp://a:1"], "--workers starts processes here, --scheduler takes those of"),
+        (["--workers", "0", "--cache", str(tmp_path)], "--workers must be a whole number from 1 to 10000, not 0"),
+    ):
+        assert main([*blocks, "--resume", *wrong]) == 2
+        assert sentence in capsys.readouterr().err
     assert main(["network", "chek", str(graph)]) == 2
     assert "there is no action 'chek' on networks; is 'check' meant?" in capsys.readouterr().err
 

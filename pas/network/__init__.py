@@ -6,6 +6,7 @@
 Public names are those of `__all__`.
 """
 
+from pas.network.blocks import EngineLostError
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.network.lattices import UnitCell, lattice, voronoi
 from pas.network.network import Network
@@ -13,6 +14,7 @@ from pas.network.nodes import NodeClass
 from pas.network.part import NetworkMesh, NetworkPart
 
 __all__ = [
+    "EngineLostError",
     "Network",
     "NetworkError",
     "NetworkMesh",

@@ -72,6 +72,6 @@ class HollowPieces(PlacedPieces):
 
 
 def annulus(points: Floats, outer: Integers, inner: Integers, axis: Floats) -> tuple[Integers, Floats]:
-    """The triangles between two rings in a plane, seen from where a unit vector points, and normals at their corners."""
+    """The triangles between two rings in a plane, seen from where a unit vector points, and their corners' normals."""
     found = np.concatenate([outer, inner])[strip(points[outer], points[inner], axis)[0]]
     return found, np.broadcast_to(axis, (len(found), 3, 3))

@@ -26,6 +26,7 @@ from pas.contacts.endless import Cone, Pipe
 from pas.errors import PasError, ProjectFileError
 from pas.layouts.clips import with_clips
 from pas.limits import checkpoint
+from pas.network.blocks import results
 from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.network.problems import graph_problems
@@ -102,8 +103,10 @@ def placed_ends(network: StrutGraph, order: int) -> Kinds:
         raise NetworkError(wrong)
     clips = np.zeros((len(network.edges), 2), dtype=np.int64)
     known: dict[Any, tuple[float, ...]] = {}
+    seen: dict[NodeKind, NodeKind] = {}  # whose forms are known from the rounds before
     while True:
         kinds = kinds_of(network, clips)
+        kinds = replace(kinds, kinds=tuple(seen.setdefault(kind, kind) for kind in kinds.kinds))
         ends = _ends(kinds, network, order, known)
         at = ends[kinds.of[network.edges], kinds.slots]
         short = at.sum(axis=1) > (PARTS - STRAIGHT) / PARTS
@@ -180,10 +183,9 @@ def blends(
     wanted = dict(_jobs(network, kinds, order, degree, folder, wall))
     found: dict[tuple[Any, ...], Node] = {}
     problems = []
-    results: Iterator[Any] = iter(map_(solved, wanted.values()))
-    for done, (key, given) in enumerate(zip(wanted, results, strict=True)):
+    given = results(map_, solved, list(wanted.values()), folder)
+    for done, (key, result) in enumerate(zip(wanted, given, strict=True)):
         checkpoint("blending nodes", (done + 1) / len(wanted))
-        result = given.result() if hasattr(given, "result") else given
         if isinstance(result, str):
             problems.append(_without(kinds.nodes(kinds.classes[key]), PasError(result)))
         else:
@@ -267,9 +269,8 @@ def solved(job: Job) -> Node | Path | str:
     if job.path is not None and job.path.exists():
         return job.path
     try:
-        found: Node = blend(job.pipes, job.order, job.degree)
-        if job.wall is not None:
-            found = found.hollow(inner=job.inner)
+        outer = blend(job.pipes, job.order, job.degree)
+        found: Node = outer if job.wall is None else outer.hollow(inner=job.inner)
     except PasError as error:
         return str(error)
     return found if job.path is None else found.save(job.path)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -13,15 +13,16 @@ import numpy as np
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.affine import ORIGIN, height
-from pas.algebra.inputs import check_tolerance, whole
+from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import cross, dot, exact, rational, vector
 from pas.certify.proofs import zeros_signs
 from pas.errors import MeshError
-from pas.limits import WorkLimits, checkpoint, limited
+from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality, manifold
+from pas.network.blocks import FACES, write_blocks
 from pas.network.classes import Kinds
 from pas.network.clearance import clearance
 from pas.network.graph import StrutGraph
@@ -37,8 +38,6 @@ from pas.verdicts import Findings, Status, Verdict
 
 USUAL = 0.03
 """Of the least radius: the tolerance of meshes."""
-
-FACES = ("nodes", "struts")
 
 MOST_TRIANGLES = 40_000_000
 """Of one mesh, which take some 10 GB; more are written by pieces, see `NetworkPart.write`."""
@@ -296,29 +295,24 @@ class NetworkPart(Shape):
         meshes = [replace(Mesh.from_triangles(p, t, names[kinds.of[at[0]]]), normals=n) for p, t, n, at in found]
         return [(mesh, self.network.points[nodes]) for mesh, (*_, nodes) in zip(meshes, found, strict=True)]
 
-    def write_blocks(self, folder: str | Path, tolerance: float | None = None, *, struts: int = 20_000) -> list[Path]:
+    def write_blocks(
+        self,
+        folder: str | Path,
+        tolerance: float | None = None,
+        *,
+        struts: int = 20_000,
+        map: Callable[..., Any] = map,
+    ) -> list[Path]:
         """Write the watertight mesh as STL files of about so many struts each, for what is too large for one mesh.
 
         A block has the nodes in a box, and the struts that begin there; together the files are the mesh.  One that is
-        there already is not made again, and none is left half written.  Returns the paths.
+        there already is not made again, and none is left half written.  `map` is as in `Network.blend`.  Returns the
+        paths.
 
-        Raises `ValueError` for fewer than one strut, and what writing raises.
+        Raises `ValueError` for fewer than one strut and for a folder with blocks of another mesh, `EngineLostError`
+        where the engine ends, and what writing raises.
         """
-        whole(struts, "struts", 1, len(self.network.edges) + struts)
-        place, pieces = Path(folder), self.pieces(tolerance)
-        place.mkdir(parents=True, exist_ok=True)
-        sides = np.ptp(self.network.places, axis=0) + 1
-        across = max(1, round((len(self.network.edges) / struts) ** (1 / 3)))
-        cells = (self.network.places - self.network.places.min(axis=0)) * across // sides
-        numbers, paths = cells @ (across**2, across, 1), []
-        for number in np.unique(numbers).tolist():
-            checkpoint("writing blocks", number / across**3)
-            path = place / "block-{}-{}-{}.stl".format(*np.unravel_index(number, (across,) * 3))
-            if not path.exists():
-                points, triangles, normals, faces = pieces.mesh(numbers == number)
-                Mesh(points, triangles, faces, FACES, normals, deviation=pieces.deviation).write(path, open=True)
-            paths.append(path)
-        return paths
+        return write_blocks(self.pieces(tolerance), Path(folder), struts, map)
 
     def __repr__(self) -> str:
         return f"<NetworkPart: {len(self.network.places)} nodes, {len(self.network.edges)} struts, GC^{self.order}>"
@@ -335,7 +329,7 @@ class NetworkMesh(Mesh):
     def certificate(self) -> Findings:
         """Whether it is a closed manifold, each node's mesh has the topology of its surface, and how far it is off."""
         assert self.part is not None
-        pieces, sides = self.part.pieces(self.tolerance), [self.part, *([self.part.cavity] if self.part.cavity else [])]
+        sides = [self.part, *([self.part.cavity] if self.part.cavity else [])]
         topology = Verdict(Status.PROVED, "the topology of every node", "by the meshes of their classes")
         distances = []
         for side in sides:

@@ -11,6 +11,8 @@ than neighbours of one ring; it is r (1 - cos(angle / 2)) from the cylinder or c
 
 from __future__ import annotations
 
+import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import acos, ceil, cos, pi, tau
@@ -65,6 +67,47 @@ class StrutPiece:
     normals: Floats
     deviation: float
     edges: Integers
+
+
+@dataclass(frozen=True, eq=False)
+class MeshShare:
+    """A part of a network's mesh: the pieces of all kinds of `nodes`, of all kinds of struts triangles, normals and
+    both rings, `places` (M, 3) of nodes with their kinds, which of these are its `own`, and of each strut its two nodes
+    in these (E, 2) and its kind."""
+
+    nodes: Sequence[NodePiece]
+    strips: Sequence[tuple[Integers, Floats, Integers, Integers]]
+    places: Floats
+    of: Integers
+    own: Integers
+    links: Integers
+    strut_kinds: Integers
+
+    def mesh(self) -> tuple[Floats, Integers, Floats, Integers]:
+        """Points (N, 3), triangles (T, 3), normals at their corners (T, 3, 3), and whether each is of a strut (T,).
+
+        Points of the nodes at the far ends of struts are there, too.
+        """
+        sizes = np.array([len(n.points) for n in self.nodes])[self.of]
+        starts = np.cumsum(sizes) - sizes
+        points = np.empty((int(sizes.sum()), 3))
+        triangles, normals = [np.zeros((0, 3), dtype=np.int64)], [np.zeros((0, 3, 3))]
+        for kind in np.unique(self.of).tolist():
+            piece, all_of = self.nodes[kind], np.flatnonzero(self.of == kind)
+            rows = starts[all_of][:, None] + np.arange(len(piece.points))
+            points[rows] = piece.points + self.places[all_of][:, None]
+            own = all_of[self.own[all_of]]
+            triangles.append((piece.triangles + starts[own][:, None, None]).reshape(-1, 3))
+            normals.append(np.tile(piece.normals, (len(own), 1, 1)))
+        many = sum(map(len, triangles))
+        for kind in np.unique(self.strut_kinds).tolist():
+            strip_, out, *rings = self.strips[kind]
+            links = self.links[self.strut_kinds == kind]
+            both = [starts[links[:, end]][:, None] + rings[end] for end in (0, 1)]
+            triangles.append(np.concatenate(both, axis=1)[:, strip_].reshape(-1, 3))
+            normals.append(np.tile(out, (len(links), 1, 1)))
+        found = np.concatenate(triangles)
+        return points, found, np.concatenate(normals), (np.arange(len(found)) >= many).astype(np.int64)
 
 
 class PlacedPieces:
@@ -150,37 +193,39 @@ class PlacedPieces:
         largest = max([n.deviation for n in self.nodes] + [s.deviation for s in self.struts])
         return largest + far * 2.0**-50
 
-    def mesh(self, chosen: Any = None) -> tuple[Floats, Integers, Floats, Integers]:
-        """Points (N, 3), triangles (T, 3), normals at their corners (T, 3, 3), and whether each is of a strut (T,).
+    def mesh(self) -> tuple[Floats, Integers, Floats, Integers]:
+        """See `MeshShare.mesh`."""
+        return self.share(np.flatnonzero(self.kinds.of >= 0), np.arange(len(self.network.edges))).mesh()
 
-        Of the nodes `chosen` (a mask) and the struts that begin there alone, if it is given; points of the nodes at the
-        other ends of these are there, too.
-        """
-        network, kinds = self.network, self.kinds
-        of = kinds.of if chosen is None else np.where(chosen, kinds.of, -1)
-        mine = np.ones(len(network.edges), dtype=bool) if chosen is None else chosen[network.edges[:, 0]]
-        needed = of >= 0
-        needed[network.edges[mine].ravel()] = True
-        sizes = np.where(needed, np.array([len(n.points) for n in self.nodes])[kinds.of], 0)
-        starts = np.cumsum(sizes) - sizes
-        points = np.empty((int(sizes.sum()), 3))
-        triangles, normals = [], []
-        for kind, piece in enumerate(self.nodes):
-            all_of = np.flatnonzero(needed & (kinds.of == kind))
-            rows = starts[all_of][:, None] + np.arange(len(piece.points))
-            points[rows] = piece.points + network.points[all_of][:, None]
-            own = np.flatnonzero(of == kind)
-            triangles.append((piece.triangles + starts[own][:, None, None]).reshape(-1, 3))
-            normals.append(np.tile(piece.normals, (len(own), 1, 1)))
-        many = sum(map(len, triangles))
-        for strut in self.struts:
-            edges = strut.edges[mine[strut.edges]]
-            rings = [self.nodes[strut.kinds[end]].rings[strut.slots[end]] for end in (0, 1)]
-            both = [starts[network.edges[edges, end]][:, None] + rings[end] for end in (0, 1)]
-            triangles.append(np.concatenate(both, axis=1)[:, strut.triangles].reshape(-1, 3))
-            normals.append(np.tile(strut.normals, (len(edges), 1, 1)))
-        found = np.concatenate(triangles)
-        return points, found, np.concatenate(normals), (np.arange(len(found)) >= many).astype(np.int64)
+    def share(self, nodes: Integers, edges: Integers) -> MeshShare:
+        """The part of the mesh that has some nodes and struts."""
+        network, of = self.network, self.kinds.of
+        nodes = nodes[of[nodes] >= 0]
+        needed = np.union1d(nodes, network.edges[edges])
+        links = np.searchsorted(needed, network.edges[edges]).astype(np.int32)
+        strips = [
+            (s.triangles, s.normals, *(self.nodes[k].rings[slot] for k, slot in zip(s.kinds, s.slots, strict=True)))
+            for s in self.struts
+        ]
+        own = np.isin(needed, nodes, assume_unique=True)
+        return MeshShare(self.nodes, strips, network.points[needed], of[needed], own, links, self._strut_kinds[edges])
+
+    @cached_property
+    def _strut_kinds(self) -> Integers:
+        """The number of the piece of each strut (E,)."""
+        found = np.zeros(len(self.network.edges), dtype=np.int32)
+        for number, strut in enumerate(self.struts):
+            found[strut.edges] = number
+        return found
+
+    @cached_property
+    def digest(self) -> str:
+        """A name for the mesh, which another one does not have."""
+        found = hashlib.sha256()
+        tables = [self.network.places, self.network.edges, self.kinds.of, self.kinds.slots]
+        for array in (*tables, *(a for node in self.nodes for a in (node.points, node.triangles))):
+            found.update(np.ascontiguousarray(array))
+        return found.hexdigest()
 
     @cached_property
     def volume(self) -> float:
