@@ -257,19 +257,13 @@ class FaceField(Field, Protocol):
         """Values and gradients (N, 4) of a label's function, or of each point's own (N,), at points (N, 3)."""
 
     def shells(self) -> Sequence[FaceField]:
-        """The surfaces of the boundary that are proved to be apart, each as the boundary of a set; itself if one."""
+        """The surfaces that the boundary may be made of, if they are apart, each as that of a set; itself if one."""
 
     def wall(self) -> ShellWall | None:
         """What this is the wall of; None if it is no shell."""
 
-    def touching(self) -> Sequence[FaceField]:
-        """The surfaces that have points in common at most, each as the boundary of a set; itself if one.
-
-        Each has these points among its special ones.
-        """
-
     def needed(self) -> FaceField:
-        """The field of this boundary without functions that others are proved to imply; itself if there are none."""
+        """The field without functions that others imply wherever it is looked; itself if there are none."""
 
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
         """The labels here of labels (N,) of one of these."""

@@ -163,15 +163,14 @@ def _given_up(
 ) -> Refusal | None:
     """Why no finer lattice is looked at: those that failed had more cubes than `most`, or no less places than before.
 
-    Of each of them the cubes and places are given.  If the set has functions that others imply it is tried without.
+    Of each of them the cubes and places are given.
     """
     cubes, places = zip(*failures, strict=True)
-    several, spent = len(failures) >= PATIENCE, sum(cubes) > most
-    spare = several and field.needed() is not field
-    if not (spare or spent or (several and 2 * places[-1] > places[-PATIENCE])):
+    spent = sum(cubes) > most
+    if not spent and (len(failures) < PATIENCE or 2 * places[-1] <= places[-PATIENCE]):
         return None
     found = diagnosis(field, last.places, octree.spacing)
-    if not (spare or spent or (found is not None and found.stays)):
+    if not spent and (found is None or not found.stays):
         return None
     return Refusal(_sentence(found, octree, last.reason))
 
