@@ -32,7 +32,7 @@ many must show the same pieces, holes and faces, unless all of the boundary is c
 MANY = 0.01
 """Share of the cubes in which more than one sheet may be, above which a lattice is made finer without a look."""
 
-PATIENCE, UNCLEAR = 3, 4000
+PATIENCE, UNCLEAR = 3, 1000
 """Lattices that show no less trouble than the first of them, and cubes in which the boundary is not clear, after which
 a reason is looked for why it does not come out."""
 

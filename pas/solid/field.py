@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from itertools import combinations, permutations, product
+from itertools import combinations, product
 
 import numpy as np
 from flint import fmpq
@@ -14,19 +14,15 @@ from pas.algebra.affine import quadratic_form
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
-from pas.errors import GeometryError, MeshError
-from pas.mesh.diagnostics import diagnosis
-from pas.mesh.field import FaceField, ShellWall, extent_of
+from pas.errors import GeometryError
+from pas.mesh.field import FaceField, ShellWall
+from pas.solid.bounds import ORIGIN, bounding_box
 from pas.solid.evaluator import TreeEvaluator, called
 from pas.solid.functions import followed_by
-from pas.solid.bounds import ORIGIN, bounding_box
-from pas.solid.seams import Seams, seams_of, tangent_line
-from pas.solid.tree import Atom, Function, Node, Tree, complement, parts_of, splits_of
+from pas.solid.seams import Seams, seams_of
+from pas.solid.tree import Atom, Function, Node, Tree, complement, splits_of
 
 Integers = NDArray[np.intp]
-
-ALONG = 200
-"""Points along a line on which faces touch, of which some are on a part of it that is not much shorter than the box."""
 
 
 class SolidField:
@@ -209,8 +205,7 @@ class SolidField:
         return called(self.evaluator.names_within(label // 2, label % 2 == 1, centers, halves)) or self.face(label)
 
     def refuse_coincident(self) -> None:
-        """Raise `GeometryError` where two faces lie on different functions with a common surface, and `MeshError` where
-        they touch along a line and the solid, or what it leaves out, has no thickness there."""
+        """Raise `GeometryError` where two faces lie on different functions with a common surface."""
         used = enumerate(self.evaluator.columns[: self.evaluator.used])
         faces = {i: c.function for i, c in used if c.names and isinstance(c.function, Polynomial)}
         for a, b in combinations(faces, 2):
@@ -220,50 +215,6 @@ class SolidField:
                     f"the faces {self.face(2 * a)!r} and {self.face(2 * b)!r} coincide on {common} = 0; "
                     "write one of them without that factor"
                 )
-        pinched = [np.empty((0, 3))]
-        for a, b in permutations(faces, 2):
-            flat = (faces[a].degree, faces[b].degree) == (1, 2)
-            across = tangent_line(faces[a], faces[b]) if flat else None
-            if across is not None and across.degree == 1:
-                pinched.append(self._pinched(a, b, *_on_line(faces[a], across, self.world(self.box))))
-        places = np.concatenate(pinched)
-        found = diagnosis(self, places, extent_of(self) / ALONG) if len(places) else None
-        if found is not None and found.stays:
-            raise MeshError(f"the solid could not be meshed: {found.sentence}")
-
-    def _pinched(self, plane: int, quadric: int, points: Floats, aside: Floats) -> Floats:
-        """Of points (N, 3) in which a plane touches a quadric those (K, 3) in the box at which the solid is between
-        these and on neither side of both, or on both sides and not between them; no other function vanishes there.
-
-        The points `aside` (N, 3) are on the plane but not on the quadric.
-        """
-        points, aside = self.evaluator.local(points), self.evaluator.local(aside)
-        values = np.abs(self.evaluator.values(points))
-        values[[plane, quadric]] = np.inf
-        kept = ((points > self.box[0]) & (points < self.box[1])).all(axis=1)
-        kept &= values.min(axis=0) > 1e-7  # by more than rounding: functions are scaled
-        points, aside = points[kept], aside[kept]
-        normals = [self.evaluator.jets(points, np.full(len(points), c))[:, 1:] for c in (plane, quadric)]
-        outer = ~self.evaluator.signs(aside)[quadric]  # whether the plane is outside the quadric
-        under = ((normals[0] * normals[1]).sum(axis=1) > 0) == outer  # and what is between them below the plane
-        between = self.evaluator.signs(points)
-        between[plane], between[quadric] = under, ~outer
-        beyond = [between.copy(), between.copy()]
-        for column, signs in zip((plane, quadric), beyond, strict=True):
-            signs[column] ^= True
-        inside, *others = (self.evaluator.inside(signs) for signs in (between, *beyond))
-        return points[(others[0] != inside) & (others[1] != inside)]
-
-
-def _on_line(plane: Polynomial, across: Polynomial, box: Floats) -> tuple[Floats, Floats]:
-    """Points (ALONG, 3) about a box on the line in which two planes meet, and others beside it on the first of them."""
-    rows = np.array([p.dense(1) for p in (plane, across)])
-    rows /= np.linalg.norm(rows[:, 1:], axis=1)[:, None]
-    center, size = box.mean(axis=0), float(np.linalg.norm(np.ptp(box, axis=0)))
-    foot = center - np.linalg.pinv(rows[:, 1:]) @ (rows[:, 1:] @ center + rows[:, 0])
-    along = np.cross(rows[0, 1:], rows[1, 1:])
-    points = foot + np.linspace(-1.0, 1.0, ALONG)[:, None] * size / np.linalg.norm(along) * along
-    return points, points + size * np.cross(along, rows[0, 1:])
 
 
 def _has_lines(function: Function) -> bool:
