@@ -207,6 +207,10 @@ class TreeEvaluator:
     def _bank(self) -> TaylorForms:
         return TaylorForms([p for i in self._rows.tolist() for p in self._scaled[i].polynomials])
 
+    def polynomial(self, number: int) -> Polynomial | None:
+        """The polynomial of a column in local coordinates, scaled; None where it is none."""
+        return self._scaled[number].polynomials[0] if number in self._scaled else None
+
     def number(self, other: TreeEvaluator, columns: Integers) -> tuple[Integers, Bools]:
         """The columns that hold those of another evaluator, and whether with the opposite sign."""
         wanted, places = np.unique(columns, return_inverse=True)

@@ -271,11 +271,12 @@ def without_implied(tree: Tree, box: Floats) -> Tree:
     if isinstance(tree, Atom):
         return tree
     kept = [without_implied(part, box) for part in tree.parts]
-    known = [part for part in kept if isinstance(part, Atom) and isinstance(part.function, Polynomial)]
+    known = {p: p.function for p in kept if isinstance(p, Atom) and isinstance(p.function, Polynomial)}
     most = 12  # conditions of one intersection, each three of which are looked at
     if not tree.union and 3 <= len(known) <= most:
-        points = np.stack(np.meshgrid(*np.linspace(*_around(box), 33).T), axis=-1).reshape(-1, 3)
-        holds = {part: (part.function(points) <= 0) != part.outside for part in known}
+        low, high = _around(box)
+        points = np.stack(np.meshgrid(*np.linspace(low, high, 33).T), axis=-1).reshape(-1, 3)
+        holds = {part: (function(points) <= 0) != part.outside for part, function in known.items()}
         for atom in known:
             others = combinations([part for part in known if part in kept and part != atom], 2)
             if any(holds[atom][holds[h] & holds[k]].all() for h, k in others):
