@@ -147,7 +147,7 @@ from .partition.boxes import WorseyFarinSplit as WorseyFarinSplit
 from .partition.cells import OpenRegion as OpenRegion
 from .partition.cells import Partition as Partition
 from .partition.cells import Region as Region
-from .partition.kinds import register_partition as register_partition
+from .partition.cells import register_partition as register_partition
 from .partition.layout import Layout as Layout
 from .partition.six_tetrahedra import SixTetrahedra as SixTetrahedra
 from .piecewise import PiecewiseSurface as PiecewiseSurface
@@ -164,7 +164,7 @@ from .pipeline.result import Blend as Blend
 from .pipeline.result import SolutionSpace as SolutionSpace
 from .pipeline.session import Session as Session
 from .pipeline.session import keep_blends as keep_blends
-from .pipeline.tables import table as table
+from .pipeline.summary import table as table
 from .render.drawing import animate as animate
 from .render.drawing import draw as draw
 from .render.window import show as show

@@ -17,7 +17,7 @@ from pas.contacts.contact import CONTACTS
 from pas.exchange.formats import FORMATS
 from pas.exchange.problem import PROBLEMS
 from pas.fairing.energy import ENERGIES
-from pas.partition.kinds import PARTITIONS, read_partition
+from pas.partition.cells import PARTITIONS, read_partition
 from pas.partition.six_tetrahedra import VERTEX_SIGNS
 from pas.shape import KINDS
 

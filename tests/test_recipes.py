@@ -24,7 +24,7 @@ from pas.exchange.container import checksum
 from pas.exchange.formats import FORMATS
 from pas.fairing.energy import ENERGIES
 from pas.layouts.kinds import LAYOUTS
-from pas.partition.kinds import PARTITIONS
+from pas.partition.cells import PARTITIONS
 from pas.settings import MeshSettings, given
 from pas.studio import controls as studio
 from pas.studio.code import program, toml

@@ -79,22 +79,17 @@ class NormalForm:
         return [e for e in exponents(degree) if self._rule(e) is None]
 
     def reduce(self, polynomial: fmpq_mpoly) -> fmpq_mpoly:
-        """The normal form of one polynomial (by flint's division, not by `images`)."""
-        return divmod_all(polynomial, self.basis)
+        """The normal form of one polynomial (by division, not by `images`)."""
+        return divided(polynomial, self.basis)[-1]
 
     def contains(self, polynomial: fmpq_mpoly) -> bool:
         """Whether the normal form of one polynomial is 0: no more is divided than that takes."""
-        rest, heads = polynomial, [next(iter(divisor.terms())) for divisor in self.basis]
-        while not rest.is_zero():
-            lead, coefficient = next(iter(rest.terms()))
-            for divisor, (head, factor) in zip(self.basis, heads, strict=True):
-                a, b, c = lead[0] - head[0], lead[1] - head[1], lead[2] - head[2]
-                if a >= 0 and b >= 0 and c >= 0:
-                    rest -= divisor * rest.context().from_dict({(a, b, c): coefficient / factor})
-                    break
-            else:
-                return False
-        return True
+        rest: Any = integral(polynomial)
+        return bool(rest.reduction_primitive_part(self._divisors).is_zero())
+
+    @cached_property
+    def _divisors(self) -> fmpz_mpoly_vec:
+        return fmpz_mpoly_vec([integral(g) for g in self.basis], INTEGER_RING)
 
     def _rule(self, e: Exponents) -> tuple[Exponents, tuple[tuple[Exponents, fmpq], ...]] | None:
         for rule in self._rules:
@@ -148,23 +143,24 @@ def leading_exponents(polynomial: fmpq_mpoly | fmpz_mpoly) -> Exponents:
     return tuple(int(e) for e in next(iter(polynomial.terms()))[0])
 
 
-def divmod_all(polynomial: fmpq_mpoly, divisors: Sequence[fmpq_mpoly]) -> fmpq_mpoly:
-    """The remainder of multivariate division of `polynomial` by `divisors`."""
+def divided(polynomial: fmpq_mpoly, divisors: Sequence[fmpq_mpoly]) -> list[fmpq_mpoly]:
+    """The quotients by some divisors and the remainder of multivariate division, whose leading terms none divides."""
     context = polynomial.context()
-    remainder: Sparse = {}
+    found: list[Sparse] = [{} for _ in (*divisors, None)]
+    heads = [next(iter(divisor.terms())) for divisor in divisors]
     rest = polynomial
     while not rest.is_zero():
-        lead, coefficient = next(iter(rest.terms()))
-        for divisor in divisors:
-            head, head_coefficient = next(iter(divisor.terms()))
+        lead, value = next(iter(rest.terms()))
+        for divisor, (head, scale), quotient in zip(divisors, heads, found, strict=False):
             shift = tuple(a - b for a, b in zip(lead, head, strict=True))
             if min(shift) >= 0:
-                rest -= divisor * context.from_dict({shift: coefficient / head_coefficient})
+                quotient[shift] = value / scale
+                rest -= divisor * context.from_dict({shift: value / scale})
                 break
         else:
-            remainder[lead] = coefficient
-            rest -= context.from_dict({lead: coefficient})
-    return context.from_dict(remainder)
+            found[-1][lead] = value
+            rest -= context.from_dict({lead: value})
+    return [context.from_dict(terms) for terms in found]
 
 
 def _monic(polynomial: fmpq_mpoly) -> fmpq_mpoly:

@@ -23,10 +23,10 @@ from math import lcm
 
 from flint import fmpq, fmpz_mat
 
+from pas.algebra.matrices import Products
 from pas.algebra.monomials import Exponents, count, exponents, positions
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import integral_nullspace
-from pas.algebra.products import Products
 from pas.partition.complex import InteriorFace
 from pas.surface.placed import PlacedContacts
 

@@ -25,9 +25,9 @@ from flint import fmpq_mat
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_degree, check_order, shown
+from pas.algebra.matrices import Products
 from pas.algebra.monomials import count
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.products import Products
 from pas.blending.conditions import Conditions
 from pas.blending.multipliers import consistency
 from pas.blending.net import Net

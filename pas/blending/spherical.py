@@ -15,11 +15,11 @@ from math import gcd, lcm
 
 from flint import fmpq, fmpq_mat, fmpz_mat
 
+from pas.algebra.matrices import Products
 from pas.algebra.monomials import Exponents, count, homogeneous_exponents, positions
 from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import integral_nullspace, solve_sparse
 from pas.algebra.polynomial import GENERATORS, RING
-from pas.algebra.products import Products
 from pas.blending.net import Row, across, bernstein_polynomials, domain_point, members, numbered
 from pas.contacts.contact import Contact
 from pas.limits import checkpoint
