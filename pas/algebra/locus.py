@@ -18,7 +18,7 @@ from typing import Any
 
 from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx, fmpz_mpoly_ctx, fmpz_mpoly_vec
 
-from pas.algebra.normal_form import divided, groebner, integral
+from pas.algebra.ideal import divided, groebner, integral
 from pas.algebra.polynomial import primitive
 from pas.limits import checkpoint
 

@@ -11,11 +11,11 @@ among them by lattice reduction (Lenstra, Lenstra and Lovasz 1982).
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import gcd, lcm
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
@@ -67,6 +67,17 @@ class Products:
 
 
 Table = list[list[int]]
+K = TypeVar("K", bound=Hashable)
+
+
+def whole_rows(rows: Sequence[Mapping[K, fmpq]], places: Mapping[K, int]) -> tuple[fmpz_mat, int]:
+    """Rows (N, columns) of entries by keys, which have `places`, in whole numbers over one denominator."""
+    common = lcm(*(int(v.q) for row in rows for v in row.values()))
+    table = fmpz_mat(len(rows), len(places))
+    for number, row in enumerate(rows):
+        for key, value in row.items():
+            table[number, places[key]] = int(value.p) * (common // int(value.q))
+    return table, common
 
 
 def short_basis(rows: fmpz_mat) -> fmpz_mat:

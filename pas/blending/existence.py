@@ -23,10 +23,10 @@ from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx
 
 from pas.algebra.brief import brief
 from pas.algebra.expressions import read_polynomial
+from pas.algebra.ideal import divided
 from pas.algebra.inputs import check_degree, check_order
 from pas.algebra.locus import ANY, Locus, Parameters, Sign
 from pas.algebra.monomials import exponents
-from pas.algebra.normal_form import divided
 from pas.algebra.parametric import (
     ParametricNullspace,
     Remainders,

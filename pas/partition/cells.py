@@ -34,9 +34,8 @@ from pas.algebra.rational import (
     vector,
 )
 from pas.errors import GeometryError
-from pas.partition.complex import CellComplex, OuterFace
+from pas.partition.complex import CellComplex, Location, OuterFace
 from pas.partition.layout import Layout, Ray, Triangle, primitive, times_covered
-from pas.partition.location import Location
 from pas.registry import Registry, Serialisable, read_record
 
 DIRECTION = re.compile(r"\(-?\d+, -?\d+, -?\d+\)")
@@ -216,7 +215,7 @@ def _moved(words: str, map_: Affine) -> str:
 PARTITIONS: Registry[type[Partition]] = Registry(
     "partition",
     {
-        "six tetrahedra": "pas.partition.six_tetrahedra:SixTetrahedra",
+        "six tetrahedra": "pas.partition.boxes:SixTetrahedra",
         "single cell": "pas.partition.boxes:SingleCell",
         "tetrahedra": Partition,
         "region": Region,
