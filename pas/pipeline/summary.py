@@ -15,7 +15,7 @@ from pas.algebra.rational import plain
 from pas.contacts.contact import Contact
 from pas.contacts.ends import unusual
 from pas.errors import GeometryError
-from pas.limits import WorkLimits, checkpoint, limited
+from pas.limits import WorkLimits, in_parts, limited
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import contact_ends
 from pas.pipeline.chosen import ChosenBlend
@@ -114,10 +114,9 @@ def table(blends: Sequence[ChosenBlend] | Mapping[str, ChosenBlend], **limits: U
     """
     named = dict(blends) if isinstance(blends, Mapping) else dict(enumerate(blends))
     rows = []
-    for done, (name, blend) in enumerate(named.items()):
+    for name, blend in in_parts(named.items(), "measuring blends"):
         if not isinstance(blend, ChosenBlend):
             raise TypeError(f"blends[{name!r}] must be a pas.Blend, not {shown(blend)}")
-        checkpoint(f"measuring blend {name}", done / len(named))
         proved, fairness, surface = blend.certificate.proved, blend.fairness, blend.surface
         row: dict[str, Any] = {"order": surface.order, "degree": surface.degree, "dimension": blend.dimension}
         row |= {"energy": blend.energy, "seconds": sum(blend.timings.values())}
