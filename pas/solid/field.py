@@ -40,7 +40,7 @@ class SolidField:
     ) -> None:
         center = exact_vector(np.round(box.mean(axis=0), 6).tolist())
         scale = exact(2.0 ** float(np.round(np.log2(max(float(np.ptp(box, axis=0).max()) / 2, 1e-30)))))
-        given = seams_of(tree, seams)
+        given = seams_of(tree, seams, box)
         self.evaluator = TreeEvaluator(tree, center, scale, tuple(f for seam in given for f in seam.functions))
         self._seams = Seams(self.evaluator, given)
         self.box = self.evaluator.local(box)

@@ -8,7 +8,8 @@ h, the faces' seam is f = 0 with the product of the h, so that each point is sou
 And where two faces continue each other across a plane, that is no boundary, though a lattice sees three functions.
 
 A plane face may also cut two others that touch there and go on smoothly, as where a bend joins a pipe.  That they touch
-all along the section is proved; where they cross elsewhere, the section says nothing of that.
+all along the section is proved.  That the one bounds the solid before the plane and the other behind it is seen at some
+places; where it is not so, they may cross elsewhere, and the section says nothing of that.
 
 Not guaranteed: of curves that have no function in common only the first is a seam.
 """
@@ -19,12 +20,14 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations, combinations_with_replacement, product
+from itertools import combinations, combinations_with_replacement, permutations, product
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_mpoly
 
 from pas.algebra.ideal import Ideal
+from pas.algebra.lengths import lengths, unit
+from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import cross
 from pas.solid.evaluator import TreeEvaluator
@@ -35,6 +38,15 @@ Curve = tuple[Polynomial, Polynomial]
 
 HIGHEST = 6
 """Degree of functions of which plane sections are looked at: that of the blends of pipes with continuous curvature."""
+
+STARTS = 64
+"""Points from which places on a section are looked for."""
+
+SLACK = 1e-9
+"""How far places may be outside the box by rounding, over its longest side."""
+
+ASIDE = (0.01, 0.03)
+"""How far before and behind the plane it is looked, over the longest side of the box."""
 
 
 @dataclass(frozen=True)
@@ -70,10 +82,14 @@ class Seam:
         return all(any(map(curve.contains, surfaces)) for curve in self.curves)
 
 
-def seams_of(tree: Tree, claimed: Sequence[Curve]) -> list[Seam]:
-    """The seams of claimed curves and of those along which faces of a tree touch, those of several curves first."""
+def seams_of(tree: Tree, claimed: Sequence[Curve], box: Floats | None = None) -> list[Seam]:
+    """The seams of claimed curves and of those along which faces of a tree touch, those of several curves first.
+
+    Plane sections are among them where the solid's `box` (2, 3) is given.
+    """
     curves = [*claimed, *_lines(tree)]
-    sections = [Seam((plane, curve), (Ideal(plane, curve),), plane) for plane, curve in _smooth_sections(tree)]
+    cut = () if box is None else _smooth_sections(tree, box)
+    sections = [Seam((plane, curve), (Ideal(plane, curve),), plane) for plane, curve in cut]
     single = [Seam(curve, (Ideal(*curve),)) for curve in curves]
     cutting: dict[Polynomial, list[int]] = {}
     for number, curve in enumerate(curves):
@@ -202,8 +218,8 @@ def multiples(plane: Polynomial, first: Polynomial, second: Polynomial) -> bool:
     return bool((f * b - g * a).is_zero() and a * b > 0)
 
 
-def _smooth_sections(tree: Tree) -> Iterator[tuple[Polynomial, Polynomial]]:
-    """Planes, and functions that vanish with them on sections along which two faces of a solid touch."""
+def _smooth_sections(tree: Tree, box: Floats) -> Iterator[tuple[Polynomial, Polynomial]]:
+    """Planes, and functions that vanish with them on sections along which two faces of a solid in a box go on."""
     faces_of = (a.function.primitive() for a in atoms(tree) if a.face and isinstance(a.function, Polynomial))
     functions = dict.fromkeys(faces_of)
     for plane in (f for f in functions if f.degree == 1):
@@ -214,7 +230,8 @@ def _smooth_sections(tree: Tree) -> Iterator[tuple[Polynomial, Polynomial]]:
                     faces.setdefault(Polynomial.from_raw(factor).primitive(), []).append(function)
         for curve, cut in ((c, several) for c, several in faces.items() if len(several) > 1):
             ideal = Ideal(plane, curve)
-            if any(_touch(*pair, ideal) for pair in combinations(cut, 2)):
+            pairs = (pair for pair in combinations(cut, 2) if _touch(*pair, ideal))
+            if any(_go_on(tree, box, plane, curve, pair) for pair in pairs):
                 yield plane, curve
 
 
@@ -228,3 +245,46 @@ def _touch(first: Polynomial, second: Polynomial, curve: Ideal) -> bool:
     wall through one of the curves in which they do nothing of the others."""
     a, b = ([f.diff(x) for x in "xyz"] for f in (first, second))
     return all(curve.contains(a[i] * b[j] - a[j] * b[i]) for i, j in combinations(range(3), 2))
+
+
+def _go_on(tree: Tree, box: Floats, plane: Polynomial, curve: Polynomial, pair: tuple[Polynomial, Polynomial]) -> bool:
+    """Whether one of two faces bounds the solid alone on one side of a plane, and the other on its other side."""
+    size = float(np.ptp(box, axis=0).max())
+    starts = box[0] + np.random.default_rng(0).random((STARTS, 3)) * np.ptp(box, axis=0)
+    points, found = _near(starts, (plane, curve))
+    points = points[
+        found & (points >= box[0] - SLACK * size).all(axis=1) & (points <= box[1] + SLACK * size).all(axis=1)
+    ]
+    normals = unit(pair[0].gradient(points))
+    ways = plane.gradient(points)
+    ways = unit(ways - (ways * normals).sum(axis=1)[:, None] * normals)
+    sides = [np.concatenate([points + side * share * size * ways for share in ASIDE]) for side in (-1, 1)]
+    evaluator = TreeEvaluator(tree, (fmpq(0), fmpq(0), fmpq(0)), fmpq(1))
+    bounding = [[_bounds(evaluator, f, side) for side in sides] for f in pair]
+    return any(bool((a[0] & b[1]).any() and not (a[1] | b[0]).any()) for a, b in permutations(bounding))
+
+
+def _bounds(evaluator: TreeEvaluator, function: Polynomial, points: Floats) -> Bools:
+    """At which points (N, 3), moved onto a face, the solid is on one side of it alone."""
+    points, near = _near(points, (function,))
+    number = next(i for i, c in enumerate(evaluator.columns) if _is(c.function, function))
+    signs = evaluator.signs(points)
+    both = []
+    for side in (True, False):
+        signs[number] = side
+        both.append(evaluator.inside(signs))
+    return np.asarray(near & (both[0] != both[1]))
+
+
+def _is(function: object, primitive: Polynomial) -> bool:
+    return isinstance(function, Polynomial) and function.primitive() == primitive
+
+
+def _near(points: Floats, functions: tuple[Polynomial, ...]) -> tuple[Floats, Bools]:
+    """Common zeros (N, 3) of one function or two near points (N, 3), by the Gauss-Newton method, and which are some."""
+    for _ in range(20):
+        values = np.stack([f(points) for f in functions], axis=1)
+        slopes = np.stack([f.gradient(points) for f in functions], axis=1)
+        steps = np.einsum("nij,nj->ni", np.linalg.pinv(slopes), values)
+        points = points - steps
+    return points, np.asarray(lengths(steps) <= 1e-9 * np.maximum(lengths(points), 1.0))
