@@ -167,7 +167,7 @@ from .pipeline.session import keep_blends as keep_blends
 from .pipeline.tables import table as table
 from .render.drawing import animate as animate
 from .render.drawing import draw as draw
-from .render.window import show as show
+from .render.drawing import show as show
 from .shape import Kind as Kind
 from .shape import Shape as Shape
 from .surface.crossings import Crossings as Crossings

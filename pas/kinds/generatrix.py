@@ -35,7 +35,7 @@ from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
 from pas.parametric.generatrix.sphere import SphereBlend, blend_through_sphere
 from pas.parametric.nets import extent
-from pas.render.generatrix import layers, sphere_layers
+from pas.render.parametric import layers, sphere_layers
 from pas.settings import RELATIVE_TOLERANCE, MeshSettings
 from pas.shape import Kind
 
