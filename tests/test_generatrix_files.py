@@ -14,7 +14,7 @@ from conftest import ROOT
 
 import pas
 from pas.cli import main
-from pas.exchange.container import checksum
+from pas.exchange.files import checksum
 from pas.exchange.picture_options import Picture, Style
 from pas.parametric.generatrix import verdicts
 from pas.render.neighbours import collar
@@ -226,7 +226,7 @@ def test_the_command(tmp_path, capsys):
     assert len(re.findall(r"^G1 with .*: (?:proved|holds, measured);", out, re.M)) == 2
     project = tmp_path / "out/case.pas.json"
     assert sorted(p.name for p in project.parent.iterdir()) == ["case.pas.json", "case.png", "case.stl"]
-    require_same(pas.load(project), pas.read_parametric_problem(tmp_path / "case.toml").blend())
+    require_same(pas.load(project), pas.read_parametric_problem(tmp_path / "case.toml").solve())
     assert main(["check", str(project)]) == 0
     assert re.search(r"^[0-9] proved; [0-9] measured to hold, in ", capsys.readouterr().out, re.M)
     assert main(["mesh", str(project), "-o", str(tmp_path / "a.ply"), "--tolerance", "0.1"]) == 0

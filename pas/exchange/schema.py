@@ -167,11 +167,11 @@ def row(*entries: Form) -> Value:
     return _list(lambda _: entries, "a list")
 
 
-def _list(forms: Callable[[int], Sequence[Form]], words: str) -> Value:
-    """A list whose entries have the forms that there are for so many."""
+def _list(parts_of: Callable[[int], Sequence[Form]], words: str) -> Value:
+    """A list whose entries have the forms that `parts_of` gives for so many."""
 
     def inside(value: Any, place: str) -> None:
-        wanted = forms(len(value))
+        wanted = parts_of(len(value))
         if len(value) != len(wanted):
             raise ValueError(f"{place} must be a list of {len(wanted)} entries, not of {len(value)}")
         for i, (part, entry) in enumerate(zip(value, wanted, strict=True)):
@@ -181,8 +181,8 @@ def _list(forms: Callable[[int], Sequence[Form]], words: str) -> Value:
         words,
         lambda value: isinstance(value, list),
         inside,
-        lambda value: [entry.read(part) for part, entry in zip(value, forms(len(value)), strict=True)],
-        lambda things: [entry.write(thing) for thing, entry in zip(things, forms(len(things)), strict=True)],
+        lambda value: [entry.read(part) for part, entry in zip(value, parts_of(len(value)), strict=True)],
+        lambda things: [entry.write(thing) for thing, entry in zip(things, parts_of(len(things)), strict=True)],
     )
 
 

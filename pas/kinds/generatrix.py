@@ -1,7 +1,7 @@
 """Blends by a generatrix, and such through a sphere, as kinds of shapes: their boundaries and shape functions.
 
-Boundaries are kept as the tables from which they were read (`pas.exchange.boundaries`) and how they were turned, so
-that reading searches nothing; shape functions as their exact coefficients.
+Boundaries are kept as the tables from which they were read (`pas.exchange.parametric_problem`) and how they were
+turned, so that reading searches nothing; shape functions as their exact coefficients.
 
 Guaranteed: what is read is the same blend.  Not possible: boundaries and middle curves that are callables.
 """
@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import Any
 
-from pas.exchange.boundaries import boundary_from
+from pas.exchange.parametric_problem import boundary_from
 from pas.exchange.records import kept
 from pas.exchange.schema import (
     ANYTHING,
