@@ -75,8 +75,6 @@ from pas.parametric.maps import ExactDomain
 from pas.parametric.surface import ParametricSurface, SurfaceCurve, iso_curve
 from pas.settings import MeshSettings
 
-BoundaryTable = Mapping[str, Any]
-
 
 @dataclass(frozen=True)
 class BoundaryKind:
@@ -85,14 +83,14 @@ class BoundaryKind:
     needs: tuple[str, ...]
     either: tuple[str, ...]
     may: frozenset[str]
-    build: Callable[[BoundaryTable, dict[str, Any]], Boundary]
+    build: Callable[[Mapping[str, Any], dict[str, Any]], Boundary]
 
     @property
     def keys(self) -> frozenset[str]:
         """All keys that there are."""
         return frozenset((*self.needs, *self.either, *self.may, "side", "name", "by_length"))
 
-    def fits(self, table: BoundaryTable) -> bool:
+    def fits(self, table: Mapping[str, Any]) -> bool:
         """Whether a table has what this kind needs."""
         return set(self.needs) <= set(table) and (not self.either or any(key in table for key in self.either))
 
@@ -101,14 +99,14 @@ class BoundaryKind:
         return " and ".join([", ".join(self.needs), *one])
 
 
-def _intersection(table: BoundaryTable, options: dict[str, Any]) -> Boundary:
+def _intersection(table: Mapping[str, Any], options: dict[str, Any]) -> Boundary:
     branches, number = quadric_intersection(table["quadric"], table["other"]), options.pop("branch", 0)
     if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number < len(branches):
         raise ValueError(f"branch must be a whole number from 0 to {len(branches) - 1}, not {number!r}")
     return branches[number].on(0, **options)
 
 
-def _parametric(table: BoundaryTable, options: dict[str, Any]) -> Boundary:
+def _parametric(table: Mapping[str, Any], options: dict[str, Any]) -> Boundary:
     surface = ParametricSurface(table["x"], table["y"], table["z"], domain=options.pop("domain", None))
     if "path" not in table:
         return Boundary.on_parametric(iso_curve(surface, table.get("t"), table.get("h")), **options)
@@ -139,7 +137,7 @@ KINDS = (
 KEYS = frozenset().union(*(kind.keys for kind in KINDS))
 
 
-def boundary_from(table: BoundaryTable, kinds: tuple[BoundaryKind, ...] = KINDS) -> Boundary:
+def boundary_from(table: Mapping[str, Any], kinds: tuple[BoundaryKind, ...] = KINDS) -> Boundary:
     """The boundary of a table, which it keeps as its `source`.
 
     Raises `ValueError` for a table of no kind or of wrong types, and what making the boundary raises.
@@ -200,8 +198,12 @@ class ParametricProblem(Problem):
 
     def solve(self) -> ParametricBlend:
         """The blend on the problem's domain; raises what its method raises."""
-        made = blend_by(self.method, self.data, self.order, self.options)
+        made = self.blend()
         return made if self.domain is None else replace(made, surface=made.surface.with_domain(self.domain))
+
+    def blend(self) -> ParametricBlend:
+        """The blend itself, on its own domain; raises what its method raises."""
+        return blend_by(self.method, self.data, self.order, self.options)
 
 
 def _read(file: Path, text: str, data: dict[str, Any]) -> ParametricProblem:
@@ -226,7 +228,8 @@ def _read(file: Path, text: str, data: dict[str, Any]) -> ParametricProblem:
         if METHODS[method].options[name] is not Any:
             reader.typed(data, name, METHODS[method].options[name], None)
     first, second = reader.checked({"parameters": parameters}, "parameters", _names)
-    surfaces = reader.each(data, "surfaces", lambda table: _surface(table, (first, second)), "surface")
+    made = lambda of: ParametricSurface(of["x"], of["y"], of["z"], (first, second), of.get("domain"))  # noqa: E731
+    surfaces = reader.each(data, "surfaces", made, "surface")
     blending = reader.checked({"values": data.get("values")}, "values", lambda values: BlendingData(surfaces, values))
     return ParametricProblem(
         **common(reader, data, MeshSettings()),
@@ -243,10 +246,6 @@ def _names(given: Any) -> list[str]:
     if not (isinstance(given, list) and len(given) == 2 and all(isinstance(name, str) for name in given)):
         raise ValueError(f'parameters must be two names such as ["t", "h"], not {shown(given)}')
     return given
-
-
-def _surface(table: dict[str, Any], names: tuple[str, str]) -> ParametricSurface:
-    return ParametricSurface(table["x"], table["y"], table["z"], names, table.get("domain"))
 
 
 def _domain(
@@ -292,6 +291,8 @@ class GeneratrixProblem(Problem):
     def solve(self) -> GeneratrixBlend:
         """The blend; raises what `generatrix_blend` raises."""
         return generatrix_blend(*self.boundaries, self.shape, self.align, self.unit)
+
+    blend = solve
 
 
 def _read_generatrix(file: Path, text: str, data: dict[str, Any]) -> GeneratrixProblem:
@@ -341,8 +342,8 @@ def _function(value: Any) -> Any:
     return value
 
 
-def _fits_generatrix(data: dict[str, Any]) -> bool:
-    return data.get("method", "generatrix" if "boundaries" in data else "") in GENERATRIX_METHODS
-
-
-GENERATRIX = ProblemKind("generatrix", _fits_generatrix, _read_generatrix)
+GENERATRIX = ProblemKind(
+    "generatrix",
+    lambda data: data.get("method", "generatrix" if "boundaries" in data else "") in GENERATRIX_METHODS,
+    _read_generatrix,
+)
