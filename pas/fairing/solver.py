@@ -32,7 +32,7 @@ from pas.fairing.objective import ObjectiveValue, SurfaceObjective
 from pas.fairing.prepared import PreparedSpace, SampledConditions
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.wishes import UnitCoefficients, Wishes
-from pas.limits import checkpoint
+from pas.limits import checkpoint, part
 from pas.piecewise import PiecewiseSurface
 
 
@@ -199,7 +199,8 @@ class FitSolver:
             return
         for _ in range(self.settings.steps if steps is None else steps):
             checkpoint("making the surface fair")
-            new = self.step(at, conditions)
+            with part(0.1):
+                new = self.step(at, conditions)
             if new is None:
                 return
             yield new

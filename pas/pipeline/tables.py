@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from typing import Any, Unpack
 
 from pas.algebra.inputs import shown
-from pas.limits import WorkLimits, checkpoint, limited
+from pas.limits import WorkLimits, in_parts, limited
 from pas.pipeline.chosen import ChosenBlend
 
 MEASURES = ("sharpness", "hollowness", "bulge", "wrong_sign", "waist", "variation", "bending", "area")
@@ -28,10 +28,9 @@ def table(blends: Sequence[ChosenBlend] | Mapping[str, ChosenBlend], **limits: U
     """
     named = dict(blends) if isinstance(blends, Mapping) else dict(enumerate(blends))
     rows = []
-    for done, (name, blend) in enumerate(named.items()):
+    for name, blend in in_parts(named.items(), "measuring blends"):
         if not isinstance(blend, ChosenBlend):
             raise TypeError(f"blends[{name!r}] must be a pas.Blend, not {shown(blend)}")
-        checkpoint(f"measuring blend {name}", done / len(named))
         proved, fairness, surface = blend.certificate.proved, blend.fairness, blend.surface
         row: dict[str, Any] = {"order": surface.order, "degree": surface.degree, "dimension": blend.dimension}
         row |= {"energy": blend.energy, "seconds": sum(blend.timings.values())}

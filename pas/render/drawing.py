@@ -29,7 +29,7 @@ from pas.algebra.monomials import Floats
 from pas.errors import MissingLibraryError, PasError, optional
 from pas.exchange.files import check_folder, replacing, source, target
 from pas.exchange.picture_options import Picture, PictureOptions
-from pas.limits import Report, checkpoint, limited
+from pas.limits import Report, checkpoint, in_parts, limited
 from pas.mesh.mesh import Mesh
 from pas.render.picture import in_place, plotted, view_of
 from pas.render.plotting import offscreen_pyvista
@@ -188,8 +188,7 @@ def _frames(scenes: list[Scene], picture: Picture, turn: float) -> list[Any]:
         heights = (places[:, 2].min(), places[:, 2].max())
         around = np.concatenate([np.stack([*for_all, 0 * angles + z], axis=1) + middle for z in heights]) @ frame
     pyvista, frames = offscreen_pyvista(), []
-    for number, scene in enumerate(scenes):
-        checkpoint("drawing", number / len(scenes))
+    for number, scene in enumerate(in_parts(scenes, "drawing")):
         scene.frame = frame
         seen = replace(picture, view=tuple(_turned(np.array(view, dtype=float), turn * number / len(scenes))))
         with closing(plotted(pyvista, scene, seen, off_screen=True, around=around)) as plotter:
