@@ -217,7 +217,7 @@ def part(share: float) -> Iterator[None]:
 
 
 def in_parts(things: Collection[T], task: str) -> Iterator[T]:
-    """Things one by one, each an equal part of all but the last eighth: as a loop over them, which says what it does."""
+    """Things one by one, each an equal part of all but the last eighth: a loop over them, which says what it does."""
     with part(1 - 1 / TASKS):
         for number, thing in enumerate(things):
             checkpoint(task)

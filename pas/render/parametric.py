@@ -165,7 +165,8 @@ def _sphere_curvatures(blend: SphereBlend, mesh: Mesh, size: tuple[int, int]) ->
     result, start = np.full((len(mesh.points), 2), 1 / blend.radius), 0
     for part in blend.blends:
         grid, here = part.mesh(size=size), slice(start, start + size[0] * size[1])
-        if grid.points.shape != mesh.points[here].shape or not np.allclose(grid.points, mesh.points[here]):
+        same = grid.points.shape == mesh.points[here].shape and np.allclose(grid.points, mesh.points[here])
+        if grid.parameters is None or not same:
             raise ValueError(UNKNOWN)
         forms, start = Forms.at(part.surface, grid.parameters), here.stop
         result[here] = forms.principal_for(mesh.point_normals[here])
