@@ -72,10 +72,10 @@ from .fairing.energies.curvature_variation import CurvatureVariation as Curvatur
 from .fairing.energies.squared_derivatives import Membrane as Membrane
 from .fairing.energies.squared_derivatives import ThinPlate as ThinPlate
 from .fairing.energy import Energy as Energy
+from .fairing.energy import Sizes as Sizes
+from .fairing.energy import SurfacePoints as SurfacePoints
 from .fairing.energy import register_energy as register_energy
 from .fairing.functionals import Box as Box
-from .fairing.surface_points import Sizes as Sizes
-from .fairing.surface_points import SurfacePoints as SurfacePoints
 from .fairing.wishes import MeanAlpha as MeanAlpha
 from .fairing.wishes import SumOfCoefficients as SumOfCoefficients
 from .fairing.wishes import UnitCoefficients as UnitCoefficients
@@ -143,13 +143,13 @@ from .parametric.weights import Weights as Weights
 from .partition.boxes import AlfeldSplit as AlfeldSplit
 from .partition.boxes import KuhnCube as KuhnCube
 from .partition.boxes import SingleCell as SingleCell
+from .partition.boxes import SixTetrahedra as SixTetrahedra
 from .partition.boxes import WorseyFarinSplit as WorseyFarinSplit
 from .partition.cells import OpenRegion as OpenRegion
 from .partition.cells import Partition as Partition
 from .partition.cells import Region as Region
-from .partition.kinds import register_partition as register_partition
+from .partition.cells import register_partition as register_partition
 from .partition.layout import Layout as Layout
-from .partition.six_tetrahedra import SixTetrahedra as SixTetrahedra
 from .piecewise import PiecewiseSurface as PiecewiseSurface
 from .pipeline.blend import blend as blend
 from .pipeline.blend import node as node
@@ -164,7 +164,7 @@ from .pipeline.result import Blend as Blend
 from .pipeline.result import SolutionSpace as SolutionSpace
 from .pipeline.session import Session as Session
 from .pipeline.session import keep_blends as keep_blends
-from .pipeline.tables import table as table
+from .pipeline.summary import table as table
 from .render.drawing import animate as animate
 from .render.drawing import draw as draw
 from .render.window import show as show

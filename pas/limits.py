@@ -6,7 +6,8 @@ the long loops of this package look at the clock through `checkpoint`: past the 
 more often than twice a second and only after the first second.  Without a limit nothing is said.
 
 Long public functions are `limited`: they take `seconds` and `progress` themselves, and their linear algebra runs on
-one thread.
+one thread, so that results do not depend on how many a machine has: with more, the library that numpy calls sums in
+another order, and iterations end with other last digits.  The matrices of blends are small: more threads mostly wait.
 
 Nothing is half-done afterwards: results are built aside and handed over whole.  Between two looks at the clock
 lies one call of a library or one pass over large arrays, some tenths of a second as a rule.
@@ -20,12 +21,15 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from functools import cached_property, wraps
+from functools import cache, cached_property, wraps
 from numbers import Real
-from typing import Any, ClassVar, ParamSpec, TypedDict, TypeVar
+from threading import Lock
+from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, TypedDict, TypeVar
 
 from pas.errors import LimitError
-from pas.threads import one_thread
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -286,3 +290,42 @@ def _takes(function: Callable[..., Any], *arguments: Any) -> bool:
     except ValueError:  # a builtin that does not say what it takes
         return len(arguments) == 1
     return True
+
+
+_LOCK = Lock()
+_INSIDE: list[Any] = []
+"""One entry for each computation under way in the process; the first knows the number of threads that there was."""
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Inside, linear algebra runs on one thread, in the whole process; after the last to leave as before the first."""
+    with _LOCK:
+        if not _INSIDE:
+            _release()
+        _INSIDE.append(_INSIDE[0] if _INSIDE else _libraries().limit(limits=1, user_api="blas"))
+    try:
+        yield
+    finally:
+        with _LOCK:
+            before = _INSIDE.pop()
+            if not _INSIDE:
+                _release()
+                before.restore_original_limits()
+                _release()
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    """The libraries for linear algebra of numpy and of scipy, which has its own."""
+    import scipy.linalg  # noqa: F401  # they are found once they are loaded
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
+
+
+def _release() -> None:
+    """Let this thread of the program set the number, whichever did so last."""
+    for library in _libraries().lib_controllers:
+        if library.internal_api == "openblas":
+            library.clear_controlling_thread(force=True)

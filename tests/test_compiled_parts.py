@@ -12,11 +12,9 @@ from halving import halving
 import pas
 from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.search import Fate
-from pas.bernstein.simplices import Simplices
-from pas.bernstein.subdivision import bisection, edges, means, raised
-from pas.certify.critical_points import isolated
+from pas.bernstein.simplices import Simplices, bisection, edges, means, raised
 from pas.certify.graph_proofs import crossed
-from pas.certify.local_mesh import FramedMesh
+from pas.certify.local_mesh import FramedMesh, isolated
 from pas.certify.mesh_bounds import _moves, bounds
 from pas.mesh import topology
 from pas.mesh.lattice import Subdivision, eighths, risings

@@ -29,7 +29,7 @@ from pas.exchange.picture_options import STYLES
 from pas.fairing.energy import ENERGIES
 from pas.layouts.kinds import LAYOUTS
 from pas.network.lattices import UNIT_CELLS
-from pas.partition.kinds import PARTITIONS
+from pas.partition.cells import PARTITIONS
 from pas.settings import MeshSettings, given
 from pas.shape import KINDS
 from pas.studio import controls as studio

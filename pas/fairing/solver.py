@@ -27,9 +27,8 @@ from pas.algebra.monomials import Floats, monomial_values
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
 from pas.fairing.constraints import Inequalities
-from pas.fairing.fit_settings import SETTINGS, FitSettings
 from pas.fairing.objective import ObjectiveValue, SurfaceObjective
-from pas.fairing.prepared import PreparedSpace, SampledConditions
+from pas.fairing.prepared import SETTINGS, FitSettings, PreparedSpace, SampledConditions
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.wishes import UnitCoefficients, Wishes
 from pas.limits import checkpoint, part

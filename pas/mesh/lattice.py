@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
-from pas.bernstein.subdivision import Means, means, raised
+from pas.bernstein.simplices import Means, means, raised
 from pas.limits import checkpoint
 from pas.mesh.field import CellField
 from pas.mesh.rows import Floats, Integers, all_of, any_of

@@ -23,11 +23,11 @@ from pas.blending.space import Space
 from pas.contacts.contact import ContactLike
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.contradictions import check_wishes
-from pas.fairing.fit_settings import SETTINGS
+from pas.fairing.prepared import SETTINGS
 from pas.fairing.wishes import Wishes
 from pas.layouts.planes import has_whole_planes
+from pas.partition.boxes import SixTetrahedra
 from pas.partition.cells import Partition
-from pas.partition.six_tetrahedra import SixTetrahedra
 from pas.pipeline.chosen import Attempt, B, ChosenBlend, Stages, choose
 from pas.pipeline.session import key_of, open_session
 from pas.surface.placed import PlacedContacts
