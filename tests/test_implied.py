@@ -81,7 +81,7 @@ def test_what_only_seems_to_be_implied_is_not_left_out_of_a_mesh(monkeypatch):
     shape = CUBE & CUBIC & solid.half_space("y - 1/2", "cut")
     wrong = (CUBE & CUBIC).field.needed()
     monkeypatch.setattr(SolidField, "needed", lambda self: wrong)
-    with pytest.raises(MeshError, match="'box x.', 'box z.' and 'surface' touch, or meet in one curve"):
+    with pytest.raises(MeshError, match=r"'box x.', 'box z.' and 'surface' touch, or meet in one curve"):
         shape.mesh(2e-2)
 
 
