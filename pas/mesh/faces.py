@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from pas.algebra.bracket import sign_change
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
-from pas.mesh.contraction import contracted
 from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import NOWHERE, Cones, Nodes, find_nodes
+from pas.mesh.nodes import NOWHERE, Cones, Nodes, contracted, find_nodes
 from pas.mesh.projection import least_norm, newton, placing
 from pas.mesh.refusals import Refusal
 from pas.mesh.rows import Floats, Integers, cross, dots, norms
