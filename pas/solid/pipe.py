@@ -337,7 +337,7 @@ def _pieces(lines: Sequence[Line], wall: fmpq, face: str) -> Iterator[PipePiece]
 
 
 def _meets_itself(pieces: Sequence[PipePiece]) -> bool:
-    """Whether balls of pieces may meet that have two others between them at least; planes part those that are nearer."""
+    """Whether balls of pieces may meet that have two others between them at least; planes part nearer ones."""
     found = []
     for number, piece in enumerate(pieces):
         ends = piece.balls(1)
