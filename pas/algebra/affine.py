@@ -24,6 +24,7 @@ from pas.algebra.rational import (
     dot,
     minus,
     rational,
+    three,
     to_float,
     to_floats,
     vector,
@@ -76,13 +77,11 @@ class Affine:
 
     def exact(self, point: Vector) -> Vector:
         """The image of one exact point."""
-        x, y, z = (dot(row, point) + s for row, s in zip(self.matrix, self.shift, strict=True))
-        return x, y, z
+        return three(dot(row, point) + s for row, s in zip(self.matrix, self.shift, strict=True))
 
     def direction(self, vector: Vector) -> Vector:
         """The image of one exact vector: the difference of the images of two points."""
-        x, y, z = (dot(row, vector) for row in self.matrix)
-        return x, y, z
+        return three(dot(row, vector) for row in self.matrix)
 
     def after(self, first: Affine) -> Affine:
         """The map that does `first`, then this one."""
@@ -142,8 +141,7 @@ class Frame:
 
     def local_point(self, point: Sequence[fmpq]) -> Vector:
         """Local coordinates of a point, exact."""
-        x, y, z = ((a - o) / self.scale for a, o in zip(point, self.origin, strict=True))
-        return x, y, z
+        return three((a - o) / self.scale for a, o in zip(point, self.origin, strict=True))
 
     def local_points(self, points: Floats) -> Floats:
         """Local coordinates of points (..., 3)."""
@@ -151,8 +149,7 @@ class Frame:
 
     def place(self, point: Floats) -> tuple[float, float, float]:
         """One local point (3,) in global coordinates, as Python's numbers."""
-        x, y, z = self.global_points(point).tolist()
-        return x, y, z
+        return three(self.global_points(point).tolist())
 
     def global_points(self, points: Floats) -> Floats:
         """The user's coordinates of local points (..., 3)."""

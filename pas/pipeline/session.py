@@ -36,7 +36,7 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.affine import IDENTITY, ORIGIN, Affine
 from pas.algebra.inputs import whole
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
-from pas.algebra.rational import Vector, cross, dot, minus
+from pas.algebra.rational import Vector, cross, dot, minus, three
 from pas.certify.certificate import Certificate
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
@@ -268,8 +268,7 @@ def similarities(before: Sequence[Anchor], after: Sequence[Anchor]) -> Iterator[
         if found is not None:
             for matrix, scale in found:
                 image = Affine(matrix, ORIGIN).exact(base[0].point)
-                x, y, z = (b - a for a, b in zip(image, chosen[0].point, strict=True))
-                yield Affine(matrix, (x, y, z)), scale
+                yield Affine(matrix, minus(chosen[0].point, image)), scale
 
 
 def _vectors(anchors: Sequence[Anchor]) -> list[Vector]:
@@ -327,8 +326,7 @@ def _columns(vectors: Sequence[Vector]) -> fmpq_mat:
 
 
 def _rows(matrix: fmpq_mat) -> Matrix:
-    x, y, z = ((matrix[i, 0], matrix[i, 1], matrix[i, 2]) for i in range(3))
-    return x, y, z
+    return three((matrix[i, 0], matrix[i, 1], matrix[i, 2]) for i in range(3))
 
 
 def _root(square: fmpq) -> fmpq | None:
