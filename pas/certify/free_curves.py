@@ -30,6 +30,7 @@ from flint import fmpq_mpoly
 from numpy.typing import NDArray
 
 from pas.algebra.ideal import NormalForm
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact_vector, moved, to_floats
@@ -169,7 +170,7 @@ class RegionCurve:
         """A parallelogram around a point with half sides `half`, if it is proved to be in the region and to hold
         a common zero of f and d."""
         along_f, along_d, _ = _dual(scaled(self.f).gradient(point[None]), scaled(self.d).gradient(point[None]))
-        p, u, w = (exact_vector(v.tolist()) for v in (point, *(half * _unit(a[0]) for a in (along_f, along_d))))
+        p, u, w = (exact_vector(v.tolist()) for v in (point, *(half * unit(a[0]) for a in (along_f, along_d))))
         a, b, c, e = (moved(p, (s, u), (t, w)) for s, t in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
         f, d = self.f.raw, self.d.raw
         met = _sign(f, [(a, e)]) < 0 < _sign(f, [(b, c)]) and _sign(d, [(a, b)]) < 0 < _sign(d, [(c, e)])
@@ -235,7 +236,3 @@ def _cubes() -> Floats:
     """The corners of cubes around the origin, cut into no cells: (cubes, 8, 3)."""
     corners = np.array(list(product((-1.0, 1.0), repeat=3)))
     return np.array([reach * corners for reach in (1.0, 8.0, 64.0)])
-
-
-def _unit(v: Floats) -> Floats:
-    return v / np.linalg.norm(v)

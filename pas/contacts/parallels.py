@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import combinations
-from math import frexp, isqrt, ldexp, sqrt
+from math import frexp, ldexp, sqrt
 
 import numpy as np
 from flint import fmpq, fmpq_mat
@@ -31,6 +31,7 @@ from pas.algebra.rational import (
     listed,
     plain,
     rational,
+    square_root,
     three,
     to_float,
     to_floats,
@@ -99,10 +100,8 @@ def shrunk(square: fmpq, thickness: fmpq) -> fmpq:
 
 def root(square: fmpq) -> fmpq:
     """The square root of a positive number, exact where it is rational, else rounded."""
-    p, q = int(square.p), int(square.q)
-    if isqrt(p) ** 2 == p and isqrt(q) ** 2 == q:
-        return fmpq(isqrt(p), isqrt(q))
-    return rounded(sqrt(to_float(square)))
+    exactly = square_root(square)
+    return exactly if exactly**2 == square else rounded(sqrt(to_float(square)))
 
 
 def rounded(value: float) -> fmpq:

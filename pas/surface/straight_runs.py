@@ -22,8 +22,9 @@ from itertools import combinations, permutations
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.surface.fairness_limits import Neighbour, unit
+from pas.surface.fairness_limits import Neighbour
 
 ROUND = 0.01
 """How far the curve of a tube is from round about its axis, over its radius, at the most."""
