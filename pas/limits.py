@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property, wraps
 from numbers import Real
 from threading import Lock
-from typing import TYPE_CHECKING, Any, ParamSpec, TypedDict, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, TypedDict, TypeVar
 
 from pas.errors import LimitError
 
@@ -42,9 +42,6 @@ is an estimate: `part` says how it is made."""
 
 FIRST_REPORT, REPORT_EVERY = 1.0, 0.5
 """Seconds before the first progress line, and between lines."""
-
-TASKS = 8
-"""Of the tasks of a part, how many of the first one's size are thought to fill it."""
 
 NO_DIGITS = str.maketrans("", "", "0123456789")
 """What leaves the numbers out of a text."""
@@ -80,6 +77,8 @@ class _Reports:
     task: str = ""
     began: float = 0.0
     ends: float = 0.0
+    tasks: ClassVar[int] = 8
+    """How many tasks of the size of the first are thought to fill a part."""
 
     @cached_property
     def takes_shares(self) -> bool:
@@ -99,7 +98,7 @@ class _Reports:
         now = self.began + share * (self.ends - self.began)
         if words != self.task or now < self.done:
             self.task, self.began = words, self.ends
-            self.ends += (self.end - self.ends) / TASKS
+            self.ends += (self.end - self.ends) / self.tasks
             now = self.began + share * (self.ends - self.began)
         self.done = now
 
@@ -221,8 +220,8 @@ def part(share: float) -> Iterator[None]:
 
 
 def in_parts(things: Collection[T], task: str) -> Iterator[T]:
-    """Things one by one, each an equal part of all but the last eighth: as a loop over them that says what it does."""
-    with part(1 - 1 / TASKS):
+    """Things one by one, each an equal part of all but the last eighth of the work, which `task` names."""
+    with part(1 - 1 / _Reports.tasks):
         for number, thing in enumerate(things):
             checkpoint(task)
             with part(1 / (len(things) - number)):

@@ -43,11 +43,6 @@ OnStage = Callable[[str, float], None]
 """Called at the end of each stage with its name and seconds."""
 
 
-SHARES = {"repeated": 0.9, "partition": 0.03, "solve": 0.01, "fit": 0.5, "fit and prove": 0.5, "measure": 0.4}
-"""Of what is left when a stage begins, the share that it takes: by the seconds of corners and nodes, every other one of
-which is fair at the first degree that is proved."""
-
-
 @dataclass
 class Stages:
     """Seconds spent in each stage, told to a listener as they end."""
@@ -60,12 +55,16 @@ class Stages:
             raise TypeError(f"on_stage must be a function of a stage's name and seconds, not {shown(self.listener)}")
 
     @contextmanager
-    def stage(self, name: str, detail: str = "") -> Iterator[None]:
-        """Count the time of a block as stage `name`, and as its part of the whole."""
+    def stage(self, name: str, share: float, detail: str = "") -> Iterator[None]:
+        """Count the time of a block as stage `name`, and as a part of the work: a share of what is left.
+
+        The shares are those of the seconds of corners and nodes, every other one of which is fair at the first degree
+        that is proved.
+        """
         checkpoint(f"{name}{detail}")
         start = time.perf_counter()
         try:
-            with part(SHARES[name]):
+            with part(share):
                 yield
         finally:
             spent = time.perf_counter() - start
@@ -271,7 +270,7 @@ def choose(blends: type[B], space: Space, wishes: Wishes, stages: Stages) -> B:
     if wishes.basis is not None:
         space = space.restricted(wishes.basis)
     stage = "fit and prove" if wishes.prove else "fit"  # a member that is not proved is moved further in
-    with stages.stage(stage, f" (degree {space.degree}, dimension {space.dimension})"):
+    with stages.stage(stage, 0.5, f" (degree {space.degree}, dimension {space.dimension})"):
         fitted = FitSolver(space.prepared, wishes).fitted()
     certificate = fitted.surface.certificate if wishes.prove else None
     outcome = "fitted" if certificate is None else "proved"
