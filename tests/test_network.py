@@ -349,7 +349,7 @@ def test_an_engine_that_is_lost_is_told(tmp_path):
     assert done == 1 < most == len(part().write_blocks(tmp_path / "blocks", struts=2))
     assert not [*(tmp_path / "blocks").glob(".*")]
     with pytest.raises(
-        network.EngineLostError, match="with 0 of 1 results; what was done is whole, and kept in .*kept"
+        network.EngineLostError, match=r"with 0 of 1 results; what was done is whole, and kept in .*kept"
     ):
         bend().blend(1, "lowest", cache=tmp_path / "kept", map=lambda *_: (_ for _ in ()).throw(BrokenExecutor()))
 

@@ -19,8 +19,8 @@ from test_studio import MESHLESS, children
 
 import pas
 from pas import network
+from pas.studio import GALLERY
 from pas.studio.documents import problem_of
-from pas.studio.gallery import GALLERY
 from pas.studio.scene import coefficients
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")

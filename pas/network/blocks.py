@@ -19,7 +19,7 @@ import numpy as np
 from pas.algebra.inputs import whole
 from pas.errors import PasError
 from pas.exchange.files import replacing
-from pas.limits import checkpoint
+from pas.limits import in_parts
 from pas.mesh.mesh import Mesh
 from pas.network.placing import MeshShare, PlacedPieces
 
@@ -33,12 +33,16 @@ class EngineLostError(PasError):
     """The engine that was given as `map` ended before the work did."""
 
 
-def results(map_: Callable[..., Any], function: Callable[[Any], Any], items: list[Any], kept: Path | None) -> Iterator:
+def results(
+    map_: Callable[..., Any], function: Callable[[Any], Any], items: list[Any], kept: Path | None, task: str
+) -> Iterator[Any]:
     """What the `map` of an engine gives, with futures waited for; raises `EngineLostError` where the engine ends."""
     done = 0
     try:
-        for given in map_(function, items):
-            yield given.result() if hasattr(given, "result") else given
+        given = iter(map_(function, items))
+        for _ in in_parts(items, task):
+            result = next(given)
+            yield result.result() if hasattr(result, "result") else result
             done += 1
     except Exception as error:
         if not (isinstance(error, CancelledError | BrokenExecutor) or "distributed" in type(error).__module__):
@@ -81,8 +85,8 @@ def write_blocks(pieces: PlacedPieces, folder: Path, struts: int, map_: Callable
         for path, mine, begun in zip(paths, nodes, edges, strict=True)
         if not path.exists()
     ]
-    for done, _ in enumerate(results(map_, written, jobs, folder), start=1):
-        checkpoint("writing blocks", done / len(jobs))
+    for _ in results(map_, written, jobs, folder, "writing blocks"):
+        pass
     return paths
 
 

@@ -183,9 +183,8 @@ def blends(
     wanted = dict(_jobs(network, kinds, order, degree, folder, wall))
     found: dict[tuple[Any, ...], Node] = {}
     problems = []
-    given = results(map_, solved, list(wanted.values()), folder)
-    for done, (key, result) in enumerate(zip(wanted, given, strict=True)):
-        checkpoint("blending nodes", (done + 1) / len(wanted))
+    given = results(map_, solved, list(wanted.values()), folder, "blending nodes")
+    for key, result in zip(wanted, given, strict=True):
         if isinstance(result, str):
             problems.append(_without(kinds.nodes(kinds.classes[key]), PasError(result)))
         else:

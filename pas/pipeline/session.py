@@ -14,23 +14,29 @@ Not guaranteed: that solving anew would have rounded in the same way.  Not recog
 and of contacts in one plane those whose scale is.  Not kept: what was wished with points, handles, a basis, another
 normalisation or another energy than `CurvatureVariation`, what was not proved, and blends on a partition or layout that
 was given.
+
+Similarities take some curves' centres and planes to others, which makes two nodes the same.  Rotations, reflections,
+scales and translations with rational entries are found; irrational ones are not, and of anchors in one plane none whose
+scale is irrational.
 """
 
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
+from itertools import permutations
 from threading import Lock
-from typing import Self
+from typing import Self, TypeAlias
 
-from flint import fmpq
+from flint import fmpq, fmpq_mat
 
 from pas.algebra.affine import IDENTITY, ORIGIN, Affine
 from pas.algebra.inputs import whole
-from pas.algebra.polynomial import GENERATORS, RING, Polynomial
-from pas.algebra.rational import Vector
+from pas.algebra.matrices import leads
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import Vector, cross, dot, minus, square_root, three
 from pas.certify.certificate import Certificate
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
@@ -38,7 +44,6 @@ from pas.fairing.energies.curvature_variation import CurvatureVariation
 from pas.fairing.wishes import MeanAlpha, Wishes
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.chosen import Attempt, B, ChosenBlend
-from pas.pipeline.similarities import Anchor, similarities
 
 USUAL, MOST = 64, 10_000
 """Blends that are kept if nothing else is said, a few hundred kilobytes each, and that may be asked for."""
@@ -92,12 +97,8 @@ class Match:
         """The blend of these contacts as one of that class, with what was proved."""
         old = self.found.surface
         partition = old.partition.moved(self.map_)
-        back, frame, scale = self.map_.inverse, partition.frame, old.partition.frame.scale
-        shares = tuple((a * frame.scale / scale, b * frame.scale / scale, c * frame.scale / scale)
-                       for a, b, c in back.matrix)  # fmt: skip
-        shift = old.partition.frame.local_point(back.exact(frame.origin))
-        images = [_linear(row, offset) for row, offset in zip(shares, shift, strict=True)]
-        patches = [p.compose(*images) * Polynomial.from_raw(RING.constant(self.scale)) for p in old.patches]
+        local = partition.frame.affine.inverse.after(self.map_).after(old.partition.frame.affine)
+        patches = [local.polynomial(p) * self.scale for p in old.patches]
         surface = PiecewiseSurface(partition, self.contacts, old.order, patches, old.degree)
         surface.certificate = self.certificate  # carried over, see above
 
@@ -113,10 +114,6 @@ class Match:
         claims = [verdict.claim for verdict in ours.contacts]
         turned = (replace(ours.contacts[i], claim=claim) for i, claim in zip(self.numbers, claims, strict=True))
         return replace(ours, contacts=tuple(turned))
-
-
-def _linear(row: Vector, offset: fmpq) -> Polynomial:
-    return Polynomial.from_raw(sum((g * c for g, c in zip(GENERATORS, row, strict=True)), RING.constant(offset)))
 
 
 def _counterpart(contact: Contact, ours: Sequence[tuple[Polynomial, Polynomial]]) -> int | None:
@@ -207,11 +204,8 @@ def _usual(blend: ChosenBlend) -> bool:
 def key_of(wishes: Wishes, *others: Hashable) -> Hashable | None:
     """What must be the same, besides the contacts, for a blend to be the same; None for wishes that are not kept."""
     plain = Wishes(energy=wishes.energy, limits=wishes.limits)
-    if (
-        type(wishes.energy) not in (type(None), CurvatureVariation)
-        or wishes != plain
-        or wishes.normalize != MeanAlpha()
-    ):
+    usual = wishes.energy is None or type(wishes.energy) is CurvatureVariation
+    if not usual or wishes != plain or wishes.normalize != MeanAlpha():
         return None
     energy = None if wishes.energy is None else (wishes.energy.tension, wishes.energy.gauge)  # type: ignore[attr-defined]
     return (energy, wishes.limits, *others)
@@ -232,3 +226,89 @@ def keep_blends(most: int = USUAL) -> None:
     Raises `ValueError` and `TypeError` for a wrong number.
     """
     _OPEN.set((Session(most),) if whole(most, "most", 0, MOST) else ())
+
+
+Matrix: TypeAlias = tuple[Vector, Vector, Vector]
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """A point and a direction that move with a contact: the centre of its curve and the normal of its plane."""
+
+    point: Vector
+    normal: Vector
+
+    @classmethod
+    def of(cls, contact: Contact) -> Anchor:
+        """That of a contact; raises `GeometryError` where it has no plane curve."""
+        return cls(contact.rim.center, contact.rim.normal)
+
+
+def similarities(before: Sequence[Anchor], after: Sequence[Anchor]) -> Iterator[tuple[Affine, fmpq]]:
+    """Exact similarities with their scales that may take some anchors to others, in whatever order.
+
+    As many anchors as span the space, or the plane that all lie in, are tried in all places.  Where all are on one
+    line, a reflection takes the one line to the other.
+    """
+    if len(before) != len(after):
+        return
+    sizes = range(2, len(before) + 1)
+    ranks = [fmpq_mat([list(v) for v in _vectors(before[:size])]).rank() for size in sizes]
+    base = before[: sizes[ranks.index(max(ranks))]]
+    for chosen in permutations(after, len(base)):
+        for matrix, scale in linear_maps(_vectors(base), _vectors(chosen)):
+            image = Affine(matrix, ORIGIN).exact(base[0].point)
+            yield Affine(matrix, minus(chosen[0].point, image)), scale
+
+
+def _vectors(anchors: Sequence[Anchor]) -> list[Vector]:
+    """Vectors that move with anchors: differences of points, and the first of these along the normals."""
+    first, *others = anchors
+    ways = [minus(other.point, first.point) for other in others]
+    along = [_times(a.normal, dot(ways[0], a.normal) / dot(a.normal, a.normal)) for a in anchors]
+    return [*ways, *along]
+
+
+def linear_maps(before: list[Vector], after: list[Vector]) -> list[tuple[Matrix, fmpq]]:
+    """The linear similarities that take some vectors to others, and their scales, which are rational."""
+    square = dot(after[0], after[0]) / dot(before[0], before[0])
+    scale = square_root(square)
+    if scale**2 != square or any(
+        dot(a, after[0]) != dot(b, before[0]) * square for a, b in zip(after, before, strict=True)
+    ):
+        return []
+    pivots = leads(*_columns(before).rref())
+    ours, theirs = [before[i] for i in pivots], [after[i] for i in pivots]
+    if len(pivots) == 1:
+        return [(_reflected(_times(ours[0], scale), theirs[0], scale), scale)]
+    if len(pivots) == 3:
+        choices = [(ours, theirs)]
+    else:
+        normal, image = cross(*ours), _times(cross(*theirs), 1 / scale)
+        choices = [([*ours, normal], [*theirs, image]), ([*ours, normal], [*theirs, _times(image, fmpq(-1))])]
+    found = []
+    for columns, images in choices:
+        matrix = _columns(images) * _columns(columns).inv()
+        if matrix.transpose() * matrix == fmpq_mat(3, 3, [scale**2 * (i == j) for i in range(3) for j in range(3)]):
+            found.append((_rows(matrix), scale))
+    return found
+
+
+def _reflected(old: Vector, new: Vector, scale: fmpq) -> Matrix:
+    """A reflection that takes a vector to another of its length (Householder 1958), or none, times the scale."""
+    w = minus(new, old)
+    square = dot(w, w)
+    rows = [[scale * ((i == j) - (2 * w[i] * w[j] / square if square else 0)) for j in range(3)] for i in range(3)]
+    return _rows(fmpq_mat(rows))
+
+
+def _columns(vectors: Sequence[Vector]) -> fmpq_mat:
+    return fmpq_mat([list(v) for v in vectors]).transpose()
+
+
+def _rows(matrix: fmpq_mat) -> Matrix:
+    return three((matrix[i, 0], matrix[i, 1], matrix[i, 2]) for i in range(3))
+
+
+def _times(a: Vector, factor: fmpq) -> Vector:
+    return three(c * factor for c in a)
