@@ -412,9 +412,14 @@ def test_a_wall_has_its_thickness_between_straight_struts():
 def test_meshes_of_a_wall_may_meet():
     """What is coarser than the wall is thick is not proved to be apart."""
     found = pipework()[0].blend(1, "lowest", wall="1/50")
-    said = {v.claim: v for v in found.mesh(0.03).certificate.verdicts}
+    mesh = found.mesh(0.03)
+    said = {v.claim: v for v in mesh.certificate.verdicts}
     assert said["the topology of every node"].proved
     assert not said["both sides of the wall are apart"].proved
+    assert next(mesh._apart(1e-3)).proved
+    unknown = pas.Verdict(pas.Status.UNDECIDED, "thickness", "not known")
+    thin = {key: SimpleNamespace(thicker_than=lambda _: unknown) for key in found.hollow}
+    assert not next(replace(mesh, part=replace(found, hollow=thin))._apart(1e-3)).proved
 
 
 def test_short_struts_are_shared():
@@ -448,6 +453,12 @@ def test_a_cache_is_gone_on_from(tmp_path, monkeypatch):
 def bend():
     """Two struts at a right angle."""
     return network.Network([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1), (0, 2)], "1/8", "1/8")
+
+
+@cache
+def bent():
+    """Its body."""
+    return bend().blend(1, "lowest")
 
 
 def test_files_of_a_cache_are_those_of_their_nodes(tmp_path):
@@ -740,6 +751,23 @@ def test_no_file_of_several_is_left_where_one_fails(tmp_path, capsys, monkeypatc
     )
     assert "the disk is full" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
+
+
+@pytest.mark.parametrize("suffix", [".3mf", ".glb", ".stl", ".npz", ".csv", "/"])
+def test_a_full_disk_leaves_nothing(suffix, tmp_path):
+    """No process ends (as that of lib3mf did), no file is left, and the sentence names it; "/" stands for blocks."""
+    resource = pytest.importorskip("resource")
+    if suffix in (".3mf", ".glb"):
+        pytest.importorskip("lib3mf" if suffix == ".3mf" else "trimesh")
+    usual = resource.getrlimit(resource.RLIMIT_FSIZE)
+    write = bend().write if suffix in (".npz", ".csv") else bent().write
+    resource.setrlimit(resource.RLIMIT_FSIZE, (200 if suffix == "/" else 50, usual[1]))
+    try:
+        with pytest.raises(OSError, match=r"so that nothing was written to: .*(a\.|block-0-0-0)"):
+            bent().write_blocks(tmp_path) if suffix == "/" else write(tmp_path / f"a{suffix}")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, usual)
+    assert [path.name for path in tmp_path.iterdir()] == ["blocks.json"] * (suffix == "/")
 
 
 @pytest.mark.slow
