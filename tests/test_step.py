@@ -15,12 +15,12 @@ from pas import solid
 from pas.cli import main
 from pas.exchange.formats import step as module
 from pas.exchange.formats.step import write_parts
-from pas.exchange.rational import ball_patches, cone_patches, cylinder_patches, torus_patches
 from pas.exchange.step.borders import CurveKind, curve_through
 from pas.exchange.step.carriers import CarrierKind, carrier_of, reducible_planes
 from pas.exchange.step.model import adaptive_volume, explored, is_valid, step_part
 from pas.exchange.write import write_step
 from pas.parametric.patches import RationalPatch
+from pas.parametric.shapes import ball_patches, cone_patches, cylinder_patches, torus_patches
 
 AXIS, START, END = (1, -2, "1/2"), (1, 2, 3), (2, 0, "7/2")
 CASES = {

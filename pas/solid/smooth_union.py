@@ -16,7 +16,7 @@ from pas.algebra.affine import numbered
 from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.rational import Exact, positive
 from pas.errors import GeometryError
-from pas.limits import WorkLimits, limited
+from pas.limits import WorkLimits, limited, part
 from pas.mesh.rows import Integers
 from pas.mesh.topology import twins_of
 from pas.solid.assembly import only_solids
@@ -44,13 +44,15 @@ def smooth_union(a: Solid, b: Solid, radius: Exact, order: int = 1, **limits: Un
         raise ValueError("order must be at least 1; chamfer cuts edges off flatly")
     b = _told_apart(b, {*a.faces})
     made, sides = a | b, ({*a.faces}, {*b.faces})
-    left = _crossing(made, sides)
+    with part(0.3):
+        left = _crossing(made, sides)
     if not left:
         seen = {part for name in made.mesh().names for part in name.split(" + ")}
         why = ", as one is inside the other" if any(seen.isdisjoint(side) for side in sides) else ""
         raise GeometryError(f"the solids do not meet in an edge where a face of one crosses a face of the other{why}")
     while left:
-        made = filled(made, pair := next(iter(left)), size, order, (), None)
+        with part(0.4 / len(left)):
+            made = filled(made, pair := next(iter(left)), size, order, (), None)
         if pair in (left := _crossing(made, sides)):
             place = shown_point(made.mesh().points[left[pair][0]])
             raise GeometryError(f"the fillet of {pair[0]!r} and {pair[1]!r} leaves a part of their edge near {place}")
