@@ -248,8 +248,8 @@ class CellMesher:
         if self.even:
             long, across = errors.long()
             axes, done = np.where(done & long, across, axes), done & ~long
-        known = {"bounds": bounds, "floors": errors.least, "axes": axes, "points": errors.points, "away": errors.away}
-        return replace(cells, **known, done=done)
+        seen = replace(cells, bounds=bounds, floors=errors.least, axes=axes, done=done)
+        return replace(seen, points=errors.points, away=errors.away)
 
     def _judge(self, cells: GridCells, _: int) -> Fates:
         """Raises `MeshError` or `GeometryError` where halving on would be in vain."""

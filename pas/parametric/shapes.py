@@ -292,4 +292,5 @@ def _frame(center: VectorLike, axis: VectorLike) -> tuple[Floats, Floats]:
         raise ValueError("axis must not be the zero vector")
     third = np.array(to_floats(a))
     third /= np.linalg.norm(third)
-    return np.array(to_floats(vector(center, "center"))), np.stack([*across(third), third])
+    first, second = across(third)
+    return np.array(to_floats(vector(center, "center"))), np.stack([0.0 - second, first, third])
