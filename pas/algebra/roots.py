@@ -16,10 +16,6 @@ FIRST_BITS = 64
 """Of balls, before more are asked for."""
 
 
-STEPS = 3
-"""Of Newton's method, each of which about doubles the number of right digits."""
-
-
 def accuracies(first: int = FIRST_BITS) -> Iterator[int]:
     """Numbers of bits to be tried one after the other: 64, 128, 256, ..."""
     bits = first
@@ -68,8 +64,9 @@ def _ball(key: tuple[int, ...], index: int, bits: int) -> arb:
 
 def _refined(polynomial: fmpz_poly, ball: arb, bits: int) -> arb | None:
     """A smaller ball around the only root in one, by Newton's method; None where it does not converge."""
+    most_steps = 3  # of Newton's method, each of which about doubles the number of right digits
     slope, size = polynomial.derivative(), polynomial.height_bits()
-    for _ in range(STEPS):
+    for _ in range(most_steps):
         with ctx.workprec(2 * bits + 2 * size):
             middle, rise = ball.mid(), arb_poly(slope)(ball)
             if rise.contains(0):

@@ -15,14 +15,28 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import combinations
-from math import frexp, isqrt, ldexp, sqrt
+from math import frexp, ldexp, sqrt
 
 import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.inputs import short
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import UNITS, Vector, cross, dot, exact, listed, plain, to_float, to_floats, two_across
+from pas.algebra.rational import (
+    UNITS,
+    Vector,
+    cross,
+    dot,
+    exact,
+    listed,
+    plain,
+    rational,
+    square_root,
+    three,
+    to_float,
+    to_floats,
+    two_across,
+)
 from pas.algebra.scaling import Scaled
 from pas.contacts.cones import apex
 from pas.contacts.contact import CONTACTS, Contact
@@ -86,10 +100,8 @@ def shrunk(square: fmpq, thickness: fmpq) -> fmpq:
 
 def root(square: fmpq) -> fmpq:
     """The square root of a positive number, exact where it is rational, else rounded."""
-    p, q = int(square.p), int(square.q)
-    if isqrt(p) ** 2 == p and isqrt(q) ** 2 == q:
-        return fmpq(isqrt(p), isqrt(q))
-    return rounded(sqrt(to_float(square)))
+    exactly = square_root(square)
+    return exactly if exactly**2 == square else rounded(sqrt(to_float(square)))
 
 
 def rounded(value: float) -> fmpq:
@@ -147,8 +159,7 @@ def _short(values: Sequence[float]) -> Vector:
     # Of coordinates of a principal axis that is neither the clip's normal nor follows from that: axes are found from
     # rounded numbers, and then checked exactly.
     largest_denominator = 10**6
-    x, y, z = (Fraction(v).limit_denominator(largest_denominator) for v in values)
-    return fmpq(x.numerator, x.denominator), fmpq(y.numerator, y.denominator), fmpq(z.numerator, z.denominator)
+    return three(rational(Fraction(v).limit_denominator(largest_denominator)) for v in values)
 
 
 def _eigenvalue(matrix: fmpq_mat, vector: Vector) -> fmpq | None:
@@ -165,5 +176,4 @@ def quadratic_terms(f: Polynomial) -> fmpq_mat:
 
 def slope_at(f: Polynomial, point: Vector) -> Vector:
     """The gradient at a point, exact."""
-    x, y, z = (f.diff(i).raw(*point) for i in range(3))
-    return x, y, z
+    return three(f.diff(i).raw(*point) for i in range(3))

@@ -31,6 +31,7 @@ from pas.algebra.rational import (
     binary_exponent,
     dot,
     exact,
+    moved,
     to_float,
     to_floats,
     two_across,
@@ -40,9 +41,6 @@ from pas.algebra.scaling import Scaled, scaled
 from pas.algebra.zeros import RealZero, real_zeros
 from pas.contacts.ovals import Strip, ovals
 from pas.errors import GeometryError
-
-ROUNDED = 12
-"""Binary digits of the centre of a curve that is no ellipse: any point near its centroid will do, a short one best."""
 
 USUAL_POINTS = 64
 """Of a rim, unless another number is asked for."""
@@ -152,8 +150,7 @@ class PlaneChart:
 
     def point(self, s: fmpq, t: fmpq) -> Vector:
         """The point with given coordinates."""
-        x, y, z = (o + s * a + t * b for o, a, b in zip(self.origin, self.first, self.second, strict=True))
-        return x, y, z
+        return moved(self.origin, (s, self.first), (t, self.second))
 
     def restricted(self, polynomial: Polynomial) -> Polynomial:
         """A polynomial on the plane, as one in x = s and y = t."""
@@ -289,12 +286,15 @@ def _met(factor: Polynomial) -> bool:
 
 def _rounded(point: Floats, polygon: Floats, chart: PlaneChart) -> Vector:
     """An exact point of the plane near one in doubles."""
+    # Binary digits of the centre of a curve that is no ellipse: any point near its centroid will do, a short one
+    # best.
+    digits = 12
     away = point - np.array(to_floats(chart.origin))
     size = float(np.ptp(polygon, axis=0).max())
     coordinates = []
     for axis in (chart.first, chart.second):
         vector_, square = np.array(to_floats(axis)), to_float(dot(axis, axis))
-        step = fmpq(2) ** (binary_exponent(exact(size / sqrt(square))) - ROUNDED)
+        step = fmpq(2) ** (binary_exponent(exact(size / sqrt(square))) - digits)
         coordinates.append(fmpq(round(float(away @ vector_) / square / to_float(step))) * step)
     return chart.point(*coordinates)
 

@@ -15,7 +15,7 @@ from flint import fmpq
 from pas.algebra.affine import Frame, height
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, dot, exact, exact_vector, minus, to_float, to_floats
+from pas.algebra.rational import Vector, dot, exact, exact_vector, minus, moved, to_float, to_floats
 from pas.algebra.scaling import scaled
 from pas.contacts.cones import FARTHEST, first_met
 from pas.contacts.contact import Contact
@@ -23,7 +23,7 @@ from pas.contacts.joins import Join
 from pas.errors import GeometryError
 from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.neighbours import is_left_once, moved
+from pas.pipeline.neighbours import is_left_once
 from pas.solid.solid import Solid
 from pas.solid.strips import Chain, Outwards, SolidStrip, Straight
 

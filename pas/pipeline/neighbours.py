@@ -36,7 +36,7 @@ from flint import fmpq, fmpq_mpoly, fmpq_poly
 from pas.algebra.affine import away, height
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, cross, dot, exact, minus, to_float, to_floats, two_across
+from pas.algebra.rational import Vector, cross, dot, exact, minus, moved, three, to_float, to_floats, two_across
 from pas.bernstein.signs import alike
 from pas.certify.nesting import prove_inside
 from pas.errors import GeometryError
@@ -233,17 +233,10 @@ def kuhn(quads: Sequence[Sequence[Vector]]) -> list[tuple[Vector, ...]]:
     return [tuple(corners[v] for v in cell) for cell in KUHN_CELLS]
 
 
-def moved(point: Sequence[fmpq], *steps: tuple[fmpq | int, Sequence[fmpq]]) -> Vector:
-    """A point and the sum of some vectors, each given with its factor."""
-    x, y, z = (c + sum((s * v[i] for s, v in steps), fmpq(0)) for i, c in enumerate(point))
-    return x, y, z
-
-
 def _shortened(vector: Vector) -> Vector:
     """The vector over a rational number that is about its length."""
     size = exact(float(np.linalg.norm(to_floats(vector))))
-    x, y, z = (c / size for c in vector)
-    return x, y, z
+    return three(c / size for c in vector)
 
 
 def _through(first: Vector, second: Vector, along: Vector) -> fmpq_mpoly:
