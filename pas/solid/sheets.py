@@ -23,7 +23,6 @@ from pas.algebra.monomials import Floats
 from pas.mesh.closed import FaceMesh, refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.projection import pair_normals
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers, norms
 from pas.mesh.topology import Edges
@@ -320,4 +319,4 @@ def face_mesh(mesh: Mesh, field: SolidField, tolerance: float, quality: Quality)
     made = Labelled.of(points, mesh.triangles, (2 * numbers + sides)[mesh.faces], pinned)
     if quality is Quality.ANGLES:
         return refined_faces(made, field, tolerance / field.scale, quality)
-    return FaceMesh(made, pair_normals(made, field), (mesh.deviation or 0.0) / field.scale)
+    return FaceMesh(made, (mesh.deviation or 0.0) / field.scale)
