@@ -31,6 +31,7 @@ from pas.contacts.parallels import inner_contact
 from pas.errors import GeometryError, InfeasibleError, MeshError, NoSolutionError, NotProvedError
 from pas.limits import WorkLimits, limited
 from pas.mesh.quality import Quality
+from pas.mesh.rows import Integers
 from pas.mesh.topology import Edges
 from pas.mesh.walls import End, least_distance
 from pas.piecewise import PiecewiseSurface
@@ -156,7 +157,7 @@ class HollowBlend(Shape, Generic[B]):
         tolerance = self._tolerance if tolerance is None else tolerance
         sheets = self.outer.surface, self.inner.surface
         ends = [self._end(number) for number in range(len(self.outer.surface.contacts))]
-        made, loops = Faces([], 0.0), []
+        made, loops = Faces([], 0.0), list[list[Integers]]()
         for sheet, name in zip(sheets, ("blend", "inside of blend"), strict=True):
             mesh = sheet.mesh(tolerance, quality=quality)
             first = made.put(replace(mesh, names=(name,)), flipped=len(loops) > 0)
