@@ -121,9 +121,8 @@ def _bounding(mesh: Labelled, field: FaceField, tolerance: float) -> bool:
     weights = np.array([(i, j, parts - i - j) for i in range(1, parts) for j in range(1, parts - i)]) / parts
     points = np.einsum("wc,tcx->twx", weights, corners[rows]).reshape(-1, 3)
     labels = np.repeat(mesh.labels[rows], len(weights))
-    return bool(
-        bounds_set(field, newton(points, field, labels[:, None], np.full(len(points), tolerance)), labels).all()
-    )
+    points = newton(points, field, labels[:, None], np.full(len(points), tolerance))
+    return bool(bounds_set(field, points, labels).all())
 
 
 def refined_faces(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> FaceMesh:
