@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -105,20 +105,16 @@ def _engine(options: argparse.Namespace) -> Iterator[Callable[..., Any]]:
     if not options.cache:
         raise ValueError("workers hand blends over in files: give a folder that all of them see as --cache")
     distributed = library("distributed", "workers need Dask: pip install 'pas[distributed]'")
-    if options.scheduler is None:
+    if options.workers is not None:
         count = whole(options.workers, "--workers", 1, 10_000)
-        with (
-            distributed.LocalCluster(count, threads_per_worker=1, dashboard_address=None) as cluster,
-            distributed.Client(cluster) as client,
-        ):
+        where = distributed.LocalCluster(count, threads_per_worker=1, dashboard_address=None)
+    with nullcontext(options.scheduler) if options.workers is None else where as address:
+        try:
+            client = distributed.Client(address)
+        except (OSError, ValueError) as error:
+            raise ValueError(f"there is no scheduler at {address}: {error}") from None
+        with client:
             yield client.map
-        return
-    try:
-        client = distributed.Client(options.scheduler)
-    except (OSError, ValueError) as error:
-        raise ValueError(f"there is no scheduler at {options.scheduler}: {error}") from None
-    with client:
-        yield client.map
 
 
 def _status(options: argparse.Namespace) -> CommandResult:

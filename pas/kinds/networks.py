@@ -6,7 +6,6 @@ their verdicts are asked for.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -39,14 +38,14 @@ def _graph(thing: NetworkPart) -> dict[str, Any]:
 
 def _part(
     grid: str,
-    points: list[Any],
-    edges: list[Any],
-    radii: list[str],
-    sizes: list[int],
+    points: Any,
+    edges: Any,
+    radii: Any,
+    sizes: Any,
     order: int,
-    blends: list[Any],
-    wall: str | None = None,
-    inner: Sequence[Any] = (),
+    blends: Any,
+    wall: Any = None,
+    inner: Any = (),
 ) -> NetworkPart:
     """The part of a file; raises `ValueError` where the blends are not those of its nodes."""
     if len(sizes) not in (len(edges), 2 * len(edges)) or not all(0 <= size < len(radii) for size in sizes):

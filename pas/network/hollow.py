@@ -12,7 +12,8 @@ from functools import cached_property
 import numpy as np
 
 from pas.mesh.rows import Floats, Integers
-from pas.network.placing import NodePiece, PlacedPieces, StrutPiece, strip
+from pas.network.placing import NodePiece, PlacedPieces, StrutPiece
+from pas.network.rings import strip
 
 
 class HollowPieces(PlacedPieces):

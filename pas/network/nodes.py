@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -161,13 +161,7 @@ def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe | Con
 
 
 def blends(
-    network: StrutGraph,
-    kinds: Kinds,
-    order: int,
-    degree: Degree,
-    wall: Fraction | None,
-    cache: str | Path | None,
-    map_: Callable[..., Any],
+    network: StrutGraph, kinds: Kinds, order: int, degree: Degree, wall: Fraction | None, cache: Any, map_: Any
 ) -> dict[tuple[Any, ...], Node]:
     """A proved blend for the first kind of each class that takes one, hollow with a `wall`, by the class's key.
 

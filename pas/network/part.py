@@ -21,8 +21,9 @@ from pas.certify.proofs import zeros_signs
 from pas.errors import MeshError
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
-from pas.mesh.quality import Quality, manifold
+from pas.mesh.quality import Quality
 from pas.network.blocks import FACES, write_blocks
+from pas.network.certified_mesh import NetworkMesh
 from pas.network.classes import Kinds
 from pas.network.clearance import clearance
 from pas.network.graph import StrutGraph
@@ -296,12 +297,7 @@ class NetworkPart(Shape):
         return [(mesh, self.network.points[nodes]) for mesh, (*_, nodes) in zip(meshes, found, strict=True)]
 
     def write_blocks(
-        self,
-        folder: str | Path,
-        tolerance: float | None = None,
-        *,
-        struts: int = 20_000,
-        map: Callable[..., Any] = map,
+        self, folder: str | Path, tolerance: float | None = None, *, struts: int = 20_000, map: Callable[..., Any] = map
     ) -> list[Path]:
         """Write the watertight mesh as STL files of about so many struts each, for what is too large for one mesh.
 
@@ -316,61 +312,6 @@ class NetworkPart(Shape):
 
     def __repr__(self) -> str:
         return f"<NetworkPart: {len(self.network.places)} nodes, {len(self.network.edges)} struts, GC^{self.order}>"
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class NetworkMesh(Mesh):
-    """The mesh of a network's body; its certificate is a proof that it is one."""
-
-    part: NetworkPart | None = field(default=None, kw_only=True)
-    tolerance: float = field(default=0.0, kw_only=True)
-
-    @cached_property
-    def certificate(self) -> Findings:
-        """Whether it is a closed manifold, each node's mesh has the topology of its surface, and how far it is off."""
-        assert self.part is not None
-        sides = [self.part, *([self.part.cavity] if self.part.cavity else [])]
-        topology = Verdict(Status.PROVED, "the topology of every node", "by the meshes of their classes")
-        distances = []
-        for side in sides:
-            said, distance = self._side(side)
-            distances.append(max([distance, *(strut.deviation for strut in side.pieces(self.tolerance).struts)]))
-            topology = topology if said is None else replace(topology, status=said.status, reason=said.reason)
-        bound = max(distances) + float(np.abs(self.points).max()) * 2.0**-50
-        near = Verdict(Status.UNDECIDED, "near the surface", "of some class the distance is not proved")
-        if np.isfinite(bound):
-            reason = f"within {bound:.3g}: nodes by their classes, strips by their widest angle"
-            near = Verdict(Status.PROVED, near.claim, reason)
-        return Findings((manifold(self.triangles), topology, near, *self._apart(sum(distances))))
-
-    def _side(self, side: NetworkPart) -> tuple[Verdict | None, float]:
-        """What is not proved of the meshes of a body's nodes, outside or of its cavity, and how far off these are."""
-        failed, distance, step = None, 0.0, float(side.network.grid)
-        for one in side.classes:
-            if (blend := side.blend_of(one)) is None:
-                continue
-            found = blend.surface.mesh(self.tolerance / step).certificate
-            open_ = [verdict for verdict in found.verdicts if not (verdict.proved or verdict.measured)]
-            for verdict in open_:
-                failed = replace(verdict, reason=f"{one}: {verdict.claim}: {verdict.reason}")
-            # with the topology goes that points of both are joined along the gradient, on which the distance is bounded
-            distance = max(distance, np.inf if open_ or found.distance is None else step * found.distance)
-        return failed, distance
-
-    def _apart(self, distance: float) -> Iterator[Verdict]:
-        """Of a hollow body that the meshes of both its sides, so far off together, are apart."""
-        part = self.part
-        if part is None or part.wall is None:
-            return
-        claim, bound = "both sides of the wall are apart", exact(distance / float(part.network.grid))
-        for found in part.hollow.values() if np.isfinite(distance) else ():
-            thick = found.thicker_than(bound)
-            if not thick.proved:
-                yield replace(thick, claim=claim)
-                return
-        proved = distance < float(part.wall)
-        reason = f"the wall is thicker than {distance:.3g}, by which both are off together"
-        yield Verdict(Status.PROVED if proved else Status.UNDECIDED, claim, reason if proved else "the wall is thinner")
 
 
 def _holds(blend: Blend, value: fmpq_mpoly) -> bool:

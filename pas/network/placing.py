@@ -3,10 +3,6 @@
 The blend of a class is meshed once, and turned into each kind by its exact rotation or reflection; each kind of strut,
 told apart by the kinds of its nodes and its arms there, has one strip of triangles between two rings.  So a mesh of any
 size is a few tables and a place for each node.
-
-A strip merges the vertices of two rings by their angles around the strut.  A triangle of it has two neighbours of one
-ring, and one of the other between them or between which they are, so that its corners are no farther apart, in angle,
-than neighbours of one ring; it is r (1 - cos(angle / 2)) from the cylinder or cone at most, with its largest radius r.
 """
 
 from __future__ import annotations
@@ -27,6 +23,7 @@ from pas.errors import MeshError
 from pas.mesh.rows import Integers
 from pas.network.classes import Kinds, NodeKind, ranked, turn
 from pas.network.graph import StrutGraph
+from pas.network.rings import angles_around, outwards, rings_of, strip
 from pas.pipeline.result import Blend
 
 FEWEST = 8
@@ -283,7 +280,7 @@ class PlacedPieces:
             axis, rise = vector / length, self._width(one, i, 1.0) - self._width(one, i)
             own = ring[np.argsort(angles_around(piece.points[ring], axis))]
             corners = piece.points[own] - (piece.points[own] @ axis)[:, None] * axis
-            out = _out(corners, axis, rise / length)
+            out = outwards(corners, axis, rise / length)
             points.append(corners * self._width(one, i, cut) / self._width(one, i, ends[i]) + cut * vector)
             here, there = np.arange(len(own)), count + np.arange(len(own))
             after = np.roll(here, -1)
@@ -303,57 +300,3 @@ def _volume(corners: Floats, places: Floats) -> float:
     own = np.einsum("ni,ni->", a, np.cross(b, c)) / 6
     across_ = np.cross(b - a, c - a).sum(axis=0) / 6
     return float(own * len(places) + places.sum(axis=0) @ across_)
-
-
-def rings_of(points: Floats, boundary: Integers, arms: Any) -> tuple[Integers, ...]:
-    """The boundary vertices on the circle of each arm (vector, end in parts of it, radius).
-
-    Raises `AssertionError` where a vertex is on none: blends end on the circles of their contacts.
-    """
-    found, seen = [], np.zeros(len(boundary), dtype=bool)
-    for vector, end, radius in arms:
-        length = float(np.linalg.norm(vector))
-        along = points[boundary] @ vector / length
-        outside = np.linalg.norm(points[boundary] - along[:, None] * vector / length, axis=1)
-        on = (np.abs(along - end * length) < 1e-6 * length) & (np.abs(outside - radius) < 1e-6 * length)
-        found.append(boundary[on])
-        seen |= on
-    assert seen.all() and sum(map(len, found)) == len(boundary)
-    return tuple(found)
-
-
-def angles_around(points: Floats, axis: Floats) -> Floats:
-    """The angles of points around an axis through the origin, from 0 to a full turn."""
-    first, second = across(axis)
-    return np.asarray(np.arctan2(points @ second, points @ first) % tau)
-
-
-def _out(points: Floats, axis: Floats, slope: float) -> Floats:
-    """The normals of a cone about an axis, which widens by so much along it, over points (N, 3) beside the axis."""
-    across_ = points - (points @ axis)[:, None] * axis
-    found = across_ / np.linalg.norm(across_, axis=1, keepdims=True) - slope * axis
-    return np.asarray(found / np.hypot(1.0, slope))
-
-
-def strip(first: Floats, second: Floats, vector: Floats, rise: float = 0.0) -> tuple[Integers, Floats, float]:
-    """The triangles between rings around the ends of a vector, over the first ring's vertices and then the second's.
-
-    With the normals at their corners of the cone, whose radius grows by `rise` along the vector, and the widest angle
-    between neighbours of a ring.
-    """
-    axis = vector / np.linalg.norm(vector)
-    angles = [angles_around(ring, axis) for ring in (first, second)]
-    orders = [np.argsort(a) for a in angles]
-    sides = np.repeat([0, 1], [len(first), len(second)])
-    sorted_ = np.argsort(np.concatenate(angles), kind="stable")
-    latest = [int(orders[0][-1]), len(first) + int(orders[1][-1])]
-    triangles = []
-    for number in sorted_.tolist():
-        side = int(sides[number])
-        a, b = latest[side], latest[1 - side]
-        triangles.append((a, number, b) if side == 0 else (number, a, b))
-        latest[side] = number
-    found = np.array(triangles)
-    normals = _out(np.concatenate([first, second]), axis, rise / float(np.linalg.norm(vector)))[found]
-    gaps = [np.diff(np.sort(a), append=np.sort(a)[0] + tau).max() for a in angles]
-    return found, normals, float(max(gaps))
