@@ -124,4 +124,9 @@ def _status(options: argparse.Namespace) -> CommandResult:
     return CommandResult(f"{done} of {most} blocks are written", {"written": done, "blocks": most})
 
 
-_ACTIONS = {"status": _status, "check": _check, "classes": _classes, "build": _build}
+_ACTIONS: dict[str, Callable[..., CommandResult]] = {
+    "status": _status,
+    "check": _check,
+    "classes": _classes,
+    "build": _build,
+}

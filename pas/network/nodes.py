@@ -190,17 +190,18 @@ def blends(
 
 def _kept(path: Path, job: Job) -> Node:
     """The blend of a file of the cache; raises `ProjectFileError` where it is not that of the node's struts."""
-    found: Node = loaded(LOAD)(path)
-    if found.kind not in ("blend", "hollow blend") or met(found) != job.meets:
+    found: Any = loaded(LOAD)(path)
+    kind = "blend" if job.wall is None else "hollow blend"
+    if found.kind != kind or met(found, job.wall) != job.meets:
         raise ProjectFileError(f"{path} is no blend of the struts after which it is named; remove it")
-    return found
+    node: Node = found
+    return node
 
 
-def met(found: Node) -> tuple[Any, ...]:
-    """The order of a blend and the contacts that it meets, those of its cavity after the outer ones."""
-    if isinstance(found, Blend):
-        return found.surface.order, found.surface.contacts
-    return (*met(found.outer), found.inner.surface.contacts)
+def met(found: Any, wall: Fraction | None) -> tuple[Any, ...]:
+    """The order of a blend and the contacts that it meets, with a wall those of its cavity after the outer ones."""
+    outer = (found if wall is None else found.outer).surface
+    return outer.order, outer.contacts, *(() if wall is None else (found.inner.surface.contacts,))
 
 
 def _jobs(network: StrutGraph, kinds: Kinds, order: int, *how: Any) -> Iterator[tuple[tuple[Any, ...], Job]]:
@@ -214,7 +215,7 @@ def matched(
     network: StrutGraph, kinds: Kinds, order: int, found: Sequence[Node], wall: Fraction | None = None
 ) -> dict[tuple[Any, ...], Node]:
     """Which of some blends is that of which class; raises `ValueError` for a class of which none is."""
-    known = {met(blend): blend for blend in found}
+    known = {met(blend, wall): blend for blend in found}
     result = {}
     for key, job in _jobs(network, kinds, order, None, None, wall):
         if job.meets not in known:

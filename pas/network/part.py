@@ -28,7 +28,7 @@ from pas.network.classes import Kinds
 from pas.network.clearance import clearance
 from pas.network.graph import StrutGraph
 from pas.network.hollow import HollowPieces
-from pas.network.nodes import Node, NodeClass, classes_of
+from pas.network.nodes import NodeClass, classes_of
 from pas.network.placing import PlacedPieces
 from pas.pipeline.hollow import HollowBlend
 from pas.pipeline.result import Blend
@@ -62,12 +62,11 @@ class NetworkPart(Shape):
 
     @classmethod
     def of(
-        cls, network: StrutGraph, order: int, kinds: Kinds, found: Mapping[Any, Node], wall: Fraction | None
+        cls, network: StrutGraph, order: int, kinds: Kinds, found: Mapping[Any, Any], wall: Fraction | None
     ) -> NetworkPart:
         """The body with blends, hollow ones where there is a wall."""
-        hollow = {key: blend for key, blend in found.items() if isinstance(blend, HollowBlend)}
-        outer = {key: blend if isinstance(blend, Blend) else blend.outer for key, blend in found.items()}
-        return cls(network, order, kinds, outer, wall, hollow)
+        outer = {key: blend if wall is None else blend.outer for key, blend in found.items()}
+        return cls(network, order, kinds, outer, wall, {} if wall is None else found)
 
     @cached_property
     def cavity(self) -> NetworkPart | None:

@@ -74,12 +74,12 @@ class MeshShare:
     in these (E, 2) and its kind."""
 
     nodes: Sequence[NodePiece]
-    strips: Sequence[tuple[Integers, Floats, Integers, Integers]]
+    strips: Sequence[Any]
     places: Floats
     of: Integers
-    own: Integers
-    links: Integers
-    strut_kinds: Integers
+    own: Any
+    links: Any
+    strut_kinds: Any
 
     def mesh(self) -> tuple[Floats, Integers, Floats, Integers]:
         """Points (N, 3), triangles (T, 3), normals at their corners (T, 3, 3), and whether each is of a strut (T,).
@@ -209,7 +209,7 @@ class PlacedPieces:
         return MeshShare(self.nodes, strips, network.points[needed], of[needed], own, links, self._strut_kinds[edges])
 
     @cached_property
-    def _strut_kinds(self) -> Integers:
+    def _strut_kinds(self) -> Any:
         """The number of the piece of each strut (E,)."""
         found = np.zeros(len(self.network.edges), dtype=np.int32)
         for number, strut in enumerate(self.struts):
@@ -222,7 +222,7 @@ class PlacedPieces:
         found = hashlib.sha256()
         tables = [self.network.places, self.network.edges, self.kinds.of, self.kinds.slots]
         for array in (*tables, *(a for node in self.nodes for a in (node.points, node.triangles))):
-            found.update(np.ascontiguousarray(array))
+            found.update(array.tobytes())
         return found.hexdigest()
 
     @cached_property
