@@ -51,15 +51,11 @@ from .errors import NotSolvedError as NotSolvedError
 from .errors import PasError as PasError
 from .errors import ProblemFileError as ProblemFileError
 from .errors import ProjectFileError as ProjectFileError
-from .exchange.boundaries import boundary_from as boundary_from
+from .exchange.parametric_problem import boundary_from as boundary_from
 from .exchange.picture_options import Picture as Picture
 from .exchange.picture_options import Style as Style
 from .exchange.problem import read_parametric_problem as read_parametric_problem
 from .exchange.problem import read_problem as read_problem
-from .exchange.rational import ball_patches as ball_patches
-from .exchange.rational import cone_patches as cone_patches
-from .exchange.rational import cylinder_patches as cylinder_patches
-from .exchange.rational import torus_patches as torus_patches
 from .exchange.volume import VolumeMesh as VolumeMesh
 from .exchange.volume import VolumeSettings as VolumeSettings
 from .exchange.volume import volume_mesh as volume_mesh
@@ -123,6 +119,9 @@ from .parametric.patches import bezier_patches as bezier_patches
 from .parametric.regularity import BasePoint as BasePoint
 from .parametric.regularity import base_points as base_points
 from .parametric.regularity import regularity as regularity
+from .parametric.shapes import ball_patches as ball_patches
+from .parametric.shapes import cone_patches as cone_patches
+from .parametric.shapes import cylinder_patches as cylinder_patches
 from .parametric.shapes import ellipsoid as ellipsoid
 from .parametric.shapes import elliptic_cone as elliptic_cone
 from .parametric.shapes import elliptic_cylinder as elliptic_cylinder
@@ -132,6 +131,7 @@ from .parametric.shapes import one_sheet_hyperboloid as one_sheet_hyperboloid
 from .parametric.shapes import plane as plane
 from .parametric.shapes import surface_of_revolution as surface_of_revolution
 from .parametric.shapes import torus as torus
+from .parametric.shapes import torus_patches as torus_patches
 from .parametric.shapes import tube as tube
 from .parametric.shapes import two_sheet_hyperboloid as two_sheet_hyperboloid
 from .parametric.surface import ParametricMesh as ParametricMesh
@@ -167,7 +167,7 @@ from .pipeline.session import keep_blends as keep_blends
 from .pipeline.summary import table as table
 from .render.drawing import animate as animate
 from .render.drawing import draw as draw
-from .render.window import show as show
+from .render.drawing import show as show
 from .shape import Kind as Kind
 from .shape import Shape as Shape
 from .surface.crossings import Crossings as Crossings

@@ -23,7 +23,7 @@ from pas.certify.proofs import CLAIMS
 from pas.cli import main
 from pas.cli.common import add_settings, settings_of
 from pas.contacts.contact import CONTACTS
-from pas.exchange.container import checksum
+from pas.exchange.files import checksum
 from pas.exchange.formats import FORMATS
 from pas.exchange.picture_options import STYLES
 from pas.fairing.energy import ENERGIES
@@ -33,7 +33,7 @@ from pas.partition.cells import PARTITIONS
 from pas.settings import MeshSettings, given
 from pas.shape import KINDS
 from pas.studio import controls as studio
-from pas.studio.code import program, toml
+from pas.studio.documents import program, toml
 
 TEXT = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 RECIPES = {part.split("\n")[0]: part for part in re.split(r"^### ", TEXT, flags=re.M)[1:]}

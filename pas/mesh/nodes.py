@@ -22,12 +22,11 @@ from scipy.spatial import ConvexHull, cKDTree
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
-from pas.mesh.graph import icosphere
-from pas.mesh.projection import distances, newton, second_derivatives
+from pas.mesh.projection import distances, least_norm, newton, second_derivatives
 from pas.mesh.refusals import Refusal
-from pas.mesh.rows import Floats, Integers, cross, norms
+from pas.mesh.rows import Floats, Integers, any_of, cross, norms
 from pas.mesh.shading import unit_rows
-from pas.mesh.topology import connected, edge_table
+from pas.mesh.topology import connected, edge_table, numbered, pinched
 
 SAME = 1e-7
 """Distance over the extent of the box between two nodes that are one."""
@@ -38,8 +37,8 @@ SHARP = 1e-3
 AROUND, REACH = 3.0, 4.0
 """Over a triangle's size: how far away its neighbours' faces count, and how far a node may be."""
 
-LEVEL = 3
-"""Of the sphere on which a node's surroundings are looked at: 642 points."""
+AROUND_NODE = 642
+"""Points of the sphere on which a node's surroundings are looked at."""
 
 LINKS = (1e-2, 1e-3)
 """Radii of such spheres over a lattice's spacing; a cone looks the same on all of them."""
@@ -161,9 +160,9 @@ def _solved(field: FaceField, starts: Floats, systems: list[tuple[int, ...]], re
 
 def _is_cone(field: FaceField, node: Floats, spacing: float) -> bool | Refusal:
     """Whether the boundary is one sheet at a node, as its links show; refused where it is pinched there."""
-    if all(len(inside) == len(outside) == 1 for inside, outside in _links(field, node, spacing, LEVEL)):
+    if all(len(inside) == len(outside) == 1 for inside, outside in _links(field, node, spacing, AROUND_NODE)):
         return True
-    finer = _links(field, node, spacing, LEVEL + 1)
+    finer = _links(field, node, spacing, 4 * AROUND_NODE)
     if all(max(len(inside), len(outside)) > 1 and min(*inside, *outside, PARTS) == PARTS for inside, outside in finer):
         return Refusal(
             f"the solid could not be meshed: near {place_of(field, node)} it touches itself in a point or an edge, "
@@ -172,10 +171,9 @@ def _is_cone(field: FaceField, node: Floats, spacing: float) -> bool | Refusal:
     return False
 
 
-def _links(field: FaceField, node: Floats, spacing: float, level: int) -> list[tuple[list[int], list[int]]]:
+def _links(field: FaceField, node: Floats, spacing: float, number: int) -> list[tuple[list[int], list[int]]]:
     """Of each small sphere the numbers of points in its connected parts that are inside, and of those outside."""
-    units, edges = _sphere(level)
-    number, count = len(units), len(LINKS)
+    (units, edges), count = _sphere(number), len(LINKS)
     radii = spacing * np.array(LINKS)
     inside = field.inside(field.signs((node + radii[:, None, None] * units).reshape(-1, 3)))
     every = (edges + number * np.arange(count)[:, None, None]).reshape(-1, 2)
@@ -186,9 +184,11 @@ def _links(field: FaceField, node: Floats, spacing: float, level: int) -> list[t
 
 
 @cache
-def _sphere(level: int) -> tuple[Floats, Integers]:
-    """Points on the unit sphere and which of them are next to each other."""
-    units = icosphere(level)[0]
+def _sphere(number: int) -> tuple[Floats, Integers]:
+    """So many points on the unit sphere, along a spiral with the golden angle, and which are next to each other."""
+    heights, turns = 1 - (2 * np.arange(number) + 1) / number, np.pi * (3 - 5**0.5) * np.arange(number)
+    radii = np.sqrt(1 - heights * heights)
+    units = np.stack([radii * np.cos(turns), radii * np.sin(turns), heights], axis=1)
     return units, edge_table(ConvexHull(units).simplices.astype(np.intp))[0]
 
 
@@ -256,3 +256,63 @@ def _touch(field: FaceField, points: Floats, pairs: Integers, close: float) -> n
     sine = norms(cross(*(unit_rows(field.jets(here, column)[:, 1:]) for column in functions.T)))
     result[result] = (np.max(off, axis=0) < close) & (sine < PARALLEL)
     return result
+
+
+def contracted(
+    field: FaceField, points: Floats, triangles: Integers, labels: Integers, nodes: Nodes
+) -> tuple[Floats, Integers, Integers, Integers] | Nodes:
+    """The mesh (points, triangles, labels, the nodes' vertices) with all within reach of a node drawn into one vertex.
+
+    Only what is a disc is; where it is none the result is the nodes in question.
+    """
+    failed, drawn, close = np.zeros(len(nodes.points), dtype=bool), [], SAME * extent_of(field)
+    points = points.copy()
+    for number, (node, reach) in enumerate(zip(nodes.points, nodes.reach, strict=True)):
+        used = np.zeros(len(points), dtype=bool)
+        used[triangles] = True
+        distance = np.where(used, norms(points - node), np.inf)
+        center = int(distance.argmin())
+        shares = 1.0, 1.4, 0.7  # of a node's reach: what is within one of these is a disc
+        found = (_drawn_into(center, distance < share * reach, triangles, labels) for share in shares)
+        best = next((f for f in found if f and _meet(field, node, f[1][(f[0] == center).any(axis=1)], close)), None)
+        failed[number] = best is None
+        if best is not None:
+            triangles, labels = best
+            points[center] = node
+            drawn.append(center)
+    if failed.any():
+        return Nodes(nodes.points[failed], nodes.reach[failed])
+    used, numbers = numbered(triangles.ravel())
+    return points[used], numbers.reshape(-1, 3), labels, np.flatnonzero(np.isin(used, drawn))
+
+
+def _meet(field: FaceField, node: Floats, labels: Integers, close: float) -> bool:
+    """Whether the faces of given labels pass through a node."""
+    labels = np.unique(labels)
+    steps = least_norm(field, labels[:, None], np.tile(node, (len(labels), 1)))
+    return bool(np.abs(steps).max(initial=0.0) < close)
+
+
+def _drawn_into(
+    center: int, near: NDArray[np.bool_], triangles: Integers, labels: Integers
+) -> tuple[Integers, Integers] | None:
+    """Triangles (T, 3) and labels (T,) with vertices `near` (N,) drawn into one of them, the centre.
+
+    None where these are no disc, a label would be lost, or a vertex is no more surrounded by one fan.
+    """
+    near[center] = True
+    is_near = near[triangles]
+    rows = np.flatnonzero(any_of(is_near))
+    before, is_near = triangles[rows], is_near[rows]
+    inner = near[edge_table(before[is_near.sum(axis=1) > 1])[0]].all(axis=1).sum()
+    if near.sum() - inner + is_near.all(axis=1).sum() != 1:
+        return None
+    after, kept = triangles.copy(), np.ones(len(triangles), dtype=bool)
+    after[rows] = np.where(is_near, center, before)
+    kept[rows] = (after[rows] != after[rows][:, [1, 2, 0]]).all(axis=1)
+    about = np.zeros(len(near), dtype=bool)
+    about[after[rows]] = True
+    beside = kept & any_of(about[after])
+    if not np.isin(labels[rows], labels[kept]).all() or len(pinched(after[beside], about)):
+        return None
+    return after[kept], labels[kept]

@@ -11,14 +11,11 @@ from functools import cache, cached_property
 from math import comb
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.evaluation import evaluate
 from pas.algebra.monomials import Floats, derivative_matrix, exponents, positions
 from pas.algebra.polynomial import Polynomial
-from pas.solid.tree import Bools
-
-Integers = NDArray[np.intp]
+from pas.solid.tree import Bools, Integers
 
 HELD = 1 << 22
 """Numbers held at once while boxes are bounded."""
@@ -61,19 +58,6 @@ class TaylorForms:
                 terms = (np.abs(values) * powers[:, None]) @ orders
                 changes[own, part] = terms.transpose(1, 0, 2) / (halves if len(halves) == 1 else halves[part])
         return gradients, changes
-
-    def never_both(self, centers: Floats, halves: Floats) -> Bools:
-        """Where two polynomials certainly do not vanish together in boxes (N,): where p - m q has one sign."""
-        p, q = self.polynomials
-        result = np.zeros(len(centers), dtype=bool)
-        for part, values, powers in _Expansion((p, q), np.arange(2), max(p.degree, q.degree, 1)).about(centers, halves):
-            terms = values * powers[:, None]
-            slopes = terms[:, :, 1:4]
-            square = np.maximum((slopes[:, 1] ** 2).sum(axis=1), 1e-300)
-            share = (slopes[:, 0] * slopes[:, 1]).sum(axis=1) / square
-            both = terms[:, 0] - share[:, None] * terms[:, 1]
-            result[part] = np.abs(both[:, 0]) > np.abs(both[:, 1:]).sum(axis=1)
-        return result
 
     @cached_property
     def _expansions(self) -> list[_Expansion]:

@@ -1,33 +1,25 @@
-"""Meshes of piecewise surfaces: as graphs over the directions from the centre, else from a lattice in the cells.
-
-`RadialField` is a surface as a graph over directions: where rays from the centre meet it, and the curves it ends on.
-The piece of a ray is that of the outer face it leaves the region through, so no point is ever located in a cell.
-"""
+"""Meshes of piecewise surfaces: as graphs over the directions from the centre, else from a lattice in the cells."""
 
 from __future__ import annotations
 
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pas.algebra.bracket import jets_of_columns, sign_change
 from pas.algebra.inputs import shown_point
 from pas.errors import GeometryError, MeshError
-from pas.kernels.library import compiled
-from pas.mesh.graph import first, require_once, rim_numbers, star
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Floats, Integers, dots
+from pas.mesh.rows import Floats, Integers
 from pas.mesh.sheet import followed
-from pas.mesh.triangulate import FoldedError, triangulate, wall_numbers
 from pas.partition.complex import OuterFace
-from pas.surface.boundary_loops import BoundaryLoop, Loops
 from pas.surface.fairness import fairness
 from pas.surface.function import PiecewisePolynomial
-from pas.surface.geometry import profile_batch
-from pas.surface.local_field import INSIDE, LocalField, LocalSurface
+from pas.surface.graph import first, require_once, rim_numbers, star
+from pas.surface.local_field import LocalField
+from pas.surface.radial_field import RadialField
+from pas.surface.triangulate import Beginnings, FoldedError, triangulate, wall_numbers
 
 
 class Mesher:
@@ -49,6 +41,19 @@ class Mesher:
     def cell_field(self) -> LocalField:
         """What meshes it from lattices in the cells."""
         return LocalField(self.surface)
+
+    @cached_property
+    def first(self) -> Labelled | None:
+        """Few triangles, with which meshes of a graph over directions begin, None where rays show that it is none."""
+        try:
+            return None if self.radial_field is None else first(self.radial_field)
+        except ArithmeticError:
+            return None
+
+    @cached_property
+    def beginnings(self) -> Beginnings:
+        """The first meshes on lattices."""
+        return Beginnings(self.cell_field)
 
     def mesh(self, tolerance: float, most: int | None, quality: Quality) -> Mesh:
         """Triangles within a tolerance in the model's units, at most `most` of them where that is given.
@@ -81,21 +86,22 @@ class Mesher:
         # shares of the tolerance that are tried in turn where triangles fold: finer ones need not
         finer = (1.0, 0.5, 0.25)
         field = self.radial_field
-        for share in () if field is None else finer:
-            assert field is not None
+        with np.errstate(all="ignore"):  # what is not finite is no graph
+            begin = self.first
+        for share in () if field is None or begin is None else finer:
+            assert field is not None and begin is not None
             try:
-                with np.errstate(all="ignore"):  # what is not finite is no graph
-                    return star(field, share * tolerance / field.scale, most, aim)
+                with np.errstate(all="ignore"):
+                    return star(field, begin, share * tolerance / field.scale, most, aim)
             except ArithmeticError:
                 pass
             except MeshError:  # too many triangles
                 if share == 1:
                     raise
                 break
-        lattice = self.cell_field
         try:
             with np.errstate(all="ignore"):  # what is not finite is folded, and refused
-                return triangulate(lattice, tolerance / lattice.scale, most, aim)
+                return triangulate(self.beginnings, tolerance / self.cell_field.scale, most, aim)
         except FoldedError as error:
             raise MeshError(f"{error}{_sharpest(self.surface)}") from None
 
@@ -116,8 +122,7 @@ def around_centre(surface: PiecewisePolynomial) -> bool:
 def _outside(surface: PiecewisePolynomial, face: OuterFace) -> bool:
     """Whether the middle of an outer face is."""
     corners = [surface.local.vertices[v] for v in face.vertices]
-    x, y, z = (sum(c) / 3 for c in zip(*corners, strict=True))
-    return surface.patches[face.piece].at((x, y, z)) > 0
+    return surface.patches[face.piece].at([sum(c) / 3 for c in zip(*corners, strict=True)]) > 0
 
 
 def _sharpest(surface: PiecewisePolynomial) -> str:
@@ -133,137 +138,3 @@ def _sharpest(surface: PiecewisePolynomial) -> str:
         f"; near {shown_point(fair.sharpest)} it is {fair.sharpness:.3g} times as sharp as its neighbours, and clips "
         'that are farther out, as clip="auto" finds them, leave more room'
     )
-
-
-AROUND = np.array([0.0, *1.5 ** np.arange(6.0)])
-"""Shares of rays from the skeleton between which their meeting with the surface is looked for, from 1 on outwards."""
-
-SETTLED = 1e-9
-"""Change of the share of a ray's length that ends the search: by Newton's method the next is about its square."""
-
-
-class RadialField(LocalSurface):
-    """A surface of one sheet around the centre of its partition, in local coordinates with the centre 0."""
-
-    rims: list[BoundaryLoop]
-
-    def __init__(self, surface: PiecewisePolynomial) -> None:
-        outer = surface.local.outer_faces
-        corners = np.array([surface.local.points[list(face.vertices)] for face in outer])
-        self._weights = np.linalg.inv(corners.transpose(0, 2, 1))
-        self._piece = np.array([face.piece for face in outer], dtype=np.intp)
-        super().__init__(surface)
-        self._profiles = profile_batch(self.evaluator.columns, self.degree)
-        self.rims = surface.placed.loops
-        self._loops = Loops(self.rims)
-
-    @cached_property
-    def first(self) -> Labelled | None:
-        """Few triangles, with which meshes begin, None where rays show that it is no graph."""
-        try:
-            return first(self)
-        except ArithmeticError:
-            return None
-
-    def between(self, ends: Floats, rims: Integers) -> Integers:
-        """See `pas.mesh.field.SheetField`: none, as rings have no ends."""
-        return np.full(len(ends), -1)
-
-    def within(self, points: Floats) -> bool:
-        """Whether all points (N, 3) are in the region, but for rounding: rays leave it there or farther away."""
-        return bool((self.leaving(points)[0] >= 1 - INSIDE).all())
-
-    def leaving(self, points: Floats) -> tuple[Floats, Integers]:
-        """The multiples (N,) of points (N, 3) at which their rays leave the region, and the pieces (N,)."""
-        leave, faces = np.empty(len(points)), np.empty(len(points), dtype=np.intp)
-        compiled().call("pas_leaving", len(self._weights), self._weights, len(points), points, leave, faces)
-        return leave, self._piece[faces]
-
-    def pieces(self, points: Floats) -> Integers:
-        """The pieces (N,) through whose outer faces rays to points leave the region."""
-        return self.leaving(points)[1]
-
-    def profiles(self, points: Floats) -> tuple[Floats, Floats]:
-        """Coefficients (n + 1, N) of f along the rays to points, in multiples of these, and where they leave (N,)."""
-        leave, pieces = self.leaving(points)
-        return self._profiles(points, pieces).T, leave
-
-    def met(self, points: Floats) -> Floats:
-        """Where the rays through points (N, 3) meet the surface, found from there."""
-        return self._met(points)[0]
-
-    def _met(self, points: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        """Where rays through points (N, 3) meet the surface, (N, 3), and which of them (N,) graze or miss it."""
-        steep = 0.4  # cosine between normal and ray below which a ray from the skeleton is taken
-        off = 1e-6  # so far from the surface, over the way from 0, a ray has missed it: it left through a contact
-        profiles, leave = self.profiles(points)
-        start = np.minimum(leave / 2 + np.where(leave > 1, 0.5, 0.0), 1.0)
-        shares = sign_change(jets_of_columns(profiles), np.zeros(len(points)), leave, start, SETTLED)
-        found = shares[:, None] * points
-        jets = self.jets(found)
-        sizes = np.sqrt(dots(found, found) * dots(jets[:, 1:], jets[:, 1:]))
-        return found, ~((dots(found, jets[:, 1:]) > steep * sizes) & (np.abs(jets[:, 0]) <= off * sizes))
-
-    def on_rims(self, points: Floats, rim: Integers) -> Floats:
-        """Points (N, 3) near curves of given numbers (N,) moved onto these."""
-        return self._loops.at(points, rim)
-
-    def rim_distances(self, points: Floats, rim: Integers) -> Floats:
-        """Distances (N,) of points (N, 3) from curves of given numbers (N,), to first order."""
-        result = np.zeros(len(points))
-        for number in np.unique(rim).tolist():
-            result[rim == number] = self.rims[number].distances(points[rim == number])
-        return result
-
-    def near(self, points: Floats) -> Floats:
-        """The surface's points (N, 3) on rays through points, from the skeleton where those from 0 graze or miss it."""
-        found, grazed = self._met(points)
-        if grazed.any():
-            found[grazed] = self._around(points[grazed], found[grazed])
-        return found
-
-    def _around(self, points: Floats, otherwise: Floats) -> Floats:
-        """Where the rays to points (N, 3) from the nearest points of the skeleton meet the surface, found from there.
-
-        The skeleton joins the centre with the middle of each ring: all of it is inside a surface of one sheet, and near
-        a ring such rays stay in the region, however thin the surface is there.  Points that they do not meet nearby are
-        those given `otherwise`.
-        """
-        feet = self._feet(points)
-        ways, farthest = points - feet, np.zeros(len(points))
-        for share in AROUND[1:]:
-            beyond = self.values(feet + share * ways) > 0
-            farthest = np.where(beyond & (farthest == 0), share, farthest)
-        met = np.flatnonzero(farthest > 0)
-        feet, ways = feet[met], ways[met]
-
-        def along(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
-            jets = self.jets(feet[rows] + shares[:, None] * ways[rows])
-            return jets[:, 0], dots(jets[:, 1:], ways[rows])
-
-        before = AROUND[np.searchsorted(AROUND, farthest[met]) - 1]
-        found = sign_change(along, before, farthest[met], np.ones(len(met)).clip(before, farthest[met]), SETTLED)
-        result = np.array(otherwise)
-        result[met] = feet + found[:, None] * ways
-        return result
-
-    def _feet(self, points: Floats) -> Floats:
-        """The nearest points (N, 3) of the skeleton."""
-        feet, least = np.zeros_like(points), dots(points, points)
-        for middle in (ring.middle for ring in self.rims):
-            places = np.clip(points @ middle / (middle @ middle), 0.0, 1.0)[:, None] * middle
-            squares = dots(points - places, points - places)
-            nearer = squares < least
-            feet[nearer], least[nearer] = places[nearer], squares[nearer]
-        return feet
-
-    def once(self, points: Floats) -> bool:
-        """Whether f changes its sign once, from inside to outside, along all rays to points, as sampled."""
-        samples = 32  # places along a ray where the sign of f is looked at
-        profiles, leave = self.profiles(points)
-        shares = np.outer(np.linspace(0.0, 1.0, samples + 1), leave)
-        values = np.zeros_like(shares)
-        for coefficients in profiles[::-1]:
-            values = values * shares + coefficients
-        inside = values < 0
-        return bool((inside[:-1] >= inside[1:]).all() and inside[0].all() and not inside[-1].any())
