@@ -44,20 +44,17 @@ def first_lattice(field: FaceField) -> Octree:
     return Octree(field, extent_of(field) / PARTS)
 
 
-def first_mesh(
-    field: FaceField, tolerance: float, octree: Octree | None = None, even: bool = False
-) -> Labelled | Refusal:
+def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None) -> Labelled | Refusal:
     """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do.
 
-    The `octree` to begin with is that of `first_lattice`, if it is known.  An `even` mesh has triangles about as
-    large as the lattice's cubes, on planes as well.
+    The `octree` to begin with is that of `first_lattice`, if it is known.
     """
     start = _cleared(field, first_lattice(field) if octree is None else octree)
     if isinstance(start, Refusal):
         return start
     ahead, failures, reason = [_Lattice(field, start, {})], list[tuple[int, int]](), ""
     for _ in range(HALVINGS):
-        found = _shown(ahead, tolerance, even)
+        found = _shown(ahead, tolerance)
         if not isinstance(found, _Failed):
             return found
         reason, places, first = found.reason or reason, found.places, ahead[0].octree
@@ -132,7 +129,7 @@ class _Failed:
     places: Floats = field_of(default_factory=lambda: NOWHERE)
 
 
-def _shown(ahead: list[_Lattice], tolerance: float, even: bool) -> Labelled | Refusal | _Failed:
+def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | Refusal | _Failed:
     """The mesh of the first of some lattices, to which finer ones are added until there are enough to compare it."""
     field, first = ahead[0].field, ahead[0]
     if first.octree.crowded:
@@ -153,7 +150,7 @@ def _shown(ahead: list[_Lattice], tolerance: float, even: bool) -> Labelled | Re
         return _Failed("its faces are too small")
     if not len(first.crossings.edges):
         return _Failed("")
-    mesh = cleaned(raw, field, tolerance, even)
+    mesh = cleaned(raw, field, tolerance)
     reason, places = unsound(mesh, field, tolerance)
     return _Failed(reason, places) if reason else mesh
 
