@@ -19,7 +19,6 @@ from pas.mesh.diagnostics import Diagnosis, diagnosis
 from pas.mesh.faces import BoundaryCrossings
 from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import Cones
 from pas.mesh.octree import DEEPEST, MOST_CUBES, NOWHERE, OPEN, QUIET, Octree
 from pas.mesh.projection import cosines, least_norm, placing
 from pas.mesh.refusals import Refusal
@@ -52,7 +51,7 @@ def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None)
     start = _cleared(field, first_lattice(field) if octree is None else octree)
     if isinstance(start, Refusal):
         return start
-    ahead, failures, reason = [_Lattice(field, start, {})], list[tuple[int, int]](), ""
+    ahead, failures, reason = [_Lattice(field, start)], list[tuple[int, int]](), ""
     for _ in range(HALVINGS):
         found = _shown(ahead, tolerance)
         if not isinstance(found, _Failed):
@@ -106,19 +105,18 @@ def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
 
 @dataclass(frozen=True)
 class _Lattice:
-    """An octree and where the boundary crosses it; and the cones that are known from other octrees."""
+    """An octree and where the boundary crosses it."""
 
     field: FaceField
     octree: Octree
-    cones: Cones
 
     @cached_property
     def crossings(self) -> BoundaryCrossings:
-        return BoundaryCrossings(self.field, *self.octree.tetrahedra(), self.cones)
+        return BoundaryCrossings(self.field, *self.octree.tetrahedra())
 
     def refined(self, places: Floats = NOWHERE, least: int = OPEN) -> _Lattice:
         """The next one; see `Octree.refined`."""
-        return _Lattice(self.field, self.octree.refined(places, least), self.cones)
+        return _Lattice(self.field, self.octree.refined(places, least))
 
 
 @dataclass(frozen=True)
