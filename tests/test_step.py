@@ -331,6 +331,15 @@ def test_volumes_are_those_of_meshes_where_quadrature_does_not_converge(ocp, tmp
     assert adaptive_volume(found) < 5.2 * np.pi  # else this is no such solid any more
 
 
+@pytest.mark.slow
+def test_tubes_are_followed_to_their_flat_ends(ocp, tmp_path):
+    tube = solid.tube(("cos(t)", "sin(t)", "t/5"), "1/8", (0, 1))
+    (found,), kinds = read_solids(tube.write(tmp_path / "a.step"))
+    length = np.hypot(1, 1 / 5)
+    assert is_valid(found) and kinds["Plane"] == 2
+    assert adaptive_volume(found) == pytest.approx(np.pi / 64 * length, rel=1e-5)
+
+
 def test_parts_have_their_names_colours_and_places(ocp, tmp_path):
     peg = solid.cylinder((0, 0, 0), (0, 0, 1), "1/2")
     both = solid.assembly(peg=(peg, "#ff0000"), moved=(peg.translate((5, 0, 0)), "#0000ff"))
