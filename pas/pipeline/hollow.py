@@ -22,16 +22,18 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import shown_point
-from pas.algebra.rational import Exact, exact, plain, positive, rational
+from pas.algebra.rational import Exact, plain, positive, rational, three
 from pas.certify.nesting import nesting
 from pas.certify.thickness import thicker_than
 from pas.contacts.contact import Contact, ContactLike, as_contact
 from pas.contacts.ends import ContactEnd
 from pas.contacts.parallels import inner_contact
-from pas.errors import GeometryError, InfeasibleError, NoSolutionError, NotProvedError
+from pas.errors import GeometryError, InfeasibleError, MeshError, NoSolutionError, NotProvedError
 from pas.limits import WorkLimits, limited
 from pas.mesh.quality import Quality
-from pas.mesh.walls import End, least_distance, wall_mesh
+from pas.mesh.rows import Integers
+from pas.mesh.topology import Edges
+from pas.mesh.walls import End, least_distance
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of
 from pas.pipeline.cavity import Cavity
@@ -40,12 +42,9 @@ from pas.pipeline.search import excess, find
 from pas.pipeline.wall_mesh import WallMesh
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
+from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
 from pas.verdicts import Findings, Status, Verdict
-
-ROUNDED = 2.0**-29
-"""By how much coefficients of an inner surface may be another machine's, over the largest: radii that are irrational
-are rounded to 32 binary digits (see `pas.contacts.parallels`)."""
 
 Rank: TypeAlias = "tuple[bool, float, float]"
 """What is proved comes before what is not, then an even wall before an uneven one, then the fairer surface."""
@@ -102,8 +101,7 @@ class HollowBlend(Shape, Generic[B]):
         """How thick the wall is where it is thinnest, measured."""
         meshes = self.outer.mesh(self._tolerance), self.inner.mesh(self._tolerance)
         distance, place = least_distance(*meshes)
-        x, y, z = place.tolist()
-        return Wall(distance, (x, y, z), max(mesh.deviation or 0.0 for mesh in meshes))
+        return Wall(distance, three(place.tolist()), max(mesh.deviation or 0.0 for mesh in meshes))
 
     @limited("bounding the thickness of a wall", "a smaller bound")
     def thicker_than(self, bound: Exact, **limits: Unpack[WorkLimits]) -> Verdict:
@@ -159,9 +157,18 @@ class HollowBlend(Shape, Generic[B]):
         tolerance = self._tolerance if tolerance is None else tolerance
         sheets = self.outer.surface, self.inner.surface
         ends = [self._end(number) for number in range(len(self.outer.surface.contacts))]
-        names = ["blend", "inside of blend", *(f"end {number + 1}" for number in range(len(ends)))]
-        outer, inner = (sheet.mesh(tolerance, quality=quality) for sheet in sheets)
-        return WallMesh.of(wall_mesh(outer, inner, ends, names), sheets, ends)
+        made, loops = Faces([], 0.0), list[list[Integers]]()
+        for sheet, name in zip(sheets, ("blend", "inside of blend"), strict=True):
+            mesh = sheet.mesh(tolerance, quality=quality)
+            first = made.put(replace(mesh, names=(name,)), flipped=len(loops) > 0)
+            loops.append([loop + first for loop in Edges(mesh.triangles, len(mesh.points)).loops])
+        points = made.points
+        for number, end in enumerate(ends, start=1):
+            pair = [min(some, key=lambda loop: end.off(points[loop]), default=None) for some in loops]
+            if pair[0] is None or pair[1] is None:
+                raise MeshError(f"one of the two sheets does not end in end {number}")
+            made.ended(end, f"end {number}", pair[0], pair[1])
+        return WallMesh.of(made.mesh, sheets, ends)
 
     @property
     def _tolerance(self) -> float:
@@ -231,8 +238,11 @@ def check_sides(outer: ChosenBlend, inner: ChosenBlend, thickness: fmpq | None) 
 
 def _same(one: Contact, other: Contact) -> bool:
     """Whether two contacts have one surface, to the rounding of irrational radii, and one clip."""
+    # By how much coefficients of an inner surface may be another machine's, over the largest: radii that are
+    # irrational are rounded to 32 binary digits (see `pas.contacts.parallels`).
+    rounding = 2.0**-29
     a, b = (c.surface.dense(max(one.surface.degree, other.surface.degree)) for c in (one, other))
-    rounded = float(np.abs(a - b).max()) <= ROUNDED * float(np.abs(a).max())
+    rounded = float(np.abs(a - b).max()) <= rounding * float(np.abs(a).max())
     return rounded and one.clip.primitive() in (other.clip.primitive(), (-other.clip).primitive())
 
 
@@ -288,5 +298,4 @@ def _with_place(surface: PiecewiseSurface, number: int) -> Contact:
     contact, join = surface.contacts[number], surface.joins[number]
     if not join.opening:
         return contact
-    x, y, z = map(exact, surface.partition.frame.global_points(join.curve()[0]).tolist())
-    return Contact(contact.surface, contact.clip, (x, y, z))
+    return Contact(contact.surface, contact.clip, surface.partition.frame.global_points(join.curve()[0]).tolist())

@@ -71,7 +71,7 @@ class RunSide:
         if len(known) != len(meshes):
             return False
         return all(
-            _between(a.points, b.points) > ROOM * ((a.deviation or 0.0) + (b.deviation or 0.0))
+            gap_between(a.points, b.points) > ROOM * ((a.deviation or 0.0) + (b.deviation or 0.0))
             for a, b in combinations(known, 2)
         )
 
@@ -108,13 +108,11 @@ class RunSide:
         triangles = between_loops(np.stack([np.arctan2(y, x), heights], axis=1), circles, holes)
         if triangles is None:
             return False
-        corners, surface = points[triangles], End(self.ends[0].contact.surface, np.zeros(3))
-        made.deviation = max(made.deviation, surface.off((corners + np.roll(corners, 1, axis=1)) / 2))
-        made.add(self.name, triangles, surface.normals(corners))
+        made.add_on(End(self.ends[0].contact.surface, np.zeros(3)), self.name, triangles)
         return True
 
 
-def _between(one: Floats, other: Floats) -> float:
+def gap_between(one: Floats, other: Floats) -> float:
     """The distance of the farthest parallel planes between points (N, 3) and (M, 3), negative where there are none.
 
     By a linear programme, so it is the farthest of those whose normal is measured by its largest coordinate.

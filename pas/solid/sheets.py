@@ -10,10 +10,11 @@ sheet; a surface that ends elsewhere than in one loop on each contact has no suc
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -22,7 +23,6 @@ from pas.algebra.monomials import Floats
 from pas.mesh.closed import FaceMesh, refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.projection import pair_normals
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers, norms
 from pas.mesh.topology import Edges
@@ -123,21 +123,24 @@ class Faces:
         loops[number] = here
         return True
 
-    def ended(self, chain: Chain, outer: Integers, inner: Integers | None) -> bool:
-        """Whether the end of a chain closes the mesh at a loop, or in a wall between two loops."""
-        points, end = self.points, chain.end
+    def add_on(self, end: End, name: str, triangles: Integers, side: int = 1) -> None:
+        """A face on a surface, seen from its inside where `side` is -1; how far off its edges' middles are is noted."""
+        corners = self.points[triangles]
+        self.deviation = max(self.deviation, end.off((corners + np.roll(corners, 1, axis=1)) / 2))
+        self.add(name, triangles, side * end.normals(corners))
+
+    def ended(self, end: End, name: str, outer: Integers, inner: Integers | None) -> bool:
+        """Whether an end closes the mesh at a loop, or in a wall between two loops."""
+        points = self.points
         if inner is None:
             (middle,) = self.added(points[outer].mean(axis=0)[None])
             points, triangles = self.points, _fan(outer, int(middle))
             if end.facing(points[triangles]).min() <= 0:
                 return False
         else:
-            triangles = ring(points, outer, inner, end.axis, chain.name)
-        corners = points[triangles]
-        self.deviation = max(
-            self.deviation, *(end.off(p) for p in (corners, (corners + np.roll(corners, 1, axis=1)) / 2))
-        )
-        self.add(chain.name, triangles, end.normals(corners))
+            triangles = ring(points, outer, inner, end.axis, name)
+        self.deviation = max(self.deviation, end.off(points[triangles]))
+        self.add_on(end, name, triangles)
         return True
 
     def put(self, mesh: Mesh, flipped: bool = False) -> int:
@@ -175,12 +178,54 @@ def _quads(begin: Integers, end: Integers) -> list[tuple[Integers, Integers, Int
     return [(after, begin, end), (after, end, beyond)]
 
 
+B = TypeVar("B", bound="PlacedBody")
+
+
 @dataclass(frozen=True, eq=False)
-class SheetBody:
-    """What bounds a blend's solid: one side, or an outer and an inner one; `place` is how it was moved."""
+class PlacedBody(ABC):
+    """What bounds a solid all faces of which are made without a lattice; `place` is how it was moved."""
+
+    place: Affine | None = field(default=None, kw_only=True)
+
+    def moved(self: B, map_: Affine) -> B:
+        """Its image."""
+        return replace(self, place=map_ if self.place is None else map_.after(self.place))
+
+    @cached_property
+    def coarse(self) -> Mesh | None:
+        """A coarse mesh of it, which shows where it is; None where it has none."""
+        return self.mesh(COARSE * self.stretch * self.extent, Quality.BALANCED)
+
+    @property
+    def stretch(self) -> float:
+        """By how much lengths grow at most where it was moved."""
+        return 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
+
+    @property
+    def size(self) -> float | None:
+        """The longest side of a box around it, as the coarse mesh shows it."""
+        return None if self.coarse is None else float(np.ptp(self.coarse.points, axis=0).max())
+
+    @property
+    def box(self) -> Floats | None:
+        """Two corners (2, 3) of a box that holds it, as the coarse mesh shows with room around it."""
+        return None if self.coarse is None else roomy(self.coarse.box, self.coarse.deviation or 0.0)
+
+    @property
+    @abstractmethod
+    def extent(self) -> float:
+        """About how large it was before it was moved."""
+
+    @abstractmethod
+    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
+        """A closed mesh within a tolerance (the model's units), as measured; None where there is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class SheetBody(PlacedBody):
+    """What bounds a blend's solid: one side, or an outer and an inner one."""
 
     sides: tuple[Bounding, ...]
-    place: Affine | None = None
 
     @classmethod
     def of(cls, sides: Sequence[Side]) -> SheetBody | None:
@@ -213,30 +258,11 @@ class SheetBody:
         walls = zip(sides[0].chains, sides[-1].chains, strict=True) if len(sides) > 1 else ()
         return cls(tuple(sides)) if all(outer.holds(inner) for outer, inner in walls) else None
 
-    def moved(self, map_: Affine) -> SheetBody:
-        """Its image."""
-        return replace(self, place=map_ if self.place is None else map_.after(self.place))
-
-    @cached_property
-    def coarse(self) -> Mesh | None:
-        """A coarse mesh of it, which shows where it is; None where it has none."""
+    @property
+    def extent(self) -> float:
+        """The longest side of a box around the curves in which surfaces end, before it was moved."""
         points = np.concatenate([chain.curve for side in self.sides for chain in side.chains])
-        return self.mesh(COARSE * self._stretch * float(np.ptp(points, axis=0).max()), Quality.BALANCED)
-
-    @property
-    def _stretch(self) -> float:
-        """By how much lengths grow at most where it was moved."""
-        return 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
-
-    @property
-    def size(self) -> float | None:
-        """The longest side of a box around it, as the coarse mesh shows it."""
-        return None if self.coarse is None else float(np.ptp(self.coarse.points, axis=0).max())
-
-    @property
-    def box(self) -> Floats | None:
-        """Two corners (2, 3) of a box that holds it, as the coarse mesh shows with room around it."""
-        return None if self.coarse is None else roomy(self.coarse.box, self.coarse.deviation or 0.0)
+        return float(np.ptp(points, axis=0).max())
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         """A closed mesh within a tolerance (the model's units), as measured; None where a surface is not as wished."""
@@ -248,7 +274,7 @@ class SheetBody:
 
         Also the loops that are left open.  None where a surface is not as wished.
         """
-        stretch = self._stretch
+        stretch = self.stretch
         short = [number for number, whole in ends.items() if not whole]
         found = [side.mesh(tolerance / stretch, quality, short) for side in self.sides]
         made, loops = Faces([], 0.0), Loops({})
@@ -258,7 +284,8 @@ class SheetBody:
             first = made.put(pair[0], flipped=number > 0)
             loops |= {(number, chain): loop + first for chain, loop in enumerate(pair[1])}
         for number, chain in enumerate(self.sides[0].chains):
-            if number not in ends and not made.ended(chain, loops[0, number], loops.get((1, number))):
+            outer, inner = loops[0, number], loops.get((1, number))
+            if number not in ends and not made.ended(chain.end, chain.name, outer, inner):
                 return None
         if made.deviation > tolerance / stretch:
             return None
@@ -296,4 +323,4 @@ def face_mesh(mesh: Mesh, field: SolidField, tolerance: float, quality: Quality)
     made = Labelled.of(points, mesh.triangles, (2 * numbers + sides)[mesh.faces], pinned)
     if quality is Quality.ANGLES:
         return refined_faces(made, field, tolerance / field.scale, quality)
-    return FaceMesh(made, pair_normals(made, field), (mesh.deviation or 0.0) / field.scale)
+    return FaceMesh(made, (mesh.deviation or 0.0) / field.scale)
