@@ -8,6 +8,7 @@ Guaranteed: nothing.  The mesh is refined on the faces of the whole, and looked 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from itertools import combinations
@@ -28,7 +29,7 @@ from pas.mesh.quality import Quality
 from pas.mesh.rows import cross, norms
 from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.solid.field import SolidField
-from pas.solid.linked import SolidBoundary, united
+from pas.solid.linked import RenamedBoundary, SolidBoundary, united
 from pas.solid.tree import Atom, combined
 
 
@@ -65,6 +66,11 @@ def combined_boundary(first: Operand, second: Operand, operation: str) -> SolidB
     linked = united(before, new) if operation == "Add" and before and new else None
     parts = before.parts if isinstance(before, Operands) and before.operation == operation else (first,)
     return linked or Operands((*parts, second), operation)
+
+
+def renamed_boundary(body: SolidBoundary | None, names: Mapping[str, str]) -> SolidBoundary | None:
+    """What bounds a solid with other names of its faces; operands are told apart by their functions alone."""
+    return body if body is None or isinstance(body, Operands) else RenamedBoundary(body, names)
 
 
 @dataclass(frozen=True, eq=False)
