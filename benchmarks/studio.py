@@ -20,7 +20,7 @@ from time import perf_counter, sleep
 import numpy as np
 
 import pas
-from pas.studio.gallery import GALLERY
+from pas.studio import GALLERY
 from pas.studio.server import PAGE
 
 SOFTWARE = ["--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--no-sandbox"]

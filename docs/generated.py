@@ -165,7 +165,7 @@ def cell(text: str) -> str:
 def tables_of(example: Path) -> Mapping[str, Mapping[str, bool]]:
     """The tables and keys that the reader of a problem file knows, as it hands them to its `TableReader`."""
     import pas
-    from pas.exchange.tables import TableReader
+    from pas.exchange.problem import TableReader
 
     found: list[Any] = []
     real = TableReader.__init__
@@ -183,7 +183,7 @@ def tables_of(example: Path) -> Mapping[str, Mapping[str, bool]]:
 KINDS_OF_PROBLEMS = {
     "corner": ("Blends", "corner_problem", "corners/equal_gc2.toml"),
     "parametric": ("Parametric blends", "parametric_problem", "parametric/example_1.toml"),
-    "generatrix": ("Blends by a generatrix", "boundaries", "parametric/generatrix/quadrics.toml"),
+    "generatrix": ("Blends by a generatrix", "parametric_problem", "parametric/generatrix/quadrics.toml"),
     "part": ("Parts", "part_problem", "parts/bracket.toml"),
 }
 """Of each kind of problem: a title, the module in which its files are described, and a file of that kind."""
@@ -208,7 +208,11 @@ def problem_files() -> str:
     ]
     for name, (title, module, example) in KINDS_OF_PROBLEMS.items():
         assert name in PROBLEMS
-        lines += [f"## {title}\n", described(import_module(f"pas.exchange.{module}"))]
+        text, second = described(import_module(f"pas.exchange.{module}")), "Or of blends by a Bezier generatrix:"
+        if second in text:  # two kinds in one module
+            first, _, rest = text.partition(second)
+            text = "Two" + rest.removeprefix(" two") if name == "generatrix" else first
+        lines += [f"## {title}\n", text]
         rows = ["| table | keys (needed ones in bold) |", "|---|---|"]
         for table, known in tables_of(EXAMPLES / example).items():
             keys = ", ".join(f"**`{key}`**" if needed else f"`{key}`" for key, needed in sorted(known.items()))
@@ -284,7 +288,7 @@ def makers() -> str:
 
 def project_files() -> str:
     """The forms of project files, kind by kind."""
-    from pas.exchange import container
+    from pas.exchange import files as container
     from pas.shape import KINDS
 
     lines = [
@@ -323,13 +327,15 @@ def form_lines(form: Any, indent: int = 0, seen: tuple[Any, ...] = ()) -> list[s
             ]
         return lines
     inner = inspect.getclosurevars(form.inside).nonlocals if inspect.isfunction(form.inside) else {}
+    parts = inner["parts_of"](1) if "parts_of" in inner else ()
+    if isinstance(parts, tuple) and parts:  # a row
+        lines += [f"{' ' * indent}[{', '.join(entry.words for entry in parts)}]"]
+    several = {"entry": parts[0]} if isinstance(parts, list) else inner
     for name in ("entry", "form"):
-        if name in inner:
-            entry = inner[name]
+        if name in several:
+            entry = several[name]
             head = [] if isinstance(entry, Table) or name == "form" else [f"{' ' * indent}each {entry.words}"]
             lines += [*head, *form_lines(entry, indent + (0 if not head else 4), seen)]
-    if "entries" in inner:
-        lines += [f"{' ' * indent}[{', '.join(entry.words for entry in inner['entries'])}]"]
     if "fitting" in inner:
         inner = inspect.getclosurevars(inner["fitting"]).nonlocals
     for number, entry in enumerate(inner.get("forms", ())):

@@ -6,7 +6,8 @@ the long loops of this package look at the clock through `checkpoint`: past the 
 more often than twice a second and only after the first second.  Without a limit nothing is said.
 
 Long public functions are `limited`: they take `seconds` and `progress` themselves, and their linear algebra runs on
-one thread.
+one thread, so that results do not depend on how many a machine has: with more, the library that numpy calls sums in
+another order, and iterations end with other last digits.  The matrices of blends are small: more threads mostly wait.
 
 Nothing is half-done afterwards: results are built aside and handed over whole.  Between two looks at the clock
 lies one call of a library or one pass over large arrays, some tenths of a second as a rule.
@@ -16,26 +17,34 @@ from __future__ import annotations
 
 import inspect
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from functools import wraps
+from functools import cache, cached_property, wraps
 from numbers import Real
-from typing import Any, ParamSpec, TypedDict, TypeVar
+from threading import Lock
+from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, TypedDict, TypeVar
 
 from pas.errors import LimitError
-from pas.threads import one_thread
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
 
 P = ParamSpec("P")
 R = TypeVar("R")
+T = TypeVar("T")
 
-Report = Callable[[str], Any] | Callable[[float | None, str], Any]
-"""Called with one line on what is being done, such as `print`; or, where it has two arguments, with the share that is
-done of it, from 0 to 1 (None where that is not known), and with what is being done: for progress bars."""
+Report = Callable[[str], Any] | Callable[[float, str], Any]
+"""Called with one line on what is being done, such as `print`; or, where it has two arguments, with the share of the
+whole call that is done and with what is being done, for progress bars.  The share never falls, and is 1 at the end.  It
+is an estimate: `part` says how it is made."""
 
 FIRST_REPORT, REPORT_EVERY = 1.0, 0.5
 """Seconds before the first progress line, and between lines."""
+
+NO_DIGITS = str.maketrans("", "", "0123456789")
+"""What leaves the numbers out of a text."""
 
 LIMITED = "Gives up after `seconds` and reports to `progress`, as inside `pas.limit(seconds, progress)`."
 """Added to the docstrings of limited functions."""
@@ -57,19 +66,41 @@ KEYWORDS = [
 
 @dataclass
 class _Reports:
-    """A listener, when it began to listen, and when it is told next."""
+    """A listener, when it began to listen, and when it is told next; the share that is `done`, that at the `end` of the
+    part which is being done, the task in it with its share, and where that task `ends`."""
 
     listener: Callable[..., Any]
     started: float
     next_one: float
+    done: float = 0.0
+    end: float = 1.0
+    task: str = ""
+    began: float = 0.0
+    ends: float = 0.0
+    tasks: ClassVar[int] = 8
+    """How many tasks of the size of the first are thought to fill a part."""
 
-    def tell(self, words: str, done: float | None, seconds: float | None = None) -> None:
+    @cached_property
+    def takes_shares(self) -> bool:
+        return _takes(self.listener, 0.0, "") and not _takes(self.listener, "")
+
+    def tell(self, words: str, seconds: float | None = None) -> None:
         """Hand on what is being done, as the listener takes it."""
-        if _takes(self.listener, None, "") and not _takes(self.listener, ""):
-            self.listener(done, words)
+        if self.takes_shares:
+            self.listener(self.done, words)
             return
-        share = "" if done is None else f" ({100 * done:.0f}%)"
+        share = f" ({100 * self.done:.0f}%)" if self.done else ""
         self.listener(words if seconds is None else f"{words}{share}, {seconds:.0f} s")
+
+    def advance(self, task: str, share: float) -> None:
+        """Take note of how far a task is: another one than before, by its words, or one that begins anew ends that."""
+        words = task.translate(NO_DIGITS)
+        now = self.began + share * (self.ends - self.began)
+        if words != self.task or now < self.done:
+            self.task, self.began = words, self.ends
+            self.ends += (self.end - self.ends) / self.tasks
+            now = self.began + share * (self.ends - self.began)
+        self.done = now
 
 
 @dataclass
@@ -147,7 +178,8 @@ def checkpoint(task: str = "", done: float | None = None) -> None:
     current = _CURRENT.get()
     if current is None:
         return
-    task = current.task = task or current.task or current.work or "computing"
+    named = task or current.task
+    task = current.task = named or current.work or "computing"
     if current.stopped is not None and current.stopped():
         raise LimitError(f"stopped while {task}")
     now = time.monotonic()
@@ -157,10 +189,43 @@ def checkpoint(task: str = "", done: float | None = None) -> None:
             f"gave up after {float(current.seconds or 0):.3g} s while {work}; allow more seconds{current.advice}"
         )
     reports = current.reports
+    if reports is not None and named:
+        reports.advance(named, done or 0.0)
     if reports is not None and now >= reports.next_one:
         reports.next_one = now + REPORT_EVERY
         work = f"{current.work}: {task}" if current.work not in ("", task) else task
-        reports.tell(work, done, now - reports.started)
+        reports.tell(work, now - reports.started)
+
+
+@contextmanager
+def part(share: float) -> Iterator[None]:
+    """What is done inside is so large a share of what is left of the part around it, the first of which is the call.
+
+    The fractions that `progress` is told count such parts, by shares that were measured.  In a part each task, as it is
+    said to `checkpoint`, is taken for an eighth of what is left: so a fraction moves with every task, never falls, and
+    is 1 at the end of the call only.
+    """
+    current = _CURRENT.get()
+    reports = None if current is None else current.reports
+    if reports is None:
+        yield
+        return
+    end = reports.end
+    reports.end = here = reports.done + share * (end - reports.done)
+    reports.task, reports.ends = "", reports.done
+    try:
+        yield
+    finally:
+        reports.task, reports.done, reports.ends, reports.end = "", here, here, end
+
+
+def in_parts(things: Collection[T], task: str) -> Iterator[T]:
+    """Things one by one, each an equal part of all but the last eighth of the work, which `task` names."""
+    with part(1 - 1 / _Reports.tasks):
+        for number, thing in enumerate(things):
+            checkpoint(task)
+            with part(1 / (len(things) - number)):
+                yield thing
 
 
 def note(line: str) -> None:
@@ -168,7 +233,7 @@ def note(line: str) -> None:
     current = _CURRENT.get()
     reports = None if current is None else current.reports
     if reports is not None and time.monotonic() >= reports.started + FIRST_REPORT:
-        reports.tell(line, None)
+        reports.tell(line)
 
 
 def stage_line(stage: str, seconds: float) -> str:
@@ -202,6 +267,9 @@ def _limit(
         yield
     finally:
         _CURRENT.reset(token)
+    if reports is not None and reports.takes_shares:
+        reports.done = 1.0
+        reports.tell(work or inner.task or "done")
 
 
 def _check(seconds: Any, progress: Any) -> None:
@@ -209,7 +277,7 @@ def _check(seconds: Any, progress: Any) -> None:
         raise TypeError(f"seconds must be a positive number or None, not {seconds!r}")
     if seconds is not None and not float(seconds) > 0:
         raise ValueError(f"seconds must be a positive number or None, not {seconds!r}")
-    if progress is not None and not (callable(progress) and (_takes(progress, "") or _takes(progress, None, ""))):
+    if progress is not None and not (callable(progress) and (_takes(progress, "") or _takes(progress, 0.0, ""))):
         right = "a function of one line of text, such as print, or of a fraction and a text"
         raise TypeError(f"progress must be {right}, not {progress!r}")
 
@@ -222,3 +290,42 @@ def _takes(function: Callable[..., Any], *arguments: Any) -> bool:
     except ValueError:  # a builtin that does not say what it takes
         return len(arguments) == 1
     return True
+
+
+_LOCK = Lock()
+_INSIDE: list[Any] = []
+"""One entry for each computation under way in the process; the first knows the number of threads that there was."""
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Inside, linear algebra runs on one thread, in the whole process; after the last to leave as before the first."""
+    with _LOCK:
+        if not _INSIDE:
+            _release()
+        _INSIDE.append(_INSIDE[0] if _INSIDE else _libraries().limit(limits=1, user_api="blas"))
+    try:
+        yield
+    finally:
+        with _LOCK:
+            before = _INSIDE.pop()
+            if not _INSIDE:
+                _release()
+                before.restore_original_limits()
+                _release()
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    """The libraries for linear algebra of numpy and of scipy, which has its own."""
+    import scipy.linalg  # noqa: F401  # they are found once they are loaded
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
+
+
+def _release() -> None:
+    """Let this thread of the program set the number, whichever did so last."""
+    for library in _libraries().lib_controllers:
+        if library.internal_api == "openblas":
+            library.clear_controlling_thread(force=True)

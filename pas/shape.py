@@ -28,8 +28,8 @@ VERBS = {
     "save": "pas.kinds.files:save",
     "write": "pas.exchange.write:write",
     "draw": "pas.render.drawing:draw",
-    "show": "pas.render.window:show",
-    "html": "pas.render.window:html",
+    "show": "pas.render.drawing:show",
+    "html": "pas.render.drawing:html",
     "studio": "pas.studio.widget:studio",
 }
 """The implementations of the methods that all shapes have, in layers above."""

@@ -8,7 +8,7 @@ from math import comb
 import numpy as np
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
-from pas.bernstein.subdivision import edges
+from pas.bernstein.simplices import edges
 
 
 @cache

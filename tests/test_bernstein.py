@@ -19,6 +19,7 @@ from pas.algebra.rational import to_floats, to_fraction, vector
 from pas.bernstein.forms import (
     LARGEST_ERROR,
     UNIT_ROUNDOFF,
+    BoundedForms,
     b_form,
     gram,
     nearby_forms,
@@ -27,12 +28,10 @@ from pas.bernstein.forms import (
     rounded,
     rounded_forms,
 )
-from pas.bernstein.products import BoundedForms
 from pas.bernstein.search import Boxes, Fate, Limits, search
 from pas.bernstein.signs import prove_apart, prove_positive
-from pas.bernstein.simplices import Simplices, rounding_bound
-from pas.bernstein.subdivision import bisection, edges, halved, halves
-from pas.certify.critical_points import critical_parts, isolated
+from pas.bernstein.simplices import Simplices, bisection, edges, halved, halves, rounding_bound
+from pas.certify.local_mesh import critical_parts, isolated
 
 TETRAHEDRON = [vector(v) for v in (("1/4", "-1/3", "1/5"), ("3/2", 0, "1/3"), (1, 2, 0), ("-1/2", 1, 2))]
 fractions = st.fractions(min_value=-9, max_value=9, max_denominator=12)

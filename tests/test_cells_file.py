@@ -7,8 +7,8 @@ import pytest
 from conftest import EQUAL, UNEQUAL, solved
 
 import pas
-from pas.exchange.formats import cells as module
-from pas.exchange.formats.cells import node_indices
+from pas.exchange.formats import libraries as module
+from pas.exchange.formats.libraries import node_indices
 from pas.exchange.write import write_cells
 from pas.piecewise import PiecewiseSurface
 

@@ -12,10 +12,10 @@ import pas
 from pas.exchange.picture_options import Picture
 from pas.piecewise import PiecewiseSurface
 from pas.render import combs as drawing
-from pas.render import sections
+from pas.render import piecewise as sections
 from pas.render.combs import hair_length, tips
+from pas.render.piecewise import chains, combs, section_planes
 from pas.render.scene import Comb, Layer, scene_of
-from pas.render.sections import chains, combs, section_planes
 
 
 def alone(polynomial, lower, upper, contacts):

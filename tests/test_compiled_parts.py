@@ -12,15 +12,13 @@ from halving import halving
 import pas
 from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.search import Fate
-from pas.bernstein.simplices import Simplices
-from pas.bernstein.subdivision import bisection, edges, means, raised
-from pas.certify.critical_points import isolated
+from pas.bernstein.simplices import Simplices, bisection, edges, means, raised
 from pas.certify.graph_proofs import crossed
-from pas.certify.local_mesh import FramedMesh
+from pas.certify.local_mesh import FramedMesh, isolated
 from pas.certify.mesh_bounds import _moves, bounds
 from pas.mesh import topology
-from pas.mesh.lattice import Subdivision, eighths, risings
 from pas.mesh.topology import Edges, is_manifold, piece_count, same_places
+from pas.surface.lattice import Subdivision, eighths, risings
 from pas.surface.local_field import LocalField, WallCurve
 
 TORUS = "(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"
@@ -282,7 +280,7 @@ def test_rays_from_the_centre_and_its_skeleton_meet_the_surface():
     noise = np.random.default_rng(5).normal(size=local.shape)
     on_skeleton = np.array([ring.middle / 2 for ring in field.rims]) + 1e-6 * noise[: len(field.rims)]
     points = np.concatenate([*(local + scale * noise for scale in (1e-4, 0.02, 0.2)), on_skeleton])
-    first = field.first
+    first = surface.mesher.first
     inner = np.delete(first.points, Edges(first.triangles, len(first.points)).rim, axis=0)
     met, near, around = field.met(points), field.near(points), field._around(points, points)
     assert field.once(inner)

@@ -9,7 +9,7 @@ import pytest
 from conftest import ROOT
 
 import pas
-from pas.partition.kinds import read_partition
+from pas.partition.cells import read_partition
 
 SPLITS = {"alfeld split": pas.AlfeldSplit, "worsey-farin split": pas.WorseyFarinSplit, "kuhn cube": pas.KuhnCube}
 CELLS = {"alfeld split": 4, "worsey-farin split": 12, "kuhn cube": 6}

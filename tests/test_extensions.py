@@ -17,8 +17,8 @@ from pas.contacts.contact import CONTACTS
 from pas.exchange.formats import FORMATS
 from pas.exchange.problem import PROBLEMS
 from pas.fairing.energy import ENERGIES
-from pas.partition.kinds import PARTITIONS, read_partition
-from pas.partition.six_tetrahedra import VERTEX_SIGNS
+from pas.partition.boxes import VERTEX_SIGNS
+from pas.partition.cells import PARTITIONS, read_partition
 from pas.shape import KINDS
 
 FOLDER = ROOT / "examples/extensions"

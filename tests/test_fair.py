@@ -16,12 +16,11 @@ from conftest import AXES, ELBOW, EQUAL, ROOT, UNEQUAL, fair, pipes
 
 import pas
 from pas.fairing.constraints import Margins
+from pas.fairing.energy import QUANTITIES, differences
 from pas.fairing.excess import CurvatureExcess, _hull
-from pas.fairing.fit_settings import SETTINGS
 from pas.fairing.objective import SurfaceObjective
-from pas.fairing.prepared import SampledConditions
+from pas.fairing.prepared import SETTINGS, SampledConditions
 from pas.fairing.solver import FitSolver
-from pas.fairing.surface_points import QUANTITIES, differences
 from pas.pipeline.search import SearchSettings
 from pas.surface.fairness import spiral
 from pas.surface.fairness_limits import neighbour

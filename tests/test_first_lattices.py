@@ -20,8 +20,8 @@ def boxed(text: str, half: int = 1) -> pas.PiecewiseSurface:
 def test_a_neck_around_a_node_is_meshed_from_a_coarse_lattice():
     """All crossings around the node in the middle of the neck would merge, and pinch it."""
     surface = boxed(NECK)
-    beginnings = surface.mesher.cell_field.beginnings
-    first = next(b.mesh for b in beginnings if not isinstance(b.found, ArithmeticError))
+    beginnings = surface.mesher.beginnings
+    first = next(mesh for mesh, _ in beginnings if not isinstance(mesh, ArithmeticError))
     assert len(first.triangles) < 700  # the third lattice has 2814; in the first one nodes are on the surface
     mesh = surface.mesh(2e-3)
     assert all(v.status in (Status.PROVED, Status.HOLDS_MEASURED) for v in mesh.certificate.verdicts)

@@ -19,9 +19,9 @@ from pas.contacts.contact import CONTACTS
 from pas.contacts.parallels import inner_contact
 from pas.fairing.constraints import Inequalities
 from pas.fairing.energies.even_wall import EvenWall, Thickness
+from pas.fairing.energy import Sizes
 from pas.fairing.objective import check_residuals
 from pas.fairing.solver import FitSolver, coordinates
-from pas.fairing.surface_points import Sizes
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.cavity import Cavity
 from pas.surface.depth import Depth

@@ -20,7 +20,7 @@ from pas.algebra.polynomial import RING as PLAIN
 from pas.bernstein.forms import b_form, on_simplex
 from pas.cli import main
 from pas.errors import PasError
-from pas.exchange.container import write
+from pas.exchange.files import write_project
 from pas.exchange.records import SURFACE
 from pas.independent import checker, reading, signs
 from pas.independent.checker import Finding, check_independently
@@ -35,7 +35,7 @@ BOX = ((-2, -2, -2), (2, 2, 2))
 
 def findings(record, folder) -> dict[str, Finding]:
     """The second checker's verdicts on a surface's record."""
-    path = write(folder / "surface.pas.json", {"kind": "blend", "surface": record}, "tests")
+    path = write_project(folder / "surface.pas.json", {"kind": "blend", "surface": record}, "tests")
     found = check_independently(path)
     assert len({f.claim for f in found}) == len(found)
     return {f.claim: f for f in found}
@@ -672,12 +672,12 @@ def test_the_command(good, tmp_path, capsys):
     ],
 )
 def test_files_that_make_no_sense(good, change, words, tmp_path):
-    path = write(tmp_path / "bad.pas.json", {"surface": SURFACE.write(good) | change}, "tests")
+    path = write_project(tmp_path / "bad.pas.json", {"surface": SURFACE.write(good) | change}, "tests")
     with pytest.raises(pas.ProjectFileError, match=words):
         check_independently(path)
 
 
 def test_other_things_are_refused(tmp_path):
-    path = write(tmp_path / "other.pas.json", {"kind": "solid"}, "tests")
+    path = write_project(tmp_path / "other.pas.json", {"kind": "solid"}, "tests")
     with pytest.raises(pas.ProjectFileError, match="reads blends"):
         check_independently(path)

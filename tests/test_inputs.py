@@ -20,7 +20,7 @@ from pas import cli, solid
 from pas.algebra import inputs
 from pas.algebra.rational import exact, rational
 from pas.algebra.rational_function import RationalFunction
-from pas.exchange import container
+from pas.exchange import files as container
 
 WRONG_ORDERS = [-1, 9, 2001, True, False, 0.5, 1.0, "1", None, [1], 10**5000]
 SENTENCE = r"^order must be a whole number from 0 to 8 \(0 for continuous, 1 for GC\^1, \.\.\.\), not "

@@ -16,7 +16,7 @@ from conftest import DATA, EQUAL, ROOT, solved
 import pas
 from pas import network, solid
 from pas.cli import main
-from pas.exchange import container
+from pas.exchange import files as container
 from pas.exchange.schema import Table
 from pas.mesh.quality import Quality
 from pas.shape import KINDS, Kind, Shape, kind_of
@@ -220,7 +220,7 @@ JOINED = {
 
 @pytest.mark.parametrize("name", [*KINDS, *JOINED])
 def test_notebooks_show_each_verdict_once(name, monkeypatch):
-    monkeypatch.setattr("pas.render.window._picture", lambda _: "")
+    monkeypatch.setattr("pas.render.drawing._embedded", lambda _: "")
     shape = JOINED[name]() if name in JOINED else sample(name)
     text, _, table = shape._repr_html_().partition("<table>")
     assert "verdicts proved" not in text and "joints" not in text

@@ -10,9 +10,8 @@ import pytest
 
 import pas
 from pas.algebra.rational import cross, determinant, dot, rational
-from pas.blending.net import Net
+from pas.blending.net import Net, splines
 from pas.blending.place import ended
-from pas.blending.spherical import splines
 from pas.contacts.contact import as_contact
 from pas.exchange.problem import read_problem
 from pas.layouts.kinds import LAYOUTS

@@ -13,7 +13,7 @@ from conftest import ROOT
 import pas
 from pas import solid
 from pas.cli import main
-from pas.limits import WorkLimits, checkpoint, limit, limited, note
+from pas.limits import WorkLimits, checkpoint, in_parts, limit, limited, note, part
 
 
 class Clock:
@@ -80,7 +80,7 @@ def test_progress_is_reported_now_and_then(clock):
             with limit():
                 pass
             checkpoint("counting", i / 40)
-    assert lines[0].startswith("counting (2")
+    assert lines[0].startswith("counting (3%), 1 s")
     assert 5 <= len(lines) <= 7
 
 
@@ -134,7 +134,7 @@ def test_what_is_stopped_ends_at_its_next_look_and_inner_limits_are_stopped_too(
 
 
 @cache
-def parts():
+def two_parts():
     """Two bodies, and their meshes."""
     bodies = {"ball": solid.ball((0, 0, 0), 1), "box": solid.box((2, 0, 0), (3, 1, 1)) - solid.ball((2, 0, 0), "1/2")}
     return solid.assembly(**bodies), {name: body.mesh(0.2) for name, body in bodies.items()}
@@ -143,7 +143,7 @@ def parts():
 def test_pictures_look_at_the_clock_between_their_parts(tmp_path, ticking):
     from pyvista.plotting import plotter
 
-    assembly, meshes = parts()
+    assembly, meshes = two_parts()
     open_before = len(plotter._ALL_PLOTTERS)
     options = {"mesh": meshes, "size": (60, 45), "four_views": True, "cut": True}
     tasks = given_up(lambda: assembly.draw(tmp_path / "x.png", **options), tmp_path)
@@ -162,7 +162,7 @@ LOOKS = {".stl": 1, ".obj": 14, ".ply": 1, ".glb": 4, ".vtp": 4, ".3mf": 4}
 def test_files_look_at_the_clock_while_they_are_written(suffix, tmp_path, ticking):
     if suffix == ".3mf":
         pytest.importorskip("lib3mf")
-    meshes = list(parts()[1].values())
+    meshes = list(two_parts()[1].values())
     tasks = given_up(lambda: pas.write(meshes, tmp_path / f"x{suffix}"), tmp_path)
     assert sum(f"writing x{suffix}" in task for task in tasks) == LOOKS[suffix]
 
@@ -173,7 +173,7 @@ def test_a_command_that_draws_gives_up_before_any_file_is_in_its_place(command, 
     """However late: once the files are there nothing looks at the clock any more."""
     from pas.designs.teapot import Teapot
 
-    body, clock = parts()[0]["box"].shape, Clock(1.0)
+    body, clock = two_parts()[0]["box"].shape, Clock(1.0)
     monkeypatch.setattr(sys.modules[Teapot.__module__], "teapot", lambda *_, **__: Teapot("paper", body, body, body))
     small, made = tmp_path / "small.toml", tmp_path / "made"
     text = (ROOT / "examples/corners/published_proved.toml").read_text()
@@ -222,11 +222,14 @@ def test_progress_with_fractions(clock):
         clock.now += 2
         checkpoint("waiting")
         note("done")
-    assert told == [(0.25, "eliminating"), (None, "waiting"), (None, "done")]
-    with limit(progress=lambda *words: lines.append(words)):
+    eighth, next_one = 1 / 8, 7 / 64
+    assert told == [(eighth / 4, "eliminating"), (eighth, "waiting"), (eighth, "done"), (1, "waiting")]
+    with limit(progress=lambda *words: lines.append(words)), part(0.5):
+        clock.now += 2
+        checkpoint("substituting")
         clock.now += 2
         checkpoint("eliminating", 0.25)
-    assert lines == [("eliminating (25%), 2 s",)]
+    assert lines == [("substituting, 2 s",), (f"eliminating ({(eighth + next_one / 4) / 2:.0%}), 4 s",)]
     for wrong in (lambda: None, lambda a, b, c: None, 3, "print"):
         with pytest.raises(
             TypeError, match=r"progress must be a function of one line of text, .* or of a fraction and"
@@ -234,11 +237,48 @@ def test_progress_with_fractions(clock):
             limit(progress=wrong).__enter__()
 
 
+def test_parts_of_parts_and_tasks_in_them(clock):
+    """A part ends where its share does, whatever was said in it; tasks that begin anew never take a fraction back."""
+    told = []
+
+    def look(task, share=None):
+        clock.now += 1
+        checkpoint(task, share)
+        return told[-1][0]
+
+    with limit(progress=lambda fraction, words: told.append((fraction, words))):
+        clock.now += 1
+        with part(0.5):
+            with part(0.2):
+                assert [look(f"round {n}", 0.5) for n in range(3)] == pytest.approx([0.1 / 16] * 3)
+                assert look("round", 0.1) > 0.1 / 8  # begun anew
+            assert look("next") == pytest.approx(0.1)
+        assert look("after") == pytest.approx(0.5)
+        for number, _ in enumerate(in_parts(range(4), "counting")):
+            assert look(f"inside of {number}") == pytest.approx(0.5 + number * 7 / 64)
+        assert look("end") == pytest.approx(15 / 16)
+        with pytest.raises(ValueError, match="within"), part(0.5):
+            raise ValueError("within")
+        assert look("after an error") == pytest.approx(31 / 32)
+    fractions = [fraction for fraction, _ in told]
+    assert fractions == sorted(fractions)
+
+
+def test_what_gives_up_never_says_that_all_is_done(clock):
+    told = []
+    with pytest.raises(pas.LimitError), limit(seconds=5, progress=lambda fraction, _: told.append(fraction)):
+        for _ in range(9):
+            clock.now += 1
+            checkpoint("counting")
+    assert told and max(told) < 1
+
+
 def test_tables_tell_their_share(ticking):
     told = []
     blends = {name: pas.blend([pas.Pipe(a, "1/3", 1) for a in ((1, 0, 0), (0, 1, 0), (0, 0, 1))], 1) for name in "ab"}
     table = pas.table(blends, progress=lambda fraction, words: told.append((fraction, words)))
-    assert (0.5, "comparing blends: measuring blend b") in told
+    assert (0.4375, "comparing blends: measuring blends") in [(round(share, 9), words) for share, words in told]
+    assert told[-1][0] == 1
     rows = table if isinstance(table, list) else table.to_dict("records")
     assert [row["verdict"] for row in rows] == ["proved"] * 2 and rows[0]["degree"] == blends["a"].surface.degree
     assert rows[0]["sharpness"] == blends["a"].fairness.sharpness and rows[0]["fair"] is True

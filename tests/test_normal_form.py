@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pas import Polynomial
-from pas.algebra.normal_form import NormalForm
+from pas.algebra.ideal import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING
 

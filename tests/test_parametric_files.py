@@ -9,7 +9,7 @@ import pytest
 
 import pas
 from pas.cli import main
-from pas.exchange.container import checksum
+from pas.exchange.files import checksum
 from pas.parametric.blends import blend_by, method_of
 
 FIRST = pas.ParametricSurface("(1 - t^2)/(1 + t^2)", "2*t/(1 + t^2)", "h - 1")

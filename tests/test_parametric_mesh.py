@@ -12,7 +12,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import pas
-from pas.bernstein.subdivision import halved
+from pas.bernstein.simplices import halved
 from pas.mesh.mesh import Mesh
 from pas.parametric.meshing import bounded
 from pas.parametric.nets import exact_net, exact_rectangle

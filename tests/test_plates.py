@@ -12,7 +12,7 @@ from flint import fmpq
 import pas
 from pas.algebra.rational import to_floats
 from pas.blending.place import ended, place
-from pas.certify.openings import cofactor
+from pas.certify.contact_proofs import cofactor
 from pas.contacts.cones import apex
 from pas.independent.checker import check_independently
 

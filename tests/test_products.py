@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from flint import fmpq, fmpq_mat, fmpz_mat
 
-from pas.algebra.products import Products
+from pas.algebra.matrices import Products
 from pas.fairing.basis import orthonormal, to_doubles
 
 

@@ -10,7 +10,7 @@ from conftest import DATA, EQUAL, SOLVED, UNEQUAL, read, solved
 
 import pas
 from pas import cli
-from pas.exchange import container
+from pas.exchange import files as container
 
 
 @pytest.fixture

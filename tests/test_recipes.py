@@ -12,26 +12,32 @@ from types import ModuleType
 import numpy as np
 import pytest
 from conftest import ROOT, pipes
+from PIL import Image
 
 import pas
-from pas import solid
+from pas import network, solid
+from pas.algebra.systems import SYSTEMS
+from pas.blending.solving import METHODS
 from pas.certify.certificate import Certificate
 from pas.certify.proofs import CLAIMS
 from pas.cli import main
 from pas.cli.common import add_settings, settings_of
 from pas.contacts.contact import CONTACTS
-from pas.exchange.container import checksum
+from pas.exchange.files import checksum
 from pas.exchange.formats import FORMATS
+from pas.exchange.picture_options import STYLES
 from pas.fairing.energy import ENERGIES
 from pas.layouts.kinds import LAYOUTS
-from pas.partition.kinds import PARTITIONS
+from pas.network.lattices import UNIT_CELLS
+from pas.partition.cells import PARTITIONS
 from pas.settings import MeshSettings, given
+from pas.shape import KINDS
 from pas.studio import controls as studio
-from pas.studio.code import program, toml
+from pas.studio.documents import program, toml
 
 TEXT = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 RECIPES = {part.split("\n")[0]: part for part in re.split(r"^### ", TEXT, flags=re.M)[1:]}
-REGISTRIES = (CONTACTS, ENERGIES, LAYOUTS, PARTITIONS, FORMATS, CLAIMS)
+REGISTRIES = (CONTACTS, ENERGIES, LAYOUTS, PARTITIONS, FORMATS, CLAIMS, METHODS, SYSTEMS, UNIT_CELLS, STYLES, KINDS)
 MOST_FILES = 4
 EQUAL = ("1/3", "1/3", "1/3")
 CORNER = {"order": 1, "degree": 3, "pipes": [{"axis": a, "radius": "1/3", "clip": 1} for a in ([0, 1, 0], [0, 0, 1])]}
@@ -88,7 +94,22 @@ def corner(tmp_path, **tables):
 
 def test_there_are_all_recipes():
     things = "A contact, An energy, A layout, A partition, A format, An option of `pas mesh`, A verdict"
-    assert list(RECIPES) == [*things.split(", "), "A control of the studio"]
+    others = "A method of solving, A computer algebra system, A unit cell, A style of pictures, A kind of shape"
+    assert list(RECIPES) == [*things.split(", "), "A control of the studio", *others.split(", ")]
+
+
+CLOSED = {"PROBLEMS", "FILLET_MAKERS", "DOCUMENTS", "MAKERS"}
+"""Registries that are asked in their order, and that of what part files take by the names of functions."""
+
+
+def test_every_registry_has_a_recipe():
+    """By its name, which stands in the recipe's code, or in the function that registers for it."""
+    sources = "\n".join(path.read_text() for path in (ROOT / "pas").rglob("*.py"))
+    found = re.findall(r"^([A-Z_]+): Registry\[", sources, flags=re.M)
+    code = "\n".join(re.findall(r"^```python\n(.*?)^```", TEXT, flags=re.M | re.S))
+    code = re.sub(r"pas\.register_(\w+)", lambda m: f"{m[1]}s".replace("ys", "ies").upper(), code)
+    assert {name for name in found if name not in code} == CLOSED
+    assert all(f"`{name}`" in TEXT for name in CLOSED - {"MAKERS"}) and len(found) == len(set(found)) > 10
 
 
 @pytest.mark.parametrize("title", RECIPES)
@@ -250,6 +271,59 @@ def test_a_control(tmp_path):
     path = tmp_path / "moved.toml"
     path.write_text(toml(document["problem"]))
     assert pas.read_problem(path).wishes == pas.Wishes(margin="1/50")
+
+
+def test_a_method():
+    made("A method of solving")
+    contacts = [("y^2 + z^2 - 1", "x - 2"), ("x^2 + y^2 - 1", "z - 2")]
+    found, usual = (pas.solutions(contacts, 1, 4, pas.SingleCell(), method=m) for m in ("ideals", "linear"))
+    assert found.dimension == usual.dimension > 1
+    assert all(usual.coordinates(member) for member in found.basis)
+
+
+def test_a_computer_algebra_system():
+    made("A computer algebra system")
+    ideal = pas.contact_ideal(("x^2 + z^2 - 1", "y - 2"), 1)
+    text = ideal.written("cocoa")
+    assert text == "use QQ[x, y, z];\nI := ideal(x^2 + z^2 - 1, y^2 - 4*y + 4);\n"
+    assert pas.Ideal.of_rows(SYSTEMS["cocoa"].read(text)) == ideal
+    with pytest.raises(ValueError, match="modules are not written for CoCoA"):
+        pas.syzygies(["x", "y", "z"]).written("cocoa")
+
+
+def test_a_unit_cell():
+    made("A unit cell")
+    block = network.lattice("columns", cells=2, radius="1/10")
+    assert not block.check() and len(block.classes()) > 1
+    assert block.edges.shape == network.lattice(UNIT_CELLS["columns"], cells=2, radius="1/10").edges.shape
+
+
+def test_a_style(tmp_path):
+    made("A style of pictures")
+    ball = solid.ball((0, 0, 0), 1)
+    views = {}
+    for style in ("slope", "plain"):
+        path = ball.draw(tmp_path / f"{style}.png", style=style, size=(60, 45), tolerance=0.1, view=(0, -1, 0))
+        views[style] = np.asarray(Image.open(path).convert("RGB"), dtype=int)
+    top, side = (views["slope"][row, 30] for row in (8, 22))
+    assert top[1] > side[1] + 50  # green above, purple at the side
+    assert np.abs(views["slope"] - views["plain"]).max() > 50
+
+
+def test_a_kind(tmp_path, capsys):
+    made("A kind of shape")
+    ball = KINDS["ball"].type(2)
+    path = ball.save(tmp_path / "a.pas.json")
+    assert pas.load(path).radius == 2
+    assert main(["mesh", str(path), "-o", str(tmp_path / "a.stl"), "--tolerance", "0.1"]) == 0
+    assert main(["render", str(path), "-o", str(tmp_path / "a.png")]) == 0
+    assert main(["convert", str(path), str(tmp_path / "a.step")]) != 0 and "ball" in capsys.readouterr().err
+    record = json.loads(path.read_text())
+    record["content"]["radius"] = "two"
+    record["sha256"] = checksum(record["content"])
+    path.write_text(json.dumps(record))
+    with pytest.raises(pas.ProjectFileError, match="radius"):
+        pas.load(path)
 
 
 def test_old_files_need_no_verdicts_that_came_later(tmp_path):

@@ -84,8 +84,12 @@ WRONG = {
         "does not tell the printed value from the computed",
     ),
     "other condition": (("misprint", 2, lambda: 3, "why", lambda n: n > 3), "does not tell the printed value"),
-    "differs": (("differs", 3, lambda: 3, lambda: "why"), "so it is no differs"),
-    "reason": (("differs", 2, lambda: 3, lambda: ""), "no reason is given"),
+    "differs": (("differs", 3, lambda: 3, lambda: "why", lambda: {}), "so it is no differs"),
+    "reason": (("differs", 2, lambda: 3, lambda: "", lambda: {"3 > 2": True}), "no reason is given"),
+    "fact": (
+        ("differs", 2, lambda: 3, lambda: "why", lambda: {"3 > 2": True, "3 < 2": False, "3 = 2": False}),
+        "the reason is wrong, as it is not true that 3 < 2 and that 3 = 2",
+    ),
 }
 
 

@@ -13,8 +13,7 @@ from flint import fmpq_mat
 import pas
 from pas.fairing.wishes import Wishes
 from pas.pipeline.search import Search
-from pas.pipeline.session import USUAL, key_of, open_session
-from pas.pipeline.similarities import Anchor, similarities
+from pas.pipeline.session import USUAL, Anchor, key_of, open_session, similarities
 
 CORNER = [pas.Pipe((1, 0, 0), "1/2", 1), pas.Pipe((0, 1, 0), "1/3", 1), pas.Pipe((0, 0, 1), "1/4", 1)]
 ELBOW = [pas.Pipe((1, 0, 0), 1, 2), pas.Pipe((0, 1, 0), "3/4", 2)]

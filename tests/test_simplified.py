@@ -9,7 +9,7 @@ from conftest import UNEQUAL, fair, pipes
 from flint import fmpq_mat, fmpz_mat
 
 import pas
-from pas.algebra.lattice import short_basis
+from pas.algebra.matrices import short_basis
 
 
 def digits(surface):

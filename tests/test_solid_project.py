@@ -13,7 +13,7 @@ from conftest import EQUAL, solved
 import pas
 from pas import cli, solid
 from pas.algebra.affine import rotation, translation
-from pas.exchange import container
+from pas.exchange import files as container
 from pas.exchange.solid_records import FUNCTION, storable
 from pas.mesh.mesh import Mesh
 from pas.solid.assembly import assembly

@@ -10,7 +10,7 @@ from conftest import AXES, EQUAL, UNEQUAL, pipes
 from flint import fmpq_mat
 
 import pas
-from pas.algebra.normal_form import NormalForm
+from pas.algebra.ideal import NormalForm
 from pas.algebra.polynomial import RING
 
 X, Y, Z = sympy.symbols("x y z")

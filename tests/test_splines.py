@@ -13,9 +13,9 @@ from conftest import EQUAL, UNEQUAL, pipes
 from flint import fmpq_mat
 
 import pas
-from pas.blending.conditions import Conditions
 from pas.blending.net import Net
 from pas.blending.place import place
+from pas.blending.solving import Conditions
 from pas.blending.space import Space
 from pas.surface.placed import PlacedContacts
 

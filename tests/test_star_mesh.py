@@ -13,9 +13,9 @@ from conftest import EQUAL, UNEQUAL, solved
 import pas
 from pas.mesh.quality import smallest_angles
 from pas.mesh.topology import Edges
-from pas.mesh.triangulate import triangulate
 from pas.surface import meshing
 from pas.surface.local_field import LocalField
+from pas.surface.triangulate import Beginnings, triangulate
 
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 THIN = ("1/25", "1/10", "1/20")
@@ -65,7 +65,7 @@ def test_corners_have_good_triangles(no_lattice, radii, tolerance):
 def test_from_a_lattice_the_mesh_is_as_good():
     surface, tolerance = solved(EQUAL, 2).surface, 1e-2
     lattice = LocalField(surface)
-    other = triangulate(lattice, tolerance / lattice.scale)
+    other = triangulate(Beginnings(lattice), tolerance / lattice.scale)
     check(surface, other, tolerance)
     assert 0.7 < len(surface.mesh(tolerance).triangles) / len(other.triangles) < 1.4
     assert np.percentile(other.smallest_angles, 1) > 28
@@ -141,7 +141,7 @@ def test_edges_across_thin_arms_are_cut_where_the_surface_is(no_lattice, share):
         ((0, 0, 2), "1/5", 1, ("1/8", "-1/8", "1/16")),
         order=1,
     )
-    first = surface.mesher.radial_field.first
+    first = surface.mesher.first
     normals = surface.mesher.radial_field.gradients(first.points)
     across = normals[Edges(first.triangles, len(first.points)).inner]
     assert (across[:, 0] * across[:, 1]).sum(axis=1).min() >= 0

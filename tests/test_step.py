@@ -15,12 +15,12 @@ from pas import solid
 from pas.cli import main
 from pas.exchange.formats import step as module
 from pas.exchange.formats.step import write_parts
-from pas.exchange.rational import ball_patches, cone_patches, cylinder_patches, torus_patches
 from pas.exchange.step.borders import CurveKind, curve_through
 from pas.exchange.step.carriers import CarrierKind, carrier_of, reducible_planes
 from pas.exchange.step.model import adaptive_volume, explored, is_valid, step_part
 from pas.exchange.write import write_step
 from pas.parametric.patches import RationalPatch
+from pas.parametric.shapes import ball_patches, cone_patches, cylinder_patches, torus_patches
 
 AXIS, START, END = (1, -2, "1/2"), (1, 2, 3), (2, 0, "7/2")
 CASES = {
@@ -324,6 +324,13 @@ def test_solids_with_exact_faces_come_back(ocp, tmp_path, name):
     assert [p.name for p in tmp_path.iterdir()] == ["a.step"]
 
 
+def test_volumes_are_those_of_meshes_where_quadrature_does_not_converge(ocp, tmp_path):
+    bell = solid.implicit("x^2 + y^2 - 1 - z^2 / 4", "z", "3 - z", face="bell")
+    (found,), _ = read_solids(bell.write(tmp_path / "a.step"))
+    assert is_valid(found) and module.meshed_volume(found, 1e-3) == pytest.approx(5.25 * np.pi, rel=1e-3)
+    assert adaptive_volume(found) < 5.2 * np.pi  # else this is no such solid any more
+
+
 def test_parts_have_their_names_colours_and_places(ocp, tmp_path):
     peg = solid.cylinder((0, 0, 0), (0, 0, 1), "1/2")
     both = solid.assembly(peg=(peg, "#ff0000"), moved=(peg.translate((5, 0, 0)), "#0000ff"))
@@ -374,6 +381,7 @@ def test_what_was_written_is_told(ocp, tmp_path, capsys):
 
 def test_a_file_that_would_not_be_the_solid_is_not_written(ocp, tmp_path, monkeypatch):
     monkeypatch.setattr("pas.exchange.formats.step.adaptive_volume", lambda shape: 2 * adaptive_volume(shape))
+    monkeypatch.setattr("pas.exchange.formats.step.meshed_volume", lambda shape, _: 2 * adaptive_volume(shape))
     with pytest.raises(pas.GeometryError, match="no STEP file was written, because the volume of 'a' would be 12"):
         solid.box((0, 0, 0), (3, 2, 1)).write(tmp_path / "a.step")
     monkeypatch.setattr("pas.exchange.step.model.is_valid", lambda shape: False)

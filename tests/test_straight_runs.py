@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pas
-from pas.fairing.surface_points import Sizes, SurfacePoints, differences
+from pas.fairing.energy import Sizes, SurfacePoints, differences
 from pas.surface.fairness_limits import neighbour
 from pas.surface.straight_runs import guided, straight_runs, waists
 

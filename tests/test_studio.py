@@ -24,17 +24,14 @@ import pas
 from pas.cli import WRONG, main
 from pas.errors import InputError
 from pas.exchange.formats import FORMATS, suffixes_for
-from pas.studio import documents
-from pas.studio.code import program, toml
+from pas.studio import GALLERY, TEAPOT, documents
 from pas.studio.controls import controls
-from pas.studio.conversation import REST, Conversation, request_of
-from pas.studio.documents import DOCUMENTS, checked, plain_tables, problem_of
-from pas.studio.gallery import GALLERY, TEAPOT
+from pas.studio.conversation import INSIDE, REST, Conversation, RefusedError, StoppedError, request_of
+from pas.studio.documents import DOCUMENTS, checked, plain_tables, problem_of, program, toml
 from pas.studio.messages import Message
 from pas.studio.scene import coefficients, picture
 from pas.studio.server import PAGE, Studio, listening
 from pas.studio.session import StudioSession
-from pas.studio.workers import INSIDE, RefusedError, StoppedError
 
 CORNER = {
     "kind": "problem",

@@ -18,8 +18,8 @@ from conftest import ROOT
 from test_studio import MESHLESS, children
 
 import pas
+from pas.studio import GALLERY
 from pas.studio.documents import problem_of
-from pas.studio.gallery import GALLERY
 from pas.studio.scene import coefficients
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")

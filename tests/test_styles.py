@@ -16,12 +16,11 @@ from pas.exchange.picture_options import STYLES, Picture
 from pas.parametric.surface import Forms
 from pas.piecewise import PiecewiseSurface
 from pas.render.combs import CONCAVE, CONVEX, hair_length, tips
-from pas.render.curvature import color_range, point_areas
 from pas.render.picture import plotted
 from pas.render.piecewise import principal_curvatures
 from pas.render.plotting import FOOT, SIDE, add_comb_legend, offscreen_pyvista
 from pas.render.scene import Coloring, Comb, Layer, scene_of
-from pas.render.styles import LIGHTS, meeting_angles, tunnel, unwrapped
+from pas.render.styles import LIGHTS, color_range, meeting_angles, point_areas, tunnel, unwrapped
 from pas.shape import KINDS
 
 CURVED = [name for name, kind in KINDS.items() if kind.curved]

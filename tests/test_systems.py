@@ -12,7 +12,8 @@ from conftest import pipes
 
 import pas
 from pas.algebra.systems import SYSTEMS, System
-from pas.algebra.systems.singular import read, write
+
+read, write = SYSTEMS["singular"].read, SYSTEMS["singular"].write
 
 IDEALS = [
     pas.Ideal("x^2 + y^2 - 1/3", "x*y*z - 2/7*z^3", "1 - x"),

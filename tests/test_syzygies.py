@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 import pas
 from pas import Ideal, Polynomial, Submodule, contact_ideal, syzygies
+from pas.algebra.ideal import NormalForm
 from pas.algebra.monomials import count_members, exponents, homogeneous_exponents, minimal
-from pas.algebra.normal_form import NormalForm
 
 X, Y, Z = sympy.symbols("x y z")
 CASES = {

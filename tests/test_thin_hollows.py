@@ -7,12 +7,9 @@ from math import pi
 import numpy as np
 import pytest
 
-import pas
 from pas import solid
 from pas.mesh.topology import is_closed_manifold
-from pas.solid.separate import apart, cavities, is_shell
 from pas.solid.shell import shelled
-from pas.solid.taylor import TaylorForms
 
 BALL = solid.ball((0, 0, 0), 1)
 THIN = "1/200"
@@ -40,7 +37,7 @@ def test_walls_of_a_200th_of_the_size(name):
     assert mesh.volume == pytest.approx(volume, rel=5e-2)
     assert set(mesh.names) == set(shape.faces)
     assert np.abs(shape.value(mesh.points)).max() < 1e-9
-    assert len(list(cavities(shape.tree, shape.box))) == pieces - 1
+    assert len(shape.field.shells()) == pieces
 
 
 def test_pieces_that_bound_nothing_are_left_out():
@@ -49,30 +46,12 @@ def test_pieces_that_bound_nothing_are_left_out():
     assert shape.mesh(5e-3).components == 2
 
 
-@pytest.mark.parametrize(
-    "first, second, expected",
-    [
-        (BALL, solid.ball((0, 0, 0), "999/1000"), True),
-        (BALL, solid.ball((0, 0, "1/10"), "99/100"), False),
-        (BALL, solid.ball((0, 0, "1/2"), "1/2"), False),  # touches it
-        (BALL, solid.box(("-1/2",) * 3, ("1/2",) * 3), True),
-        (BALL, solid.box(("-3/5",) * 3, ("3/5",) * 3), False),
-    ],
-)
-def test_surfaces_are_told_apart(first, second, expected):
-    shape = first - second
-    inner, outer = (type(shape.field)(s.tree, shape.box, (), np.empty((0, 3))) for s in (second, first))
-    assert apart(inner.evaluator, outer.evaluator, shape.field.box) is expected
-    assert len(shape.field.shells()) == (2 if expected else 1)
-
-
-def test_polynomials_that_vanish_together_are_not_told_apart():
-    sphere = pas.Polynomial("x^2 + y^2 + z^2 - 1")
-    centers, half = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.9]]), np.full((1, 3), 0.1)
-    wider = pas.Polynomial("x^2 + y^2 + z^2 - 2")
-    assert TaylorForms([sphere, wider]).never_both(centers, half).all()
-    assert not TaylorForms([sphere, pas.Polynomial("z - 1")]).never_both(centers, half)[0]
-    assert not TaylorForms([sphere, sphere]).never_both(centers, half).any()
+def test_hollows_that_pass_the_outside_are_no_surface_of_their_own():
+    """The hollow's meshes cross the ball's, so that all is meshed together."""
+    shape = BALL - solid.ball(("2/5",) * 3, "59/100")
+    assert len(shape.field.shells()) == 2
+    mesh = shape.mesh(1e-2)
+    assert (mesh.components, mesh.euler_characteristic) == (1, 2)
 
 
 ROUND = solid.ball((0, 0, 0), 1, "ball")
@@ -117,15 +96,6 @@ def test_a_thin_shell_is_meshed_side_by_side_wherever_it_is_moved():
     assert (mesh.components, mesh.euler_characteristic, mesh.is_closed) == (2, 4, True)
     assert mesh.volume == pytest.approx(pi / 6 * (1 - 0.98**3), rel=1e-2)
     assert len(mesh.triangles) < 10_000
-
-
-def test_a_shell_is_within_a_thickness_of_all_faces_or_it_is_open():
-    wall = shelled(LENS, 0.1, (), 0.05)
-    opened = shelled(LENS, 0.1, ("other",), 0.05)
-    assert is_shell(wall.parts[-1], LENS.tree)
-    assert not is_shell(opened.parts[-1], LENS.tree)
-    assert not is_shell(wall.parts[-1], ROUND.tree)
-    assert not is_shell(wall.parts[-1].parts[0], LENS.tree)  # of one face alone
 
 
 def test_distances_are_negative_outside():

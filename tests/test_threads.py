@@ -9,7 +9,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import pas
-from pas.threads import one_thread
+from pas.limits import one_thread
 
 
 def threads() -> set[int]:

@@ -11,8 +11,7 @@ import pytest
 import pas
 from pas import solid
 from pas.exchange import volume as module
-from pas.exchange.tetwild import tetrahedralize
-from pas.exchange.volume import VolumeSettings, volume_mesh
+from pas.exchange.volume import VolumeSettings, tetrahedralize, volume_mesh
 from pas.mesh.mesh import Mesh
 from pas.mesh.topology import is_closed_manifold
 from pas.solid.assembly import assembly

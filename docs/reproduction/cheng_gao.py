@@ -245,11 +245,17 @@ def ring() -> pas.ParametricSurface:
     return pas.ParametricSurface(*map(str, points), domain=(ANGLES, ANGLES))
 
 
-def turns_back() -> sympy.Expr:
-    """The part of the tube's derivative in t along C' at t = 0, in multiples of C'."""
+def turns_back(at: int = 0) -> sympy.Expr:
+    """The part of the tube's derivative in t along C' at a value of t, in multiples of C'."""
     surface = SPINE + RADIUS * (FIRST * sympy.cos(theta) + SECOND * sympy.sin(theta))
-    at_start = surface.diff(t).subs(t, 0)
-    return sympy.expand(at_start.dot(SPINE.diff(t).subs(t, 0)) / 2)
+    along = SPINE.diff(t).subs(t, at)
+    return sympy.expand(surface.diff(t).subs(t, at).dot(along) / along.dot(along))
+
+
+def radius_of_curvature(at: int) -> sympy.Expr:
+    """That of C."""
+    first, second = (SPINE.diff(t, n).subs(t, at) for n in (1, 2))
+    return first.norm() ** 3 / first.cross(second).norm()
 
 
 def holds(verdict: pas.Verdict) -> bool:
@@ -360,6 +366,10 @@ work.differs(
     lambda: "C1 runs from y = 0 to 4 and C2 from y = 4 to 0; the certificate of the blend as printed says: "
     f"{solved('helicoid_twisted').certificate.sense.status.value}, "
     f"{solved('helicoid_twisted').certificate.sense.reason.split(';')[0]}",
+    lambda: {
+        "the printed blend is found to be twisted": not holds(solved("helicoid_twisted").certificate.sense),
+        "no claim fails with C2 turned round": not solved("helicoid").certificate.failed,
+    },
     slow=True,
 )  # fmt: skip
 work.agrees(
@@ -418,6 +428,12 @@ work.differs(
     lambda: f"it is {turns_back()} times C', which vanishes where (2 + cos theta) sin theta = 1: C has the radius of "
     f"curvature "
     "1 there, and r is larger; the surface is blended at its other end, t = 2, where it is regular",
+    lambda: {
+        "it vanishes there": sympy.expand(turns_back() - 1 + (2 + sympy.cos(theta)) * sympy.sin(theta)) == 0,
+        "the radius of curvature of C at t = 0 is 1": radius_of_curvature(0) == 1,
+        "r exceeds it": RADIUS.subs({t: 0, theta: 0}) > radius_of_curvature(0),
+        "the derivative is positive at t = 2": min(turns_back(2).subs(theta, sympy.pi * j / 6) for j in range(12)) > 0,
+    },
 )  # fmt: skip
 work.agrees(
     "figure 14", "three surfaces through a sphere: Euler characteristic", -1,

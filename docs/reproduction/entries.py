@@ -5,7 +5,8 @@ A script beside this file makes a `Work` and adds one row for each number, polyn
     work.agrees("example 4.1", "equations", 40, lambda: system.distinct)
 
 says that what is computed equals what is printed.  `work.misprint` says that it does not, and what decides: `holds`
-is true of the computed value and false of the printed one.  `work.differs` says that it does not and computes why.
+is true of the computed value and false of the printed one.  `work.differs` says that it does not, and why: `facts`
+computes whether each thing is true that the reason rests on.
 Each of the three is checked whenever the report is made, so no row can be wrong and stay.
 """
 
@@ -36,8 +37,9 @@ class Entry:
     """One thing that is printed.
 
     `where` and `what` say which; `compute` makes it; `verdict` is "agrees", "misprint" or "differs".  `reason` is a
-    sentence or computes one, `holds` decides between two values, `printed_seconds` is the time that the work gives,
-    `picture` a file beside the page.  Slow entries are left out of the tests.
+    sentence or computes one, `holds` decides between two values, `facts` are what a reason rests on and whether each
+    is true, `printed_seconds` is the time that the work gives, `picture` a file beside the page.  Slow entries are left
+    out of the tests.
     """
 
     where: str
@@ -47,6 +49,7 @@ class Entry:
     verdict: str
     reason: str | Callable[[], str] = ""
     holds: Callable[[Any], bool] | None = None
+    facts: Callable[[], dict[str, bool]] | None = None
     printed_seconds: str = ""
     picture: str = ""
     slow: bool = False
@@ -66,6 +69,10 @@ class Entry:
             assert self.holds is not None, f"{self.where}, {self.what}: a misprint needs a condition"
             if self.holds(self.printed) or not self.holds(computed):
                 failure = "the condition does not tell the printed value from the computed one"
+        if self.verdict == "differs" and not failure:
+            assert self.facts is not None, f"{self.where}, {self.what}: a reason needs facts"
+            false = [fact for fact, true in self.facts().items() if not true]
+            failure = f"the reason is wrong, as it is not true that {' and that '.join(false)}" if false else ""
         reason = self.reason if isinstance(self.reason, str) else self.reason()
         if self.verdict != "agrees" and not reason:
             failure = failure or "no reason is given"
@@ -101,10 +108,11 @@ class Work:
         self.entries.append(Entry(where, what, printed, compute, "misprint", why, holds, **more))
 
     def differs(
-        self, where: str, what: str, printed: Any, compute: Callable[[], Any], why: Callable[[], str], **more: Any
-    ) -> None:
-        """A row whose values are not the same for a reason that is computed."""
-        self.entries.append(Entry(where, what, printed, compute, "differs", why, **more))
+        self, where: str, what: str, printed: Any, compute: Callable[[], Any], why: Callable[[], str],
+        facts: Callable[[], dict[str, bool]], **more: Any,
+    ) -> None:  # fmt: skip
+        """A row whose values are not the same, for a reason all facts of which are computed."""
+        self.entries.append(Entry(where, what, printed, compute, "differs", why, facts=facts, **more))
 
 
 def show(value: Any) -> str:

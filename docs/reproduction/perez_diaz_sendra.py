@@ -294,6 +294,11 @@ for name in ("VII", "IX"):
         lambda name=name: "with the printed k + 1 the surface has poles, at h = "
         + ", ".join(f"{p:.4f}" for p in sorted(set(poles(f"input {name}", TABLE[name][1], False))))
         + "; with an even exponent from k + 1 on, all denominators are positive, and pas takes that",
+        lambda name=name: {
+            "there are such poles": bool(poles(f"input {name}", TABLE[name][1], False)),
+            "the next exponent is even": TABLE[name][1] % 2 == 0,
+            "there are no poles with it": not poles(f"input {name}", TABLE[name][1] + 1, False),
+        },
     )  # fmt: skip
 work.agrees(
     "section 5", "algorithm 1: degrees in t and h below the bounds, all inputs", True,
@@ -330,6 +335,12 @@ for name, (n, k, surfaces, curves, first, second) in TABLE.items():
             lambda full=full: "a surface that is not met at h = 0 has a pole there, which takes one order from its "
             "weight's zero: theorem 7 needs that each surface is regular at every s_i, and is false as it is printed ("
             + refusal(full) + ")",
+            lambda full=full: {
+                "a surface that is not met at h = 0 has a pole there": [s for _, s in undefined(full)] == [0],
+                "no other input has such poles": not any(
+                    undefined(f"input {other}") for other in TABLE if other not in ("V", "XI")
+                ),
+            },
             printed_seconds=second,
         )  # fmt: skip
     else:
@@ -346,6 +357,27 @@ def refusal(name: str) -> str:
     except pas.GeometryError as error:
         return str(error).split(";")[0]
     return ""
+
+
+def undefined(name: str) -> tuple[tuple[int, int], ...]:
+    """The surfaces that have a pole for all t where another one is met, by number, with h there."""
+    return tuple(
+        (i, s)
+        for i, surface in enumerate(data(name).surfaces)
+        for s in data(name).values
+        if s != data(name).values[i] and any(f.denominator.subs({"h": fmpq(s)}) == 0 for f in surface.components)
+    )
+
+
+def bounds_of(name: str) -> tuple[int, int, int, int]:
+    """The printed bounds for an input of table 1."""
+    return bounds(f"input {name}", TABLE[name][1])
+
+
+def below(name: str) -> bool:
+    """Whether a degree is less than its bound, with one of the algorithms."""
+    one, two = hermite(f"input {name}", TABLE[name][1]).components, weighted(f"input {name}", TABLE[name][1])
+    return any(degree(c, axis) < bounds_of(name)[2 * n + axis] for n, c in enumerate((one, two)) for axis in (0, 1))
 
 
 def better(what: str) -> tuple[str, ...]:
@@ -366,6 +398,12 @@ for what, text, winner in (("t", "degree in t", 2), ("h", "degree in h", 1), ("d
         lambda what=what: f"the table compares bounds, which need not be reached; it holds for "
         f"{11 - len(better(what))} of "
         "the 11 inputs",
+        lambda what=what: {
+            "the bounds are as the table says, for all inputs": what == "density" or all(
+                (2 * (what == "h") - 1) * (b[2 + (what == "h")] - b[what == "h"]) > 0 for b in map(bounds_of, TABLE)
+            ),
+            "one of the two is below its bounds there": all(map(below, better(what))),
+        },
     )  # fmt: skip
 
 # --- examples -------------------------------------------------------------------------------------
@@ -392,6 +430,12 @@ work.differs(
     f"{min(reached(functions(*PRINTED[ONE]['T']), ONE, 5))} with both surfaces, while the text says G^1, for which "
     f"degree 3 "
     "is enough",
+    lambda: {
+        "the printed T has degree 5 in h, as k = 2 needs": degree(functions(*PRINTED[ONE]["T"]), 1) == 2 * 3 - 1,
+        "it has contact of order 2 with both": reached(functions(*PRINTED[ONE]["T"]), ONE, 5) == (2, 2),
+        "degree 3 is enough for G^1": degree(hermite(ONE, 1).components, 1) == 3
+        and reached(hermite(ONE, 1).components, ONE, 1) == (1, 1),
+    },
 )  # fmt: skip
 work.agrees("figure 2", "T meets both surfaces with order", 2, lambda: min(reached(hermite(ONE, 2).components, ONE, 4)),
             picture=f"{PICTURES}/example_1.png")  # fmt: skip

@@ -29,9 +29,9 @@ HEAD = """# Reproduction of published results
 
 Every number, polynomial, degree, count and picture that five works print, recomputed by `pas`: what is printed, what is
 computed, and whether they agree.  A *misprint* comes with the condition that the printed value fails and the computed
-one satisfies; where the two *differ*, the reason is computed.  `make reproduce` does all of it and fails where anything
-has drifted from these pages; a part of it is in `make test`.  Times are seconds on one core, beside those that are
-printed; what an earlier row has computed is not computed again.
+one satisfies; where the two *differ*, every fact that the reason rests on is computed.  `make reproduce` does all of it
+and fails where anything has drifted from these pages; a part of it is in `make test`.  Times are seconds on one core,
+beside those that are printed; what an earlier row has computed is not computed again.
 """
 
 

@@ -6,9 +6,11 @@ import re
 from fractions import Fraction
 from functools import cache
 from itertools import combinations
+from operator import mul
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import sympy
 from entries import Work
 from figures import SIZE, euler_characteristics, openings
@@ -210,6 +212,36 @@ def greatest_radius() -> sympy.Expr:
     return min(abs(sympy.Matrix.hstack(p, q - p).det()) / (q - p).norm() for p, q in edges)
 
 
+def leaves_its_face(radius: sympy.Expr) -> bool:
+    """Whether some point of the circle is outside of its face of T_1, for equal h; at angles 1/200 of a turn apart."""
+    a, b, c = (sympy.Matrix([p[1], p[2]]).subs({h2: 1, h3: 1}) for p in (Z[0], V[5], V[0]))
+    angles = np.linspace(0, 2 * np.pi, 200)
+    circle = float(radius) * np.array([np.cos(angles), np.sin(angles)])
+    sides = []
+    for p, q in ((a, b), (b, c), (c, a)):
+        start, along = (np.array(w, dtype=float).ravel() for w in (p, q - p))
+        sides.append(along[0] * (circle[1] - start[1]) - along[1] * (circle[0] - start[0]))
+    return bool(np.min(np.array(sides) * np.sign(np.mean(sides))) < 0)
+
+
+def least_energy(name: str) -> float:
+    """The least energy of members of sum 1 with G_1 <= 0 at both points, over all choices of which of them are 0."""
+    found, value = optimum_of(name), FILES[name]
+    matrix = np.array(found.space.energy_matrix(found.plate), dtype=float)
+    at = [[float(g[0].at(p)) for g in found.basis] for p in (("1/2",) * 3, (value,) * 3)]
+    least = np.inf
+    for active in ((), (0,), (1,), (0, 1)):
+        sides = np.array([[1.0] * len(matrix), *(at[i] for i in active)])
+        size = len(matrix) + len(sides)
+        system = np.zeros((size, size))
+        system[: len(matrix), : len(matrix)], system[len(matrix) :, : len(matrix)] = matrix, sides
+        system[: len(matrix), len(matrix) :] = sides.T
+        member = np.linalg.lstsq(system, np.eye(size)[len(matrix)], rcond=None)[0][: len(matrix)]
+        if np.all(np.array(at) @ member <= 1e-9 * np.abs(member).max()):
+            least = min(least, float(member @ matrix @ member) / 2)
+    return least
+
+
 @cache
 def corner() -> pas.SolutionSpace:
     """All solutions of the lowest degree for h = 3/5, r = 1/5 and k = 1."""
@@ -320,6 +352,10 @@ for example in (1, 2, 3):
             lambda: "the sum of the generators with the numbers "
             "" + ", ".join(map(str, relation(2))) + " is 0; of degree 4 "
             f"there are {quartics(2).dimension} independent solutions, so these generators are not all",
+            lambda: {
+                "that sum is 0": sum(map(mul, map(Polynomial, GENERATORS[2]), map(int, relation(2)))) == 0,
+                "there are more independent solutions": quartics(2).dimension > rows(2).rank(),
+            },
         )  # fmt: skip
         work.agrees(
             "example 2", "x at the optimum, t free", (sympy.Symbol("a1"), *at_symbol()), lambda: optimum(2),
@@ -358,6 +394,11 @@ work.differs(
     f"{', '.join(map(str, euler_characteristics(surface(3, *constrained()).mesh(0.05))))}); as the printed "
     f"coefficients are "
     "not the optimum's, the picture is of another surface",
+    lambda: {
+        "its contacts are proved": all(v.proved for v in surface(3, *constrained()).certify().contacts),
+        "it has other sheets": len(euler_characteristics(surface(3, *constrained()).mesh(0.05))) > 1,
+        "the printed coefficients have more energy": energy_of(whole(FOUR)) > energy_of(constrained()),
+    },
     picture="pictures/xu_chen_deng_4b.png", slow=True,
 )  # fmt: skip
 work.agrees(
@@ -376,6 +417,13 @@ work.differs(
     lambda: "h > r > 0 lets the circle cross the edges of its face of T_1, where another patch begins; it lies in "
     "the face "
     f"for r < h {greatest_radius()}, that is {float(greatest_radius()):.4f} h; the printed 1/5 and 3/5 satisfy this",
+    lambda: {
+        "a circle that is larger by little leaves the face, and one that is smaller does not": leaves_its_face(
+            greatest_radius() * sympy.Rational(101, 100)
+        )
+        and not leaves_its_face(greatest_radius() * sympy.Rational(99, 100)),
+        "(1/5) / (3/5) is below": sympy.Rational(1, 3) < greatest_radius(),
+    },
 )  # fmt: skip
 work.agrees(
     "example 4", "lowest degree, generators of that degree (k = 1, h = 3/5, r = 1/5)", (3, 3),
@@ -389,5 +437,11 @@ for name, value in FILES.items():
     )  # fmt: skip
     work.differs(
         f"figure 6, {value}", "one clean surface that meets the three pipes", True,
-        lambda name=name: optimum_of(name).certificate.proved, lambda name=name: clean(name), slow=True,
+        lambda name=name: optimum_of(name).certificate.proved, lambda name=name: clean(name),
+        lambda name=name: {
+            "it has the least energy": abs(least_energy(name) / optimum_of(name).energy - 1) < 1e-6,
+            "something is refuted of it": any(
+                v.status is pas.Status.REFUTED for v in optimum_of(name).certificate.verdicts
+            ),
+        }, slow=True,
     )  # fmt: skip

@@ -91,6 +91,11 @@ def counter_example() -> pas.CurvatureContact:
     return pas.curvature_contact("z", "z - y^2", ("z", "y"))
 
 
+def curved() -> pas.CurvatureContact:
+    """The surfaces z = x^2 and z = x^2 + y^3 along a parabola."""
+    return pas.curvature_contact("z - x^2", "z - x^2 - y^3", ("z - x^2", "y"))
+
+
 RELATIONS = ("H^2/V* = H*^2/V", "H^2/V = H*^2/V*")
 
 
@@ -110,6 +115,18 @@ def conditions(degree: int) -> str:
     if any(not case.conditions for case in cases):
         return "always" if len(cases) > 1 else "in general"
     return " or ".join(" and ".join(f"{sign(c)} = 0" for c in case.conditions) for case in cases) or "never"
+
+
+def is_product_of_degree_4() -> bool:
+    """Whether f_1 f_2 + h_1^2 h_2^2 is in both ideals for r1 = 1, r2 = 1/2, d1 = 3, d2 = 2, and regular on the curves.
+
+    Its gradient there is f_2 times that of f_1, and f_1 times that of f_2; the least of these factors is at z = 0.
+    """
+    (f1, h1), (f2, h2) = contacts = [
+        tuple(map(Polynomial, pair)) for pair in (("y^2 + z^2 - 1", "x - 3"), ("x^2 + z^2 - 1/4", "y - 2"))
+    ]
+    met = all(f1 * f2 + h1**2 * h2**2 in pas.contact_ideal(contact, 1) for contact in contacts)
+    return met and f2.at((3, 0, 0)) > 0 and f1.at((0, 2, 0)) > 0
 
 
 def sign(condition: sympy.Expr) -> sympy.Expr:
@@ -166,6 +183,12 @@ work.differs(
     f"(normal form {counter_example().membership} modulo <z, y^3>): equal Gauss curvature is enough only where the "
     f"normal "
     "curvature along the curve is not 0",
+    lambda: {
+        "they meet the conditions": counter_example().holds,
+        "they have no G^2": not counter_example().gc2 and counter_example().membership != 0,
+        "the normal curvature along the curve is 0": sympy.diff(sympy.Symbol("y") ** 2, "x", 2) == 0,
+        "where it is not 0, z = x^2 and z = x^2 + y^3 meet them and have G^2": curved().holds and curved().gc2,
+    },
 )  # fmt: skip
 for example in CONTACTS:
     section, degree = f"example {example}", PRINTED[example].degree
@@ -213,4 +236,8 @@ work.differs(
     lambda: conditions(4),
     lambda: f"the condition is that of degree 3; of degree 4 there are surfaces {conditions(4)}, such as "
     "f_1 f_2 + h_1^2 h_2^2; of degree 2 there are none",
+    lambda: {
+        "of degree 2 there are none": conditions(2) == "never",
+        "f_1 f_2 + h_1^2 h_2^2 has G^1 with both where the printed condition does not hold": is_product_of_degree_4(),
+    },
 )  # fmt: skip

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpq_mpoly, fmpq_poly
+from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.jets import Jet
 from pas.algebra.monomials import Floats
@@ -129,16 +129,6 @@ def product(matrix: Floats, stacked: Floats) -> Floats:
     for start in range(0, flat.shape[1], step):
         np.matmul(rows, flat[:, start : start + step], out=result[:, start : start + step])
     return result.reshape(matrix.shape[:-1] + stacked.shape[1:])
-
-
-def dense(polynomials: Sequence[fmpq_poly], scale: fmpq) -> Floats:
-    """Coefficients of univariate polynomials over a number, as columns."""
-    size = max((p.length() for p in polynomials), default=0)
-    table = np.zeros((max(size, 1), len(polynomials)))
-    for i, p in enumerate(polynomials):
-        for a, c in enumerate(p.coeffs()):
-            table[a, i] = to_float(c / scale)
-    return table
 
 
 def _terms(polynomial: fmpq_mpoly, scale: fmpq) -> dict[tuple[int, int], float]:

@@ -18,7 +18,7 @@ from typing import Any
 
 from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx, fmpz_mpoly_ctx, fmpz_mpoly_vec
 
-from pas.algebra.normal_form import divmod_all, groebner, integral
+from pas.algebra.ideal import divided, groebner, integral
 from pas.algebra.polynomial import primitive
 from pas.limits import checkpoint
 
@@ -96,7 +96,7 @@ class Locus:
             return polynomial
         key = str(polynomial)
         if key not in self._known:
-            self._known[key] = divmod_all(polynomial, self.equations)
+            self._known[key] = divided(polynomial, self.equations)[-1]
         return self._known[key]
 
     def doubtful(self, polynomial: fmpq_mpoly) -> tuple[fmpq_mpoly, ...]:

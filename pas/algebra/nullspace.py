@@ -18,15 +18,17 @@ Every step is exact; no prime is involved and nothing is left to chance.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from math import gcd, lcm
+from typing import TypeVar
 
 from flint import fmpq, fmpq_mat, fmpz_mat
 
 from pas.limits import checkpoint
 
 Row = dict[int, int]
+K = TypeVar("K", bound=Hashable)
 
 DENSE = 1500
 """Unknowns up to which dense elimination is used.  On the corner's systems of 150 to 850 unknowns
@@ -70,7 +72,7 @@ def solve_sparse(rows: Iterable[Mapping[int, fmpq]], unknowns: int) -> Solved:
     return _solved(_distinct(rows), unknowns, from_last=False)
 
 
-def integral(row: Mapping[int, fmpq]) -> Row:
+def integral(row: Mapping[K, fmpq]) -> dict[K, int]:
     """The row's primitive integral multiple (up to sign), without zeros."""
     denominator = lcm(*(int(value.q) for value in row.values()))
     whole = {j: int(v.p) * (denominator // int(v.q)) for j, v in row.items() if v != 0}

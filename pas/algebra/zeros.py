@@ -15,9 +15,8 @@ from typing import Any
 
 from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly
 
-from pas.algebra.ideal import Ideal
+from pas.algebra.ideal import Ideal, NormalForm, leading_exponents
 from pas.algebra.monomials import Exponents
-from pas.algebra.normal_form import NormalForm, leading_exponents
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, to_float
 from pas.algebra.roots import RealRoot, accuracies, exact, real_roots

@@ -29,8 +29,7 @@ from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.rational import Vector
 from pas.bernstein.forms import UNIT_ROUNDOFF, corner_points, nearby_forms, rounded_forms
 from pas.bernstein.search import Fate, Fates, Limits, search
-from pas.bernstein.simplices import Simplices, at_vertices, degree_of
-from pas.bernstein.subdivision import halves
+from pas.bernstein.simplices import Simplices, at_vertices, degree_of, halves
 from pas.verdicts import Status
 
 

@@ -19,7 +19,7 @@ from pas.contacts.contact import Contact
 from pas.contacts.endless import Circular
 from pas.contacts.joins import Join
 from pas.errors import GeometryError
-from pas.partition.six_tetrahedra import SixTetrahedra
+from pas.partition.boxes import SixTetrahedra
 
 OTHERS = "for others give a partition, such as partition=pas.SingleCell(lower, upper), a box with the clips as sides"
 """What to do about contacts that make no corner."""

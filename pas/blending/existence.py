@@ -23,6 +23,7 @@ from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx
 
 from pas.algebra.brief import brief
 from pas.algebra.expressions import read_polynomial
+from pas.algebra.ideal import divided
 from pas.algebra.inputs import check_degree, check_order
 from pas.algebra.locus import ANY, Locus, Parameters, Sign
 from pas.algebra.monomials import exponents
@@ -265,30 +266,10 @@ def _readable(polynomial: fmpq_mpoly, ideals: Sequence[tuple[fmpq_mpoly, fmpq_mp
     whole = primitive(polynomial)
     if sum(int(times) for _, times in whole.factor()[1]) == 1:
         for surface, clip in ideals:
-            gamma, beta, rest = _divided(whole, surface, clip)
+            gamma, beta, rest = divided(whole, (surface, clip))
             if rest.is_zero():
                 return sum(_factored(a, symbols) * _factored(b, symbols) for a, b in ((gamma, surface), (beta, clip)))
     return _factored(whole, symbols)
-
-
-def _divided(polynomial: fmpq_mpoly, *divisors: fmpq_mpoly) -> list[fmpq_mpoly]:
-    """Quotients by the divisors and the remainder of multivariate division."""
-    context = polynomial.context()
-    result = [context.constant(0) for _ in (*divisors, None)]
-    rest = polynomial
-    while not rest.is_zero():
-        lead, value = next(iter(rest.terms()))
-        for number, divisor in enumerate(divisors):
-            head, scale = next(iter(divisor.terms()))
-            shift = tuple(a - b for a, b in zip(lead, head, strict=True))
-            if min(shift) >= 0:
-                term = context.from_dict({shift: value / scale})
-                result[number], rest = result[number] + term, rest - term * divisor
-                break
-        else:
-            term = context.from_dict({lead: value})
-            result[-1], rest = result[-1] + term, rest - term
-    return result
 
 
 def _factored(polynomial: fmpq_mpoly, symbols: Sequence[Any]) -> Any:

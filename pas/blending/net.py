@@ -4,28 +4,37 @@ The unknowns are the B-coefficients at the domain points, those on common faces 
 C^0 holds by construction.  Across a face with corners v1, v2, v3 the patches of the cells with the other corners a and
 b meet with C^r iff their B-coefficients satisfy the equations of `across`.  These have few terms and only neighbours in
 common, so sparse elimination hardly fills in: for more than a few cells this is much faster than the construction of
-`pas.blending.conditions`, which is there for few cells and large orders.
+`pas.blending.solving`, which is there for few cells and large orders.
 
 The basis is not the reduced one: each member has whole B-coefficients, and is not zero at just
 one of the domain points that elimination left free (a minimal determining set).
+
+On a layout every face between pieces passes through the centre (`solve_on_layout`).  With the centre at 0 the
+homogeneous parts of a piecewise polynomial meet with C^k across such faces on their own: the space without contacts is
+the direct sum of those of homogeneous splines on the sphere of directions (Alfeld, Neamtu and Schumaker 1996), degree
+by degree.  Each is found once, from short integers alone; contacts then join them by few equations.  Neither walls nor
+clips enter: how a region is cut makes no difference.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from math import factorial, lcm, prod
+from functools import cached_property, lru_cache
+from itertools import combinations
+from math import factorial, gcd, lcm, prod
 
-from flint import fmpq, fmpq_mat, fmpq_mpoly, fmpz_mat
+from flint import fmpq, fmpq_mat, fmpz_mat
 
+from pas.algebra.ideal import NormalForm
+from pas.algebra.matrices import Products, whole_rows
 from pas.algebra.monomials import Exponents, count, homogeneous_exponents, positions
-from pas.algebra.normal_form import NormalForm
-from pas.algebra.nullspace import Solved, solve_sparse
+from pas.algebra.nullspace import Solved, integral, integral_nullspace, solve_sparse
 from pas.algebra.polynomial import GENERATORS, RING
-from pas.algebra.rational import Vector
+from pas.contacts.contact import Contact
 from pas.limits import checkpoint
 from pas.partition.cells import Partition
+from pas.partition.layout import Layout
 from pas.surface.placed import PlacedContacts
 
 Row = dict[int, fmpq]
@@ -79,13 +88,21 @@ def members(solved: Solved, points: int) -> list[dict[int, int]]:
     return found
 
 
-def bernstein_polynomials(coordinates: Sequence[fmpq_mpoly], degree: int) -> list[fmpq_mpoly]:
-    """Those of a simplex whose barycentric coordinates are given as linear forms, by multi-index."""
-    powers = [[form**k for k in range(degree + 1)] for form in coordinates]
-    return [
+def coordinates_of(vector: Sequence[fmpq], others: Sequence[Sequence[fmpq]]) -> list[fmpq]:
+    """The coordinates of a vector by as many others as it has entries: barycentric ones of points (1, x, y, z)."""
+    return list((fmpq_mat([list(vector)]) * fmpq_mat([list(other) for other in others]).inv()).entries())
+
+
+def bernstein_polynomials(others: Sequence[Sequence[fmpq]], degree: int) -> list[dict[Exponents, fmpq]]:
+    """Those of a simplex in coordinates by its corners (1, x, y, z), or by three rays, by multi-index and monomial."""
+    axes, inverse = (RING.constant(1), *GENERATORS)[-len(others) :], fmpq_mat([list(other) for other in others]).inv()
+    forms = [sum((g * inverse[i, k] for i, g in enumerate(axes)), RING.constant(0)) for k in range(len(others))]
+    powers = [[form**k for k in range(degree + 1)] for form in forms]
+    products = (
         prod((powers[i][k] for i, k in enumerate(index)), start=RING.constant(1)) * multinomial(index)
-        for index in homogeneous_exponents(degree, len(coordinates))
-    ]
+        for index in homogeneous_exponents(degree, len(others))
+    )
+    return [product.to_dict() for product in products]
 
 
 def multinomial(index: Exponents) -> int:
@@ -138,13 +155,14 @@ class Net:
         for contact, pieces in zip(self.placed.local_contacts, self.placed.carriers, strict=True):
             form = NormalForm([contact.surface.raw, contact.clip.raw ** (self.placed.order + 1)])
             for piece in pieces:
-                terms = (polynomial.to_dict().items() for polynomial in self._bernstein(piece))
+                terms = (polynomial.items() for polynomial in self._bernstein(piece))
                 yield from form.rows(zip(self._numbers(piece), terms, strict=True), self.degree)
 
     def _across(self, triangle: Exponents, first: int, second: int, s: int) -> Iterator[Row]:
         """The conditions of order s across a face, a row for each index (i, j, k) of degree n - s."""
         a, b = (self._opposite(cell, triangle) for cell in (first, second))
-        coordinates = _barycentric(self.partition.corners((a, *triangle)), self.partition.vertices[b])
+        points = [(fmpq(1), *corner) for corner in self.partition.corners((b, a, *triangle))]
+        coordinates = coordinates_of(points[0], points[1:])
         yield from across(self.points, self.degree, triangle, a, b, coordinates, s)
 
     def _patch(self, piece: int, members: list[dict[int, int]], dimension: int) -> fmpq_mat:
@@ -153,13 +171,8 @@ class Net:
         Most members vanish on it; the others are converted together, in integers.
         """
         checkpoint("writing the basis", piece / len(self.partition.pieces))
-        numbers, polynomials = self._numbers(piece), self._bernstein(piece)
-        where, size = positions(self.degree), count(self.degree)
-        common = lcm(*(int(c.q) for p in polynomials for c in p.coeffs()))
-        change = fmpz_mat(size, size)
-        for row, polynomial in enumerate(polynomials):
-            for e, c in polynomial.to_dict().items():
-                change[row, where[e]] = int(c.p) * (common // int(c.q))
+        numbers, size = self._numbers(piece), count(self.degree)
+        change, common = whole_rows(self._bernstein(piece), positions(self.degree))
         touched = sorted({member for number in numbers for member in members[number]})
         table = [members[number].get(member, 0) for member in touched for number in numbers]
         converted = fmpq_mat(fmpz_mat(len(touched), size, table) * change) * fmpq(1, common)
@@ -175,27 +188,125 @@ class Net:
         cell = self.partition.cells[self.partition.pieces[piece][0]]
         return [self.points[domain_point(cell, index)] for index in homogeneous_exponents(self.degree, 4)]
 
-    def _bernstein(self, piece: int) -> list[fmpq_mpoly]:
-        """The Bernstein polynomials of the first cell of a piece, in x, y, z."""
+    def _bernstein(self, piece: int) -> list[dict[Exponents, fmpq]]:
+        """The Bernstein polynomials of the first cell of a piece, by monomials in x, y, z."""
         corners = self.partition.corners(self.partition.cells[self.partition.pieces[piece][0]])
-        origin = RING.constant(0)
-        linear = [
-            origin + sum((g * c for g, c in zip(GENERATORS, f[1:], strict=True)), f[0]) for f in _inverse(corners)
-        ]
-        return bernstein_polynomials(linear, self.degree)
+        return bernstein_polynomials([(fmpq(1), *corner) for corner in corners], self.degree)
 
     def _opposite(self, cell: int, triangle: Exponents) -> int:
         return next(v for v in self.partition.cells[cell] if v not in triangle)
 
 
-def _inverse(corners: tuple[Vector, ...]) -> list[list[fmpq]]:
-    """The barycentric coordinates as linear forms (constant, x, y, z)."""
-    table = [[fmpq(1), *corner] for corner in corners]
-    inverse = fmpq_mat(table).inv().transpose()
-    rows: list[list[fmpq]] = inverse.tolist()
-    return rows
+Tables = tuple[fmpz_mat, ...]
+"""For each piece the members' coefficients, one member a row."""
 
 
-def _barycentric(corners: tuple[Vector, ...], point: Vector) -> list[fmpq]:
-    x, y, z = point
-    return [f[0] + f[1] * x + f[2] * y + f[3] * z for f in _inverse(corners)]
+@lru_cache(maxsize=16)
+def solve_on_layout(
+    contacts: tuple[Contact, ...], carriers: tuple[tuple[int, ...], ...], order: int, layout: Layout, degree: int
+) -> Products:
+    """A basis of all solutions: for each piece (dimension, C(n+3, 3)) coefficients of monomials.
+
+    `contacts` are in local coordinates, `carriers` the pieces of each.  Kept by what it depends on: regions of one
+    layout differ in their walls alone.
+    """
+    parts = [splines(layout, order, d) for d in range(degree + 1)]
+    total = sum(part[0].nrows() for part in parts)
+    tables = tuple(_side_by_side([part[piece] for part in parts], degree) for piece in range(len(layout.pieces)))
+    rows: list[dict[int, fmpq]] = []
+    for contact, pieces in zip(contacts, carriers, strict=True):
+        checkpoint("setting up the conditions at contacts")
+        form = NormalForm([contact.surface.raw, contact.clip.raw ** (order + 1)])
+        images = _images(form, degree)
+        for piece in pieces:
+            rows += [
+                {i: fmpq(v) for i, v in enumerate(row) if v != 0}
+                for row in (tables[piece] * images).transpose().tolist()
+            ]
+    # without the denominator of all members each is many times shorter
+    (basis,) = _shortened([integral_nullspace(rows, total)[0]])
+    return Products(basis, tables)
+
+
+@lru_cache(maxsize=64)
+def splines(layout: Layout, order: int, degree: int) -> Tables:
+    """A basis of the homogeneous splines C^order of a degree: for each piece (dimension, C(degree+2, 2))."""
+    places = {e: i for i, e in enumerate(homogeneous_exponents(degree, 3))}
+    if degree <= order:
+        size = len(places)
+        whole = fmpz_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+        return (whole,) * len(layout.pieces)
+    triangles = [t for piece in layout.triangles for t in piece]
+    points = numbered(triangles, degree)
+    solved = solve_sparse((row for row in _rows(layout, points, order, degree) if row), len(points))
+    found, dimension = members(solved, len(points)), len(solved.free)
+    patches = []
+    for piece in layout.triangles:
+        checkpoint("writing homogeneous splines")
+        numbers = [points[domain_point(piece[0], index)] for index in homogeneous_exponents(degree, 3)]
+        values = fmpz_mat(dimension, len(numbers))
+        for column, number in enumerate(numbers):
+            for member, value in found[number].items():
+                values[member, column] = value
+        rays = [tuple(map(fmpq, layout.all_rays[v])) for v in piece[0]]
+        change, common = whole_rows(bernstein_polynomials(rays, degree), places)
+        patches.append(fmpq_mat(values * change) * fmpq(1, common))
+    return _integral(patches)
+
+
+def _rows(layout: Layout, points: dict[tuple[tuple[int, int], ...], int], order: int, degree: int) -> Iterator[Row]:
+    """The conditions across all sides of triangles: of all orders within a piece, up to `order` between two."""
+    sides: dict[tuple[int, ...], list[tuple[int, int]]] = {}
+    for piece, triangles in enumerate(layout.triangles):
+        for triangle in triangles:
+            for side in combinations(sorted(triangle), 2):
+                sides.setdefault(side, []).append((piece, next(v for v in triangle if v not in side)))
+    for common, ((first, a), (second, b)) in sides.items():
+        b_ray, *others = ([fmpq(c) for c in layout.all_rays[v]] for v in (b, a, *common))
+        coordinates = coordinates_of(b_ray, others)
+        for s in range(1, 1 + (degree if first == second else min(order, degree))):
+            yield from across(points, degree, common, a, b, coordinates, s)
+
+
+def _side_by_side(parts: list[fmpz_mat], degree: int) -> fmpz_mat:
+    """The members of all homogeneous parts on one piece, by the monomials of all degrees."""
+    where, size = positions(degree), count(degree)
+    table = fmpz_mat(sum(part.nrows() for part in parts), size)
+    start = 0
+    for d, part in enumerate(parts):
+        columns = [where[e] for e in homogeneous_exponents(d, 3)]
+        for row, entries in enumerate(part.tolist(), start):
+            for column, value in zip(columns, entries, strict=True):
+                if value != 0:
+                    table[row, column] = value
+        start += part.nrows()
+    return table
+
+
+def _images(form: NormalForm, degree: int) -> fmpz_mat:
+    """The normal forms of all monomials: (monomials, targets), whole numbers, each target by its own factor."""
+    where, columns = positions(degree), dict[Exponents, dict[int, fmpq]]()
+    for e, image in form.images(degree).items():
+        for target, value in image.items():
+            columns.setdefault(target, {})[where[e]] = value
+    table = fmpz_mat(count(degree), len(columns))
+    for column, entries in enumerate(columns.values()):
+        for row, whole in integral(entries).items():
+            table[row, column] = whole
+    return table
+
+
+def _integral(patches: list[fmpq_mat]) -> Tables:
+    """Members with the shortest whole coefficients: one factor for all pieces of each."""
+    common = lcm(*(int(v.q) for patch in patches for v in patch.entries()))
+    return _shortened([(patch * common).numer_denom()[0] for patch in patches])
+
+
+def _shortened(tables: list[fmpz_mat]) -> Tables:
+    """The members with their contents divided out."""
+    rows = [table.tolist() for table in tables]
+    contents = [gcd(*(int(v) for row in rows for v in row[i])) or 1 for i in range(tables[0].nrows())]
+    return tuple(
+        fmpz_mat(t.nrows(), t.ncols(), [v // contents[i] for i, entries in enumerate(row) for v in entries])
+        for t, row in zip(tables, rows, strict=True)
+    )

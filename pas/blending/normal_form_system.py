@@ -24,9 +24,9 @@ from typing import Unpack
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.brief import brief
+from pas.algebra.ideal import NormalForm
 from pas.algebra.inputs import check_degree, check_order
 from pas.algebra.monomials import Exponents, count, exponents
-from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
 from pas.contacts.contact import Contact, ContactLike, as_contact

@@ -21,14 +21,13 @@ from pas.contacts.contact import Contact, as_contact
 from pas.contacts.endless import Circular
 from pas.contacts.joins import Join, joins
 from pas.errors import GeometryError, meant
-from pas.layouts.clips import room_farther_out, with_clips, with_room
+from pas.layouts.clips import is_free, room_farther_out, with_clips, with_room
 from pas.layouts.kinds import LAYOUTS
 from pas.layouts.nodes import ContactNode
 from pas.layouts.opened import is_opening, open_region, with_cone
-from pas.layouts.spacing import is_free
+from pas.partition.boxes import SixTetrahedra
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
-from pas.partition.six_tetrahedra import SixTetrahedra
 from pas.surface.placed import PlacedContacts
 from pas.verdicts import Status
 

@@ -17,8 +17,8 @@ from math import prod
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.brief import brief
+from pas.algebra.ideal import NormalForm
 from pas.algebra.monomials import Exponents, count, exponents
-from pas.algebra.normal_form import NormalForm
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial
 from pas.blending.multipliers import Multipliers, consistency

@@ -21,9 +21,9 @@ from flint import arb, fmpq, fmpq_mat
 from scipy.linalg import svd
 
 from pas.algebra.brief import brief
+from pas.algebra.matrices import Products
 from pas.algebra.monomials import Floats, exponents, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.products import Products
 from pas.algebra.rational import Exact, rational, to_float, to_fraction, vector
 from pas.blending.refining import refined
 from pas.blending.space import Space

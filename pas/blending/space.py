@@ -15,10 +15,9 @@ from typing import Any, Self, TypeAlias
 
 from flint import fmpq, fmpq_mat, fmpz_mat
 
-from pas.algebra.lattice import short_basis
+from pas.algebra.matrices import Products, short_basis
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.products import Products
 from pas.algebra.rational import Exact, VectorLike, rational, to_fraction, vector
 from pas.algebra.systems import Exported, Rows, spanned
 from pas.errors import NoSolutionError
@@ -149,7 +148,7 @@ class Space(InPlace, Exported):
 
     def reduced(self) -> Self:
         """This space with a basis of short polynomials: one that is LLL-reduced of all members with whole coefficients,
-        in the partition's local coordinates (see `pas.algebra.lattice`).
+        in the partition's local coordinates (see `pas.algebra.matrices`).
 
         A tenth as many digits as in the usual basis for corners, a twentieth for nodes.  The corner of GC^1 takes a
         tenth of a second, that of GC^2 two, nodes of GC^2 up to some ten and, of four pipes and more, minutes.

@@ -26,13 +26,11 @@ from flint import fmpq, fmpq_mpoly
 from numpy.typing import NDArray
 
 from pas.algebra.brief import brief
-from pas.algebra.ideal import Ideal
+from pas.algebra.ideal import Ideal, NormalForm
 from pas.algebra.monomials import Floats
-from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import cross, dot, plain, to_float
-from pas.bernstein.forms import nearby_forms, polar_forms
-from pas.bernstein.products import BoundedForms
+from pas.bernstein.forms import BoundedForms, nearby_forms, polar_forms
 from pas.bernstein.search import Limits
 from pas.bernstein.signs import prove_positive
 from pas.certify.certificate import Proposition

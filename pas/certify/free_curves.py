@@ -29,8 +29,8 @@ import numpy as np
 from flint import fmpq_mpoly
 from numpy.typing import NDArray
 
+from pas.algebra.ideal import NormalForm
 from pas.algebra.monomials import Floats, homogeneous_exponents
-from pas.algebra.normal_form import NormalForm
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact_vector, to_floats
 from pas.algebra.scaling import scaled

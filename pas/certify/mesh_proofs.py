@@ -14,7 +14,7 @@ of v to another, and w falls by 1 at each crossing with M.  So the flow maps M o
 same surface up to an isotopy along the curves, and neither has a component that the other has not.
 
 The zeros of v are enclosed by simplices of the cells, the outer faces, the edges and the ends (see
-`pas.certify.critical_points`), the triangles are bounded by Bernstein forms (`pas.certify.mesh_bounds`), w is counted
+`pas.certify.local_mesh`), the triangles are bounded by Bernstein forms (`pas.certify.mesh_bounds`), w is counted
 along segments from the centre (`pas.certify.graph_proofs.crossed`).  All count their rounding.  Points of the boundary
 may be off the walls by rounding, and are then taken to be on them.
 """
@@ -29,9 +29,8 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.certify.certificate import Certificate
-from pas.certify.critical_points import CriticalParts, critical_parts
 from pas.certify.graph_proofs import CLAIM, certify_graph, crossed
-from pas.certify.local_mesh import OFF, ON_WALL, FramedMesh, FramedSurface
+from pas.certify.local_mesh import OFF, ON_WALL, CriticalParts, FramedMesh, FramedSurface, critical_parts
 from pas.certify.mesh_bounds import BoxTable, TriangleBounds, along_walls, apart, bounds, farthest
 from pas.mesh.rows import Integers
 from pas.mesh.topology import Edges, same_places

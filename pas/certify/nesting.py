@@ -8,7 +8,7 @@ one polynomial g.  What such a cone and such a tetrahedron have in common is cut
 Inside: where g <= 0 in the inner region, f < 0, and the point lies in the outer region, behind its outer face in the
 direction from the outer centre (unless both faces are in one plane).  So the inner body, with its sections in the clip
 faces, is in the interior of the outer one, relative to these faces.  Of a region that is open only what is inside the
-cone of its opening is in use, and nothing is claimed of the rest (see `pas.certify.openings`).
+cone of its opening is in use, and nothing is claimed of the rest (see `pas.certify.contact_proofs`).
 
 End: at each contact both clips are the same plane, and on the inner clip faces the outer contact's surface is negative
 wherever the inner one's is not positive.  At an opening both are the same cone, and that holds all over the cone in the

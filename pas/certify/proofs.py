@@ -13,7 +13,8 @@ curves alone.  Together the two say that the surface is a graph over the sphere 
 for c contacts of one closed curve each, as those of degree 2 in a plane are, its Euler characteristic is 2 - c.
 
 A region may be open towards one contact whose clip is a cone around the centre, as to the edge of a plate (see
-`pas.certify.openings`): then the surface is in use inside that cone.  It is one disc more that the graph lacks.  The
+`pas.certify.contact_proofs`): then the surface is in use inside that cone.  It is one disc more that the graph lacks.
+The
 sides of an open region that no contact closes are walls like others, and as they hold the centre, f < 0 on a part of
 them.
 
@@ -39,9 +40,8 @@ from pas.algebra.rational import Vector, exact_vector, to_floats
 from pas.bernstein.forms import corner_points, nearby_forms, on_simplex
 from pas.bernstein.signs import SignResult, positive_on, prove_positive
 from pas.certify.certificate import Certificate, Proposition
-from pas.certify.contact_proofs import contact_verdict
+from pas.certify.contact_proofs import contact_verdict, opening_verdict
 from pas.certify.incidence import alpha_signs, incidences
-from pas.certify.openings import opening_verdict
 from pas.registry import Registry
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status, Verdict

@@ -34,8 +34,7 @@ from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.rational import Vector, plain, to_float
 from pas.bernstein.forms import corner_points, nearby_forms
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
-from pas.bernstein.simplices import Simplices, at_vertices
-from pas.bernstein.subdivision import edges
+from pas.bernstein.simplices import Simplices, at_vertices, edges
 from pas.certify.certificate import Proposition
 from pas.certify.nesting import in_frame_of
 from pas.limits import checkpoint

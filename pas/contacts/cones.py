@@ -96,7 +96,7 @@ class Opening(Movable):
     and is `slope` wide at a distance of one: the tangent of half of its angle.  With `w = x - point` the clip is
     `|w|^2 |axis|^2 - (1 + slope^2) (w . axis)^2`: the blend is inside the cone, the surface stays outside.
 
-    A blend of an opening and one other contact is proved around the apex (see `pas.certify.openings`).
+    A blend of an opening and one other contact is proved around the apex (see `pas.certify.contact_proofs`).
 
     Raises `ValueError` for a zero axis and a slope that is not from 1e-6 to 1e6, `GeometryError` for a point that is
     not inside.

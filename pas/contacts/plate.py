@@ -29,7 +29,8 @@ class Plate(Axial):
 
     What holds: a surface meets the plate with GC^k iff it is in `<w . axis, clip^(k+1)>`, so solution spaces are
     complete and exact.  A blend of a plate and one other contact is a single polynomial, seen from below through the
-    plate's curve, with that cone as the clip (see `pas.certify.openings`); on the plane it is the same ideal.  In a
+    plate's curve, with that cone as the clip (see `pas.certify.contact_proofs`); on the plane it is the same
+    ideal.  In a
     region that is given it is solved and proved along its curve, and whether it is enclosed stays undecided.
 
     Raises `ValueError` for a zero axis, for a radius that is not positive, for semi-axes that are not perpendicular,

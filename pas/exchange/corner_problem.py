@@ -53,9 +53,8 @@ from pas.algebra.inputs import check_order
 from pas.algebra.polynomial import Polynomial
 from pas.blending.place import PartitionLike
 from pas.contacts.contact import CONTACTS, Contact, HasContact
-from pas.exchange.problem import COMMON, COMMON_TABLES, Problem, ProblemKind, common
+from pas.exchange.problem import COMMON, COMMON_TABLES, Problem, ProblemKind, TableReader, common
 from pas.exchange.records import normalization
-from pas.exchange.tables import TableReader
 from pas.fairing.energy import ENERGIES, read_energy
 from pas.fairing.wishes import PointOptions, Wishes, tensed
 from pas.layouts.kinds import partition_keys, read_partition_like

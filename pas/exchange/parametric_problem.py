@@ -23,7 +23,7 @@ method = "generatrix"          # or "quadrics": the same, of two closed plane se
 align = true                   # optional; false: the curves are left as they run
 unit = true                    # optional; false: vectors as long as they are, which keeps rational data rational
 
-[[boundaries]]                 # two of these; kinds and keys: `pas.exchange.boundaries`
+[[boundaries]]                 # two of these, see below
 quadric = "x^2 + y^2 - 1"
 plane = "z - 2"
 
@@ -39,28 +39,136 @@ lambda1 = { low = 0, high = 0.5, start = 0 }      # or, for closed curves, a cos
 lambda2 = 0
 middle = ["2*s", "1", "0"]     # the middle control curve of a quartic blend
 
-Also those of every problem: see `pas.exchange.problem`.
+Also those of every problem: see `pas.exchange.problem`.  One table of boundaries is one boundary; its keys say of which
+kind it is:
+
+quadric, plane                            the section of a quadric by a plane (interval, branch)
+quadric, other                            branch number `branch` (0) of the intersection of two quadrics (interval)
+implicit, curve                           a curve on an algebraic surface (interval, closed)
+x, y, z and one of t, h, path             a curve on a parametric surface (domain, interval, closed)
+curve and one of normal, tangent          a curve with vectors along it (interval, closed)
+
+Each may also have side, name and by_length (true: s is the share of the curve's length).  Expressions are strings,
+curves and paths lists of them, in s; numbers are integers or strings such as "1/2".
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from pas.algebra.inputs import check_order, shown
+from pas.algebra.rational import plain, rational
 from pas.algebra.rational_function import PARAMETERS
-from pas.exchange.boundaries import KEYS, KINDS, SECTION, as_plain, boundary_from
-from pas.exchange.problem import COMMON, COMMON_TABLES, Problem, ProblemKind, common
-from pas.exchange.tables import TableReader
+from pas.exchange.problem import COMMON, COMMON_TABLES, Problem, ProblemKind, TableReader, common
 from pas.parametric.blends import METHODS, ParametricBlend, blend_by
 from pas.parametric.data import BlendingData
 from pas.parametric.generatrix.blend import GeneratrixBlend, generatrix_blend
 from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.intersection import quadric_intersection
+from pas.parametric.generatrix.sections import plane_section
 from pas.parametric.generatrix.shape import GeneratrixShape, ShapeFunction
 from pas.parametric.maps import ExactDomain
-from pas.parametric.surface import ParametricSurface
+from pas.parametric.surface import ParametricSurface, SurfaceCurve, iso_curve
 from pas.settings import MeshSettings
+
+
+@dataclass(frozen=True)
+class BoundaryKind:
+    """A kind of boundary: the keys it needs, of `either` exactly one, those it may have, and what makes it."""
+
+    needs: tuple[str, ...]
+    either: tuple[str, ...]
+    may: frozenset[str]
+    build: Callable[[Mapping[str, Any], dict[str, Any]], Boundary]
+
+    @property
+    def keys(self) -> frozenset[str]:
+        """All keys that there are."""
+        return frozenset((*self.needs, *self.either, *self.may, "side", "name", "by_length"))
+
+    def fits(self, table: Mapping[str, Any]) -> bool:
+        """Whether a table has what this kind needs."""
+        return set(self.needs) <= set(table) and (not self.either or any(key in table for key in self.either))
+
+    def __str__(self) -> str:
+        one = [f"one of {', '.join(self.either)}"] if self.either else []
+        return " and ".join([", ".join(self.needs), *one])
+
+
+def _intersection(table: Mapping[str, Any], options: dict[str, Any]) -> Boundary:
+    branches, number = quadric_intersection(table["quadric"], table["other"]), options.pop("branch", 0)
+    if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number < len(branches):
+        raise ValueError(f"branch must be a whole number from 0 to {len(branches) - 1}, not {number!r}")
+    return branches[number].on(0, **options)
+
+
+def _parametric(table: Mapping[str, Any], options: dict[str, Any]) -> Boundary:
+    surface = ParametricSurface(table["x"], table["y"], table["z"], domain=options.pop("domain", None))
+    if "path" not in table:
+        return Boundary.on_parametric(iso_curve(surface, table.get("t"), table.get("h")), **options)
+    path = table["path"]
+    if not isinstance(path, list) or len(path) != 2:
+        raise ValueError(f'path must be two expressions in s such as ["s", "1 - s"], not {path!r}')
+    return Boundary.on_parametric(SurfaceCurve(surface, path[0], path[1]), **options)
+
+
+SECTION = BoundaryKind(
+    ("quadric", "plane"), (), frozenset({"interval", "branch"}),
+    lambda table, options: plane_section(table["quadric"], table["plane"], **options),
+)  # fmt: skip
+CURVE = frozenset({"interval", "closed"})
+KINDS = (
+    SECTION,
+    BoundaryKind(("quadric", "other"), (), frozenset({"interval", "branch"}), _intersection),
+    BoundaryKind(
+        ("implicit", "curve"), (), CURVE,
+        lambda table, options: Boundary.on_implicit(table["implicit"], table["curve"], **options),
+    ),
+    BoundaryKind(("x", "y", "z"), ("t", "h", "path"), CURVE | {"domain"}, _parametric),
+    BoundaryKind(
+        ("curve",), ("normal", "tangent"), CURVE,
+        lambda table, options: Boundary.along(table["curve"], table.get("normal"), table.get("tangent"), **options),
+    ),
+)  # fmt: skip
+KEYS = frozenset().union(*(kind.keys for kind in KINDS))
+
+
+def boundary_from(table: Mapping[str, Any], kinds: tuple[BoundaryKind, ...] = KINDS) -> Boundary:
+    """The boundary of a table, which it keeps as its `source`.
+
+    Raises `ValueError` for a table of no kind or of wrong types, and what making the boundary raises.
+    """
+    kind = next((k for k in kinds if k.fits(table)), None)
+    if kind is None:
+        raise ValueError(f"a boundary needs {'; or '.join(map(str, kinds))}; this one has {', '.join(table) or 'none'}")
+    strange = [key for key in table if key not in kind.keys]
+    if strange or sum(key in table for key in kind.either) > 1:
+        more = strange or [key for key in kind.either if key in table][1:]
+        raise ValueError(f"a boundary with {kind} has no {more[0]!r} besides")
+    source = {key: as_plain(value) for key, value in table.items()}
+    for key, types in (("name", str), ("closed", bool), ("by_length", bool)):
+        if key in source and not isinstance(source[key], types):
+            raise ValueError(f"{key} must be {'a string' if types is str else 'true or false'}, not {source[key]!r}")
+    options = {key: source[key] for key in (*kind.may, "side", "name") if key in source}
+    evened = source.pop("by_length", False)
+    made = replace(kind.build(source, options), source=source)
+    return made.by_length() if evened else made  # which notes it in the source
+
+
+def as_plain(value: Any) -> Any:
+    """Numbers, lists and tables as JSON knows them: decimals become exact strings."""
+    if isinstance(value, dict):
+        return {str(key): as_plain(v) for key, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [as_plain(v) for v in value]
+    if isinstance(value, Fraction):
+        return plain(rational(value))
+    return value
+
 
 GENERATRIX_METHODS = {"generatrix": KINDS, "quadrics": (SECTION,)}
 """Names of the methods, and the kinds of boundaries that each takes."""
@@ -120,7 +228,8 @@ def _read(file: Path, text: str, data: dict[str, Any]) -> ParametricProblem:
         if METHODS[method].options[name] is not Any:
             reader.typed(data, name, METHODS[method].options[name], None)
     first, second = reader.checked({"parameters": parameters}, "parameters", _names)
-    surfaces = reader.each(data, "surfaces", lambda table: _surface(table, (first, second)), "surface")
+    made = lambda of: ParametricSurface(of["x"], of["y"], of["z"], (first, second), of.get("domain"))  # noqa: E731
+    surfaces = reader.each(data, "surfaces", made, "surface")
     blending = reader.checked({"values": data.get("values")}, "values", lambda values: BlendingData(surfaces, values))
     return ParametricProblem(
         **common(reader, data, MeshSettings()),
@@ -137,10 +246,6 @@ def _names(given: Any) -> list[str]:
     if not (isinstance(given, list) and len(given) == 2 and all(isinstance(name, str) for name in given)):
         raise ValueError(f'parameters must be two names such as ["t", "h"], not {shown(given)}')
     return given
-
-
-def _surface(table: dict[str, Any], names: tuple[str, str]) -> ParametricSurface:
-    return ParametricSurface(table["x"], table["y"], table["z"], names, table.get("domain"))
 
 
 def _domain(
@@ -237,8 +342,8 @@ def _function(value: Any) -> Any:
     return value
 
 
-def _fits_generatrix(data: dict[str, Any]) -> bool:
-    return data.get("method", "generatrix" if "boundaries" in data else "") in GENERATRIX_METHODS
-
-
-GENERATRIX = ProblemKind("generatrix", _fits_generatrix, _read_generatrix)
+GENERATRIX = ProblemKind(
+    "generatrix",
+    lambda data: data.get("method", "generatrix" if "boundaries" in data else "") in GENERATRIX_METHODS,
+    _read_generatrix,
+)

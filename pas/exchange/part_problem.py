@@ -61,8 +61,17 @@ import pas.solid
 from pas.algebra.inputs import shown
 from pas.errors import meant
 from pas.exchange.formats import unit_named
-from pas.exchange.problem import COMMON, COMMON_TABLES, PROBLEMS, Problem, ProblemKind, common
-from pas.exchange.tables import WORDS, TableReader, as_written
+from pas.exchange.problem import (
+    COMMON,
+    COMMON_TABLES,
+    PROBLEMS,
+    WORDS,
+    Problem,
+    ProblemKind,
+    TableReader,
+    as_written,
+    common,
+)
 from pas.limits import WorkLimits
 from pas.registry import Registry, check_keys
 from pas.settings import MeshSettings

@@ -23,11 +23,11 @@ STYLES: Registry[Any] = Registry(
         "plain": "pas.render.styles:PLAIN",
         "zebra": "pas.render.styles:ZEBRA",
         "highlights": "pas.render.styles:HIGHLIGHTS",
-        "mean": "pas.render.curvature:MEAN",
-        "gauss": "pas.render.curvature:GAUSS",
-        "max": "pas.render.curvature:MAX",
-        "min": "pas.render.curvature:MIN",
-        "curvature": "pas.render.curvature:CURVATURE",
+        "mean": "pas.render.styles:MEAN",
+        "gauss": "pas.render.styles:GAUSS",
+        "max": "pas.render.styles:MAX",
+        "min": "pas.render.styles:MIN",
+        "curvature": "pas.render.styles:CURVATURE",
     },
 )
 """What the colours of a picture show; a user's own is added by `STYLES.register(...)`, see `pas.render.scene`."""

@@ -34,7 +34,7 @@ from pas.exchange.schema import (
 from pas.fairing.energy import read_energy
 from pas.fairing.wishes import MeanAlpha, Normalization, SumOfCoefficients, UnitCoefficients, ValueAt
 from pas.parametric.surface import ParametricSurface
-from pas.partition.kinds import read_partition
+from pas.partition.cells import read_partition
 from pas.piecewise import PiecewiseSurface
 from pas.verdicts import Status, Verdicts
 

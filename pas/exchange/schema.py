@@ -33,7 +33,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
 from flint import fmpq
 
@@ -41,30 +41,6 @@ from pas.algebra.inputs import HIGHEST_POWER, shown
 from pas.algebra.polynomial import RING, Polynomial
 from pas.algebra.rational import plain, rational, read_number
 from pas.errors import meant
-
-
-class Form(Protocol):
-    """Anything that a value can be held against; `words` say in a sentence what a value must be."""
-
-    @property
-    def words(self) -> str:
-        """What a value must be."""
-
-    def check(self, value: Any, place: str) -> None:
-        """Raise `ValueError`, naming the place within the record, unless the value fits."""
-
-    def fits(self, value: Any, /) -> bool:
-        """Whether a value is of this sort at first sight: enough to choose among forms."""
-
-    @property
-    def of(self) -> Callable[[Any], bool]:
-        """Whether a thing is one that this form writes."""
-
-    def read(self, value: Any, /) -> Any:
-        """The thing that a value which was checked stands for; raises `ValueError` for one that stands for none."""
-
-    def write(self, thing: Any, /) -> Any:
-        """The value that stands for a thing, of what JSON can say."""
 
 
 def itself(value: Any) -> Any:
@@ -78,7 +54,12 @@ def _anything(value: Any) -> bool:
 
 @dataclass(frozen=True)
 class Value:
-    """A value that `fits`; `inside` checks its entries."""
+    """A value; `words` say in a sentence what it must be.
+
+    `fits` says of a value whether it is of this sort at first sight, enough to choose among forms, and `inside` checks
+    its entries; `read` gives the thing that a checked value stands for, `write` the value, of what JSON can say, that
+    stands for a thing; `of` says of a thing whether it is one that this form writes.
+    """
 
     words: str
     fits: Callable[[Any], bool]
@@ -88,7 +69,7 @@ class Value:
     of: Callable[[Any], bool] = _anything
 
     def check(self, value: Any, place: str) -> None:
-        """See `Form`."""
+        """Raise `ValueError`, naming the place within the record, unless the value fits."""
         if not self.fits(value):
             raise ValueError(f"{place} must be {self.words}, not {shown(value)}")
         self.inside(value, place)
@@ -111,11 +92,11 @@ class Table:
     of: Callable[[Any], bool] = _anything
 
     def fits(self, value: Any) -> bool:
-        """See `Form`; the first key needed tells tables apart."""
+        """As of a `Value`; the first key needed tells tables apart."""
         return isinstance(value, dict) and next(iter(self.needs), None) in {None, *value}
 
     def check(self, value: Any, place: str) -> None:
-        """See `Form`."""
+        """Raise `ValueError`, naming the place within the record, unless the value fits."""
         if not isinstance(value, dict):
             raise ValueError(f"{place} must be {self.words}, not {shown(value)}")
         forms = {**self.needs, **self.may}
@@ -131,19 +112,23 @@ class Table:
                 forms[key].check(entry, f"{place}.{key}")
 
     def read(self, value: Mapping[str, Any]) -> Any:
-        """See `Form`; what it does not know is left out, unless it is open."""
+        """The thing of a checked table; what it does not know is left out, unless it is open."""
         forms = {**self.needs, **self.may}
         known = {key: entry for key, entry in value.items() if key in forms or self.open}
         return self.make(**{key: forms[key].read(part) if key in forms else part for key, part in known.items()})
 
     def write(self, thing: Any) -> dict[str, Any]:
-        """See `Form`."""
+        """The table that stands for a thing."""
         forms = {**self.needs, **self.may}
         if self.entries is not None:
             thing = self.entries(thing)
         elif not isinstance(thing, Mapping):
             thing = {key: getattr(thing, key) for key in self.needs}
         return {key: forms[key].write(part) if key in forms else part for key, part in thing.items()}
+
+
+Form: TypeAlias = Value | Table
+"""Anything that a value can be held against."""
 
 
 def alone(name: str, form: Form) -> Table:
@@ -174,41 +159,31 @@ def one_of(values: Sequence[Any]) -> Value:
 
 def list_of(entry: Form, size: int | None = None, words: str = "a list") -> Value:
     """A list of any number of entries of one form, or of `size` of them."""
+    return _list(lambda number: [entry] * (number if size is None else size), words)
+
+
+def row(*entries: Form) -> Value:
+    """A list of given entries, each of its own form."""
+    return _list(lambda _: entries, "a list")
+
+
+def _list(parts_of: Callable[[int], Sequence[Form]], words: str) -> Value:
+    """A list whose entries have the forms that `parts_of` gives for so many."""
 
     def inside(value: Any, place: str) -> None:
-        _check_size(value, len(value) if size is None else size, place)
-        for i, part in enumerate(value):
+        wanted = parts_of(len(value))
+        if len(value) != len(wanted):
+            raise ValueError(f"{place} must be a list of {len(wanted)} entries, not of {len(value)}")
+        for i, (part, entry) in enumerate(zip(value, wanted, strict=True)):
             entry.check(part, f"{place}[{i}]")
 
     return Value(
         words,
         lambda value: isinstance(value, list),
         inside,
-        lambda value: [entry.read(part) for part in value],
-        lambda things: [entry.write(thing) for thing in things],
+        lambda value: [entry.read(part) for part, entry in zip(value, parts_of(len(value)), strict=True)],
+        lambda things: [entry.write(thing) for thing, entry in zip(things, parts_of(len(things)), strict=True)],
     )
-
-
-def row(*entries: Form) -> Value:
-    """A list of given entries, each of its own form."""
-
-    def inside(value: Any, place: str) -> None:
-        _check_size(value, len(entries), place)
-        for i, (part, entry) in enumerate(zip(value, entries, strict=True)):
-            entry.check(part, f"{place}[{i}]")
-
-    return Value(
-        "a list",
-        lambda value: isinstance(value, list),
-        inside,
-        lambda value: [entry.read(part) for part, entry in zip(value, entries, strict=True)],
-        lambda things: [entry.write(thing) for thing, entry in zip(things, entries, strict=True)],
-    )
-
-
-def _check_size(value: Sequence[Any], size: int, place: str) -> None:
-    if len(value) != size:
-        raise ValueError(f"{place} must be a list of {size} entries, not of {len(value)}")
 
 
 def table_of(entry: Form) -> Value:

@@ -52,7 +52,11 @@ TREE: Value = choice(
 """How its functions are numbered is said by the whole record, which reads and writes it."""
 
 _TUBE = Table({"curve": list_of(TEXT, 3), "interval": list_of(NUMBER, 2), "radius": NUMBER})
-_DATA = {"pas.solid.tube.Tube": _TUBE, "pas.solid.tube.End": Table({"tube": _TUBE, "side": WHOLE})}
+_DATA = {
+    "pas.solid.tube.Tube": _TUBE,
+    "pas.solid.tube.End": Table({"tube": _TUBE, "side": WHOLE}),
+    "pas.solid.thread.Flank": Table({"diameter": NUMBER, "pitch": NUMBER}),
+}
 """The data of functions by class, where it is known."""
 
 STORED = {"pas.solid.tube.TubeEnd": "pas.solid.tube.End"}

@@ -5,27 +5,34 @@ positive volume; what comes out are tetrahedra of positive volume whose boundary
 whose volume is that of the triangle mesh up to `volume_tolerance`.  Not guaranteed: the same tetrahedra a
 second time (fTetWild is not deterministic and has no seed), points exactly on the solid's edges (the
 boundary is moved up to `tolerance`), and that neighbouring parts of an assembly share points: each is
-meshed by itself.  fTetWild works in a process of its own (see `pas.exchange.tetwild`); most of its time goes
-into finely meshed surfaces, so that a generous tolerance is worth seconds.
+meshed by itself.  fTetWild works in a process and a folder of its own: it crashes on some meshes (of parts thinner
+than its envelope, say), and leaves files where it works.  Most of its time goes into finely meshed surfaces, so that a
+generous tolerance is worth seconds.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
 from pas.algebra.brief import brief
-from pas.errors import GeometryError, optional
+from pas.errors import GeometryError, library, optional
 from pas.exchange.files import target
 from pas.exchange.formats import Content, Request
 from pas.exchange.parts import Piece, counted_on, face_names, parts_of
-from pas.exchange.tetwild import require_library, tetrahedralize
 from pas.exchange.write import write
-from pas.limits import WorkLimits, limited
+from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.topology import is_closed_manifold
@@ -148,7 +155,11 @@ def volume_mesh(
             raise ValueError(f"{name} must be a positive number, not {value}")
     if not 0 < volume_tolerance < 1:
         raise ValueError(f"volume_tolerance must be between 0 and 1, not {volume_tolerance}")
-    require_library()
+    library(
+        "pytetwild",
+        "tetrahedra need pytetwild: pip install pytetwild (on a Mac there are ready packages for macOS 15 on Apple "
+        "silicon; elsewhere it is built, with a compiler and CMake)",
+    )
     parts = parts_of(shape, Request("solid", MeshSettings(tolerance)))
     for part in parts:
         _require_fillable(part, edge_length)
@@ -226,31 +237,69 @@ def _filled(
         )
     boundary = _boundary(tetrahedra, name)
     regions = np.zeros(len(tetrahedra), dtype=int)
-    nearest = _nearest_faces(mesh, found[boundary].mean(axis=1) + middle)
-    return VolumeMesh(found + middle, tetrahedra, regions, (part.name,), boundary, nearest, mesh.names)
+    surface = optional("pyvista").PolyData.from_regular_faces(mesh.points, mesh.triangles.astype(int))
+    faces = mesh.faces[surface.find_closest_cell(found[boundary].mean(axis=1) + middle)]
+    return VolumeMesh(found + middle, tetrahedra, regions, (part.name,), boundary, faces, mesh.names)
 
 
 def _tetrahedra(
     points: Floats, triangles: Integers, length: float, envelope: float, settings: VolumeSettings
 ) -> tuple[Floats, Integers]:
     """What fTetWild makes of a mesh of diagonal 1 (it crashes on very small ones), without unused points."""
+    kept = {name: getattr(settings, name) for name in ("optimize", "simplify", "coarsen", "stop_energy")}
+    others = {"num_opt_iter": settings.iterations, "num_threads": settings.threads, "quiet": True}
     found, tetrahedra = tetrahedralize(
-        points,
-        triangles,
-        {
-            "edge_length_abs": length,
-            "epsilon": envelope,
-            "optimize": settings.optimize,
-            "simplify": settings.simplify,
-            "coarsen": settings.coarsen,
-            "stop_energy": settings.stop_energy,
-            "num_opt_iter": settings.iterations,
-            "num_threads": settings.threads,
-            "quiet": True,
-        },
+        points, triangles, {**kept, **others, "edge_length_abs": length, "epsilon": envelope}
     )
     used, numbers = np.unique(np.asarray(tetrahedra, dtype=np.intp), return_inverse=True)
     return np.asarray(found, dtype=float).reshape(-1, 3)[used], numbers.reshape(-1, 4)
+
+
+WORK = """
+import json, sys, numpy, pytetwild
+given = numpy.load("given.npz")
+points, tetrahedra = pytetwild.tetrahedralize(given["points"], given["triangles"], **json.loads(sys.argv[1]))
+numpy.savez("found.npz", points=points, tetrahedra=tetrahedra)
+"""
+"""What the other process does in its folder."""
+
+
+def tetrahedralize(points: Any, triangles: Any, options: Mapping[str, Any]) -> tuple[Any, Any]:
+    """Points (N, 3) and tetrahedra (M, 4), of any orientation, in a closed mesh of about unit size.
+
+    `options` are those of `pytetwild.tetrahedralize`.  Raises `GeometryError` where fTetWild fails or crashes.
+    """
+    with TemporaryDirectory(prefix="pas-") as name:
+        folder = Path(name)
+        np.savez(
+            folder / "given.npz", points=np.asarray(points, dtype=float), triangles=np.asarray(triangles, np.int32)
+        )
+        command = [sys.executable, "-P", "-c", WORK, json.dumps(dict(options))]
+        paths = os.pathsep.join(str(Path(p).resolve()) for p in sys.path)
+        with (
+            open(folder / "said", "wb") as said,
+            subprocess.Popen(
+                command, cwd=folder, env={**os.environ, "PYTHONPATH": paths}, stdout=subprocess.DEVNULL, stderr=said
+            ) as process,
+        ):
+            try:
+                while process.poll() is None:
+                    checkpoint("fTetWild makes tetrahedra")
+                    with suppress(subprocess.TimeoutExpired):
+                        process.wait(0.2)
+            except BaseException:
+                process.kill()
+                raise
+        if process.returncode < 0:
+            raise GeometryError(
+                f"fTetWild crashed ({signal.Signals(-process.returncode).name}): the part is thinner than the "
+                "tolerance, or its mesh cuts itself; set a smaller tolerance"
+            )
+        if process.returncode:
+            lines = (folder / "said").read_text("utf-8", "replace").strip().splitlines() or ["no reason given"]
+            raise GeometryError(f"fTetWild failed: {lines[-1]}")
+        found = np.load(folder / "found.npz")
+        return found["points"], found["tetrahedra"]
 
 
 def _turned(points: Floats, tetrahedra: Integers, name: str) -> Integers:
@@ -296,11 +345,3 @@ def _boundary(tetrahedra: Integers, name: str) -> Integers:
             "set a smaller tolerance or edge_length"
         )
     return boundary
-
-
-def _nearest_faces(mesh: Mesh, points: Floats) -> Integers:
-    """The faces (P,) of the triangles of a mesh that are nearest to points (P, 3)."""
-    pyvista = optional("pyvista")
-    surface = pyvista.PolyData.from_regular_faces(mesh.points, mesh.triangles.astype(int))
-    nearest = np.atleast_1d(surface.find_closest_cell(points))
-    return np.asarray(mesh.faces[nearest])

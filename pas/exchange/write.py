@@ -183,7 +183,7 @@ def write_step(
 def write_cells(surface: Shape, path: str | Path) -> Path:
     """`write` for the cells of a piecewise surface, with their polynomials, as a .vtu file; returns the path.
 
-    The arrays are those of `pas.exchange.formats.cells.cell_grid`.  Raises what `write` raises.
+    The arrays are those of `pas.exchange.formats.libraries.cell_grid`.  Raises what `write` raises.
     """
     target(path, (".vtu",), "cells")
     return write(surface, path)

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from pas.algebra.affine import Frame
+from pas.algebra.matrices import Products
 from pas.algebra.monomials import Floats, derivative_matrix, exponents, monomial_values
 from pas.algebra.polynomial import RING, Polynomial
-from pas.algebra.products import Products
 from pas.algebra.rational import to_float
 from pas.fairing.functionals import tetrahedra_rule
 from pas.partition.cells import Partition

@@ -17,8 +17,8 @@ from scipy.spatial import ConvexHull
 
 from pas.algebra.monomials import Floats
 from pas.fairing.basis import WorkingBasis
+from pas.fairing.energy import SurfacePoints
 from pas.fairing.ray_samples import AREA, Numbers, Residuals, SampledGeometry
-from pas.fairing.surface_points import SurfacePoints
 from pas.surface.directions import AROUND, Directions, circle, planes, runs
 from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG
 from pas.surface.fairness_limits import FairnessLimits, Neighbour, largest_arc, sharpest_of, widest

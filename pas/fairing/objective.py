@@ -13,11 +13,10 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
-from pas.fairing.energy import Energy, terms_of
+from pas.fairing.energy import NAMES, Energy, Sizes, SurfacePoints, differences, terms_of
 from pas.fairing.excess import BulgeExcess, CurvatureExcess, Limit, SectionExcess
 from pas.fairing.prepared import PreparedSpace
 from pas.fairing.ray_samples import AREA, RaySamples, Residuals, SampledGeometry
-from pas.fairing.surface_points import NAMES, Sizes, SurfacePoints, differences
 from pas.surface.directions import Directions
 from pas.surface.fairness_limits import FairnessLimits, neighbour
 from pas.surface.placed import PlacedContacts

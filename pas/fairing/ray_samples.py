@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, exponents, monomial_values
 from pas.fairing.basis import WorkingBasis
-from pas.fairing.surface_points import QUANTITIES, SurfacePoints
+from pas.fairing.energy import QUANTITIES, SurfacePoints
 from pas.surface.directions import Directions
 from pas.surface.geometry import FIRST, JETS, ORDERS, SECOND, THIRD, Geometry, derivatives, derived
 

@@ -12,8 +12,7 @@ from pas.algebra.monomials import Floats
 from pas.errors import InfeasibleError
 from pas.fairing.basis import to_doubles
 from pas.fairing.constraints import Inequalities
-from pas.fairing.fit_settings import LIVE, SETTINGS
-from pas.fairing.prepared import SLIM, PreparedSpace, SampledConditions
+from pas.fairing.prepared import LIVE, SETTINGS, SLIM, PreparedSpace, SampledConditions
 from pas.fairing.solver import FitSolver, FittedMember, Iterate, coordinates
 from pas.fairing.wishes import Wishes
 from pas.piecewise import PiecewiseSurface

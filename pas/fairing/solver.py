@@ -27,12 +27,11 @@ from pas.algebra.monomials import Floats, monomial_values
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
 from pas.fairing.constraints import Inequalities
-from pas.fairing.fit_settings import SETTINGS, FitSettings
 from pas.fairing.objective import ObjectiveValue, SurfaceObjective
-from pas.fairing.prepared import PreparedSpace, SampledConditions
+from pas.fairing.prepared import SETTINGS, FitSettings, PreparedSpace, SampledConditions
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.wishes import UnitCoefficients, Wishes
-from pas.limits import checkpoint
+from pas.limits import checkpoint, part
 from pas.piecewise import PiecewiseSurface
 
 
@@ -199,7 +198,8 @@ class FitSolver:
             return
         for _ in range(self.settings.steps if steps is None else steps):
             checkpoint("making the surface fair")
-            new = self.step(at, conditions)
+            with part(0.1):
+                new = self.step(at, conditions)
             if new is None:
                 return
             yield new

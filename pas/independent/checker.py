@@ -49,7 +49,7 @@ from flint import fmpq, fmpq_mat, fmpq_mpoly
 
 from pas.algebra.inputs import shown
 from pas.errors import ProjectFileError
-from pas.exchange.container import read, understood
+from pas.exchange.files import read_project, understood
 from pas.independent.reading import Face, Surface
 from pas.independent.signs import ONE, PROVED, REFUTED, RING, UNDECIDED, ZERO, Point, Query, on_simplex, positive
 from pas.limits import WorkLimits, limited
@@ -87,7 +87,7 @@ def check_independently(path: str | Path, *, edited: bool = False, **limits: Unp
 
     Raises `ProjectFileError` for a file that is none, was changed (unless `edited`), or holds no blend.
     """
-    content, name = read(path, edited=edited), Path(path).name
+    content, name = read_project(path, edited=edited), Path(path).name
     if content.get("kind", "blend") != "blend":
         raise ProjectFileError(f"{name}: the independent checker reads blends, and this holds {shown(content['kind'])}")
     with understood(name):

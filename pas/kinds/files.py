@@ -12,7 +12,7 @@ from typing import Any, Unpack, cast
 from pas._version import __version__
 from pas.algebra.inputs import shown
 from pas.errors import ProjectFileError
-from pas.exchange.container import check_name, read, understood, write
+from pas.exchange.files import check_name, read_project, understood, write_project
 from pas.exchange.schema import TEXT, Table
 from pas.limits import WorkLimits, limited
 from pas.shape import KINDS, Shape, kind_of
@@ -40,7 +40,7 @@ def save(shape: Shape, path: str | Path, certificate: Verdicts | None = None, **
     """
     check_name(path)
     kind = kind_of(shape, "what to save")
-    return write(path, {"kind": kind.name, **kind.record(shape, certificate)}, f"pas {__version__}")
+    return write_project(path, {"kind": kind.name, **kind.record(shape, certificate)}, f"pas {__version__}")
 
 
 @limited("reading a project file", "")
@@ -50,9 +50,9 @@ def load(path: str | Path, *, edited: bool = False, **limits: Unpack[WorkLimits]
     No verdict of a file is believed: all are proved, in this process, when they are first asked for.  A blend has those
     of its file as `stored`.  With `edited`, a file whose checksum does not match is read all the same.
 
-    Raises `ProjectFileError` (see `pas.exchange.container.read`) or `FileNotFoundError`.
+    Raises `ProjectFileError` (see `pas.exchange.files.read_project`) or `FileNotFoundError`.
     """
-    return _made(read(path, edited=edited), Path(path).name)
+    return _made(read_project(path, edited=edited), Path(path).name)
 
 
 def _made(content: dict[str, Any], name: str) -> Shape:

@@ -1,7 +1,7 @@
 """Blends by a generatrix, and such through a sphere, as kinds of shapes: their boundaries and shape functions.
 
-Boundaries are kept as the tables from which they were read (`pas.exchange.boundaries`) and how they were turned, so
-that reading searches nothing; shape functions as their exact coefficients.
+Boundaries are kept as the tables from which they were read (`pas.exchange.parametric_problem`) and how they were
+turned, so that reading searches nothing; shape functions as their exact coefficients.
 
 Guaranteed: what is read is the same blend.  Not possible: boundaries and middle curves that are callables.
 """
@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import Any
 
-from pas.exchange.boundaries import boundary_from
+from pas.exchange.parametric_problem import boundary_from
 from pas.exchange.records import kept
 from pas.exchange.schema import (
     ANYTHING,
@@ -35,7 +35,7 @@ from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
 from pas.parametric.generatrix.sphere import SphereBlend, blend_through_sphere
 from pas.parametric.nets import extent
-from pas.render.generatrix import layers, sphere_layers
+from pas.render.parametric import layers, sphere_layers
 from pas.settings import RELATIVE_TOLERANCE, MeshSettings
 from pas.shape import Kind
 

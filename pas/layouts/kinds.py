@@ -16,8 +16,7 @@ from pas.layouts.fan import fan
 from pas.layouts.planes import ORBITS, planes
 from pas.layouts.region import WALLS
 from pas.layouts.strips import strips
-from pas.partition.cells import Partition
-from pas.partition.kinds import PARTITIONS, read_partition
+from pas.partition.cells import PARTITIONS, Partition, read_partition
 from pas.partition.layout import Layout
 from pas.registry import Registry, keys_of, read_as
 

@@ -32,7 +32,7 @@ from pas.mesh.quality import Quality
 from pas.mesh.refusals import Made, Refusal, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
 from pas.mesh.rows import Floats, norms
-from pas.mesh.surfaces import mesh_apart, mesh_touching, together
+from pas.mesh.surfaces import mesh_apart, together
 from pas.mesh.topology import connected
 
 THIN = 0.3
@@ -163,34 +163,24 @@ def _bounded(field: FaceField, tolerance: float, quality: Quality) -> Made:
 
 
 def _from_lattices(field: FaceField, tolerance: float, quality: Quality) -> Made:
-    """The mesh of a boundary from lattices.
+    """The mesh of a boundary from lattices: surface by surface if most of it is not one sheet in the first of these.
 
-    Surface by surface if most of it is not one sheet in the first lattice, or if the whole is refused and surfaces
-    touch in points.
+    Where it is refused, of what is left without functions that others seem to imply, if that bounds the set.
     """
-    octree, mesh = first_lattice(field), partial(_triangulated, quality=quality)
+    octree, mesh = first_lattice(field), partial(_made, quality=quality)
     shells = field.shells() if octree.open_share > THIN else []
-    apart = mesh_apart(field, shells, tolerance, mesh) if len(shells) > 1 else None
-    found = mesh(field, tolerance, octree) if apart is None else apart
-    surfaces = field.touching() if apart is None and isinstance(found, Refusal) else []
-    touching = mesh_touching(field, surfaces, tolerance, mesh) if len(surfaces) > 1 else None
-    return found if touching is None else touching
-
-
-def _triangulated(
-    field: FaceField, tolerance: float, octree: Octree | None = None, quality: Quality = Quality.BALANCED
-) -> Made:
-    """The mesh of one field; where it is refused, without functions that others imply."""
-    found = _made(field, tolerance, octree, quality)
+    found = mesh_apart(field, shells, tolerance, mesh) if len(shells) > 1 else None
+    found = mesh(field, tolerance, octree=octree) if found is None else found
     if not isinstance(found, Refusal) or field.needed() is field:
         return found
-    other = _made(field.needed(), tolerance, None, quality)
+    other = mesh(field.needed(), tolerance)
     if isinstance(other, Refusal):
         return found  # which names all faces that meet there
-    return together(field, [field.needed()], [other[0]]), other[1]
+    whole = together(field, [field.needed()], [other[0]])
+    return (whole, other[1]) if _bounding(whole, field, tolerance) else found
 
 
-def _made(field: FaceField, tolerance: float, octree: Octree | None, quality: Quality) -> Made:
+def _made(field: FaceField, tolerance: float, quality: Quality, octree: Octree | None = None) -> Made:
     """The mesh of one field with the functions that it has."""
     first = first_mesh(field, tolerance, octree, quality is Quality.ANGLES)
     return first if isinstance(first, Refusal) else _refined(first, field, tolerance, quality)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.inputs import shown_point
-from pas.mesh.labelled import Labelled
 from pas.mesh.rows import Floats, Integers
 
 VISIBLE = 1e-7
@@ -35,38 +34,6 @@ class HasJets(Protocol):
         """Values and gradients (N, 4) at points (N, 3) of one label's function, or of each point's own (N,)."""
 
 
-class RimCurve(Protocol):
-    """A curve on which a surface ends, in a wall of the region; or, where it is `fixed`, a point of such curves."""
-
-    @property
-    def fixed(self) -> bool:
-        """Whether its points are ends of curves, which stay where they are."""
-
-    def off(self, points: Floats) -> Floats:
-        """Distances (N,) from the wall, or from the curve."""
-
-
-class RingCurve(RimCurve, Protocol):
-    """A closed curve on which a surface ends, in a plane and a graph over the angle about its middle."""
-
-    @property
-    def middle(self) -> Floats:
-        """A point (3,) of the plane inside the curve."""
-
-    @property
-    def opening(self) -> bool:
-        """Whether rays from 0 meet the surface inside the curve alone, not outside it."""
-
-    def at(self, points: Floats) -> Floats:
-        """The points of the curve (N, 3) at points (N, 3) near it."""
-
-    def round(self, number: int) -> Floats:
-        """So many points (N, 3) of it in turn."""
-
-    def inside(self, units: Floats) -> NDArray[np.bool_]:
-        """Which rays (N, 3) from 0 pass through it."""
-
-
 class SheetField(Field, Protocol):
     """A surface near which points are: what makes a good mesh of a first one."""
 
@@ -75,28 +42,22 @@ class SheetField(Field, Protocol):
         """The distance from 0 of the region's furthest point."""
 
     @property
-    def rims(self) -> Sequence[RimCurve]:
-        """The curves on which it ends."""
-
-    @property
     def fixed(self) -> NDArray[np.bool_]:
-        """Which of `rims` are fixed, and, at the end, that what is on none is not, (R + 1,)."""
+        """Which of the R curves on which it ends are but points where others end, which stay where they are, and, at
+        the end, that what is on none is not, (R + 1,)."""
 
     def between(self, ends: Floats, rims: Integers) -> Integers:
-        """The curves (E,) on which edges (E, 2, 3) between fixed points of `rims` (E, 2) are, directed so that the
+        """The curves (E,) on which edges (E, 2, 3) between points on fixed ones (E, 2) are, directed so that the
         surface, seen from outside, is to their left."""
 
     def within(self, points: Floats) -> bool:
         """Whether all points (N, 3) are in the region, but for rounding."""
 
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
-        """Points (N, 3) near curves of `rims` of given numbers (N,) moved onto these."""
+        """Points (N, 3) near boundary curves of given numbers (N,) moved onto these."""
 
     def rim_distances(self, points: Floats, rim: Integers) -> Floats:
-        """Distances (N,) of points (N, 3) from curves of `rims` of given numbers (N,), to first order."""
-
-    def near(self, points: Floats) -> Floats:
-        """Points (N, 3) of the surface near points inside or outside it."""
+        """Distances (N,) of points (N, 3) from boundary curves of given numbers (N,), to first order."""
 
     def drawn(self, points: Floats, still: NDArray[np.bool_]) -> tuple[Floats, Floats, Floats]:
         """Points (N, 3) near the surface, drawn towards it until it is much nearer; what `bending` says of them.
@@ -115,89 +76,6 @@ class SheetField(Field, Protocol):
 
     def bending(self, points: Floats) -> tuple[Floats, Floats]:
         """Its gradients (N, 3) and the size of the larger principal curvature (N,) at points of the surface."""
-
-
-class RayField(SheetField, Protocol):
-    """A surface that rays from 0 meet once, but for those through its `rims`, on which it ends."""
-
-    @property
-    def first(self) -> Labelled | None:
-        """Its first mesh (see `pas.mesh.graph.first`), kept; None where it is no graph."""
-
-    @property
-    def rims(self) -> Sequence[RingCurve]:
-        """The curves on which it ends."""
-
-    def met(self, points: Floats) -> Floats:
-        """The points of the surface (N, 3) on the rays through points (N, 3)."""
-
-    def once(self, points: Floats) -> bool:
-        """Whether rays through points (N, 3) meet it once, as sampled."""
-
-
-@dataclass(frozen=True)
-class Beginning:
-    """The first mesh on a lattice, or why there is none; and where the surface may be singular, in words."""
-
-    found: Labelled | ArithmeticError
-    trouble: str
-
-    @property
-    def mesh(self) -> Labelled:
-        """The mesh; raises `ArithmeticError` where it is no good."""
-        if isinstance(self.found, ArithmeticError):
-            raise self.found
-        return self.found
-
-
-class CellField(SheetField, Protocol):
-    """A polynomial on each of the tetrahedra of a region, whose zeros end on curves in the region's walls.
-
-    Of `rims` the first `walls` are those walls; then for each of `edges`, pairs of walls, the ends of curves on it.
-    """
-
-    @property
-    def beginnings(self) -> Iterable[Beginning]:
-        """Its first meshes, kept."""
-
-    @property
-    def vertices(self) -> Floats:
-        """The points of the tetrahedra (V, 3)."""
-
-    @property
-    def cells(self) -> Integers:
-        """The tetrahedra as vertex numbers (C, 4)."""
-
-    @property
-    def forms(self) -> Floats:
-        """B-coefficients (C, m) on them, each row times a positive number."""
-
-    @property
-    def degree(self) -> int:
-        """The degree of the forms."""
-
-    @property
-    def walls(self) -> int:
-        """The number of walls."""
-
-    @property
-    def edges(self) -> Sequence[tuple[int, int]]:
-        """The pairs of walls that meet in an edge of the region."""
-
-    def nearest_walls(self, points: Floats) -> Integers:
-        """The numbers of the walls nearest to points (N, 3) on the boundary: of the faces, not of their planes, which
-        may pass through curves on other walls."""
-
-    @property
-    def feature_size(self) -> float:
-        """The radius of the smallest feature that a mesh must show."""
-
-    @property
-    def curves(self) -> list[Floats]:
-        """Points (m, 3) of each curve on which the surface must end."""
-
-    def values(self, points: Floats) -> Floats:
-        """Values (N,) at points (N, 3)."""
 
 
 @dataclass(frozen=True)
@@ -257,19 +135,13 @@ class FaceField(Field, Protocol):
         """Values and gradients (N, 4) of a label's function, or of each point's own (N,), at points (N, 3)."""
 
     def shells(self) -> Sequence[FaceField]:
-        """The surfaces of the boundary that are proved to be apart, each as the boundary of a set; itself if one."""
+        """The surfaces that the boundary may be made of, if they are apart, each as that of a set; itself if one."""
 
     def wall(self) -> ShellWall | None:
         """What this is the wall of; None if it is no shell."""
 
-    def touching(self) -> Sequence[FaceField]:
-        """The surfaces that have points in common at most, each as the boundary of a set; itself if one.
-
-        Each has these points among its special ones.
-        """
-
     def needed(self) -> FaceField:
-        """The field of this boundary without functions that others are proved to imply; itself if there are none."""
+        """The field without functions that others imply wherever it is looked; itself if there are none."""
 
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
         """The labels here of labels (N,) of one of these."""

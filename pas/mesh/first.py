@@ -32,7 +32,7 @@ many must show the same pieces, holes and faces, unless all of the boundary is c
 MANY = 0.01
 """Share of the cubes in which more than one sheet may be, above which a lattice is made finer without a look."""
 
-PATIENCE, UNCLEAR = 3, 4000
+PATIENCE, UNCLEAR = 3, 1000
 """Lattices that show no less trouble than the first of them, and cubes in which the boundary is not clear, after which
 a reason is looked for why it does not come out."""
 
@@ -163,15 +163,14 @@ def _given_up(
 ) -> Refusal | None:
     """Why no finer lattice is looked at: those that failed had more cubes than `most`, or no less places than before.
 
-    Of each of them the cubes and places are given.  If the set has functions that others imply it is tried without.
+    Of each of them the cubes and places are given.
     """
     cubes, places = zip(*failures, strict=True)
-    several, spent = len(failures) >= PATIENCE, sum(cubes) > most
-    spare = several and field.needed() is not field
-    if not (spare or spent or (several and 2 * places[-1] > places[-PATIENCE])):
+    spent = sum(cubes) > most
+    if not spent and (len(failures) < PATIENCE or 2 * places[-1] <= places[-PATIENCE]):
         return None
     found = diagnosis(field, last.places, octree.spacing)
-    if not (spare or spent or (found is not None and found.stays)):
+    if not spent and (found is None or not found.stays):
         return None
     return Refusal(_sentence(found, octree, last.reason))
 

@@ -22,7 +22,6 @@ from scipy.spatial import ConvexHull, cKDTree
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
-from pas.mesh.graph import icosphere
 from pas.mesh.projection import distances, newton, second_derivatives
 from pas.mesh.refusals import Refusal
 from pas.mesh.rows import Floats, Integers, cross, norms
@@ -38,8 +37,8 @@ SHARP = 1e-3
 AROUND, REACH = 3.0, 4.0
 """Over a triangle's size: how far away its neighbours' faces count, and how far a node may be."""
 
-LEVEL = 3
-"""Of the sphere on which a node's surroundings are looked at: 642 points."""
+AROUND_NODE = 642
+"""Points of the sphere on which a node's surroundings are looked at."""
 
 LINKS = (1e-2, 1e-3)
 """Radii of such spheres over a lattice's spacing; a cone looks the same on all of them."""
@@ -161,9 +160,9 @@ def _solved(field: FaceField, starts: Floats, systems: list[tuple[int, ...]], re
 
 def _is_cone(field: FaceField, node: Floats, spacing: float) -> bool | Refusal:
     """Whether the boundary is one sheet at a node, as its links show; refused where it is pinched there."""
-    if all(len(inside) == len(outside) == 1 for inside, outside in _links(field, node, spacing, LEVEL)):
+    if all(len(inside) == len(outside) == 1 for inside, outside in _links(field, node, spacing, AROUND_NODE)):
         return True
-    finer = _links(field, node, spacing, LEVEL + 1)
+    finer = _links(field, node, spacing, 4 * AROUND_NODE)
     if all(max(len(inside), len(outside)) > 1 and min(*inside, *outside, PARTS) == PARTS for inside, outside in finer):
         return Refusal(
             f"the solid could not be meshed: near {place_of(field, node)} it touches itself in a point or an edge, "
@@ -172,10 +171,9 @@ def _is_cone(field: FaceField, node: Floats, spacing: float) -> bool | Refusal:
     return False
 
 
-def _links(field: FaceField, node: Floats, spacing: float, level: int) -> list[tuple[list[int], list[int]]]:
+def _links(field: FaceField, node: Floats, spacing: float, number: int) -> list[tuple[list[int], list[int]]]:
     """Of each small sphere the numbers of points in its connected parts that are inside, and of those outside."""
-    units, edges = _sphere(level)
-    number, count = len(units), len(LINKS)
+    (units, edges), count = _sphere(number), len(LINKS)
     radii = spacing * np.array(LINKS)
     inside = field.inside(field.signs((node + radii[:, None, None] * units).reshape(-1, 3)))
     every = (edges + number * np.arange(count)[:, None, None]).reshape(-1, 2)
@@ -186,9 +184,11 @@ def _links(field: FaceField, node: Floats, spacing: float, level: int) -> list[t
 
 
 @cache
-def _sphere(level: int) -> tuple[Floats, Integers]:
-    """Points on the unit sphere and which of them are next to each other."""
-    units = icosphere(level)[0]
+def _sphere(number: int) -> tuple[Floats, Integers]:
+    """So many points on the unit sphere, along a spiral with the golden angle, and which are next to each other."""
+    heights, turns = 1 - (2 * np.arange(number) + 1) / number, np.pi * (3 - 5**0.5) * np.arange(number)
+    radii = np.sqrt(1 - heights * heights)
+    units = np.stack([radii * np.cos(turns), radii * np.sin(turns), heights], axis=1)
     return units, edge_table(ConvexHull(units).simplices.astype(np.intp))[0]
 
 

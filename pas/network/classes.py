@@ -20,7 +20,7 @@ import numpy as np
 from pas.algebra.rational import Vector, cross, dot, vector
 from pas.mesh.rows import Floats, Integers
 from pas.network.graph import StrutGraph
-from pas.pipeline.similarities import linear_maps
+from pas.pipeline.session import linear_maps
 
 AUTO = 0
 """Of clips in parts of a strut's length: that the program is to find it."""

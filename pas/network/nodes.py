@@ -24,7 +24,7 @@ from pas.contacts.contact import Contact, as_contact
 from pas.contacts.endless import Cone, Pipe
 from pas.errors import PasError, ProjectFileError
 from pas.layouts.clips import with_clips
-from pas.limits import checkpoint
+from pas.limits import checkpoint, in_parts
 from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.network.problems import graph_problems
@@ -172,8 +172,8 @@ def blends(
     found: dict[tuple[Any, ...], Blend] = {}
     problems = []
     results: Iterator[Any] = iter(map_(solved, wanted.values()))
-    for done, (key, given) in enumerate(zip(wanted, results, strict=True)):
-        checkpoint("blending nodes", (done + 1) / len(wanted))
+    for key in in_parts(wanted, "blending nodes"):
+        given = next(results)
         result = given.result() if hasattr(given, "result") else given
         if isinstance(result, str):
             problems.append(_without(kinds.nodes(kinds.classes[key]), PasError(result)))

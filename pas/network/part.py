@@ -18,7 +18,7 @@ from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import cross, dot, exact, rational, vector
 from pas.certify.proofs import zeros_signs
 from pas.errors import MeshError
-from pas.limits import WorkLimits, checkpoint, limited
+from pas.limits import WorkLimits, in_parts, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality, manifold
 from pas.network.classes import Kinds
@@ -255,8 +255,7 @@ class NetworkPart(Shape):
         across = max(1, round((len(self.network.edges) / struts) ** (1 / 3)))
         cells = (self.network.places - self.network.places.min(axis=0)) * across // sides
         numbers, paths = cells @ (across**2, across, 1), []
-        for number in np.unique(numbers).tolist():
-            checkpoint("writing blocks", number / across**3)
+        for number in in_parts(np.unique(numbers).tolist(), "writing blocks"):
             path = place / "block-{}-{}-{}.stl".format(*np.unravel_index(number, (across,) * 3))
             if not path.exists():
                 points, triangles, normals, faces = pieces.mesh(numbers == number)

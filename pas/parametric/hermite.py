@@ -11,34 +11,32 @@ greatest common divisors in t only.
 
 In doubles it is evaluated without expanding it, fast and stable: T = sum_i w_i(h) S_i(t, h - s_i),
 w_i = prod_{l != i} ((h - s_l)/(s_i - s_l))^(k+1) and S_i the Taylor polynomial of degree k of P_i / w_i at s_i.  The
-factors w_i stay factored.  Where the denominators of a surface do not depend on h, S_i is a combination of
-t^a (h - s_i)^j over them, and those of all surfaces with one denominator are added before anything is evaluated
-(`Group`); the coefficients of other surfaces come from Taylor arithmetic.
+factors w_i stay factored.  The coefficients of S_i are exact functions of t where the denominators of a surface do not
+depend on h; those of other surfaces come from Taylor arithmetic.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, reduce
 from itertools import combinations
 from math import factorial, prod
-from operator import mul
+from operator import add, mul
 from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
 
 from pas.algebra.expressions import Names
-from pas.algebra.horner import as_arrays, dense, horner, product
+from pas.algebra.horner import Bundle, as_arrays
 from pas.algebra.inputs import check_order, short, shown
 from pas.algebra.jets import Jet, along, constant, nilpotency, power, variables
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, plain, rational, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RING, RationalFunction
 from pas.limits import checkpoint
-from pas.parametric.series import Components, in_one, padded, taylor, univariate
+from pas.parametric.series import Components, padded, taylor, univariate
 from pas.parametric.surface import ParametricSurface
 
 
@@ -179,131 +177,68 @@ class HermiteValues:
     order: int
 
     def __call__(self, t: Any, h: Any) -> tuple[Any, ...]:
-        groups, series = self._parts
         if isinstance(t, Jet) or isinstance(h, Jet):
             like = t if isinstance(t, Jet) else h
             t, h = (x if isinstance(x, Jet) else constant(x, like) for x in (t, h))
         else:
             t, h = as_arrays(t, h)
-        nodes = [to_float(s) for s in self.values]
+        steps = [h - to_float(value) for value in self.values]
         total: list[Any] = [0.0, 0.0, 0.0]
         with np.errstate(all="ignore"):
-            functions = _functions_of_h(h, nodes, self.order)
-            stacked = functions if isinstance(functions, np.ndarray) else np.stack([f.coefficients for f in functions])
-            for group in groups:
-                for axis, value in zip(group.axes, group.values(t, stacked), strict=True):
-                    total[axis] = value if isinstance(total[axis], float) else total[axis] + value
-            for number, part in series:
-                outer, step = functions[number * (self.order + 1)], h - nodes[number]
-                for axis, coefficients in enumerate(part(t)):
-                    total[axis] = total[axis] + reduce(lambda inner, c: inner * step + c, coefficients[::-1]) * outer
+            for number, (step, series) in enumerate(zip(steps, self._series, strict=True)):
+                outer = self._outer(steps, number)
+                for axis, coefficients in enumerate(series(t)):
+                    inner = coefficients[-1]
+                    for coefficient in coefficients[-2::-1]:
+                        inner = inner * step + coefficient
+                    total[axis] = total[axis] + inner * outer
         return tuple(total)
 
+    def _outer(self, steps: Sequence[Any], number: int) -> Any:
+        """w_i(h) from all h - s_l."""
+        widths = [to_float(self.values[number] - other) for other in _others(self.values, number)]
+        factors = (step for place, step in enumerate(steps) if place != number)
+        return power(reduce(mul, factors) * (1.0 / prod(widths)), self.order + 1)
+
     @cached_property
-    def _parts(self) -> tuple[list[Group], list[tuple[int, _NumericSeries]]]:
-        """What can be added over denominators in t alone, and the other surfaces by their numbers."""
-        values, order = self.values, self.order
-        columns: dict[str, tuple[fmpq_poly, dict[tuple[int, int], list[fmpq_poly]]]] = {}
-        series: list[tuple[int, _NumericSeries]] = []
-        for i, (surface, value) in enumerate(zip(self.surfaces, values, strict=True)):
-            inverse = inverse_series(values, i, order)
-            if not surface.is_exact or any(c.denominator.degrees()[1] for c in surface.components):
-                series.append((i, _NumericSeries(surface, to_float(value), [to_float(v) for v in inverse])))
-                continue
-            for axis, component in enumerate(surface.components):
-                below, lead = in_one(component.denominator, 0), component.denominator.leading_coefficient()
-                _, found = columns.setdefault(str(below / lead), (below / lead, {}))
-                found[axis, i * (order + 1)] = [p / lead for p in _mixed(component, value, inverse)]
-        number = len(values) * (order + 1)
-        return [Group.of(below, found, number) for below, found in columns.values()], series
+    def _series(self) -> list[Callable[[Any], list[list[Any]]]]:
+        """For each surface the coefficients j = 0..k of (h - s_i)^j in P_i / w_i, of each coordinate, at t."""
+        inverses = [inverse_series(self.values, i, self.order) for i in range(len(self.values))]
+        return [_series_of(*each) for each in zip(self.surfaces, self.values, inverses, strict=True)]
 
 
-@dataclass(frozen=True)
-class Group:
-    """Components (numbers `axes`) over one denominator (coefficients in t, None for 1).
+def _series_of(surface: ParametricSurface, value: fmpq, inverse: list[fmpq]) -> Callable[[Any], list[list[Any]]]:
+    """Exact ones where denominators depend on t alone, else by derivatives in h; `inverse` are those of 1 / w_i."""
+    size = len(inverse)
+    if surface.is_exact and not any(c.denominator.degrees()[1] for c in surface.components):
+        rows = [taylor(c.numerator, value, size - 1) for c in surface.components]
+        below = [c.denominator for c in surface.components]
+        mixed = [(univariate(p, 0), d) for row, d in zip(rows, below, strict=True) for p in _times(row, inverse)]
+        bundle = Bundle.of_pairs(mixed)
 
-    `matrix[a, c, m]` is the coefficient of t^a times function m of h in component `axes[c]`.
-    """
+        def exact(t: Any) -> list[list[Any]]:
+            found = bundle.quotients(t, 0.0)
+            return [list(found[start : start + size]) for start in range(0, 3 * size, size)]
 
-    axes: tuple[int, ...]
-    matrix: Floats
-    below: Floats | None
+        return exact
+    shares = [to_float(v) for v in inverse]
 
-    @classmethod
-    def of(cls, below: fmpq_poly, columns: dict[tuple[int, int], list[fmpq_poly]], number: int) -> Group:
-        """The sums of columns[axis, first][j](t) / below(t) times function first + j of the `number` there are."""
-        scale = max(abs(c) for c in below.coeffs())
-        axes = tuple(sorted({axis for axis, _ in columns}))
-        length = max(p.length() for polynomials in columns.values() for p in polynomials)
-        matrix = np.zeros((max(length, 1), len(axes), number))
-        for (axis, first), polynomials in columns.items():
-            table = dense(polynomials, scale)
-            matrix[: len(table), axes.index(axis), first : first + len(polynomials)] = table
-        return cls(axes, matrix, None if below.degree() == 0 else dense([below], scale)[:, 0])
+    def numeric(t: Any) -> list[list[Any]]:
+        base = t.value if isinstance(t, Jet) else t
+        parts = surface.values(*variables(base, to_float(value), (nilpotency(t), size - 1)))
+        return [_times(_rows(part, t, size), shares) for part in parts]
 
-    def values(self, t: Any, functions: Floats) -> list[Any]:
-        """Values of the components `axes`; `functions` are stacked (of jets, the coefficients)."""
-        rows = product(self.matrix, functions)
-        inverse = None if self.below is None else 1.0 / horner(self.below, t)
-        if isinstance(t, Jet):
-            parts = [_along_t([Jet(row) for row in rows[:, c]], t) for c in range(len(self.axes))]
-            return parts if inverse is None else [part * inverse for part in parts]
-        whole = _along_t(rows, t)
-        if inverse is not None:
-            whole = np.multiply(whole, inverse, out=whole if whole.shape[1:] == inverse.shape else None)
-        return list(whole)
+    return numeric
 
 
-def _along_t(rows: Sequence[Any] | Floats, t: Any) -> Any:
-    """Horner's rule in t, in place once the shape is the full one."""
-    value = rows[-1]
-    for row in rows[-2::-1]:
-        if isinstance(value, np.ndarray) and value.shape[1:] == t.shape:
-            np.multiply(value, t, out=value)
-        else:
-            value = value * t
-        value += row
-    return value
+def _rows(part: Any, t: Any, size: int) -> list[Any]:
+    """The Taylor coefficients in the second parameter of a series, at an array or along a jet t."""
+    if not isinstance(part, Jet):
+        return [part + 0.0 * t, *[0.0 * t] * (size - 1)]
+    table = part.coefficients
+    return [along(t, list(table[:, j])) if isinstance(t, Jet) else table[0, j] for j in range(size)]
 
 
-def _functions_of_h(h: Any, nodes: Sequence[float], order: int) -> Any:
-    """w_i(h) (h - s_i)^j, i outer, j inner: one array, these along its first axis, or a list for a jet."""
-    steps = [h - node for node in nodes]
-    result: Any = [None] * (len(nodes) * (order + 1))
-    if not isinstance(h, Jet):
-        result = np.empty((len(result), *h.shape))
-    for i, (node, step) in enumerate(zip(nodes, steps, strict=True)):
-        others = [(s, node - other) for j, (s, other) in enumerate(zip(steps, nodes, strict=True)) if j != i]
-        first, scale = i * (order + 1), 1.0 / prod(width for _, width in others)
-        result[first] = power(reduce(mul, (s for s, _ in others)) * scale, order + 1)
-        for place in range(first + 1, first + order + 1):
-            result[place] = result[place - 1] * step
-    return result
-
-
-def _mixed(component: RationalFunction, value: fmpq, inverse: Sequence[fmpq]) -> list[fmpq_poly]:
-    """Taylor coefficients of the numerator over w_i."""
-    top = taylor(component.numerator, value, len(inverse) - 1)
-    return [sum((top[m] * inverse[j - m] for m in range(j + 1)), fmpq_poly([0])) for j in range(len(inverse))]
-
-
-@dataclass(frozen=True)
-class _NumericSeries:
-    """Taylor coefficients of P_i / w_i at s_i by derivatives in h; `inverse` are those of 1 / w_i."""
-
-    surface: ParametricSurface
-    value: float
-    inverse: list[float]
-
-    def __call__(self, t: Any) -> list[list[Any]]:
-        """The coefficients j = 0..k of (h - value)^j of each coordinate at t, arrays or jets."""
-        base, order = (t.value if isinstance(t, Jet) else t), len(self.inverse) - 1
-        parts = self.surface.values(*variables(base, self.value, (nilpotency(t), order)))
-        return [self._mixed(part, t, order) for part in parts]
-
-    def _mixed(self, part: Any, t: Any, order: int) -> list[Any]:
-        if not isinstance(part, Jet):
-            return [part * v + 0.0 * t for v in self.inverse]
-        table = part.coefficients
-        rows = [along(t, list(table[:, j])) if isinstance(t, Jet) else table[0, j] for j in range(order + 1)]
-        return [sum(rows[m] * self.inverse[j - m] for m in range(j + 1)) for j in range(order + 1)]
+def _times(first: Sequence[Any], second: Sequence[Any]) -> list[Any]:
+    """The coefficients of a product of series."""
+    return [reduce(add, (first[m] * second[j - m] for m in range(j + 1))) for j in range(len(second))]

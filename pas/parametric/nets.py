@@ -27,7 +27,7 @@ from pas.algebra.rational_function import GENERATORS, ONE, RING, lcm
 from pas.bernstein.boxes import box_form
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells
-from pas.bernstein.subdivision import halved, halves
+from pas.bernstein.simplices import halved, halves
 from pas.errors import GeometryError
 from pas.mesh.rows import Integers
 from pas.parametric.maps import Domain, DomainLike, Interval, ParametricMap

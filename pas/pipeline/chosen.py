@@ -7,30 +7,32 @@ stands above, in `pas.Blend`, and a search is told of which class the blends are
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache, cached_property, partial
+from itertools import chain
+from math import floor, log10
 from typing import Self, TypeVar, Unpack
 
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.inputs import shown
-from pas.algebra.rational import rational, to_fraction
+from pas.algebra.inputs import shown, whole
+from pas.algebra.rational import binary_exponent, rational, to_fraction
 from pas.blending.solving import solve
 from pas.blending.space import Member, Space
 from pas.certify.certificate import Certificate
 from pas.errors import GeometryError, NotProvedError
 from pas.fairing.basis import BasisChange
+from pas.fairing.contradictions import check_kept
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.solver import FitSolver, FittedMember
-from pas.fairing.wishes import Wishes
-from pas.limits import WorkLimits, checkpoint, limited, note, stage_line
+from pas.fairing.wishes import MeanAlpha, UnitCoefficients, Wishes
+from pas.limits import WorkLimits, checkpoint, limited, note, part, stage_line
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.simplify import simplified
 from pas.settings import MeshSettings
 from pas.shape import Shape
 from pas.surface.fairness import Fairness
@@ -53,12 +55,17 @@ class Stages:
             raise TypeError(f"on_stage must be a function of a stage's name and seconds, not {shown(self.listener)}")
 
     @contextmanager
-    def stage(self, name: str, detail: str = "") -> Iterator[None]:
-        """Count the time of a block as stage `name`."""
+    def stage(self, name: str, share: float, detail: str = "") -> Iterator[None]:
+        """Count the time of a block as stage `name`, and as a part of the work: a share of what is left.
+
+        The shares are those of the seconds of corners and nodes, every other one of which is fair at the first degree
+        that is proved.
+        """
         checkpoint(f"{name}{detail}")
         start = time.perf_counter()
         try:
-            yield
+            with part(share):
+                yield
         finally:
             spent = time.perf_counter() - start
             self.seconds[name] = self.seconds.get(name, 0.0) + spent
@@ -263,7 +270,7 @@ def choose(blends: type[B], space: Space, wishes: Wishes, stages: Stages) -> B:
     if wishes.basis is not None:
         space = space.restricted(wishes.basis)
     stage = "fit and prove" if wishes.prove else "fit"  # a member that is not proved is moved further in
-    with stages.stage(stage, f" (degree {space.degree}, dimension {space.dimension})"):
+    with stages.stage(stage, 0.5, f" (degree {space.degree}, dimension {space.dimension})"):
         fitted = FitSolver(space.prepared, wishes).fitted()
     certificate = fitted.surface.certificate if wishes.prove else None
     outcome = "fitted" if certificate is None else "proved"
@@ -278,3 +285,45 @@ def choose(blends: type[B], space: Space, wishes: Wishes, stages: Stages) -> B:
 def _entries(row: fmpq_mat, change: BasisChange) -> list[fmpq]:
     """The entries of a changed row, as a function that can be called later."""
     return list((row * change.matrix).entries())
+
+
+def simplified(surface: PiecewiseSurface, space: Space, wishes: Wishes, denominator: int) -> PiecewiseSurface:
+    """The member with coefficients of that denominator which is nearest to one; see `pas.Blend.simplified`."""
+    digits = 9  # of the largest denominator: a choice in doubles has no more that mean anything
+    whole(denominator, "denominator", 1, 10**digits)
+    if wishes.handles or wishes.coefficients or not isinstance(wishes.normalize, MeanAlpha | UnitCoefficients):
+        raise ValueError("what handles, coefficients or a normalisation fix at a number is lost in shorter numbers")
+    space = (space.through(wishes.through) if wishes.through else space).reduced()
+    exact = [rational(c) for c in space.coordinates(surface.polynomials)]
+    largest = _power_of_ten(c for patch in surface.patches for c in patch.raw.coeffs())
+    rows = zip(*(patch.tolist() for patch in space.patches), strict=True)
+    units = [fmpq(10) ** (largest - _power_of_ten(chain(*row))) for row in rows]
+
+    def member(denominator: int) -> PiecewiseSurface:
+        checkpoint(f"proving with the denominator {denominator}")
+        steps = [unit / denominator for unit in units]
+        return space.member([(c / s + fmpq(1, 2)).floor() * s for c, s in zip(exact, steps, strict=True)])
+
+    found = member(denominator)
+    lost = _lost(surface, found, wishes)
+    if lost:
+        larger = (10**more for more in range(len(str(denominator)), digits + 1))
+        enough = next((d for d in larger if not _lost(surface, member(d), wishes)), None)
+        hint = f"{enough} is enough" if enough else f"nor is one up to {10**digits} enough"
+        raise NotProvedError(f"coefficients of the denominator {denominator} are too short: {lost}; {hint}", found)
+    return found
+
+
+def _lost(surface: PiecewiseSurface, found: PiecewiseSurface, wishes: Wishes) -> str:
+    """What holds of a surface and not of one that was found, as the end of a sentence; empty where all does."""
+    try:
+        check_kept(wishes, found)
+    except ValueError as error:
+        return str(error)
+    proved = {verdict.claim for verdict in surface.certificate.verdicts if verdict.proved}
+    return next((str(v) for v in found.certificate.verdicts if v.claim in proved and not v.proved), "")
+
+
+def _power_of_ten(numbers: Iterable[fmpq]) -> int:
+    """The exponent of a power of ten near the largest of some numbers, which are not all zero."""
+    return floor(binary_exponent(max(map(abs, numbers))) * log10(2))

@@ -14,8 +14,7 @@ from pas.errors import InfeasibleError, NotProvedError, NotSolvedError, optional
 from pas.fairing.constraints import Inequalities
 from pas.fairing.contradictions import check_wishes
 from pas.fairing.energy import as_energy
-from pas.fairing.fit_settings import SETTINGS
-from pas.fairing.prepared import SLIM, SampledConditions
+from pas.fairing.prepared import SETTINGS, SLIM, SampledConditions
 from pas.fairing.solver import FitSolver, Iterate
 from pas.fairing.wishes import PointsLike, UnitCoefficients, Wishes, exact_points
 from pas.limits import checkpoint

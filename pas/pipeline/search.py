@@ -23,11 +23,11 @@ from pas.blending.space import Space
 from pas.contacts.contact import ContactLike
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.contradictions import check_wishes
-from pas.fairing.fit_settings import SETTINGS
+from pas.fairing.prepared import SETTINGS
 from pas.fairing.wishes import Wishes
 from pas.layouts.planes import has_whole_planes
+from pas.partition.boxes import SixTetrahedra
 from pas.partition.cells import Partition
-from pas.partition.six_tetrahedra import SixTetrahedra
 from pas.pipeline.chosen import Attempt, B, ChosenBlend, Stages, choose
 from pas.pipeline.session import key_of, open_session
 from pas.surface.placed import PlacedContacts
@@ -145,7 +145,7 @@ class Search(Generic[B]):
 
     def _space(self, placed: PlacedContacts, degree: int, settings: SearchSettings) -> Space | None:
         """The solution space, where it has regular members and unknowns enough; else that is noted."""
-        with self.stages.stage("solve", f" (degree {degree})"):
+        with self.stages.stage("solve", 0.01, f" (degree {degree})"):
             space = solve(placed, degree)
             small = 0 < space.dimension < settings.fewest
             if not small and is_regular(space):
@@ -168,7 +168,7 @@ class Search(Generic[B]):
             return None
         outcome = found.attempts[-1].outcome
         if self.raised:
-            with self.stages.stage("measure", f" (degree {space.degree})"):
+            with self.stages.stage("measure", 0.4, f" (degree {space.degree})"):
                 narrow = 0 < excess(found) < settings.narrow and space.dimension >= settings.few
             found = self._pressed(space, found, settings.further) if narrow else found
             beyond = found.surface.fairness().beyond(found.limits)
@@ -211,11 +211,11 @@ def find(
     key = key_of(wished, order, wanted, partition) if isinstance(partition, str | None) else None
     session = None if key is None else open_session()
     if session is not None:
-        with stages.stage("repeated"):
+        with stages.stage("repeated", 0.9):
             known = session.find(problem.contacts, key)
         if known is not None:
             return known.blend(blends, stages.seconds)
-    with stages.stage("partition"):
+    with stages.stage("partition", 0.03):
         candidates = problem.places()
         placed = next(candidates)
         check_wishes(wished, placed)

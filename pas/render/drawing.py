@@ -1,4 +1,4 @@
-"""Pictures in files: of shapes of every kind, with the surfaces that blends continue; and moving ones.
+"""Pictures in files, moving ones, in a window, and in notebooks; of blends with the surfaces that they continue.
 
     import pas
 
@@ -11,19 +11,25 @@ A turntable is `blend.draw("turntable.gif")`.
 
 from __future__ import annotations
 
+import base64
+import os
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
+from html import escape
 from math import cos, inf, radians, sin
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, TypeVar, Unpack
 
 import numpy as np
 
 from pas.algebra.monomials import Floats
+from pas.errors import MissingLibraryError, PasError, optional
 from pas.exchange.files import check_folder, replacing, source, target
 from pas.exchange.picture_options import Picture, PictureOptions
-from pas.limits import Report, checkpoint, limited
+from pas.limits import Report, checkpoint, in_parts, limited
 from pas.mesh.mesh import Mesh
 from pas.render.picture import in_place, plotted, view_of
 from pas.render.plotting import offscreen_pyvista
@@ -182,8 +188,7 @@ def _frames(scenes: list[Scene], picture: Picture, turn: float) -> list[Any]:
         heights = (places[:, 2].min(), places[:, 2].max())
         around = np.concatenate([np.stack([*for_all, 0 * angles + z], axis=1) + middle for z in heights]) @ frame
     pyvista, frames = offscreen_pyvista(), []
-    for number, scene in enumerate(scenes):
-        checkpoint("drawing", number / len(scenes))
+    for number, scene in enumerate(in_parts(scenes, "drawing")):
         scene.frame = frame
         seen = replace(picture, view=tuple(_turned(np.array(view, dtype=float), turn * number / len(scenes))))
         with closing(plotted(pyvista, scene, seen, off_screen=True, around=around)) as plotter:
@@ -195,3 +200,48 @@ def _turned(view: Floats, degrees: float) -> Floats:
     """A direction (3,) turned about the last axis."""
     c, s = cos(radians(degrees)), sin(radians(degrees))
     return np.array([c * view[0] - s * view[1], s * view[0] + c * view[1], view[2]])
+
+
+def show(
+    shape: Shape | Sequence[Shape],
+    *,
+    mesh: Mesh | Mapping[str, Mesh] | None = None,
+    **options: Unpack[PictureOptions],
+) -> None:
+    """Show a shape, or a list of them, in a window, to be turned with the mouse; returns when it is closed.
+
+    `mesh` and `options` are those of `pas.draw`.  Raises `MissingLibraryError` where there is no screen.
+    """
+    picture = Picture.of(options)
+    show_scene(scene_of(shape, picture, mesh), picture)
+
+
+def show_scene(scene: Scene, picture: Picture) -> None:
+    """Show a scene in a window; raises `MissingLibraryError` where there is no screen."""
+    if sys.platform not in ("win32", "darwin") and not any(
+        os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")
+    ):
+        raise MissingLibraryError(
+            "a window needs a screen, and there is none here (DISPLAY is not set); draw a picture with pas.draw"
+        )
+    pyvista = optional("pyvista")
+    hidden = os.environ.pop("VTK_DEFAULT_OPENGL_WINDOW", None)  # that of pictures drawn before, without a screen
+    try:
+        plotted(pyvista, scene, picture, off_screen=False).show()
+    finally:
+        if hidden is not None:
+            os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = hidden
+
+
+def html(shape: Shape) -> str:
+    """What it is, the table of the verdicts and a picture; where there can be no picture, why not."""
+    return f"<pre>{escape(shape.description)}</pre>{shape.certificate._repr_html_()}{_embedded(shape)}"
+
+
+def _embedded(shape: Shape) -> str:
+    with TemporaryDirectory() as folder:
+        try:
+            content = draw(shape, Path(folder) / "picture.png", size=(480, 360)).read_bytes()
+        except (PasError, ValueError) as error:
+            return f"<p>no picture: {escape(str(error))}</p>"
+    return f'<img src="data:image/png;base64,{base64.b64encode(content).decode("ascii")}" alt="{escape(repr(shape))}">'

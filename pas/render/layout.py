@@ -19,10 +19,9 @@ from pas.layouts.sphere import piece_mesh
 from pas.mesh.mesh import Mesh
 from pas.parametric.generatrix.form import connectivity
 from pas.partition.layout import Layout
-from pas.render.drawing import draw_scene
+from pas.render.drawing import draw_scene, show_scene
 from pas.render.piecewise import VIEW
 from pas.render.scene import CURVE_COLOR, TINTS, Layer, Scene
-from pas.render.window import show_scene
 
 
 def layers(layout: Layout, scene: Scene) -> None:

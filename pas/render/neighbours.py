@@ -22,27 +22,39 @@ ROWS = 40
 """Of points in a strip beside a curve: enough for stripes to be straight."""
 
 
-def collar(boundary: Boundary, sign: int, reach: float, number: int) -> Mesh | None:
-    """The strip beside a curve at `number` points, `reach` wide; None where the surface is not known.
+def collar(boundary: Boundary, sign: int, reach: float, normals: Floats) -> Mesh | None:
+    """The strip beside a curve, `reach` wide, at as many points as `normals` (n, 3), with which its own agree there.
 
-    `sign` times N x C' (or V) points to the blend.
+    `sign` times N x C' (or V) points to the blend.  None where the surface is not known.
     """
-    s = np.linspace(0.0, 1.0, number, endpoint=not boundary.closed)
-    away, start = -sign * unit(boundary.across(s)), boundary(s)
-    step = reach / ROWS
-    rows: list[Floats] | None = None
+    s = np.linspace(0.0, 1.0, len(normals), endpoint=not boundary.closed)
+    away, found = -sign * unit(boundary.across(s)), None
     if isinstance(boundary.surface, Polynomial):
-        rows = strip(boundary.surface, start, away, step)
+        rows = strip(boundary.surface, boundary(s), away, reach / ROWS)
+        found = None if len(rows) < 2 else _mesh(rows, boundary.closed)
     elif boundary.surface is not None and boundary.parameters is not None:
-        places = boundary.parameters(boundary.own(s))
-        rows = _parametric(boundary.surface, np.broadcast_to(places, (number, 2)), away, step)
-    return None if rows is None or len(rows) < 2 else _mesh(rows, boundary.closed)
+        places = np.broadcast_to(boundary.parameters(boundary.own(s)), (len(s), 2))
+        found = collar_on(boundary.surface, places, away, reach, boundary.closed)
+    opposed = found is not None and (found.point_normals.reshape(len(s), -1, 3)[:, 0] * normals).sum() < 0
+    return found.flipped if found is not None and opposed else found
+
+
+def collar_on(
+    surface: ParametricSurface, places: Floats, away: Floats, reach: float, closed: bool = False
+) -> Mesh | None:
+    """The strip, `reach` wide, from parameters (n, 2) along unit vectors (n, 3); None where there is none."""
+    rows = _parametric(surface, places, away, reach / ROWS)
+    return None if len(rows) < 2 else _mesh(rows, closed)
 
 
 def _mesh(rows: list[Floats], closed: bool) -> Mesh:
-    """The mesh of rows of points and normals (2, n, 3), which are open or closed."""
+    """The mesh of rows of points and normals (2, n, 3), open or closed, its triangles facing the way of the normals."""
     points, normals = (np.stack(parts, axis=1).reshape(-1, 3) for parts in zip(*rows, strict=True))
-    return Mesh.smooth(points, connectivity((rows[0].shape[1], len(rows)), closed, False), normals)
+    triangles = connectivity((rows[0].shape[1], len(rows)), closed, False).copy()
+    p = points[triangles]
+    turned = (np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) * normals[triangles[:, 0]]).sum(axis=1) < 0
+    triangles[turned] = triangles[turned][:, [0, 2, 1]]
+    return Mesh.smooth(points, triangles, normals)
 
 
 def strip(f: Polynomial, start: Floats, away: Floats, step: float) -> list[Floats]:
@@ -119,7 +131,7 @@ def neighbours(surface: PiecewiseSurface, mesh: Mesh, length: float) -> list[Mes
             start = mesh.points[chain[:-1] if closed else chain]
             rows = strip(f, start, _within(contact.clip.gradient(start), unit(f.gradient(start))), length / ROWS)
             if len(rows) > 1:
-                result.append(_outwards(_mesh(rows, bool(closed))))
+                result.append(_mesh(rows, bool(closed)))
     return result
 
 
@@ -137,12 +149,3 @@ def _distance(polynomial: Polynomial, points: Floats) -> Floats:
     """First-order distances of points (N, 3) from the zero set of a polynomial."""
     slope = np.linalg.norm(polynomial.gradient(points), axis=1)
     return np.abs(polynomial(points)) / np.maximum(slope, 1e-300)
-
-
-def _outwards(mesh: Mesh) -> Mesh:
-    """A smooth mesh with all triangles facing the way their vertices' normals point."""
-    points, triangles, normals = mesh.points, mesh.triangles.copy(), mesh.point_normals
-    p = points[triangles]
-    turned = (np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) * normals[triangles[:, 0]]).sum(axis=1) < 0
-    triangles[turned] = triangles[turned][:, [0, 2, 1]]
-    return Mesh.smooth(points, triangles, normals)

@@ -1,4 +1,4 @@
-"""Parametric surfaces and blends for pictures: their meshes, and combs along lines of constant parameters."""
+"""Parametric surfaces, their blends and blends by a generatrix for pictures: meshes, surfaces beyond, and combs."""
 
 from __future__ import annotations
 
@@ -9,15 +9,21 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
-from pas.errors import LimitError, PasError
 from pas.mesh.mesh import Mesh
 from pas.parametric.blends import ParametricBlend
+from pas.parametric.generatrix.blend import GeneratrixBlend
+from pas.parametric.generatrix.sphere import SphereBlend
 from pas.parametric.maps import Domain
 from pas.parametric.nets import extent, finite_domain
 from pas.parametric.surface import Forms, ParametricSurface
+from pas.render.neighbours import collar, collar_on
 from pas.render.scene import BLEND_COLOR, BLEND_TINT, COLORS, TINTS, Comb, Layer, Scene
+
+ALONG = 320
+"""Points of a blend's boundaries, and of the surfaces beyond."""
 
 Line = tuple[Floats, Floats]
 """The parameters of a curve's first and last point, (2,) each."""
@@ -80,15 +86,27 @@ def blend_layers(blend: ParametricBlend, scene: Scene) -> None:
     if scene.picture.combs:
         curves = blend_curves(rectangle, [to_float(value) for value in blend.data.values])
         layer = replace(layer, combs=combs_on(blend.surface, curves, layer.mesh))
-    size = float(np.ptp(layer.mesh.points, axis=0).max())
     scene.layers.append(layer)
-    for number in range(len(blend.data.surfaces)):
-        found = _neighbour(blend, number, rectangle, size * scene.coloring.tolerance, size)
-        if found is not None:
-            between = rectangle[1][0] < to_float(blend.data.values[number]) < rectangle[1][1]
-            place = number % len(COLORS)
-            opacity = 0.35 if between else 1.0  # the blend touches those in between and leaves again
-            scene.layers.append(Layer(found, COLORS[place], TINTS[place], opacity=opacity, aside=True))
+    reach, t = _reach(layer.mesh) / 2, np.linspace(*rectangle[0], ALONG)
+    low, high = rectangle[1]
+    for number, (surface, exact) in enumerate(zip(blend.data.surfaces, blend.data.values, strict=True)):
+        value = to_float(exact)
+        opacity = 0.35 if low < value < high else 1.0  # the blend touches those in between and leaves again
+        for way in [way for way, end in ((-1, high), (1, low)) if low <= value <= high and value != end]:
+            places = np.column_stack([t, np.full(ALONG, value)])
+            strip = collar_on(surface, places, way * unit(surface.derivative(places, 0, 1)), reach)
+            scene.layers += _beside(strip, number, opacity)
+
+
+def _reach(mesh: Mesh) -> float:
+    """How far surfaces beyond a blend are shown."""
+    return 0.3 * float(np.ptp(mesh.points, axis=0).max())
+
+
+def _beside(strip: Mesh | None, number: int, opacity: float = 1.0) -> list[Layer]:
+    """The layer of a strip of surface number so and so, where there is one."""
+    colors = COLORS[number % len(COLORS)], TINTS[number % len(TINTS)]
+    return [] if strip is None else [Layer(strip, *colors, opacity=opacity, aside=True)]
 
 
 def _layer(surface: ParametricSurface, scene: Scene, domain: Any, color: str, tint: str) -> Layer:
@@ -107,29 +125,54 @@ def principal_on(mesh: Mesh, surface: ParametricSurface) -> Floats:
     return Forms.at(surface, mesh.parameters).principal_for(mesh.point_normals)
 
 
-def _neighbour(blend: ParametricBlend, number: int, rectangle: Domain, tolerance: float, size: float) -> Mesh | None:
-    """The part of a surface beside its curve, as far as it has no poles and is not larger than the blend.
+def _size(scene: Scene) -> tuple[int, int]:
+    """Of a blend's mesh: coarser for curvatures, which are smooth but slow."""
+    return (160, 60) if scene.coloring.curved else (ALONG, 120)
 
-    None where there is no such part, or the curve is not within the rectangle.
+
+def layers(blend: GeneratrixBlend, scene: Scene) -> None:
+    """Add a blend and its surfaces beyond the boundaries, where they are known.
+
+    Normals of neighbouring layers agree along the boundaries, so that stripes run on across a contact of order one.
     """
-    surface, value = blend.data.surfaces[number], to_float(blend.data.values[number])
-    low, high = rectangle[1]
-    if not low <= value <= high:
-        return None
-    reach = 0.4 * (high - low)
-    for _ in range(6):
-        first = value if value == high else value - reach / (1 if value == low else 2)
-        last = value if value == low else value + reach / (1 if value == high else 2)
-        inner = max(first, surface.domain[1][0]), min(last, surface.domain[1][1])
-        reach /= 2
-        if not inner[0] < inner[1]:
-            return None
-        try:
-            mesh = surface.mesh(tolerance, (rectangle[0], inner))
-        except LimitError:
-            raise
-        except PasError:
-            continue
-        if float(np.ptp(mesh.points, axis=0).max()) <= 1.5 * size:
-            return mesh
-    return None
+    size, tolerance = _size(scene), scene.picture.tolerance
+    mesh = scene.mesh(lambda: blend.mesh(tolerance) if tolerance else blend.mesh(size=size))
+    combs = _combs(blend, mesh) if scene.picture.combs else ()
+    principal = lambda: principal_on(mesh, blend.surface)  # noqa: E731
+    scene.layers.append(Layer(mesh, BLEND_COLOR, BLEND_TINT, principal, combs=combs, outlined=True))
+    ends = blend.mesh(size=(ALONG, 2)).point_normals.reshape(ALONG, 2, 3)
+    for number, (boundary, sign) in enumerate(zip(blend.boundaries, blend.frames.signs, strict=True)):
+        scene.layers += _beside(collar(boundary, sign, _reach(mesh), ends[:, number]), number)
+
+
+def sphere_layers(blend: SphereBlend, scene: Scene) -> None:
+    """Add blends through a sphere, and the surfaces that they come from."""
+    size = _size(scene)
+    mesh = scene.mesh(lambda: blend.mesh(size=size))
+    combs = tuple(comb for part in blend.blends for comb in _combs(part, mesh)) if scene.picture.combs else ()
+    principal = lambda: _sphere_curvatures(blend, mesh, size)  # noqa: E731
+    scene.layers.append(Layer(mesh, BLEND_COLOR, BLEND_TINT, principal, combs=combs, outlined=True))
+    for number, part in enumerate(blend.blends):
+        ends = part.mesh(size=(ALONG, 2)).point_normals.reshape(ALONG, 2, 3)
+        rim = part.control_points(part.frames.parameters(ALONG))[:, -1]
+        outward = np.sign(((rim - np.array(blend.center)) * ends[:, 1]).sum())
+        strip = collar(part.boundaries[0], part.frames.signs[0], _reach(mesh), outward * ends[:, 0])
+        scene.layers += _beside(strip, number)
+
+
+def _sphere_curvatures(blend: SphereBlend, mesh: Mesh, size: tuple[int, int]) -> Floats:
+    """Principal curvatures (N, 2) at the points of a mesh: grids of the blends one after the other, then the sphere."""
+    result, start = np.full((len(mesh.points), 2), 1 / blend.radius), 0
+    for part in blend.blends:
+        grid, here = part.mesh(size=size), slice(start, start + size[0] * size[1])
+        same = grid.points.shape == mesh.points[here].shape and np.allclose(grid.points, mesh.points[here])
+        if grid.parameters is None or not same:
+            raise ValueError(UNKNOWN)
+        forms, start = Forms.at(part.surface, grid.parameters), here.stop
+        result[here] = forms.principal_for(mesh.point_normals[here])
+    return result
+
+
+def _combs(blend: GeneratrixBlend, mesh: Mesh) -> tuple[Comb, ...]:
+    """Along both boundaries and some generatrices."""
+    return combs_on(blend.surface, blend_curves(((0.0, 1.0), (0.0, 1.0)), (0.0, 1.0), blend.closed), mesh)

@@ -14,11 +14,13 @@ from pas.mesh.mesh import Mesh
 from pas.solid.assembly import Assembly, Part, assembly, intersection, union
 from pas.solid.joints import Joint
 from pas.solid.lettering import text
+from pas.solid.pipe import pipe
 from pas.solid.primitives import ball, box, cone, cylinder, half_space, implicit, torus
 from pas.solid.profile import Profile
 from pas.solid.sketch import Sketch, circle, polygon, rectangle, regular_polygon, rounded_rectangle, sketch
 from pas.solid.smooth_union import smooth_union
 from pas.solid.solid import Solid, patch
+from pas.solid.thread import thread
 from pas.solid.tube import tube
 
 SolidMesh = Mesh
@@ -42,6 +44,7 @@ __all__ = [
     "implicit",
     "intersection",
     "patch",
+    "pipe",
     "polygon",
     "rectangle",
     "regular_polygon",
@@ -49,6 +52,7 @@ __all__ = [
     "sketch",
     "smooth_union",
     "text",
+    "thread",
     "torus",
     "tube",
     "union",

@@ -16,7 +16,7 @@ from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.algebra.brief import brief, listed
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
-from pas.limits import WorkLimits, limited
+from pas.limits import WorkLimits, in_parts, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.settings import MeshSettings
@@ -109,14 +109,18 @@ class Assembly(AffineShape["Assembly"], Shape):
 
     def meshed(self, settings: MeshSettings) -> Mesh:
         """All parts as one mesh by settings."""
-        return Mesh.together({name: part.meshed(settings) for name, part in self.parts.items()})
+        return Mesh.together(
+            {name: self.parts[name].meshed(settings) for name in in_parts(self.parts, "meshing parts")}
+        )
 
     @limited("meshing an assembly", "a coarser tolerance")
     def meshes(
         self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> dict[str, Mesh]:
         """The mesh of each part."""
-        return {name: part.mesh(tolerance, quality=quality) for name, part in self.parts.items()}
+        return {
+            name: self.parts[name].mesh(tolerance, quality=quality) for name in in_parts(self.parts, "meshing parts")
+        }
 
     @limited("measuring an assembly", "a coarser tolerance")
     def part_list(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> PartList:
@@ -124,7 +128,9 @@ class Assembly(AffineShape["Assembly"], Shape):
 
         `print(assembly.part_list())` shows a table; `assembly.write("parts.csv")` writes one.
         """
-        return PartList({name: part.measures(tolerance) for name, part in self.parts.items()})
+        return PartList(
+            {name: self.parts[name].measures(tolerance) for name in in_parts(self.parts, "measuring parts")}
+        )
 
     def colored(self, **colors: str) -> Assembly:
         """The assembly with other colours, `#rrggbb`, for some parts."""

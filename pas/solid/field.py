@@ -4,29 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from itertools import combinations, permutations
+from itertools import combinations, product
 
 import numpy as np
+from flint import fmpq
 from numpy.typing import NDArray
 
 from pas.algebra.affine import quadratic_form
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
-from pas.errors import GeometryError, MeshError
-from pas.mesh.diagnostics import diagnosis
-from pas.mesh.field import FaceField, ShellWall, extent_of
+from pas.errors import GeometryError
+from pas.mesh.field import FaceField, ShellWall
+from pas.solid.bounds import ORIGIN, bounding_box
 from pas.solid.evaluator import TreeEvaluator, called
 from pas.solid.functions import followed_by
-from pas.solid.implied import needed
-from pas.solid.seams import Seams, seams_of, tangent_line
-from pas.solid.separate import apart, cavities, contacts, is_shell, pieces
-from pas.solid.tree import Function, Tree
+from pas.solid.seams import Seams, seams_of
+from pas.solid.tree import Atom, Function, Node, Tree, complement, splits_of
 
 Integers = NDArray[np.intp]
-
-ALONG = 200
-"""Points along a line on which faces touch, of which some are on a part of it that is not much shorter than the box."""
 
 
 class SolidField:
@@ -52,12 +48,12 @@ class SolidField:
         self._made_of = tree, box, tuple(seams), special_points
 
     def shells(self) -> list[SolidField]:
-        """The surfaces of the boundary that are proved to be apart, each as the boundary of a solid."""
-        tree, box, *_ = self._made_of
-        for sets in cavities(tree, box):
-            fields = self._bounded_by(*sets)
-            if is_shell(*sets) or apart(fields[0].evaluator, fields[1].evaluator, self.box):
-                return [shell for field in self._parted(fields, np.empty((0, 3))) for shell in field.shells()]
+        """The surfaces of the boundary, if they are apart: those of hollows inside, and that of what they are in."""
+        tree, box, seams, special = self._made_of
+        for part, others in splits_of(tree, union=False):
+            if _is_within(complement(part), box):
+                fields = [SolidField(some, box, seams, special) for some in (part, others)]
+                return [shell for field in fields for shell in field.shells()]
         return [self]
 
     def wall(self) -> ShellWall | None:
@@ -76,44 +72,19 @@ class SolidField:
             inner[np.repeat([c.face in follows.faces for c in solid.evaluator.columns[: len(columns)]], 2)] = 2 * number
         return ShellWall(solid, walls[0][1].thickness / self.scale, outer, inner)
 
-    def touching(self) -> list[SolidField]:
-        """The surfaces of the boundary that meet in points at most, at which both have a special point."""
-        tree, box, *_ = self._made_of
-        for sets in pieces(tree, box):
-            fields = self._bounded_by(*sets)
-            points = contacts(fields[0].evaluator, fields[1].evaluator, self.box)
-            if points is not None:
-                return [part for field in self._parted(fields, self.world(points)) for part in field.touching()]
-        return [self]
-
-    def _bounded_by(self, first: Tree, second: Tree) -> tuple[SolidField, SolidField]:
-        """The boundaries of two sets in the same local coordinates, without seams."""
-        _, box, _, special = self._made_of
-        return SolidField(first, box, (), special), SolidField(second, box, (), special)
-
-    def _parted(self, fields: Sequence[SolidField], points: Floats) -> list[SolidField]:
-        """Boundaries with this one's seams, and of its special points and others (N, 3) those that are on them."""
-        _, box, seams, special = self._made_of
-        known = np.concatenate([special, points])
-        return [SolidField(f._made_of[0], box, seams, known[f._holds(known)]) for f in fields]
-
-    def _holds(self, points: Floats) -> NDArray[np.bool_]:
-        """Which points (N, 3) in the user's coordinates are on one of the functions, up to rounding."""
-        values = np.abs(self.evaluator.values(self.evaluator.local(points)))
-        return np.asarray(values.min(axis=0, initial=np.inf) < 1e-9)
-
     def needed(self) -> SolidField:
-        """The boundary of the same solid without conditions that others imply; itself if there are none."""
+        """The boundary without conditions that others imply, as far as samples show; itself if there are none."""
         return self if self._needed is None else self._needed
 
     @cached_property
     def _needed(self) -> SolidField | None:
         tree, box, seams, special = self._made_of
-        found, around = needed(tree, box)
+        found = without_implied(tree, box)
         if found == tree:
             return None
         result = SolidField(found, box, seams, special)  # in the same local coordinates
-        result.box = result.evaluator.local(around)
+        if _is_within(found, _around(box)):
+            result.box = self.evaluator.local(bounding_box(found))
         return result
 
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
@@ -234,8 +205,7 @@ class SolidField:
         return called(self.evaluator.names_within(label // 2, label % 2 == 1, centers, halves)) or self.face(label)
 
     def refuse_coincident(self) -> None:
-        """Raise `GeometryError` where two faces lie on different functions with a common surface, and `MeshError` where
-        they touch along a line and the solid, or what it leaves out, has no thickness there."""
+        """Raise `GeometryError` where two faces lie on different functions with a common surface."""
         used = enumerate(self.evaluator.columns[: self.evaluator.used])
         faces = {i: c.function for i, c in used if c.names and isinstance(c.function, Polynomial)}
         for a, b in combinations(faces, 2):
@@ -245,50 +215,6 @@ class SolidField:
                     f"the faces {self.face(2 * a)!r} and {self.face(2 * b)!r} coincide on {common} = 0; "
                     "write one of them without that factor"
                 )
-        pinched = [np.empty((0, 3))]
-        for a, b in permutations(faces, 2):
-            flat = (faces[a].degree, faces[b].degree) == (1, 2)
-            across = tangent_line(faces[a], faces[b]) if flat else None
-            if across is not None and across.degree == 1:
-                pinched.append(self._pinched(a, b, *_on_line(faces[a], across, self.world(self.box))))
-        places = np.concatenate(pinched)
-        found = diagnosis(self, places, extent_of(self) / ALONG) if len(places) else None
-        if found is not None and found.stays:
-            raise MeshError(f"the solid could not be meshed: {found.sentence}")
-
-    def _pinched(self, plane: int, quadric: int, points: Floats, aside: Floats) -> Floats:
-        """Of points (N, 3) in which a plane touches a quadric those (K, 3) in the box at which the solid is between
-        these and on neither side of both, or on both sides and not between them; no other function vanishes there.
-
-        The points `aside` (N, 3) are on the plane but not on the quadric.
-        """
-        points, aside = self.evaluator.local(points), self.evaluator.local(aside)
-        values = np.abs(self.evaluator.values(points))
-        values[[plane, quadric]] = np.inf
-        kept = ((points > self.box[0]) & (points < self.box[1])).all(axis=1)
-        kept &= values.min(axis=0) > 1e-7  # by more than rounding: functions are scaled
-        points, aside = points[kept], aside[kept]
-        normals = [self.evaluator.jets(points, np.full(len(points), c))[:, 1:] for c in (plane, quadric)]
-        outer = ~self.evaluator.signs(aside)[quadric]  # whether the plane is outside the quadric
-        under = ((normals[0] * normals[1]).sum(axis=1) > 0) == outer  # and what is between them below the plane
-        between = self.evaluator.signs(points)
-        between[plane], between[quadric] = under, ~outer
-        beyond = [between.copy(), between.copy()]
-        for column, signs in zip((plane, quadric), beyond, strict=True):
-            signs[column] ^= True
-        inside, *others = (self.evaluator.inside(signs) for signs in (between, *beyond))
-        return points[(others[0] != inside) & (others[1] != inside)]
-
-
-def _on_line(plane: Polynomial, across: Polynomial, box: Floats) -> tuple[Floats, Floats]:
-    """Points (ALONG, 3) about a box on the line in which two planes meet, and others beside it on the first of them."""
-    rows = np.array([p.dense(1) for p in (plane, across)])
-    rows /= np.linalg.norm(rows[:, 1:], axis=1)[:, None]
-    center, size = box.mean(axis=0), float(np.linalg.norm(np.ptp(box, axis=0)))
-    foot = center - np.linalg.pinv(rows[:, 1:]) @ (rows[:, 1:] @ center + rows[:, 0])
-    along = np.cross(rows[0, 1:], rows[1, 1:])
-    points = foot + np.linspace(-1.0, 1.0, ALONG)[:, None] * size / np.linalg.norm(along) * along
-    return points, points + size * np.cross(along, rows[0, 1:])
 
 
 def _has_lines(function: Function) -> bool:
@@ -316,3 +242,43 @@ def _rise(gradients: Floats, changes: Floats) -> NDArray[np.bool_]:
         worst = (units * direction).sum(axis=2).argmin(axis=0)
         direction += units[worst, np.arange(len(worst))]
     return result
+
+
+def _is_within(tree: Tree, box: Floats) -> bool:
+    """Whether a set lies in a box (2, 3), and is not empty."""
+    evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
+    beyond = box.mean(axis=0) + np.array(list(product((-2.0, 2.0), repeat=3))) * np.ptp(box, axis=0)
+    if evaluator.inside(evaluator.signs(beyond)).any():  # as most complements are there, whose boxes take long
+        return False
+    try:
+        own = bounding_box(tree)
+    except GeometryError:
+        return False
+    return bool((own[0] >= box[0]).all() and (own[1] <= box[1]).all())
+
+
+def _around(box: Floats) -> Floats:
+    """A box (2, 3) around another one beyond which no lattice about that goes."""
+    return box + 0.4 * np.ptp(box, axis=0).max() * np.array([[-1.0], [1.0]])
+
+
+def without_implied(tree: Tree, box: Floats) -> Tree:
+    """A set, which is in a box (2, 3), without conditions of intersections that two others imply at all samples.
+
+    Where `z <= 1` follows from `x <= 1` and `z <= x^3`, three surfaces meet in one curve, though two of them bound the
+    set there, and a lattice cannot show which.  Whether what is left is the set is for the mesh to say.
+    """
+    if isinstance(tree, Atom):
+        return tree
+    kept = [without_implied(part, box) for part in tree.parts]
+    known = {p: p.function for p in kept if isinstance(p, Atom) and isinstance(p.function, Polynomial)}
+    most = 12  # conditions of one intersection, each three of which are looked at
+    if not tree.union and 3 <= len(known) <= most:
+        low, high = _around(box)
+        points = np.stack(np.meshgrid(*np.linspace(low, high, 33).T), axis=-1).reshape(-1, 3)
+        holds = {part: (function(points) <= 0) != part.outside for part, function in known.items()}
+        for atom in known:
+            others = combinations([part for part in known if part in kept and part != atom], 2)
+            if any(holds[atom][holds[h] & holds[k]].all() for h, k in others):
+                kept.remove(atom)
+    return tree if tuple(kept) == tree.parts else kept[0] if len(kept) == 1 else Node(tuple(kept), tree.union)

@@ -43,9 +43,11 @@ class Distance(ABC):
     """A function whose values change by at most 1 per unit of length, such as a distance less a radius.
 
     `follows` are the faces of a set, if any, on which it is negative: it is a distance from them, less a thickness.
+    Where it is not `smooth`, its gradient jumps as near to its zeros as they are apart, so that no spline follows them.
     """
 
     follows: Followed | None = None
+    smooth: ClassVar[bool] = True
     exponent: ClassVar[int] = 0
 
     @abstractmethod
@@ -80,6 +82,11 @@ class Moved(Distance):
     inner: Distance
     map: Affine
     factor: float
+
+    @property
+    def smooth(self) -> bool:  # type: ignore[override]
+        """That of the inner one."""
+        return self.inner.smooth
 
     @property
     def follows(self) -> Followed | None:  # type: ignore[override]

@@ -16,7 +16,7 @@ from pas.algebra.affine import numbered
 from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.rational import Exact, positive
 from pas.errors import GeometryError
-from pas.limits import WorkLimits, limited
+from pas.limits import WorkLimits, limited, part
 from pas.mesh.rows import Integers
 from pas.mesh.topology import twins_of
 from pas.registry import loaded
@@ -44,7 +44,8 @@ def smooth_union(a: Solid, b: Solid, radius: Exact, order: int = 1, **limits: Un
         raise ValueError("order must be at least 1; chamfer cuts edges off flatly")
     b = _told_apart(b, {*a.faces})
     made, sides = a | b, ({*a.faces}, {*b.faces})
-    left, corner = _crossing(made, sides)
+    with part(0.3):
+        left, corner = _crossing(made, sides)
     if not left:
         seen = {part for name in made.mesh().names for part in name.split(" + ")}
         why = ", as one is inside the other" if any(seen.isdisjoint(side) for side in sides) else ""
@@ -54,7 +55,8 @@ def smooth_union(a: Solid, b: Solid, radius: Exact, order: int = 1, **limits: Un
         node = loaded(NODE).of(made, pair, order, None) if corner else None
         if corner and (node is None or not node.is_needed):
             raise GeometryError(corner)
-        made = filled(made, pair, size, order, (), None)
+        with part(0.4 / len(left)):
+            made = filled(made, pair, size, order, (), None)
         left, corner = _crossing(made, sides)
         if pair in left:
             place = shown_point(made.mesh().points[left[pair][0]])

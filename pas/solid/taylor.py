@@ -62,19 +62,6 @@ class TaylorForms:
                 changes[own, part] = terms.transpose(1, 0, 2) / (halves if len(halves) == 1 else halves[part])
         return gradients, changes
 
-    def never_both(self, centers: Floats, halves: Floats) -> Bools:
-        """Where two polynomials certainly do not vanish together in boxes (N,): where p - m q has one sign."""
-        p, q = self.polynomials
-        result = np.zeros(len(centers), dtype=bool)
-        for part, values, powers in _Expansion((p, q), np.arange(2), max(p.degree, q.degree, 1)).about(centers, halves):
-            terms = values * powers[:, None]
-            slopes = terms[:, :, 1:4]
-            square = np.maximum((slopes[:, 1] ** 2).sum(axis=1), 1e-300)
-            share = (slopes[:, 0] * slopes[:, 1]).sum(axis=1) / square
-            both = terms[:, 0] - share[:, None] * terms[:, 1]
-            result[part] = np.abs(both[:, 0]) > np.abs(both[:, 1:]).sum(axis=1)
-        return result
-
     @cached_property
     def _expansions(self) -> list[_Expansion]:
         """The polynomials by degree: those of low degree have short expansions."""

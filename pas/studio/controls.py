@@ -16,7 +16,7 @@ from typing import Any
 from pas.algebra.inputs import HIGHEST_DEGREE
 from pas.algebra.rational import rational, to_float
 from pas.contacts.contact import CONTACTS
-from pas.studio.gallery import TEAPOT, Data
+from pas.studio import TEAPOT, Data
 
 Control = dict[str, Any]
 

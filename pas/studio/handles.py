@@ -28,8 +28,8 @@ from pas.fairing.programme import MemberProgramme
 from pas.fairing.refit import compliance
 from pas.fairing.wishes import Wishes
 from pas.pipeline.result import Blend
+from pas.studio import Data
 from pas.studio.controls import Control
-from pas.studio.gallery import Data
 
 
 def free_handle(blend: Blend, point: Floats) -> tuple[Handle, float]:

@@ -16,10 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from pas.errors import InputError, library
-from pas.studio.conversation import LONGEST_FILE, Conversation
-from pas.studio.gallery import GALLERY, Data
+from pas.studio import GALLERY, Data
+from pas.studio.conversation import LONGEST_FILE, Conversation, RefusedError, StoppedError, Worker
 from pas.studio.messages import Message, refusal
-from pas.studio.workers import RefusedError, StoppedError, Worker
 
 PAGE = Path(__file__).parent / "page"
 

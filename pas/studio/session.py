@@ -22,16 +22,14 @@ import numpy as np
 
 from pas.errors import InfeasibleError, InputError, MeshError, NoSolutionError, NotProvedError
 from pas.exchange.formats import FORMATS, suffixes_for
-from pas.exchange.problem import read_problem
-from pas.exchange.tables import read_toml
+from pas.exchange.problem import read_problem, read_toml
 from pas.kinds.files import load
 from pas.limits import limit
 from pas.piecewise import PiecewiseSurface, SurfaceMesh
 from pas.pipeline.result import Blend
 from pas.shape import KINDS, Shape
-from pas.studio import documents
+from pas.studio import Data, documents
 from pas.studio.controls import LENGTHS, SHAPE, controls
-from pas.studio.gallery import Data
 from pas.studio.handles import (
     at_degree,
     coefficients_of,

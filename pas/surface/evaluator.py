@@ -1,6 +1,6 @@
 """Values and derivatives of a piecewise polynomial at many points, and where rays cross its zeros.
 
-Points are located by signs at planes (see `pas.partition.location`) and evaluated by Horner's rule in the local
+Points are located by signs at planes (see `pas.partition.complex`) and evaluated by Horner's rule in the local
 coordinates of the region (see `pas.algebra.evaluation`), in blocks that stay in the caches; rays by Bernstein bounds
 on the polynomial along each (see `pas.surface.crossings`).  Where a partition has a centre or no cells,
 values are the same bits on every machine.

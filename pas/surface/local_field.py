@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_fraction
-from pas.mesh.field import RimCurve
 from pas.mesh.rows import Integers, cross, dots, norms
-from pas.mesh.triangulate import Beginnings
 from pas.partition.complex import OuterFace
+from pas.surface.boundary_loops import BoundaryLoop
 from pas.surface.function import PiecewisePolynomial
 
 CLOSE = 1e-11
@@ -35,7 +34,7 @@ where its ray leaves."""
 class LocalSurface(ABC):
     """A piecewise surface at points (N, 3) in its local coordinates, scaled."""
 
-    rims: Sequence[RimCurve]
+    rims: Sequence[BoundaryLoop | WallCurve]
     """The curves on which it ends."""
 
     def __init__(self, surface: PiecewisePolynomial) -> None:
@@ -175,11 +174,6 @@ class LocalField(LocalSurface):
     def forms(self) -> Floats:
         """The B-coefficients (C, m) of the function on the cells, each cell's scaled by a positive number."""
         return self.surface.cell_forms[0]
-
-    @cached_property
-    def beginnings(self) -> Beginnings:
-        """The first meshes on lattices."""
-        return Beginnings(self)
 
     def nearest_walls(self, points: Floats) -> NDArray[np.intp]:
         """The numbers of the walls (N,) whose faces are nearest to points (N, 3)."""

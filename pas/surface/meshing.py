@@ -8,17 +8,18 @@ import numpy as np
 
 from pas.algebra.inputs import shown_point
 from pas.errors import GeometryError, MeshError
-from pas.mesh.graph import require_once, rim_numbers, star
+from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.sheet import followed
-from pas.mesh.triangulate import FoldedError, triangulate, wall_numbers
 from pas.partition.complex import OuterFace
 from pas.surface.fairness import fairness
 from pas.surface.function import PiecewisePolynomial
+from pas.surface.graph import first, require_once, rim_numbers, star
 from pas.surface.local_field import LocalField
 from pas.surface.radial_field import RadialField
+from pas.surface.triangulate import Beginnings, FoldedError, triangulate, wall_numbers
 
 
 class Mesher:
@@ -40,6 +41,19 @@ class Mesher:
     def cell_field(self) -> LocalField:
         """What meshes it from lattices in the cells."""
         return LocalField(self.surface)
+
+    @cached_property
+    def first(self) -> Labelled | None:
+        """Few triangles, with which meshes of a graph over directions begin, None where rays show that it is none."""
+        try:
+            return None if self.radial_field is None else first(self.radial_field)
+        except ArithmeticError:
+            return None
+
+    @cached_property
+    def beginnings(self) -> Beginnings:
+        """The first meshes on lattices."""
+        return Beginnings(self.cell_field)
 
     def mesh(self, tolerance: float, most: int | None, quality: Quality) -> Mesh:
         """Triangles within a tolerance in the model's units, at most `most` of them where that is given.
@@ -72,21 +86,22 @@ class Mesher:
         # shares of the tolerance that are tried in turn where triangles fold: finer ones need not
         finer = (1.0, 0.5, 0.25)
         field = self.radial_field
-        for share in () if field is None else finer:
-            assert field is not None
+        with np.errstate(all="ignore"):  # what is not finite is no graph
+            begin = self.first
+        for share in () if field is None or begin is None else finer:
+            assert field is not None and begin is not None
             try:
-                with np.errstate(all="ignore"):  # what is not finite is no graph
-                    return star(field, share * tolerance / field.scale, most, aim)
+                with np.errstate(all="ignore"):
+                    return star(field, begin, share * tolerance / field.scale, most, aim)
             except ArithmeticError:
                 pass
             except MeshError:  # too many triangles
                 if share == 1:
                     raise
                 break
-        lattice = self.cell_field
         try:
             with np.errstate(all="ignore"):  # what is not finite is folded, and refused
-                return triangulate(lattice, tolerance / lattice.scale, most, aim)
+                return triangulate(self.beginnings, tolerance / self.cell_field.scale, most, aim)
         except FoldedError as error:
             raise MeshError(f"{error}{_sharpest(self.surface)}") from None
 

@@ -5,16 +5,12 @@ The piece of a ray is that of the outer face it leaves the region through, so no
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.bracket import jets_of_columns, sign_change
 from pas.algebra.monomials import Floats
 from pas.kernels.library import compiled
-from pas.mesh.graph import first
-from pas.mesh.labelled import Labelled
 from pas.mesh.rows import Integers, dots
 from pas.surface.boundary_loops import BoundaryLoop, Loops
 from pas.surface.function import PiecewisePolynomial
@@ -42,14 +38,6 @@ class RadialField(LocalSurface):
         self._profiles = profile_batch(self.evaluator.columns, self.degree)
         self.rims = surface.placed.loops
         self._loops = Loops(self.rims)
-
-    @cached_property
-    def first(self) -> Labelled | None:
-        """Few triangles, with which meshes begin, None where rays show that it is no graph."""
-        try:
-            return first(self)
-        except ArithmeticError:
-            return None
 
     def between(self, ends: Floats, rims: Integers) -> Integers:
         """See `pas.mesh.field.SheetField`: none, as rings have no ends."""

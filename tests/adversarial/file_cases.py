@@ -194,7 +194,7 @@ def projects() -> tuple[Base, ...]:
     data = pas.BlendingData([pas.elliptic_cylinder(1, 1), pas.elliptic_cylinder(2, 2)], values=[0, 1])
     square = ((-1, 1), (0, 1))
     neck, weighted = pas.hermite_blend(data, 1), pas.weighted_blend(data, 1)
-    quadrics = pas.read_parametric_problem(EXAMPLES / "parametric/generatrix/quadrics.toml").blend()
+    quadrics = pas.read_parametric_problem(EXAMPLES / "parametric/generatrix/quadrics.toml").solve()
     ends = [{"quadric": "x^2 + y^2 - 1", "plane": "z - 3"}, {"quadric": "x^2 + z^2 - 1", "plane": "y - 3"}]
     through = pas.blend_through_sphere(list(map(pas.boundary_from, ends)), (0, 0, 0), "3/2")
     things: dict[str, tuple[Any, tuple[tuple[str, ...], ...]]] = {

@@ -13,7 +13,7 @@ from typing import Any
 
 from file_cases import Base
 
-from pas.exchange.container import checksum
+from pas.exchange.files import checksum
 
 TOWER = "((((9^60)^60)^60)^60)"
 NUMBERS: tuple[Any, ...] = (

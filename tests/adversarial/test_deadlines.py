@@ -115,7 +115,7 @@ def gives_up(name: str, count: int, folder: Path, clock: TickingClock) -> None:
     """A long call does so in one sentence at `count` places, and then does its work as if nothing had been."""
     if name == "pas.write_step":
         pytest.importorskip("OCP")
-    case, out, lines = LONG_CALLS[name], folder / "out", list[str]()
+    case, out, told = LONG_CALLS[name], folder / "out", list[float]()
     out.mkdir()
     case.call(case.make(folder), out, seconds=FOREVER)  # the first one in a process fills tables that are kept
     written(out)
@@ -130,8 +130,8 @@ def gives_up(name: str, count: int, folder: Path, clock: TickingClock) -> None:
         if "mesh" in name.lower():
             assert not re.search("degree|order", str(caught.value))
         assert not written(out)
-    case.call(problem, out, progress=lines.append)
-    assert lines
+    case.call(problem, out, progress=lambda fraction, words: told.append(fraction))
+    assert told[-1] == 1 and told == sorted(told) and all(0 <= fraction < 1 for fraction in told[:-1])
     assert written(out) == whole
 
 

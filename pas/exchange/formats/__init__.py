@@ -202,8 +202,8 @@ FORMATS: Registry[Format[Any]] = Registry(
         ".vtp": "pas.exchange.formats.libraries:VTP",
         ".step": "pas.exchange.formats.step:STEP",
         ".stp": "pas.exchange.formats.step:STEP",
-        ".vtu": "pas.exchange.formats.cells:VTU",
-        ".msh": "pas.exchange.formats.cells:MSH",
+        ".vtu": "pas.exchange.formats.libraries:VTU",
+        ".msh": "pas.exchange.formats.libraries:MSH",
         ".csv": "pas.exchange.formats.plain:CSV",
     },
 )

@@ -15,12 +15,13 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from flint import fmpq, fmpq_mat, fmpq_poly
+from flint import fmpq, fmpq_mat
 
 from pas.algebra.affine import quadratic_form
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import to_float
+from pas.algebra.rational import to_float, to_floats
+from pas.parametric.generatrix.quadric import inertia, planes_of, rational_zeros
 
 
 @dataclass(frozen=True)
@@ -147,38 +148,15 @@ def _of_revolution(form: fmpq_mat) -> tuple[fmpq, fmpq, fmpq_mat] | None:
 def reducible_planes(first: Polynomial, second: Polynomial) -> list[Plane]:
     """Planes that hold all common points of two quadrics, where there are such.
 
-    That is so where a multiple of one less the other is of rank 2: two planes cross in it, and the quadrics meet in
-    conics, as cylinders of one radius do whose axes cross.
+    That is so where two planes are a member of the quadrics' pencil: they meet in conics, as cylinders of one radius do
+    whose axes cross.
     """
-    if first.degree != 2 or second.degree != 2:
+    if not first.degree == second.degree == 2:
         return []
     one, two = quadratic_form(first), quadratic_form(second)
-    # the determinant of one - t two is of degree 4 in t; it has a double root where the rank is 2
-    nodes = [fmpq(n) for n in range(-2, 3)]
-    vandermonde = fmpq_mat(5, 5, [n**k for n in nodes for k in range(5)])
-    row = vandermonde.solve(fmpq_mat(5, 1, [(one - two * n).det() for n in nodes]))
-    determinant = fmpq_poly([row[k, 0] for k in range(5)])
-    roots = [fmpq(1), fmpq(-1)]  # where all members of the pencil are singular, as those of parallel cylinders
-    if determinant.degree() > 0:
-        roots = [-f[0] / f[1] for f, _ in determinant.factor()[1] if f.degree() == 1]
-    pencils = [one - two * root for root in roots]
-    return [plane for pencil in pencils if pencil.rank() == 2 for plane in _planes(pencil)]
-
-
-def _planes(pencil: fmpq_mat) -> list[Plane]:
-    """The planes whose product a symmetric matrix (4, 4) of rank 2 is; none where they are not real."""
-    matrix = np.array([[to_float(pencil[i, j]) for j in range(4)] for i in range(4)])
-    values, vectors = np.linalg.eigh(matrix / np.abs(matrix).max())
-    low, high = values[0], values[-1]
-    if low >= 0 or high <= 0:
-        return []
-    found = []
-    for sign in (1.0, -1.0):
-        plane = np.sqrt(-low) * vectors[:, 0] + sign * np.sqrt(high) * vectors[:, -1]
-        size = float(np.linalg.norm(plane[:3]))
-        if size > 0:
-            found.append(Plane.of(plane[:3] / size, -float(plane[3]) / size))
-    return found
+    pairs = [m for m in (one + two * root for root in rational_zeros(one, two)) if inertia(m) == (1, 1)]
+    rows = (np.array(to_floats(row)) for pair in pairs for row in planes_of(pair))
+    return [Plane.of(row[:3] / size, -row[3] / size) for row in rows if (size := np.linalg.norm(row[:3])) > 0]
 
 
 def _floats(column: fmpq_mat) -> Floats:

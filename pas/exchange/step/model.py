@@ -27,6 +27,7 @@ from pas.mesh.field import place_of
 from pas.settings import RELATIVE_TOLERANCE
 from pas.solid.measures import curved_measures
 from pas.solid.solid import Solid
+from pas.solid.tree import atoms
 
 
 def explored(shape: Any, kind: str) -> list[Any]:
@@ -58,6 +59,20 @@ def adaptive_volume(shape: Any, error: float = 5e-7) -> float:
 
     found = GProp_GProps()
     BRepGProp.VolumeProperties_s(shape, found, error, False, False)
+    return float(found.Mass())
+
+
+def meshed_volume(shape: Any, distance: float) -> float:
+    """The volume of a mesh of the solids in a shape, within a distance: rougher than by quadrature, which does not
+    converge on some trimmed rational faces.
+    """
+    from OCP.BRepGProp import BRepGProp
+    from OCP.BRepMesh import BRepMesh_IncrementalMesh
+    from OCP.GProp import GProp_GProps
+
+    BRepMesh_IncrementalMesh(shape, distance, False, 0.1, False)
+    found = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, found, False, False, True)
     return float(found.Mass())
 
 
@@ -117,8 +132,8 @@ class StepReport:
 
     `faces` are its faces, `exact` those on planes, quadrics and tori; the others are within `distance` of the solid's
     and their edges within `gap` of all their faces, as measured at many points.  `volume` is the file's, by adaptive
-    quadrature, `volume_difference` by how much the solid's own, by its mesh, is smaller.  `angle` is the largest
-    between normals, in radians, where charts of one face or faces with a joint go on in each other, and
+    quadrature or its mesh, `volume_difference` by how much the solid's own, by its mesh, is smaller.  `angle` is the
+    largest between normals, in radians, where charts of one face or faces with a joint go on in each other, and
     `curvature_jump` the largest jump of the curvature across where that should have none, over the largest there is.
     """
 
@@ -167,6 +182,12 @@ def step_part(
     By default that is 1e-4 of the longest side of the box.  Raises what meshing raises, and `GeometryError` where a
     face is followed by no spline or Open Cascade finds the result not valid.
     """
+    for atom in atoms(solid.tree):
+        if not getattr(atom.function, "smooth", True):
+            raise GeometryError(
+                f"no STEP file was written, because no spline follows the face {atom.face!r}; write triangles, as .3mf "
+                "or .stl, or put a plain cylinder in the place of a thread"
+            )
     field = solid.field
     size = float(np.ptp(solid.box, axis=0).max())
     within = RELATIVE_TOLERANCE / COARSER * size if tolerance is None else check_tolerance(tolerance, size)

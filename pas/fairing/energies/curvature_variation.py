@@ -21,8 +21,7 @@ from flint import fmpq
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, amount, rational, to_float
-from pas.fairing.energy import Energy
-from pas.fairing.surface_points import QUANTITIES, STEP, Sizes, SurfacePoints
+from pas.fairing.energy import QUANTITIES, STEP, Energy, Sizes, SurfacePoints
 from pas.surface.straight_runs import guided
 
 TIMES = np.sqrt([1.0, 3.0, 3.0, 1.0])

@@ -17,8 +17,7 @@ from typing import ClassVar, NoReturn
 import numpy as np
 
 from pas.algebra.monomials import Floats
-from pas.fairing.energy import Energy
-from pas.fairing.surface_points import QUANTITIES, Sizes, SurfacePoints
+from pas.fairing.energy import QUANTITIES, Energy, Sizes, SurfacePoints
 from pas.surface.depth import Depth
 
 WEIGHT = 100.0

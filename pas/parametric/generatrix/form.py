@@ -265,7 +265,9 @@ class GeneratrixForm:
         """Triangles on a grid of `size` points in s and t, the seam of closed curves welded."""
         points, normals = self.sheet(size)
         triangles = connectivity(size, self.closed, self.frames.inward)
-        return Mesh.smooth(points.reshape(-1, 3), triangles, normals.reshape(-1, 3), "blend")
+        both = np.meshgrid(self.frames.parameters(size[0]), np.linspace(0.0, 1.0, size[1]), indexing="ij")
+        places = np.stack(both, axis=-1).reshape(-1, 2)
+        return Mesh.smooth(points.reshape(-1, 3), triangles, normals.reshape(-1, 3), "blend", parameters=places)
 
     def _derivative(self, s: ArrayLike, t: ArrayLike, first: int, second: int) -> Floats:
         """d^(i+j) P / ds^i dt^j at arrays that broadcast; from the second order in s on by differences."""

@@ -226,7 +226,7 @@ def quadric_intersection(
 def _plane_branches(pair: QuadricPair, member: Member) -> list[QuadricBranch]:
     """The sections of the first quadric by the planes of a member of the pencil."""
     branches, reasons = list[QuadricBranch](), list[str]()
-    planes = [p for p in planes_of(member) if any(c != 0 for c in p[:3])]  # not that at infinity
+    planes = [p for p in planes_of(member.matrix) if any(c != 0 for c in p[:3])]  # not that at infinity
     for x, y, z, c in planes:
         try:
             conic = conic_section(pair.local[0], (x, y, z), -c)

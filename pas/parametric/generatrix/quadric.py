@@ -17,7 +17,6 @@ v = (-B +- sqrt(D)) / A with the trigonometric polynomial D = B^2 - A C of degre
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
@@ -227,25 +226,29 @@ class Rulings:
 
 
 def members(first: Quadric, second: Quadric) -> list[Member]:
-    """The two quadrics, and a member for each interval and each rational multiple root of det(A + mu B)."""
+    """The two quadrics, and members for each rational zero of det(A + mu B) and between neighbouring real ones."""
     a, b = first.matrix, second.matrix
-    return [Member(m, inertia(m)) for m in (a, b, *(a + b * mu for mu in _candidates(a, b)))]
-
-
-def _candidates(a: fmpq_mat, b: fmpq_mat) -> Iterator[fmpq]:
-    """Rational zeros of det(A + mu B), then a simple number between neighbouring real ones."""
-    places = [fmpq(i) for i in range(5)]
-    values = [(a + b * mu).det() for mu in places]
-    determinant = sum((taylor_basis(places, i, 0)[0] * v for i, v in enumerate(values)), fmpq_poly([0]))
-    if determinant.is_zero():
-        yield from (fmpq(n) for n in (1, -1, 2, -2))
-        return
-    for factor, _ in determinant.factor()[1] if determinant.degree() > 0 else ():
-        if factor.degree() == 1:
-            yield -factor[0] / factor[1]
+    determinant = _determinant(a, b)
     roots = sorted(real_roots(determinant)) if determinant.degree() > 0 else []
-    for low, high in pairwise([None, *roots, None]):
-        yield between(low, high)
+    ends = [] if determinant.is_zero() else pairwise([None, *roots, None])
+    mixed = (a + b * mu for mu in (*rational_zeros(a, b), *(between(low, high) for low, high in ends)))
+    return [Member(m, inertia(m)) for m in (a, b, *mixed)]
+
+
+def rational_zeros(a: fmpq_mat, b: fmpq_mat) -> list[fmpq]:
+    """The rational mu for which A + mu B is singular; some of them where all are."""
+    determinant = _determinant(a, b)
+    if determinant.is_zero():
+        return [fmpq(n) for n in (1, -1, 2, -2)]
+    factors = determinant.factor()[1] if determinant.degree() > 0 else ()
+    return [-factor[0] / factor[1] for factor, _ in factors if factor.degree() == 1]
+
+
+def _determinant(a: fmpq_mat, b: fmpq_mat) -> fmpq_poly:
+    """det(A + mu B), of degree four at most."""
+    places = [fmpq(i) for i in range(5)]
+    terms = (taylor_basis(places, i, 0)[0] * (a + b * mu).det() for i, mu in enumerate(places))
+    return sum(terms, fmpq_poly([0]))
 
 
 def rulings(first: Quadric, second: Quadric, found: list[Member]) -> Rulings | None:
@@ -277,12 +280,12 @@ def _frame(member: Member) -> Floats:
     return np.asarray(vectors[:, order].T / np.sqrt(np.abs(values[order]))[:, None])
 
 
-def planes_of(member: Member) -> list[tuple[fmpq, ...]]:
-    """The planes of a member of rank one or two: one or two, exact where they are rational, else to 2^-60.
+def planes_of(matrix: fmpq_mat) -> list[tuple[fmpq, ...]]:
+    """The planes of a matrix of rank one or two: one or two, exact where they are rational, else to 2^-60.
 
     Q = sum d_i (row_i)^2 by completing squares; d1 x^2 - d2 y^2 = 0 are the planes x +- sqrt(d2 / d1) y.
     """
-    squares = _squares(member.matrix)
+    squares = _squares(matrix)
     if len(squares) == 1:
         return [tuple(squares[0][1])]
     (d1, x), (d2, y) = squares

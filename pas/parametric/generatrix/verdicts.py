@@ -249,9 +249,8 @@ def simple_verdict(blend: GeneratrixForm, size: tuple[int, int] = (160, 40)) -> 
     on = f"a mesh of {size[0]} x {size[1]} points ({len(mesh.triangles)} triangles)"
     if not len(pairs):
         return Verdict(Status.HOLDS_MEASURED, claim, f"on {on} no triangles cross")
-    row, column = np.divmod(mesh.triangles[pairs, 0], size[1])
-    places = np.stack([blend.frames.parameters(size[0])[row], column / (size[1] - 1)], axis=-1)
-    found = double_point(blend.surface, places, blend.closed)
+    assert mesh.parameters is not None
+    found = double_point(blend.surface, mesh.parameters[mesh.triangles[pairs, 0]], blend.closed)
     if found is None:
         reason = f"on {on} {len(pairs)} pairs of triangles cross, but no double point of the surface was found"
         return Verdict(Status.FAILS_MEASURED, claim, reason, triple(where[0]), len(pairs))

@@ -1,4 +1,4 @@
-"""Ideals and modules in the languages of computer algebra systems: one short file each, registered by name.
+"""Ideals and modules in the languages of computer algebra systems, registered by name.
 
 A system's `write` makes its input of rows (generators, each a tuple of polynomials; of one for an ideal) and `read`
 makes rows of such input, and of what the system prints.  A user's own is added by `SYSTEMS.register(System(...))`.
@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Self
 
-from pas.algebra.brief import latex
+from pas.algebra.brief import cut, latex
 from pas.algebra.polynomial import Polynomial
 from pas.registry import Registry
 
@@ -33,12 +33,6 @@ class System:
     name: str
     write: Callable[[Rows], str]
     read: Callable[[str], Rows]
-
-
-SYSTEMS: Registry[System] = Registry(
-    "computer algebra system",
-    {"singular": "pas.algebra.systems.singular:SINGULAR", "macaulay2": "pas.algebra.systems.macaulay2:MACAULAY2"},
-)
 
 
 class Exported:
@@ -125,3 +119,86 @@ def read_entry(text: str) -> Polynomial:
         return Polynomial(plain)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{text.strip()!r} is no polynomial in x, y and z: {error}") from None
+
+
+# --- Singular (Decker, Greuel, Pfister and Schoenemann): its input, and what it prints
+
+OF_SINGULAR = re.compile(
+    r"ring\s+\w+\s*=\s*\(?(?P<field>\w+)[^,]*,\s*\(?(?P<variables>[\w\s,]*?)\)?\s*,\s*\(?\w+\)?\s*;"
+)
+GIVEN = re.compile(r"(?:ideal|module)\s+\w+\s*=(?P<all>[^;]*);")
+PRINTED = re.compile(r"^\s*\w*\[\d+\]\s*=(?P<one>.*)$", re.M)
+UNIT = re.compile(r"\*?gen\((\d+)\)")
+
+
+def _to_singular(rows: Rows) -> str:
+    """The ring and the ideal or module of some generators."""
+    parts = [f"[{', '.join(map(str, row))}]" if len(row) > 1 else str(row[0]) for row in rows]
+    kind = "module M" if len(rows[0]) > 1 else "ideal I"
+    generators = ",\n  ".join(parts)
+    return f"ring R = 0, (x, y, z), dp;\n{kind} = {generators};\n"
+
+
+def _from_singular(text: str) -> Rows:
+    """The generators of the ideal or module."""
+    check_ring(OF_SINGULAR.search(text))
+    given = GIVEN.search(text)
+    if given is None and not PRINTED.search(text):
+        raise ValueError(f"there is no ideal and no module of Singular in {cut(text.strip(), 60)!r}")
+    items = re.split(r",(?![^\[]*\])", given["all"]) if given else [m["one"] for m in PRINTED.finditer(text)]
+    rows = [_row(item) for item in items]
+    width = max(map(len, rows))
+    return tuple((*row, *[Polynomial(0)] * (width - len(row))) for row in rows)  # zeros at the end are not printed
+
+
+def _row(text: str) -> tuple[Polynomial, ...]:
+    """One generator: a polynomial, entries in brackets, or a sum of multiples of unit vectors gen(i)."""
+    inner = text.strip()
+    if inner.startswith("["):
+        return tuple(map(read_entry, inner.strip("[]").split(",")))
+    if "gen(" not in inner:
+        return (read_entry(inner),)
+    entries: dict[int, Polynomial] = {}
+    for term in re.findall(r"[+-]?[^+-]+", inner):
+        unit = UNIT.search(term)
+        if unit is None:
+            raise ValueError(f"{term.strip()!r} is no multiple of a unit vector gen(i)")
+        factor, number = UNIT.sub("", term).strip(), int(unit[1])
+        entries[number] = entries.get(number, Polynomial(0)) + read_entry(factor + "1" * (factor in ("", "+", "-")))
+    return tuple(entries.get(i, Polynomial(0)) for i in range(1, max(entries) + 1))
+
+
+# --- Macaulay2 (Grayson and Stillman): its input, and what its `toString` gives
+
+OF_MACAULAY2 = re.compile(r"(?P<field>\b[A-Z]+[\w/]*)\s*\[(?P<variables>[^\]]*)\]")
+MATRIX = re.compile(r"(?P<kind>ideal|image)\s*\(?\s*(?:matrix|map)\b[^{]*\{(?P<rows>.*)\}", re.S)
+IDEAL = re.compile(r"\bideal\s*\(?(?P<all>[^;]*?)\)?\s*;?\s*$", re.S)
+
+
+def _to_macaulay2(rows: Rows) -> str:
+    """The ring and the ideal or module of some generators, which are the columns of a matrix."""
+    lines = ["{" + ", ".join(map(str, line)) + "}" for line in zip(*rows, strict=True)]
+    kind = "M = image" if len(lines) > 1 else "I = ideal"
+    return f"R = QQ[x, y, z];\n{kind} matrix(R, {{{', '.join(lines)}}});\n"
+
+
+def _from_macaulay2(text: str) -> Rows:
+    """The generators of the ideal or module."""
+    check_ring(OF_MACAULAY2.search(text))
+    matrix, ideal = MATRIX.search(text), IDEAL.search(text)
+    if matrix:
+        table = [[read_entry(e) for e in line.split(",")] for line in re.findall(r"\{([^{}]*)\}", matrix["rows"])]
+        if table and len({len(line) for line in table}) == 1:
+            return tuple(zip(*table, strict=True))
+    elif ideal:
+        return tuple((read_entry(e),) for e in ideal["all"].split(","))
+    raise ValueError(f"there is no ideal and no module of Macaulay2 in {cut(text.strip(), 60)!r}")
+
+
+SYSTEMS: Registry[System] = Registry(
+    "computer algebra system",
+    {
+        "singular": System("singular", _to_singular, _from_singular),
+        "macaulay2": System("macaulay2", _to_macaulay2, _from_macaulay2),
+    },
+)

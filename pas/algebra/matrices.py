@@ -1,4 +1,7 @@
-"""Short whole vectors: a reduced basis of all whole vectors in a space over the rationals.
+"""Matrices of whole and rational numbers: products that are not multiplied out, and short whole vectors.
+
+The members of a solution space come as combinations of some generators.  On the generators numbers are short; in
+the combinations, and in the products, they have hundreds or thousands of digits, of which most uses need few.
 
 Whole combinations of given vectors miss most of the whole vectors in their span, and these may have many times fewer
 digits.  All are found modulo the denominator of the reduced echelon form (Cohen 1993, section 2.4), and short ones
@@ -8,15 +11,73 @@ among them by lattice reduction (Lenstra, Lenstra and Lovasz 1982).
 from __future__ import annotations
 
 import random
-from math import gcd
-from typing import Any
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import gcd, lcm
+from typing import Any, TypeVar
 
 import numpy as np
-from flint import fmpq, fmpq_mat, fmpz_mat
+from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
 
 from pas.limits import checkpoint
 
+
+@dataclass(frozen=True, eq=False)
+class Products:
+    """The matrices `rows * tables[i] / denominator`: `rows` (m, N) and `tables[i]` (N, C_i) are whole."""
+
+    rows: fmpz_mat
+    tables: tuple[fmpz_mat, ...]
+    denominator: int = 1
+    given: tuple[fmpq_mat, ...] | None = None
+
+    @classmethod
+    def of(cls, matrices: Sequence[fmpq_mat]) -> Products:
+        """Given matrices, of m rows each."""
+        parts = [matrix.numer_denom() for matrix in matrices]
+        common = lcm(*(int(denominator) for _, denominator in parts))
+        tables = tuple(numerators * (common // int(denominator)) for numerators, denominator in parts)
+        size = matrices[0].nrows()
+        unit = fmpz_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+        return cls(unit, tables, common, tuple(matrices))
+
+    @property
+    def size(self) -> int:
+        """The number m of rows."""
+        return int(self.rows.nrows())
+
+    @cached_property
+    def matrices(self) -> tuple[fmpq_mat, ...]:
+        """The products themselves, or what they were made from."""
+        if self.given is not None:
+            return self.given
+        scale = fmpq(1, self.denominator)
+        return tuple(fmpq_mat(self.rows * table) * scale for table in self.tables)
+
+    def row(self, matrix: int, number: int) -> list[fmpz]:
+        """One row of one of the products, times the denominator."""
+        chosen = fmpz_mat(1, self.rows.ncols(), [self.rows[number, j] for j in range(self.rows.ncols())])
+        return (chosen * self.tables[matrix]).entries()
+
+    def combined(self, coefficients: fmpz_mat) -> list[fmpz_mat]:
+        """Whole combinations (k, m) of the rows of each product, times the denominator."""
+        on_generators = coefficients * self.rows
+        return [on_generators * table for table in self.tables]
+
+
 Table = list[list[int]]
+K = TypeVar("K", bound=Hashable)
+
+
+def whole_rows(rows: Sequence[Mapping[K, fmpq]], places: Mapping[K, int]) -> tuple[fmpz_mat, int]:
+    """Rows (N, columns) of entries by keys, which have `places`, in whole numbers over one denominator."""
+    common = lcm(*(int(v.q) for row in rows for v in row.values()))
+    table = fmpz_mat(len(rows), len(places))
+    for number, row in enumerate(rows):
+        for key, value in row.items():
+            table[number, places[key]] = int(value.p) * (common // int(value.q))
+    return table, common
 
 
 def short_basis(rows: fmpz_mat) -> fmpz_mat:

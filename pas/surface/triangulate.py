@@ -19,16 +19,17 @@ from pas.algebra.inputs import shown_point
 from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
-from pas.mesh.field import VISIBLE, Beginning, CellField
+from pas.mesh.field import VISIBLE
 from pas.mesh.grading import Settings
 from pas.mesh.labelled import Labelled
-from pas.mesh.lattice import Lattice, Subdivision
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import AIM
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows, uprightness
 from pas.mesh.sheet import BadMeshError, open_mesh, remeshed
 from pas.mesh.topology import Edges, euler_characteristic, is_manifold, piece_count
+from pas.surface.lattice import Lattice, Subdivision
+from pas.surface.local_field import LocalField
 
 LEAST, FINEST = 2, 8
 """Halvings of the cells, at least and at most."""
@@ -48,7 +49,7 @@ MORE = 0.4
 be a little coarser than those of a star, which rays have to see all of."""
 
 
-def triangulate(field: CellField, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:
+def triangulate(beginnings: Beginnings, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:
     """A mesh in the user's coordinates whose distance from the surface is at most `tolerance`, measured.
 
     Raises `MeshError` where there is no surface, where no good mesh of it is found, or where the tolerance needs more
@@ -56,11 +57,14 @@ def triangulate(field: CellField, tolerance: float, most: int | None = None, aim
     """
     why, settings = "", Settings(aim=aim, more=MORE)
     settings = settings if most is None else replace(settings, most=most)
-    for first in field.beginnings:
+    field = beginnings.field
+    for first, trouble in beginnings:
         try:
-            return remeshed(field, first.mesh, tolerance, settings)
+            if isinstance(first, ArithmeticError):
+                raise first
+            return remeshed(field, first, tolerance, settings)
         except ArithmeticError as error:
-            why = f"no good mesh was found: {error}{first.trouble or _grazed(field, error)}"
+            why = f"no good mesh was found: {error}{trouble or _grazed(field, error)}"
     if not why:
         raise MeshError("there is no surface in the region: the function does not change sign")
     raise FoldedError(why)
@@ -70,11 +74,15 @@ class FoldedError(MeshError):
     """No good mesh was found, at any tolerance."""
 
 
+Beginning = tuple[Labelled | ArithmeticError, str]
+"""The first mesh on a lattice, or why there is none; and where the surface may be singular, in words."""
+
+
 class Beginnings:
     """The first meshes of a surface on lattices, each finer than the one before: found when asked for, and kept."""
 
-    def __init__(self, field: CellField) -> None:
-        self._field = field
+    def __init__(self, field: LocalField) -> None:
+        self.field = field
         self._found: list[Beginning] = []
         self._parts, self._ended = 1, False  # of the next lattice at least; whether there is none
 
@@ -89,7 +97,7 @@ class Beginnings:
 
     def _look(self) -> None:
         """Look for the next; the lattices are not kept, which are large."""
-        cells = Subdivision(self._field)
+        cells = Subdivision(self.field)
         while len(cells.forms) and not self._ended:
             self._ended = _finest(cells)
             if cells.parts >= max(self._parts, 1 << LEAST):
@@ -99,7 +107,7 @@ class Beginnings:
                 plain = len(bent) <= BENT * len(cells.forms) and (not hidden or len(cells.forms) > searched)
                 grid = cells.lattice if plain or self._ended else None
                 if grid is not None and len(grid.tetrahedra):
-                    self._found.append(_beginning(self._field, grid, bent))
+                    self._found.append(_beginning(self.field, grid, bent))
                     self._parts = 2 * cells.parts
                     return
             if not self._ended:
@@ -107,26 +115,26 @@ class Beginnings:
         self._ended = True
 
 
-def _beginning(field: CellField, grid: Lattice, bent: Floats) -> Beginning:
+def _beginning(field: LocalField, grid: Lattice, bent: Floats) -> Beginning:
     try:
-        return Beginning(_first(field, grid), _singular(field, bent))
+        return _first(field, grid), _singular(field, bent)
     except ArithmeticError as error:
-        return Beginning(error.with_traceback(None), _singular(field, bent))
+        return error.with_traceback(None), _singular(field, bent)
 
 
-def _singular(field: CellField, bent: Floats) -> str:
+def _singular(field: LocalField, bent: Floats) -> str:
     """Where the trouble may come from."""
     return f"; the surface may be singular, or very thin, near {_place(field, bent[0])}" if len(bent) else ""
 
 
-def _grazed(field: CellField, error: ArithmeticError) -> str:
+def _grazed(field: LocalField, error: ArithmeticError) -> str:
     """Where a mesh was bad, and what may help."""
     if not isinstance(error, BadMeshError):
         return ""
     return f" near {_place(field, error.place)}; walls of the region that the surface does not graze there may help"
 
 
-def _place(field: CellField, point: Floats) -> str:
+def _place(field: LocalField, point: Floats) -> str:
     """A point as the user reads it, without the digits of zeros."""
     return shown_point(0.0 if abs(v) < VISIBLE * field.scale else v for v in field.world(point))
 
@@ -135,7 +143,7 @@ def _finest(cells: Subdivision) -> bool:
     return cells.parts >= 1 << FINEST or 8 * len(cells.forms) > MANY
 
 
-def _first(field: CellField, grid: Lattice) -> Labelled:
+def _first(field: LocalField, grid: Lattice) -> Labelled:
     negative = grid.values < 0
     ends, triangles = crossings(negative, grid.tetrahedra)
     a, b = ends.T
@@ -172,7 +180,7 @@ def _topology(triangles: Integers) -> tuple[int, int]:
     return piece_count(triangles), euler_characteristic(triangles)
 
 
-def wall_numbers(field: CellField, points: Floats, triangles: Integers) -> Integers:
+def wall_numbers(field: LocalField, points: Floats, triangles: Integers) -> Integers:
     """The walls (N,), or the ends of curves between two of them, on which points are; -1 inside."""
     edges = Edges(triangles, len(points))
     result = np.full(len(points), -1)
@@ -189,7 +197,7 @@ def wall_numbers(field: CellField, points: Floats, triangles: Integers) -> Integ
     return result
 
 
-def _shows_curves(field: CellField, ends: Floats) -> bool:
+def _shows_curves(field: LocalField, ends: Floats) -> bool:
     """Whether each curve on which the surface must end is near the mesh's boundary (K, 3) all along."""
     if not len(ends):
         return not field.curves

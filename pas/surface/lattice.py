@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
-from pas.bernstein.subdivision import Means, means, raised
+from pas.bernstein.simplices import Means, means, raised
 from pas.limits import checkpoint
-from pas.mesh.field import CellField
 from pas.mesh.rows import Floats, Integers, all_of, any_of
 from pas.mesh.topology import MOST, first_with
+from pas.surface.local_field import LocalField
 from pas.verdicts import Status
 
 TINY = 1e-300
@@ -61,7 +61,7 @@ class Subdivision:
     and wrap around: distinct ones stand for distinct places.
     """
 
-    def __init__(self, field: CellField) -> None:
+    def __init__(self, field: LocalField) -> None:
         self.field, self.parts = field, 1
         kept = _kept(field.forms)
         cells, self.forms = field.cells[kept], field.forms[kept]

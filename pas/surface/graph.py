@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from pas.limits import checkpoint
-from pas.mesh.field import RayField, RingCurve
 from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.labelled import Labelled
@@ -27,6 +26,8 @@ from pas.mesh.rows import Floats, Integers, cross, dots
 from pas.mesh.shading import unit_rows
 from pas.mesh.sheet import open_mesh, remeshed
 from pas.mesh.topology import Edges, connected
+from pas.surface.boundary_loops import BoundaryLoop
+from pas.surface.radial_field import RadialField
 
 LEVELS = 3
 """Halvings of the icosahedron at most: directions are taken from the first that do."""
@@ -51,25 +52,23 @@ TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 """A rotation that puts no direction of the icosahedron into a plane of symmetry of common models."""
 
 
-def star(field: RayField, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:
-    """A mesh in the user's coordinates within a tolerance, measured, of at most `most` triangles.
+def star(field: RadialField, first: Labelled, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:
+    """A mesh in the user's coordinates within a tolerance, measured, of at most `most` triangles, made of the first.
 
     Raises `ArithmeticError` where the surface is no graph over directions, as far as its rays show, and `MeshError`
     where there would be too many triangles.
     """
-    if field.first is None:
-        raise ArithmeticError("a ray from the centre does not meet the surface once")
     settings = Settings(aim=aim) if most is None else Settings(aim=aim, most=most)
-    return remeshed(field, field.first, tolerance, settings, lambda points: require_once(field, points))
+    return remeshed(field, first, tolerance, settings, lambda points: require_once(field, points))
 
 
-def require_once(field: RayField, points: Floats) -> None:
+def require_once(field: RadialField, points: Floats) -> None:
     """Raise `ArithmeticError` where rays from the centre through points (N, 3) do not meet the surface once."""
     if not field.once(points):
         raise ArithmeticError("a ray from the centre does not meet the surface once")
 
 
-def first(field: RayField) -> Labelled:
+def first(field: RadialField) -> Labelled:
     """Few triangles seen once from the centre; raises `ArithmeticError` where rays do not meet the surface once."""
     mesh = _seen(field)
     if field.rims:
@@ -78,7 +77,7 @@ def first(field: RayField) -> Labelled:
     return mesh
 
 
-def _seen(field: RayField) -> Labelled:
+def _seen(field: RadialField) -> Labelled:
     for level in range(1, LEVELS + 1):
         if not field.rims:  # most of what is in boxes ends at their walls: a few rays say so
             require_once(field, icosphere(level)[0])
@@ -93,7 +92,7 @@ def _seen(field: RayField) -> Labelled:
     raise AssertionError
 
 
-def _parted(field: RayField, mesh: Labelled) -> Labelled:
+def _parted(field: RadialField, mesh: Labelled) -> Labelled:
     """The triangles with edges between opposite sides of a thin arm halved until none is left.
 
     The arm goes on between them: the ray between those to the ends meets it there, while its points next to the middle
@@ -116,7 +115,7 @@ def _parted(field: RayField, mesh: Labelled) -> Labelled:
     return mesh
 
 
-def rim_numbers(field: RayField, points: Floats, triangles: Integers) -> Integers:
+def rim_numbers(field: RadialField, points: Floats, triangles: Integers) -> Integers:
     """The rims (N,) on which points are, -1 inside; raises `ArithmeticError` where there are none to end on."""
     rim = np.unique(Edges(triangles, len(points)).rim)
     if len(rim) and not field.rims:
@@ -156,7 +155,7 @@ def seen(points: Floats, triangles: Integers) -> NDArray[np.bool_]:
     return np.asarray(volume > SEEN * SEEN * lengths)
 
 
-def hull(field: RayField, level: int) -> tuple[Floats, Integers]:
+def hull(field: RadialField, level: int) -> tuple[Floats, Integers]:
     """Points on the surface (N, 3) and triangles seen once from 0, whose rim is on the rings.
 
     Raises `ArithmeticError` where these directions do not do.
@@ -184,7 +183,7 @@ def hull(field: RayField, level: int) -> tuple[Floats, Integers]:
     raise ArithmeticError("the rings are too close to one another for a triangulation of directions")
 
 
-def _collars(field: RayField, rings: list[Floats], spacing: float) -> list[Floats]:
+def _collars(field: RadialField, rings: list[Floats], spacing: float) -> list[Floats]:
     """Directions (N, 3) in circles around each ring, out to where the others are as close."""
     result = []
     for number, curve in enumerate(field.rims):
@@ -243,14 +242,14 @@ def _keys(a: Integers, b: Integers, size: int) -> Integers:
     return np.minimum(a, b) * size + np.maximum(a, b)
 
 
-def _halved(curve: RingCurve, ring: Floats, chosen: np.ndarray) -> Floats:
+def _halved(curve: BoundaryLoop, ring: Floats, chosen: np.ndarray) -> Floats:
     middles = curve.at((ring + np.roll(ring, -1, axis=0)) / 2)
     both = np.stack([ring, middles], axis=1).reshape(-1, 3)
     return both[np.stack([np.ones(len(ring), dtype=bool), chosen], axis=1).ravel()]
 
 
 def _trimmed(
-    field: RayField, points: Floats, triangles: Integers, rings: list[Floats], poles: int
+    field: RadialField, points: Floats, triangles: Integers, rings: list[Floats], poles: int
 ) -> tuple[Floats, Integers]:
     """Without the discs in the rings, the points on the surface."""
     size, rim = len(points), sum(map(len, rings))
