@@ -128,10 +128,6 @@ REFUSED = {
         "a fillet of radius 3/2 between 'plate z+' and 'peg' is not proved: fillet meets plate z+ with GC^1: on a "
         "part of the curve plate z+ is missing: the boundary goes on without it; one of radius 1.2",
     ),
-    "equal pipes that miss": (
-        lambda: (run(), solid.cylinder((0, "1/100000", 0), (0, "1/100000", "9/4"), 1, face="branch")),
-        "'run' and 'branch' touch, or nearly so, near (",
-    ),
     "order": (lambda: (plate(), peg(), "1/4", 0), "order must be at least 1; chamfer cuts edges off flatly"),
     "radius": (lambda: (plate(), peg(), 0), "radius must be positive, not 0"),
     "mesh": (
