@@ -11,7 +11,6 @@ where the pipes were cut off.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from itertools import combinations, permutations
@@ -26,17 +25,16 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot, minus, to_float, to_floats
 from pas.contacts.endless import Pipe
-from pas.contacts.ends import ContactEnd
 from pas.contacts.parallels import slope_at
 from pas.errors import GeometryError, NoSolutionError, NotProvedError
 from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.blend import node, struts
+from pas.pipeline.blend import node
 from pas.pipeline.bodies import chain_between, clip_plane
 from pas.solid.face_seams import edges_between
 from pas.solid.fillet_forms import revolved
-from pas.solid.fillets import between, short, strays, title_of
+from pas.solid.fillets import short, strays, title_of
 from pas.solid.functions import Pieces, region
 from pas.solid.joints import Joint
 from pas.solid.linked import RenamedBoundary
@@ -196,10 +194,10 @@ class PipeNode:
     def _placed(self, surface: PiecewiseSurface) -> Solid | str:
         """The solid with a surface between its arms, or what is wrong with it."""
         planes = [clip_plane(surface, number) for number in range(len(self.arms))]
-        left = [
-            combined(False, part, combined(True, *self._beyond(part, planes)))
-            for part in parts_of(self.pipes.tree, True)
-        ]
+        left = []
+        for part in parts_of(self.pipes.tree, True):
+            beyond = [Atom(-p, "") for arm, p in zip(self.arms, planes, strict=True) if _has(part, [arm.tube])]
+            left.append(combined(False, part, combined(True, *beyond)))
         pieces = Atom(Pieces(surface.partition, surface.polynomials), self.face)
         inner = combined(False, pieces, region(surface.partition))
         joined = Solid(combined(True, inner, *left), sheets=self._sheets(surface, planes))
@@ -226,11 +224,6 @@ class PipeNode:
             (inner,) = (part for part in tree.parts if _has(part, self.tubes))
             others, joined = [part for part in tree.parts if part is not inner], self._replaced(inner, joined)
         return reduce(or_ if tree.union else sub, (Solid(p if tree.union else complement(p)) for p in others), joined)
-
-    def _beyond(self, part: Tree, planes: Sequence[Polynomial]) -> Iterator[Atom]:
-        """Half spaces beyond the planes of those arms that are tubes of a part."""
-        faces = {atom.face for atom in atoms(part)}
-        return (Atom(-plane, "") for arm, plane in zip(self.arms, planes, strict=True) if arm.tube.face in faces)
 
     def _sheets(self, surface: PiecewiseSurface, planes: Sequence[Polynomial]) -> RenamedBoundary | None:
         """What bounds the node with its tubes, where each is one part and ends flatly across; None elsewhere."""
@@ -284,23 +277,11 @@ class PipeNode:
         return None
 
     def largest(self, above: fmpq) -> float | None:
-        """The largest radius found below one, or the least beyond it, for which there is a node.
-
-        Balls touch before the tubes end.  What fails there is looked for from the ends on that `pas.struts` takes.
-        None where nothing is found.
-        """
-        limit = short(59 / 60 * min((a.radius(b, a.reach) for a, b in self._pairs), default=0.0))
-        top = min(above * fmpq(59, 60), limit)
-        if top > 0 and not isinstance(self.made(top), str):
-            return to_float(top)
-        with suppress(GeometryError):
-            pipes = struts([(arm.way, arm.tube.radius) for arm in self.arms], self.order, self.center)
-            ends = [ContactEnd.of(pipe, self.center).distance or 0.0 for pipe in pipes]
-            arms = zip(self.arms, ends, strict=True)
-            room = short(max(min(a.radius(b, end) for a, b in self._pairs if a is arm) for arm, end in arms))
-            if 0 < room < limit and not isinstance(self.made(room), str):
-                return to_float(between(self.made, room, top) if room < top else room)
-        return None
+        """A radius for which there is a node, nearly the largest if that serves before which pipes end; the larger the
+        more room a node has, so that it may be above the given one.  None where a quarter of that does not serve."""
+        most = short(59 / 60 * min((a.radius(b, a.reach) for a, b in self._pairs), default=0.0))
+        tried = (most / share for share in (1, 2, 4) if most > 0)
+        return next((to_float(radius) for radius in tried if not isinstance(self.made(radius), str)), None)
 
 
 def _meet(one: PipeFace, other: PipeFace) -> Vector | None:

@@ -30,9 +30,6 @@ from pas.solid.joints import Joint
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, combined, complement
 
-SHARE = fmpq(47, 100)
-"""Where radii are looked for next: at halves of a solid's size fillets may just touch its other faces, slowly."""
-
 NODE = "pas.pipeline.pipe_nodes:PipeNode"
 """What finds a node that can take the place of where two pipes cross, in a module above."""
 
@@ -126,18 +123,14 @@ class Filling:
 
 def _largest(made: Callable[[fmpq], Solid | str], above: fmpq) -> fmpq | None:
     """The largest number found below one, to a sixtieth, for which there is a solid; None where there is none."""
-    low, high, attempts = above * SHARE, above, 10
+    share = fmpq(47, 100)  # at halves of the solid's size fillets may just touch its other faces, which takes long
+    low, high, attempts = above * share, above, 10
     while isinstance(made(low), str):
-        low, high, attempts = low * SHARE, low, attempts - 1
+        low, high, attempts = low * share, low, attempts - 1
         if not attempts:
             return None
-    return between(made, low, high)
-
-
-def between(made: Callable[[fmpq], Solid | str], low: fmpq, high: fmpq) -> fmpq:
-    """The largest number found between one that makes a solid and one that does not, to a sixtieth."""
     while high - low > low / 60:
-        middle = short(to_float(low + (high - low) * SHARE))
+        middle = short(to_float(low + (high - low) * share))
         low, high = (low, middle) if isinstance(made(middle), str) else (middle, high)
     return low
 
