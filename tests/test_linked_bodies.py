@@ -12,6 +12,7 @@ from test_sheet_bodies import is_sound
 
 import pas
 from pas import solid
+from pas.algebra.rational import rational, to_float
 from pas.solid.linked import LinkedBodies
 from pas.solid.operands import Operands
 
@@ -99,10 +100,48 @@ def test_bodies_apart_are_so_in_their_mesh():
         assert (mesh.is_closed, mesh.components) == (True, parts)
 
 
-@pytest.mark.parametrize("offset", [(1, 0, 0), ("59/10", 0, 0), (6, "1/2", 0), (6, 0, "3/2"), (0, 0, "19/10")])
+@pytest.mark.parametrize("offset", [(1, 0, 0), ("49/10", 0, 0), (6, "1/2", 0), (6, 0, "3/2"), (0, 0, "19/10")])
 def test_bodies_that_meet_elsewhere_have_no_sheets(offset):
     """Overlapping, or with ends in one plane that are not those of one pipe."""
     assert isinstance((made() | made().translate(offset)).sheets, Operands)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "apart"),
+    [(1, 1, 5), (1, "1/2", "11/2"), (2, "1/2", 6), (0, 2, 6), (2, [0, 1, 1], 6), (2, [1, 0, 1], 6), (2, 2, "13/2")],
+)
+def test_ends_that_overlap_are_one_pipe(first, second, apart):
+    """By a part of their lengths or all of it, and where one of them has none."""
+    bodies = branch().solid(first), branch().solid(second)
+    whole = bodies[0] | bodies[1].translate((apart, 0, 0))
+    assert len(whole.sheets.links) == 1
+    is_sound(whole.mesh(1e-2), whole, 1e-2, 2)
+    between = to_float(rational(apart, "distance")) - 4
+    own = [body.volume(1e-2) for body in bodies]
+    lengths = [to_float(rational(of, "length")) for of in (first, second[1] if isinstance(second, list) else second)]
+    assert whole.volume(1e-2) == pytest.approx(sum(own) - np.pi * (sum(lengths) - between), rel=1e-4)
+
+
+@pytest.mark.parametrize("thickness", [pytest.param("1/8", marks=pytest.mark.slow), None])
+def test_overlaps_are_those_of_the_inequalities(thickness):
+    whole = (made(thickness) | made(thickness).translate(("11/2", 0, 0))).rotate((1, 2, 2), 40).scale("1/3")
+    mesh = whole.mesh(3e-3)
+    inward = mesh.points[mesh.triangles].mean(axis=1) - 0.02 * mesh.normals.mean(axis=1)
+    assert whole.contains(inward).mean() > 0.99 and not whole.contains(inward + 0.04 * mesh.normals.mean(axis=1)).any()
+
+
+@pytest.mark.parametrize(
+    ("apart", "words"),
+    [("9/2", r"'neighbour 1 end' and 'neighbour 2 end', pass near .*length of at most 0\.5,"), (1, "move them apart")],
+)
+def test_straight_ends_that_reach_the_other_blend_are_refused(apart, words):
+    """Its surface leaves theirs without an angle, so that no mesh shows where they cross."""
+    whole = made() | made().translate((apart, 0, 0))
+    for solid_ in (whole, whole - solid.ball((0, 0, 0), "1/2")):
+        with pytest.raises(pas.MeshError, match=words):
+            solid_.mesh(1e-2)
+    half_way = branch().solid(["1/2", "1/2", 1])
+    assert (half_way | half_way.translate(("9/2", 0, 0))).mesh(1e-2).components == 1
 
 
 def test_ends_are_those_of_one_pipe():
@@ -110,6 +149,13 @@ def test_ends_are_those_of_one_pipe():
     narrower = pas.blend([pas.Pipe((-1, 0, 0), "1/2", 2), pas.Pipe(Y, "1/2", 2)], 1).solid(1).translate((6, 0, 0))
     assert isinstance((made() | narrower).sheets, Operands)
     assert isinstance((made() | narrower.translate((1, 0, 0))).sheets, LinkedBodies)
+
+
+def test_crosses_in_a_square_are_one():
+    """Those at opposite corners are apart by slanting planes alone."""
+    node = pas.node([(axis, 1) for axis in (X, (-1, 0, 0), Y, (0, -1, 0))], 1).solid("5/2")
+    whole = solid.union([node.translate((8 * i, 8 * j, 0)) for i, j in product(range(2), repeat=2)])
+    assert len(whole.sheets.links) == 4 and is_sound(whole.mesh(1e-1), whole, 1e-1, 0)
 
 
 def test_walls_and_full_bodies_are_not_linked():
@@ -141,4 +187,4 @@ def test_a_cubic_lattice_of_struts_is_one_solid(count):
 
 def exact(end):
     """How far an end is from the node's centre, in which it has a double."""
-    return pas.algebra.rational.rational(max(abs(c) for c in end.center), "distance")
+    return rational(max(abs(c) for c in end.center), "distance")

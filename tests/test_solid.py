@@ -12,7 +12,7 @@ import pytest
 import pas
 from pas import solid
 from pas.errors import MeshError
-from pas.mesh.changes import _roots
+from pas.mesh.faces import _roots
 from pas.solid import measures
 
 CYLINDER = solid.cylinder((-2, 0, 0), (2, 0, 0), 1)

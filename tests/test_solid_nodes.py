@@ -12,9 +12,8 @@ import pytest
 import pas
 from pas import solid
 from pas.errors import MeshError
-from pas.mesh.contraction import contracted
 from pas.mesh.faces import BoundaryCrossings
-from pas.mesh.nodes import Nodes, find_nodes
+from pas.mesh.nodes import Nodes, contracted, find_nodes
 from pas.mesh.octree import Octree
 from pas.mesh.topology import is_closed_manifold
 from pas.solid.seams import Seams, multiples

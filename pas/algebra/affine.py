@@ -17,6 +17,7 @@ from pas.algebra.inputs import whole
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import (
+    UNITS,
     Exact,
     Vector,
     VectorLike,
@@ -24,10 +25,13 @@ from pas.algebra.rational import (
     dot,
     minus,
     rational,
+    three,
     to_float,
     to_floats,
     vector,
 )
+
+ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
 
 
 def away(point: Sequence[fmpq]) -> list[fmpq_mpoly]:
@@ -50,6 +54,17 @@ def quadratic_form(polynomial: Polynomial) -> fmpq_mat:
     return fmpq_mat(rows)
 
 
+def slope_at(polynomial: Polynomial, point: Vector = ORIGIN) -> Vector:
+    """The gradient at a point, at 0 if none is given, exact."""
+    return three(polynomial.diff(i).raw(*point) for i in range(3))
+
+
+def center_equations(polynomial: Polynomial) -> list[list[fmpq]]:
+    """Where the gradient of a polynomial of degree 2 vanishes: three equations (3, 4), right-hand sides last."""
+    form = quadratic_form(polynomial)
+    return [[form[i, 0], form[i, 1], form[i, 2], -form[i, 3]] for i in range(3)]
+
+
 @dataclass(frozen=True)
 class Affine:
     """The map `x -> matrix x + shift`, exact; rows of the matrix as tuples."""
@@ -61,33 +76,27 @@ class Affine:
     def inverse(self) -> Affine:
         """The inverse map."""
         inverse = fmpq_mat([list(row) for row in self.matrix]).inv()
-        rows = tuple((inverse[i, 0], inverse[i, 1], inverse[i, 2]) for i in range(3))
-        moved = tuple(-dot(row, self.shift) for row in rows)
-        return Affine(rows, moved)  # type: ignore[arg-type]
+        rows = three(three(row) for row in inverse.tolist())
+        return Affine(rows, three(-dot(row, self.shift) for row in rows))
 
     def polynomial(self, polynomial: Polynomial) -> Polynomial:
         """The polynomial whose zero set is the image of that of `polynomial`."""
         inverse = self.inverse
-        images = [
-            Polynomial.from_raw(sum((g * c for g, c in zip(GENERATORS, row, strict=True)), GENERATORS[0] * 0) + s)
-            for row, s in zip(inverse.matrix, inverse.shift, strict=True)
-        ]
-        return polynomial.compose(*images)
+        images = (height(ORIGIN, row) + s for row, s in zip(inverse.matrix, inverse.shift, strict=True))
+        return polynomial.compose(*map(Polynomial.from_raw, images))
 
     def exact(self, point: Vector) -> Vector:
         """The image of one exact point."""
-        x, y, z = (dot(row, point) + s for row, s in zip(self.matrix, self.shift, strict=True))
-        return x, y, z
+        return three(dot(row, point) + s for row, s in zip(self.matrix, self.shift, strict=True))
 
     def direction(self, vector: Vector) -> Vector:
         """The image of one exact vector: the difference of the images of two points."""
-        x, y, z = (dot(row, vector) for row in self.matrix)
-        return x, y, z
+        return three(dot(row, vector) for row in self.matrix)
 
     def after(self, first: Affine) -> Affine:
         """The map that does `first`, then this one."""
-        a, b, c = zip(*(self.direction(column) for column in zip(*first.matrix, strict=True)), strict=True)
-        return Affine((a, b, c), self.exact(first.shift))
+        columns = (self.direction(column) for column in zip(*first.matrix, strict=True))
+        return Affine(three(zip(*columns, strict=True)), self.exact(first.shift))
 
     def points(self, points: Floats) -> Floats:
         """Images of points (..., 3)."""
@@ -96,9 +105,7 @@ class Affine:
     @cached_property
     def floats(self) -> tuple[Floats, Floats]:
         """Matrix and shift rounded to doubles."""
-        return np.array([[to_float(c) for c in row] for row in self.matrix]), np.array(
-            [to_float(c) for c in self.shift]
-        )
+        return np.array([to_floats(row) for row in self.matrix]), np.array(to_floats(self.shift))
 
     def similarity(self) -> float:
         """The factor by which lengths change; `ValueError` where it depends on the direction."""
@@ -127,23 +134,22 @@ class Frame:
         offsets = (minus(p, origin) for p in points)
         return cls(origin, fmpq(2) ** (binary_exponent(max(dot(d, d) for d in offsets)) // 2))
 
+    @cached_property
+    def affine(self) -> Affine:
+        """The map from local coordinates to the user's."""
+        return Affine(three(three(self.scale * c for c in row) for row in UNITS), self.origin)
+
     def localise(self, polynomial: Polynomial) -> Polynomial:
         """A function of the user's coordinates as one of local coordinates, exact."""
-        return polynomial.compose(
-            *(Polynomial.from_raw(self.scale * g + o) for g, o in zip(GENERATORS, self.origin, strict=True))
-        )
+        return self.affine.inverse.polynomial(polynomial)
 
     def globalise(self, polynomial: Polynomial) -> Polynomial:
         """A function of local coordinates as one of the user's, exact."""
-        inverse = 1 / self.scale
-        return polynomial.compose(
-            *(Polynomial.from_raw(inverse * (g - o)) for g, o in zip(GENERATORS, self.origin, strict=True))
-        )
+        return self.affine.polynomial(polynomial)
 
     def local_point(self, point: Sequence[fmpq]) -> Vector:
         """Local coordinates of a point, exact."""
-        x, y, z = ((a - o) / self.scale for a, o in zip(point, self.origin, strict=True))
-        return x, y, z
+        return three((a - o) / self.scale for a, o in zip(point, self.origin, strict=True))
 
     def local_points(self, points: Floats) -> Floats:
         """Local coordinates of points (..., 3)."""
@@ -151,28 +157,22 @@ class Frame:
 
     def place(self, point: Floats) -> tuple[float, float, float]:
         """One local point (3,) in global coordinates, as Python's numbers."""
-        x, y, z = self.global_points(point).tolist()
-        return x, y, z
+        return three(self.global_points(point).tolist())
 
     def global_points(self, points: Floats) -> Floats:
         """The user's coordinates of local points (..., 3)."""
         return np.asarray(points, dtype=float) * to_float(self.scale) + to_floats(self.origin)
 
 
-IDENTITY = ((fmpq(1), fmpq(0), fmpq(0)), (fmpq(0), fmpq(1), fmpq(0)), (fmpq(0), fmpq(0), fmpq(1)))
-ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
-
-
 def translation(offset: VectorLike) -> Affine:
     """The map that adds `offset`."""
-    return Affine(IDENTITY, vector(offset, "offset"))
+    return Affine(UNITS, vector(offset, "offset"))
 
 
 def about(matrix: tuple[Vector, Vector, Vector], center: VectorLike) -> Affine:
     """The linear map with `center` kept in place."""
     c = vector(center, "center")
-    moved = tuple(a - dot(row, c) for a, row in zip(c, matrix, strict=True))
-    return Affine(matrix, moved)  # type: ignore[arg-type]
+    return Affine(matrix, three(a - dot(row, c) for a, row in zip(c, matrix, strict=True)))
 
 
 def rotation(axis: VectorLike, degrees: Exact, center: VectorLike) -> Affine:
@@ -202,7 +202,7 @@ def rotation(axis: VectorLike, degrees: Exact, center: VectorLike) -> Affine:
         (2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)),
         (2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z),
     )
-    return about(tuple(tuple(c / n for c in row) for row in rows), center)  # type: ignore[arg-type]
+    return about(three(three(c / n for c in row) for row in rows), center)
 
 
 def scaling(factors: Exact | VectorLike, center: VectorLike) -> Affine:
@@ -223,8 +223,7 @@ def reflection(normal: VectorLike, center: VectorLike) -> Affine:
     square = dot(n, n)
     if square == 0:
         raise ValueError("normal must not be the zero vector")
-    rows = tuple(tuple(IDENTITY[i][j] - 2 * n[i] * n[j] / square for j in range(3)) for i in range(3))
-    return about(rows, center)  # type: ignore[arg-type]
+    return about(three(three(UNITS[i][j] - 2 * n[i] * n[j] / square for j in range(3)) for i in range(3)), center)
 
 
 def translations(count: int, offset: VectorLike) -> list[Affine]:

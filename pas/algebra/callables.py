@@ -28,8 +28,6 @@ Derivatives: TypeAlias = Mapping[tuple[int, int], Callable[[Floats, Floats], Seq
 PROBE = (np.array([0.3125, 0.4375]), np.array([0.28125, 0.40625]))
 """Parameters at which a callable is tried for whether it takes arrays and Taylor series."""
 
-ROUNDOFF = 2.0**-52
-
 
 @dataclass(frozen=True)
 class Component:
@@ -110,7 +108,8 @@ def _differentiable(function: Formula, name: str) -> Formula:
 
 def _difference(function: Formula, t: Any, h: Any, first: int, second: int) -> Floats:
     """The central difference quotient of these orders; steps balance truncation and rounding."""
-    root = ROUNDOFF ** (1 / (first + second + 2))
+    roundoff = 2.0**-52
+    root = roundoff ** (1 / (first + second + 2))
     steps = [root * np.maximum(1.0, np.abs(np.asarray(x, dtype=float))) for x in (t, h)]
     total = np.zeros(np.broadcast_shapes(np.shape(t), np.shape(h)))
     for i in range(first + 1):

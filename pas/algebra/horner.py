@@ -17,9 +17,6 @@ from pas.algebra.jets import Jet
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 
-BLOCK = 1 << 18
-"""Multiplications in one matrix product: above, OpenBLAS starts threads, which costs more than it saves here."""
-
 
 @dataclass(frozen=True)
 class Bundle:
@@ -123,9 +120,11 @@ def combinations(t: Floats, coefficients: Floats) -> Floats:
 
 def product(matrix: Floats, stacked: Floats) -> Floats:
     """sum_m matrix[..., m] stacked[m, ...], in blocks small enough for BLAS to stay in one thread."""
+    # Multiplications in one matrix product: above, OpenBLAS starts threads, which costs more than it saves here.
+    most = 1 << 18
     rows, flat = matrix.reshape(-1, matrix.shape[-1]), stacked.reshape(len(stacked), -1)
     result = np.empty((len(rows), flat.shape[1]))
-    step = max(64, BLOCK // max(rows.size, 1))
+    step = max(64, most // max(rows.size, 1))
     for start in range(0, flat.shape[1], step):
         np.matmul(rows, flat[:, start : start + step], out=result[:, start : start + step])
     return result.reshape(matrix.shape[:-1] + stacked.shape[1:])

@@ -70,6 +70,24 @@ Table = list[list[int]]
 K = TypeVar("K", bound=Hashable)
 
 
+def leads(reduced: fmpq_mat, rank: int) -> list[int]:
+    """The columns of the leading entries of a reduced matrix, row by row."""
+    return [next(j for j in range(reduced.ncols()) if reduced[i, j] != 0) for i in range(rank)]
+
+
+def solved(table: fmpq_mat) -> tuple[list[fmpq], list[int]] | None:
+    """A solution of equations (p, m + 1), right-hand sides last: 0 in free unknowns, with the numbers of those that are
+    bound; None where they contradict."""
+    reduced, rank = table.rref()
+    bound, size = leads(reduced, rank), table.ncols() - 1
+    if size in bound:
+        return None
+    result = [fmpq(0)] * size
+    for row, lead in enumerate(bound):
+        result[lead] = reduced[row, size]
+    return result, bound
+
+
 def whole_rows(rows: Sequence[Mapping[K, fmpq]], places: Mapping[K, int]) -> tuple[fmpz_mat, int]:
     """Rows (N, columns) of entries by keys, which have `places`, in whole numbers over one denominator."""
     common = lcm(*(int(v.q) for row in rows for v in row.values()))

@@ -14,7 +14,7 @@ import math
 import numbers
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias, TypeVar, cast
 
@@ -32,9 +32,9 @@ NUMBER = re.compile(
 """A quotient of integers or a decimal."""
 
 R = TypeVar("R")
+T = TypeVar("T")
 Vector = tuple[fmpq, fmpq, fmpq]
 
-UNITS: tuple[Vector, ...] = tuple((fmpq(i == 0), fmpq(i == 1), fmpq(i == 2)) for i in range(3))
 
 Exact: TypeAlias = int | float | str | Fraction | fmpq | SupportsFloat
 """What is taken for an exact number, as the head of this module says."""
@@ -147,10 +147,18 @@ def exact(value: float) -> fmpq:
     return fmpq(*float(value).as_integer_ratio())
 
 
+def three(values: Iterable[T]) -> tuple[T, T, T]:
+    """Three values as a tuple, such as a vector's coordinates; raises `ValueError` for more or fewer."""
+    x, y, z = values
+    return x, y, z
+
+
+UNITS = three((fmpq(i == 0), fmpq(i == 1), fmpq(i == 2)) for i in range(3))
+
+
 def exact_vector(values: Sequence[float]) -> Vector:
     """Three doubles as the binary fractions that they are."""
-    x, y, z = map(exact, values)
-    return x, y, z
+    return three(map(exact, values))
 
 
 def vector(value: Any, name: str = "vector") -> Vector:
@@ -159,8 +167,7 @@ def vector(value: Any, name: str = "vector") -> Vector:
         raise TypeError(f"{name} must be three numbers, not {shown(value)}")
     if len(value) != 3:
         raise ValueError(f"{name} must be three numbers, not {len(value)}: {shown(value)}")
-    x, y, z = (rational(entry, f"{name}[{i}]") for i, entry in enumerate(value))
-    return x, y, z
+    return three(rational(entry, f"{name}[{i}]") for i, entry in enumerate(value))
 
 
 def to_fraction(value: fmpq) -> Fraction:
@@ -204,6 +211,11 @@ def cross(left: Sequence[R], right: Sequence[R]) -> tuple[R, R, R]:
     """The vector product of two vectors in space, exact for exact entries: numbers or polynomials."""
     (a, b, c), (d, e, f) = cast(Sequence[Any], left), cast(Sequence[Any], right)
     return b * f - c * e, c * d - a * f, a * e - b * d
+
+
+def moved(point: Sequence[fmpq], *steps: tuple[fmpq | int, Sequence[fmpq]]) -> Vector:
+    """A point and the sum of some vectors, each given with its factor."""
+    return three(c + sum((s * v[i] for s, v in steps), fmpq(0)) for i, c in enumerate(point))
 
 
 def two_across(normal: Vector) -> tuple[Vector, Vector]:

@@ -18,7 +18,7 @@ from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly
 from pas.algebra.ideal import Ideal, NormalForm, leading_exponents
 from pas.algebra.monomials import Exponents
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, to_float
+from pas.algebra.rational import Vector, three, to_float
 from pas.algebra.roots import RealRoot, accuracies, exact, real_roots
 
 ENOUGH = 1024
@@ -137,13 +137,11 @@ class RealZero:
     def point(self) -> tuple[float, float, float]:
         """The coordinates, rounded."""
         printed = 256  # bits of points that are rounded to doubles, enough for most coordinates however they cancel
-        x, y, z = (to_float(exact(ball)) for ball in self.balls(printed))
-        return x, y, z
+        return three(to_float(exact(ball)) for ball in self.balls(printed))
 
     def near(self, bits: int) -> Vector:
         """A rational point close by."""
-        x, y, z = (exact(ball) for ball in self.balls(bits))
-        return x, y, z
+        return three(exact(ball) for ball in self.balls(bits))
 
 
 def value_at(polynomial: Polynomial, balls: tuple[arb, ...]) -> arb:

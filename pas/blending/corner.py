@@ -14,7 +14,9 @@ from math import sqrt
 
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.rational import Vector, cross, dot, listed, plain, rational, to_float
+from pas.algebra.affine import center_equations, slope_at
+from pas.algebra.matrices import solved
+from pas.algebra.rational import Vector, cross, dot, listed, moved, plain, rational, three, to_float
 from pas.contacts.contact import Contact
 from pas.contacts.endless import Circular
 from pas.contacts.joins import Join
@@ -54,8 +56,7 @@ def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Circular | None]
                 f"the clip plane of pipe {number} passes through the centre "
                 f"({listed(center)}); it must leave room for the blend"
             )
-        x, y, z = (-height / dot(normal, normal) * n for n in normal)
-        legs.append((x, y, z))
+        legs.append(three(-height / dot(normal, normal) * n for n in normal))
     if len(legs) == 2:
         legs.append(_third(legs[0], legs[1]))
     return SixTetrahedra(center, legs)
@@ -68,8 +69,7 @@ def _third(first: Vector, second: Vector) -> Vector:
     # Of the share by which the third leg of an elbow is made as long as the others, where that is no fraction.
     largest_denominator = 1000
     share = rational(Fraction(length).limit_denominator(largest_denominator))
-    x, y, z = (share * c for c in across)
-    return x, y, z
+    return three(share * c for c in across)
 
 
 def _normal(number: int, contact: Contact) -> Vector:
@@ -77,8 +77,7 @@ def _normal(number: int, contact: Contact) -> Vector:
         raise GeometryError(
             f"the clip {contact.clip} of contact {number} is not a plane, as the six-tetrahedra corner needs; {OTHERS}"
         )
-    x, y, z = (contact.clip.diff(i).raw(0, 0, 0) for i in range(3))
-    return x, y, z
+    return slope_at(contact.clip)
 
 
 def _center(contacts: Sequence[Contact], pipes: Sequence[Circular | None]) -> Vector:
@@ -93,16 +92,13 @@ def _center(contacts: Sequence[Contact], pipes: Sequence[Circular | None]) -> Ve
                 f"surface {number} is of degree {contact.surface.degree}, so the corner's centre is not "
                 "known; give the partition, such as pas.SixTetrahedra(center, legs)"
             )
-        for i in range(3):
-            slope = contact.surface.diff(i)
-            rows.append([slope.diff(j).raw(0, 0, 0) for j in range(3)] + [-slope.raw(0, 0, 0)])
-    reduced, rank = fmpq_mat(len(rows), 4, [v for row in rows for v in row]).rref()
-    leads = [next(j for j in range(4) if reduced[i, j] != 0) for i in range(rank)]
-    if 3 in leads:
+        rows += center_equations(contact.surface)
+    found = solved(fmpq_mat(rows))
+    if found is None:
         raise GeometryError(_apart(pipes))
-    if rank < 3:
+    if len(found[1]) < 3:
         raise GeometryError("the surfaces have more than one common centre; give the partition")
-    return reduced[0, 3], reduced[1, 3], reduced[2, 3]
+    return three(found[0])
 
 
 def _on_axis(pipe: Circular) -> list[list[fmpq]]:
@@ -144,10 +140,8 @@ def check_circle(number: int, pipe: Circular, join: Join) -> None:
 
 def _foot(pipe: Circular, join: Join) -> Vector:
     clip = join.contact.clip
-    slope = sum((clip.diff(i).raw(0, 0, 0) * a for i, a in enumerate(pipe.axis)), fmpq(0))
-    t = -clip.raw(*pipe.point) / slope
-    x, y, z = (p + t * a for p, a in zip(pipe.point, pipe.axis, strict=True))
-    return x, y, z
+    t = -clip.raw(*pipe.point) / dot(slope_at(clip), pipe.axis)
+    return moved(pipe.point, (t, pipe.axis))
 
 
 def _distance(point: Vector, a: Vector, b: Vector) -> float:

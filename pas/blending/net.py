@@ -153,7 +153,7 @@ class Net:
             for s in range(1, 1 + min(self.degree if same else self.placed.order, self.degree)):
                 yield from self._across(triangle, first, second, s)
         for contact, pieces in zip(self.placed.local_contacts, self.placed.carriers, strict=True):
-            form = NormalForm([contact.surface.raw, contact.clip.raw ** (self.placed.order + 1)])
+            form = contact.form(self.placed.order)
             for piece in pieces:
                 terms = (polynomial.items() for polynomial in self._bernstein(piece))
                 yield from form.rows(zip(self._numbers(piece), terms, strict=True), self.degree)
@@ -216,7 +216,7 @@ def solve_on_layout(
     rows: list[dict[int, fmpq]] = []
     for contact, pieces in zip(contacts, carriers, strict=True):
         checkpoint("setting up the conditions at contacts")
-        form = NormalForm([contact.surface.raw, contact.clip.raw ** (order + 1)])
+        form = contact.form(order)
         images = _images(form, degree)
         for piece in pieces:
             rows += [

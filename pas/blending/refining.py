@@ -14,8 +14,6 @@ from flint import arb, arb_mat, ctx, fmpq_mat
 from pas.algebra.monomials import Floats
 
 BITS = 512
-STEPS = 6
-"""From three right digits on, one step doubles them: five give 96 digits, more than `CLOSE`."""
 
 CLOSE = arb(2) ** -160
 """Change of the last step, over the vector: far below doubles, far above the rounding of `BITS` bits."""
@@ -29,11 +27,12 @@ def refined(
     `above` and `below` are (n, .), their columns weighted in the sums of squares.  None where the steps do not settle,
     as at an eigenvalue that is not simple.
     """
+    steps = 6  # from three right digits on, one step doubles them: five give 96 digits, more than `CLOSE`
     with ctx.workprec(BITS):
         first, second = (_gram(m, w) for m, w in zip((above, below), weights, strict=True))
         vector = arb_mat(len(start), 1, [arb(float(c)) for c in start])
         quotient = _form(first, vector) / _form(second, vector)
-        for _ in range(STEPS):
+        for _ in range(steps):
             try:
                 step, turn = _newton(first, second, vector, quotient)
             except ZeroDivisionError:

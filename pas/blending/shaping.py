@@ -21,7 +21,7 @@ from flint import arb, fmpq, fmpq_mat
 from scipy.linalg import svd
 
 from pas.algebra.brief import brief
-from pas.algebra.matrices import Products
+from pas.algebra.matrices import Products, leads
 from pas.algebra.monomials import Floats, exponents, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, rational, to_float, to_fraction, vector
@@ -152,8 +152,7 @@ def determining_set(space: Space, prefer: Sequence[Handle] = ()) -> tuple[Handle
     candidates = tuple(dict.fromkeys((*prefer, *handles(space))))
     functionals = [b_coefficient(space.partition, handle, space.degree) for handle in candidates]
     reduced, rank = space.functional_rows(functionals).transpose().rref()
-    table = reduced.tolist()
-    return tuple(candidates[next(j for j, v in enumerate(table[i]) if v != 0)] for i in range(rank))
+    return tuple(candidates[lead] for lead in leads(reduced, rank))
 
 
 def least_squares(

@@ -233,16 +233,11 @@ class Conditions:
             for piece in pieces:
                 if piece != self._root or number != self._root_contact:
                     terms = ((u, column.items()) for u, column in patches[piece].items())
-                    rows += self.contact_form(number).rows(terms, degree)
+                    rows += self.placed.local_contacts[number].form(self.placed.order).rows(terms, degree)
         basis, denominator = integral_nullspace(rows, unknowns)
         parts = [whole_rows([patch.get(u, {}) for u in range(unknowns)], positions(degree)) for patch in patches]
         common = lcm(*(own for _, own in parts))
         return Products(basis, tuple(table * (common // own) for table, own in parts), denominator * common)
-
-    def contact_form(self, number: int) -> NormalForm:
-        """Normal forms modulo `<f, h^(k+1)>` of a contact."""
-        contact = self.placed.local_contacts[number]
-        return NormalForm([contact.surface.raw, contact.clip.raw ** (self.placed.order + 1)])
 
     @property
     def _root_contact(self) -> int | None:
@@ -287,7 +282,7 @@ class Conditions:
         number = self._root_contact
         if number is None:
             return [{e: fmpq(1)} for e in exponents(degree)]
-        form = self.contact_form(number)
+        form = self.placed.local_contacts[number].form(self.placed.order)
         images = form.images(degree)
         standard = set(form.standard(degree))
         return [{e: fmpq(1)} | {m: -c for m, c in images[e].items()} for e in exponents(degree) if e not in standard]

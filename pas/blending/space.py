@@ -15,7 +15,7 @@ from typing import Any, Self, TypeAlias
 
 from flint import fmpq, fmpq_mat, fmpz_mat
 
-from pas.algebra.matrices import Products, short_basis
+from pas.algebra.matrices import Products, leads, short_basis
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, VectorLike, rational, to_fraction, vector
@@ -208,8 +208,7 @@ class Space(InPlace, Exported):
     def _pivots(self) -> tuple[list[int], fmpq_mat]:
         """Columns of `_all_patches` that determine a member, and the inverse of that part."""
         reduced, rank = self._all_patches.rref()
-        table = reduced.tolist()
-        pivots = [next(j for j, v in enumerate(table[i]) if v != 0) for i in range(rank)]
+        pivots = leads(reduced, rank)
         rows = self._all_patches.tolist()
         chosen = fmpq_mat(rank, rank, [row[j] for row in rows for j in pivots])
         return pivots, chosen.inv()

@@ -37,13 +37,14 @@ leaves the nappe through it alone.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from itertools import combinations
 
 from flint import fmpq, fmpq_mat, fmpq_mpoly
 
 from pas.algebra.inputs import shown_point
+from pas.algebra.matrices import solved
 from pas.algebra.monomials import exponents
 from pas.algebra.polynomial import RING, Polynomial
 from pas.bernstein.signs import SignResult, alike, positive_on
@@ -142,41 +143,43 @@ def check_join(number: int, join: Join) -> None:
 
     Raises `GeometryError` with the place where it fails.
     """
-    contact = join.contact
-    inside = curve_in_face(join)
+    for flaw in _flaws(join):
+        raise GeometryError(f"contact {number}: {flaw}")
+
+
+def _flaws(join: Join) -> Iterator[str]:
+    """What is wrong with a contact on its clip faces, in words."""
+    surface, clip, inside = join.contact.surface, join.contact.clip, curve_in_face(join)
     if inside.status is not Status.PROVED:
-        turned = all(contact.surface.raw(*a) < 0 for a, _ in join.rim())
+        turned = all(surface.raw(*a) < 0 for a, _ in join.rim())
         hint = " (a surface must be negative inside; is its sign turned round?)" if turned else ""
-        raise GeometryError(
-            f"contact {number}: its curve is not closed inside its face of the partition; the surface "
-            f"{contact.surface} must be positive on the face's edges, and is not at {_place(inside)}{hint}"
+        yield (
+            f"its curve is not closed inside its face of the partition; the surface {surface} must be positive on the "
+            f"face's edges, and is not at {_place(inside)}{hint}"
         )
     if join.inside_point() is None:
-        raise GeometryError(
-            f"contact {number}: the surface {contact.surface} is nowhere negative on its clip face, so "
-            "there is no curve to meet (a surface must be negative inside; is its sign turned round?)"
+        yield (
+            f"the surface {surface} is nowhere negative on its clip face, so there is no curve to meet (a surface must "
+            "be negative inside; is its sign turned round?)"
         )
     if not all(plane.simple for plane in join.planes):
-        raise GeometryError(
-            f"contact {number}: the plane of its clip face is a multiple factor of its clip {contact.clip}; "
-            "give it once"
-        )
+        yield f"the plane of its clip face is a multiple factor of its clip {clip}; give it once"
     sided = clip_sided(join)
     if sided.status is not Status.PROVED:
-        raise GeometryError(
-            f"contact {number}: its clip {contact.clip} is not negative on the region's side of its face "
-            f"at {_place(sided)}; it must be so along the whole curve, and in each of its faces"
+        yield (
+            f"its clip {clip} is not negative on the region's side of its face at {_place(sided)}; it must be so along "
+            "the whole curve, and in each of its faces"
         )
     regular = curve_regular(join)
     if regular.status is not Status.PROVED:
-        raise GeometryError(
-            f"contact {number}: its clip does not cut its surface transversally at {_place(regular)}; "
-            "the two must cross at an angle along the whole curve"
+        yield (
+            f"its clip does not cut its surface transversally at {_place(regular)}; the two must cross at an angle "
+            "along the whole curve"
         )
     if len(join.partition.pieces) > 1 and not join.confined:
-        raise GeometryError(
-            f"contact {number}: its clip {contact.clip} cuts its surface inside the region, too, around "
-            f"{_place(join.elsewhere)}; give the plane of its face alone as the clip"
+        yield (
+            f"its clip {clip} cuts its surface inside the region, too, around {_place(join.elsewhere)}; give the plane "
+            "of its face alone as the clip"
         )
 
 
@@ -207,14 +210,8 @@ def _combination(wanted: fmpq_mpoly, given: Sequence[fmpq_mpoly]) -> list[fmpq] 
     parts = [p.to_dict() for p in (*given, wanted)]
     terms = sorted({e for part in parts for e in part})
     table = fmpq_mat(len(terms), len(parts), [part.get(e, 0) for e in terms for part in parts])
-    reduced, rank = table.rref()
-    result = [fmpq(0)] * len(given)
-    for row in range(rank):
-        column = next(j for j in range(len(parts)) if reduced[row, j] != 0)
-        if column == len(given):
-            return None
-        result[column] = reduced[row, len(given)]
-    return result
+    found = solved(table)
+    return None if found is None else found[0]
 
 
 def side_signs(join: Join) -> SignResult:

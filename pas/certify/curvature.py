@@ -29,7 +29,7 @@ from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal, NormalForm
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import cross, dot, plain, to_float
+from pas.algebra.rational import cross, dot, plain, three, to_float
 from pas.bernstein.forms import BoundedForms, nearby_forms, polar_forms
 from pas.bernstein.search import Limits
 from pas.bernstein.signs import prove_positive
@@ -166,8 +166,7 @@ def _proportional(a: fmpq_mpoly, b: fmpq_mpoly) -> bool:
 
 
 def _owned(components: Sequence[fmpq_mpoly]) -> tuple[Polynomial, Polynomial, Polynomial]:
-    x, y, z = (Polynomial.from_raw(c) for c in components)
-    return x, y, z
+    return three(Polynomial.from_raw(c) for c in components)
 
 
 def curvature_below(surface: PiecewisePolynomial, bound: fmpq) -> Verdict:

@@ -30,9 +30,10 @@ from flint import fmpq_mpoly
 from numpy.typing import NDArray
 
 from pas.algebra.ideal import NormalForm
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, cross, dot, exact_vector, to_floats
+from pas.algebra.rational import Vector, cross, dot, exact_vector, moved, to_floats
 from pas.algebra.scaling import scaled
 from pas.bernstein.forms import b_form, on_simplex
 from pas.bernstein.signs import alike, apart_on, positive_on
@@ -169,8 +170,8 @@ class RegionCurve:
         """A parallelogram around a point with half sides `half`, if it is proved to be in the region and to hold
         a common zero of f and d."""
         along_f, along_d, _ = _dual(scaled(self.f).gradient(point[None]), scaled(self.d).gradient(point[None]))
-        p, u, w = (exact_vector(v.tolist()) for v in (point, *(half * _unit(a[0]) for a in (along_f, along_d))))
-        a, b, c, e = (_moved(p, u, s, w, t) for s, t in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
+        p, u, w = (exact_vector(v.tolist()) for v in (point, *(half * unit(a[0]) for a in (along_f, along_d))))
+        a, b, c, e = (moved(p, (s, u), (t, w)) for s, t in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
         f, d = self.f.raw, self.d.raw
         met = _sign(f, [(a, e)]) < 0 < _sign(f, [(b, c)]) and _sign(d, [(a, b)]) < 0 < _sign(d, [(c, e)])
         return Enclosure(point, (a, b, c, e)) if met and self._holds((a, b, c, e)) else None
@@ -235,12 +236,3 @@ def _cubes() -> Floats:
     """The corners of cubes around the origin, cut into no cells: (cubes, 8, 3)."""
     corners = np.array(list(product((-1.0, 1.0), repeat=3)))
     return np.array([reach * corners for reach in (1.0, 8.0, 64.0)])
-
-
-def _moved(p: Vector, u: Vector, s: int, w: Vector, t: int) -> Vector:
-    x, y, z = (a + s * b + t * c for a, b, c in zip(p, u, w, strict=True))
-    return x, y, z
-
-
-def _unit(v: Floats) -> Floats:
-    return v / np.linalg.norm(v)

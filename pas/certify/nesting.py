@@ -27,7 +27,7 @@ from typing import TypeAlias
 from flint import fmpq_mpoly
 
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, cross, dot
+from pas.algebra.rational import Vector, cross, dot, moved, three
 from pas.bernstein.search import Limits
 from pas.bernstein.signs import Exact, SignResult, alike, positive_on
 from pas.certify.certificate import Proposition
@@ -164,8 +164,7 @@ def _one_nappe(inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: i
     v, w = (next((v for v in s.local.vertices if cone(*v) < 0), None) for s in (inner, outer))
     if v is None or w is None:
         return False
-    x, y, z = (a + b for a, b in zip(v, w, strict=True))
-    return bool(cone(x, y, z) < cone(*v) + cone(*w))
+    return bool(cone(*moved(v, (1, w))) < cone(*v) + cone(*w))
 
 
 def prove_inside(simplices: Sequence[Sequence[Vector]], values: Exact, inside: Sequence[Exact]) -> SignResult:
@@ -228,8 +227,7 @@ def _beside(tetrahedron: Tetrahedron, normal: Vector) -> Iterator[Tetrahedron]:
 
     def met(i: int, j: int) -> Vector:
         share = sides[i] / (sides[i] - sides[j])
-        x, y, z = (a + share * (b - a) for a, b in zip(tetrahedron[i], tetrahedron[j], strict=True))
-        return x, y, z
+        return three(a + share * (b - a) for a, b in zip(tetrahedron[i], tetrahedron[j], strict=True))
 
     if len(away) == 1:  # between the triangle of what is there and its image on the plane, on which corners may be
         yield from _between((*on, *corners), (*on, *(met(i, away[0]) for i in there)))

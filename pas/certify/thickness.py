@@ -48,10 +48,6 @@ by some hundred 2^-53 of it."""
 Pairs: TypeAlias = "tuple[NDArray[np.intp], NDArray[np.intp]]"
 """The numbers (P,) of slices of the inner surface, and of one of the outer surface's for each."""
 
-FLAT = 2.0**-20
-"""Edges along which L changes by less, over the largest |L|, are taken as a whole where they meet the slice: along
-others where it has a value is known to 2^-30."""
-
 LIMITS = Limits(depth=60, cells=400_000)
 """Slices a quarter as large as the wall is thick are some ten thousand."""
 
@@ -81,6 +77,9 @@ def slices(batch: Simplices) -> tuple[Slices, NDArray[np.bool_]]:
 
     A zero is in use where no other form, which is a clip's, is positive; `crossed` are edges with one that surely is.
     """
+    # Edges along which L changes by less, over the largest |L|, are taken as a whole where they meet the slice:
+    # along others where it has a value is known to 2^-30.
+    unchanged = 2.0**-20
     form, size = batch.forms[0], len(batch)
     weights = np.array(homogeneous_exponents(batch.degrees[0], 4)) / batch.degrees[0]
     values = at_vertices(form, 4)
@@ -90,7 +89,7 @@ def slices(batch: Simplices) -> tuple[Slices, NDArray[np.bool_]]:
     ends, change = values[:, first], values[:, second] - values[:, first]
     least, most = np.minimum(ends, values[:, second]), np.maximum(ends, values[:, second])
     met = (most >= low[:, None]) & (least <= high[:, None])
-    flat = np.abs(change) <= FLAT * np.abs(values).max(axis=1)[:, None]
+    flat = np.abs(change) <= unchanged * np.abs(values).max(axis=1)[:, None]
     with np.errstate(all="ignore"):
         shares = np.stack([(limit[:, None] - ends) / change for limit in (low, high)], axis=2)
     shares = np.where(flat[:, :, None], [0.0, 1.0], np.sort(shares, axis=2) + [-(2.0**-30), 2.0**-30])

@@ -9,13 +9,10 @@ import numpy as np
 
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import VectorLike, to_floats, vector
+from pas.algebra.rational import VectorLike, three, to_floats, vector
 from pas.contacts.contact import ContactLike, as_contact
 
 Triple = tuple[float, float, float]
-
-ROUND = 1e-9
-"""Share of its radius within which a curve counts as round: rounding alone is far below."""
 
 FAR, SLENDER = 8.0, 10.0
 """A clip that is so many times the largest radius from the centre is unusual, and so are radii in such a ratio: two
@@ -83,11 +80,11 @@ def unusual(ends: Sequence[ContactEnd]) -> list[str]:
 
 
 def _round(radii: tuple[float, float]) -> float | None:
+    rounding = 1e-9  # share of its radius within which a curve counts as round: rounding alone is far below
     least, largest = radii
-    return largest if largest - least <= ROUND * largest else None
+    return largest if largest - least <= rounding * largest else None
 
 
 def triple(vector: Floats) -> Triple:
     """The coordinates of a vector (3,)."""
-    x, y, z = map(float, vector)
-    return x, y, z
+    return three(map(float, vector))

@@ -24,9 +24,6 @@ from pas.errors import GeometryError
 TURN = 0.1
 """Radians that the tangent may turn along one step: an oval has 63 points at least."""
 
-SLACK = 1e-6
-"""Over the same: how far outside the bounds of all ovals a point must be to count as outside."""
-
 
 @dataclass(frozen=True, eq=False)
 class Strip:
@@ -117,12 +114,13 @@ def ovals(curve: Polynomial, normal: Floats, strips: Sequence[Strip]) -> tuple[l
 
 def follow(curve: Polynomial, normal: Floats, start: Floats, strips: Sequence[Strip]) -> tuple[Floats, bool]:
     """The points (m, 3) of the branch through a start in order, and whether it came back there."""
+    outside = 1e-6  # over the same: how far outside the bounds of all ovals a point must be to count as outside
     extent = max(strip.width for strip in strips)
     longest_step = 1 / 40  # over the extent of the bounds
     longest = longest_step * extent
     points, at, way, step = [start], start, _tangent(curve, normal, start), longest / 10
     most_steps = 20_000  # along one branch: an oval within the bounds that takes more is as good as open
-    while len(points) < most_steps and all(strip.holds(at, SLACK) for strip in strips):
+    while len(points) < most_steps and all(strip.holds(at, outside) for strip in strips):
         ahead = settled(curve, (at + step * way)[None])[0]
         direction = _tangent(curve, normal, ahead)
         moved = float(np.linalg.norm(ahead - at))

@@ -15,14 +15,29 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import combinations
-from math import frexp, isqrt, ldexp, sqrt
+from math import frexp, ldexp, sqrt
 
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.affine import quadratic_form, slope_at
 from pas.algebra.inputs import short
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import UNITS, Vector, cross, dot, exact, listed, plain, to_float, to_floats, two_across
+from pas.algebra.rational import (
+    UNITS,
+    Vector,
+    cross,
+    dot,
+    exact,
+    listed,
+    plain,
+    rational,
+    square_root,
+    three,
+    to_float,
+    to_floats,
+    two_across,
+)
 from pas.algebra.scaling import Scaled
 from pas.contacts.cones import apex
 from pas.contacts.contact import CONTACTS, Contact
@@ -34,8 +49,6 @@ DIGITS = 32
 
 Axes = tuple[tuple[Vector, fmpq], ...]
 """Three vectors across one another, each with the eigenvalue of the quadratic form that belongs to it."""
-
-ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
 
 
 def inner_contact(contact: Contact, thickness: fmpq, number: int = 1) -> Contact:
@@ -86,10 +99,8 @@ def shrunk(square: fmpq, thickness: fmpq) -> fmpq:
 
 def root(square: fmpq) -> fmpq:
     """The square root of a positive number, exact where it is rational, else rounded."""
-    p, q = int(square.p), int(square.q)
-    if isqrt(p) ** 2 == p and isqrt(q) ** 2 == q:
-        return fmpq(isqrt(p), isqrt(q))
-    return rounded(sqrt(to_float(square)))
+    exactly = square_root(square)
+    return exactly if exactly**2 == square else rounded(sqrt(to_float(square)))
 
 
 def rounded(value: float) -> fmpq:
@@ -100,7 +111,7 @@ def rounded(value: float) -> fmpq:
 
 def principal_axes_of(surface: Polynomial, contact: Contact) -> Axes | None:
     """Those of a polynomial's terms of degree 2, one of which may be the normal of a contact's plane clip."""
-    hint = slope_at(contact.clip, ORIGIN) if contact.clip.degree == 1 else None
+    hint = slope_at(contact.clip) if contact.clip.degree == 1 else None
     return principal_axes(quadratic_terms(surface), hint)
 
 
@@ -147,8 +158,7 @@ def _short(values: Sequence[float]) -> Vector:
     # Of coordinates of a principal axis that is neither the clip's normal nor follows from that: axes are found from
     # rounded numbers, and then checked exactly.
     largest_denominator = 10**6
-    x, y, z = (Fraction(v).limit_denominator(largest_denominator) for v in values)
-    return fmpq(x.numerator, x.denominator), fmpq(y.numerator, y.denominator), fmpq(z.numerator, z.denominator)
+    return three(rational(Fraction(v).limit_denominator(largest_denominator)) for v in values)
 
 
 def _eigenvalue(matrix: fmpq_mat, vector: Vector) -> fmpq | None:
@@ -159,11 +169,5 @@ def _eigenvalue(matrix: fmpq_mat, vector: Vector) -> fmpq | None:
 
 
 def quadratic_terms(f: Polynomial) -> fmpq_mat:
-    """The symmetric matrix of the terms of degree 2."""
-    return fmpq_mat(3, 3, [f.diff(i).diff(j).raw(*ORIGIN) / 2 for i in range(3) for j in range(3)])
-
-
-def slope_at(f: Polynomial, point: Vector) -> Vector:
-    """The gradient at a point, exact."""
-    x, y, z = (f.diff(i).raw(*point) for i in range(3))
-    return x, y, z
+    """The symmetric matrix of the terms of degree 2, of a polynomial of no higher degree."""
+    return fmpq_mat([row[:3] for row in quadratic_form(f).tolist()[:3]])

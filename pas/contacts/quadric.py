@@ -11,27 +11,15 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from flint import fmpq, fmpq_mpoly
 
-from pas.algebra.affine import height, translation
+from pas.algebra.affine import height, slope_at, translation
 from pas.algebra.brief import brief
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, Vector, dot, minus, rational, to_float, to_floats
+from pas.algebra.rational import Exact, Vector, dot, minus, rational, three, to_float, to_floats
 from pas.contacts.cones import apex, nappe, nappe_rays
 from pas.contacts.contact import Contact, Movable
-from pas.contacts.parallels import (
-    ORIGIN,
-    Axes,
-    TooThickError,
-    principal_axes_of,
-    quadratic_terms,
-    rounded,
-    shrunk,
-    slope_at,
-)
-
-ROUND = 64
-"""Points round a curve that is in no plane."""
+from pas.contacts.parallels import Axes, TooThickError, principal_axes_of, quadratic_terms, rounded, shrunk
 
 QuadricLike: TypeAlias = "PolynomialLike | Sequence[Sequence[Exact]]"
 """What is taken for a quadric: a polynomial of degree 2, or a symmetric 4x4 matrix of exact numbers."""
@@ -140,8 +128,7 @@ def _moved_in(contact: Contact, thickness: fmpq, axes: Axes) -> Polynomial | Non
     share = float((np.linalg.norm(slopes, axis=1) / np.abs(along)).max())
     way = -1 if along[0] > 0 else 1
     length = thickness * rounded(share / sqrt(to_float(dot(axis, axis))) * way)
-    x, y, z = (a * length for a in axis)
-    moved = translation((x, y, z)).polynomial(f)
+    moved = translation([a * length for a in axis]).polynomial(f)
     turned = dot(slope_at(moved, middle), axis) * way >= 0  # the tip has passed the rim
     if turned or moved.raw(*middle) >= 0:
         radius = np.linalg.norm(points - np.array(to_floats(middle)), axis=1).min()
@@ -154,11 +141,12 @@ def _curve(contact: Contact) -> tuple[Vector, Floats]:
 
     Of an opening they are in the nappe of its cone in which the point `near` is, or in both.
     """
+    number = 64  # points round a curve that is in no plane
     f, point = contact.surface, apex(contact.clip)
     if point is None or f.raw(*point) >= 0:
         return contact.rim.center, contact.rim.points()
     towards = np.ones(3) if contact.near is None else np.array(to_floats(minus(contact.near, point)))
-    rays = nappe_rays(nappe(contact.clip, towards), ROUND)
+    rays = nappe_rays(nappe(contact.clip, towards), number)
     rays = np.concatenate([rays, -rays]) if contact.near is None else rays
     form = np.array([[to_float(entry) for entry in row] for row in quadratic_terms(f).tolist()])
     value, linear = to_float(f.raw(*point)), rays @ to_floats(slope_at(f, point))
@@ -170,7 +158,6 @@ def _curve(contact: Contact) -> tuple[Vector, Floats]:
 
 def _center(f: Polynomial, axes: Axes) -> Vector:
     """The centre of a quadric, as far as it has one: along the axes with an eigenvalue other than 0."""
-    slope = slope_at(f, ORIGIN)
+    slope = slope_at(f)
     shares = [-dot(slope, v) / (2 * value * dot(v, v)) if value else fmpq(0) for v, value in axes]
-    x, y, z = (sum((s * v[i] for s, (v, _) in zip(shares, axes, strict=True)), fmpq(0)) for i in range(3))
-    return x, y, z
+    return three(sum((s * v[i] for s, (v, _) in zip(shares, axes, strict=True)), fmpq(0)) for i in range(3))

@@ -19,7 +19,7 @@ from typing import Protocol
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.affine import height
+from pas.algebra.affine import height, slope_at
 from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import short, shown_point
@@ -31,6 +31,8 @@ from pas.algebra.rational import (
     binary_exponent,
     dot,
     exact,
+    moved,
+    three,
     to_float,
     to_floats,
     two_across,
@@ -40,9 +42,6 @@ from pas.algebra.scaling import Scaled, scaled
 from pas.algebra.zeros import RealZero, real_zeros
 from pas.contacts.ovals import Strip, ovals
 from pas.errors import GeometryError
-
-ROUNDED = 12
-"""Binary digits of the centre of a curve that is no ellipse: any point near its centroid will do, a short one best."""
 
 USUAL_POINTS = 64
 """Of a rim, unless another number is asked for."""
@@ -144,16 +143,14 @@ class PlaneChart:
     def of(cls, plane: Polynomial) -> PlaneChart:
         """That of a plane, a polynomial of degree 1; its origin is the point next to the origin of space."""
         slope = Scaled.of([plane - plane.at((0, 0, 0))])
-        x, y, z = (slope.polynomials[0].diff(i).raw(0, 0, 0) for i in range(3))
-        normal = (x, y, z)
+        normal = slope_at(slope.polynomials[0])
         share = -plane.raw(0, 0, 0) / fmpq(2) ** slope.exponent / dot(normal, normal)
         (a, b, c), (d, e, f) = two_across(normal)
-        return cls(normal, (share * x, share * y, share * z), (-a, -b, -c), (-d, -e, -f))
+        return cls(normal, three(share * n for n in normal), (-a, -b, -c), (-d, -e, -f))
 
     def point(self, s: fmpq, t: fmpq) -> Vector:
         """The point with given coordinates."""
-        x, y, z = (o + s * a + t * b for o, a, b in zip(self.origin, self.first, self.second, strict=True))
-        return x, y, z
+        return moved(self.origin, (s, self.first), (t, self.second))
 
     def restricted(self, polynomial: Polynomial) -> Polynomial:
         """A polynomial on the plane, as one in x = s and y = t."""
@@ -289,12 +286,15 @@ def _met(factor: Polynomial) -> bool:
 
 def _rounded(point: Floats, polygon: Floats, chart: PlaneChart) -> Vector:
     """An exact point of the plane near one in doubles."""
+    # Binary digits of the centre of a curve that is no ellipse: any point near its centroid will do, a short one
+    # best.
+    digits = 12
     away = point - np.array(to_floats(chart.origin))
     size = float(np.ptp(polygon, axis=0).max())
     coordinates = []
     for axis in (chart.first, chart.second):
         vector_, square = np.array(to_floats(axis)), to_float(dot(axis, axis))
-        step = fmpq(2) ** (binary_exponent(exact(size / sqrt(square))) - ROUNDED)
+        step = fmpq(2) ** (binary_exponent(exact(size / sqrt(square))) - digits)
         coordinates.append(fmpq(round(float(away @ vector_) / square / to_float(step))) * step)
     return chart.point(*coordinates)
 

@@ -146,7 +146,8 @@ class Body:
         """The radius at a height, within a wall as thick as a value of the polynomials; 0 where nothing is there."""
         surface = self.lower if height <= self.seam else self.upper
         slope = self.lower.at((1, 0, 0)) - self.lower.at((0, 0, 0))
-        return sqrt(max(-(surface.at((0, 0, height)) + depth) / slope, 0))
+        square = -(surface.at((0, 0, height)) + depth) / slope
+        return sqrt(square) if square > 0 else 0.0
 
     def room(self) -> Solid:
         """The room inside: level sets of the body's own polynomials, which keep their joint."""

@@ -30,9 +30,6 @@ CONE_EVERY, CONE_SHARES = 4, (0.3, 0.7, 0.9, 1.1)
 SAMPLES = 32
 """Values of f on each ray between which its zeros are looked for; halved steps found the same."""
 
-LEVELS = 3
-"""Values that are looked for, each of which a ray may pass once in a step: -band, 0 and band."""
-
 
 @dataclass(frozen=True)
 class Margins:
@@ -273,7 +270,8 @@ class RayLattice:
 def crossed(profiles: Floats, shares: Floats, band: float) -> tuple[NDArray[np.intp], Floats, Floats]:
     """Where polynomials, columns of `profiles` (n + 1, N), pass -band, 0 and band between shares (S,) that are evenly
     apart from 0 on, at most 65: columns, shares and slopes, (M,) each, by rising columns, shares and levels."""
-    room = LEVELS * (len(shares) - 1) * profiles.shape[1]
+    levels = 3  # values that are looked for, each of which a ray may pass once in a step: -band, 0 and band
+    room = levels * (len(shares) - 1) * profiles.shape[1]
     rays, number = np.empty(room, dtype=np.intp), np.zeros(1, dtype=np.intp)
     places, slopes = np.empty(room), np.empty(room)
     sizes = (len(profiles) - 1, profiles.shape[1])

@@ -10,6 +10,7 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 from scipy.linalg import eigh, null_space, qr
 
+from pas.algebra.matrices import leads
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import InfeasibleError, NotSolvedError
@@ -18,7 +19,7 @@ from pas.fairing.constraints import Inequalities
 from pas.fairing.energy import as_energy
 from pas.fairing.functionals import Functional, b_coefficient, value_at
 from pas.fairing.prepared import PreparedSpace
-from pas.fairing.qp import Outcome, Programme, feasible, leads, solve
+from pas.fairing.qp import Outcome, Programme, feasible, solve
 from pas.fairing.wishes import (
     DEFAULT_MARGIN,
     MeanAlpha,

@@ -21,6 +21,7 @@ from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from pas.algebra.matrices import leads, solved
 from pas.algebra.monomials import Floats
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
@@ -29,9 +30,6 @@ from pas.limits import checkpoint
 RESIDUAL, ACTIVE = 1e-7, 1e-6
 """Largest violation of a constraint accepted, and how near to equality one is active, relative to the unknowns; rows
 have unit length."""
-
-PATIENCE = 10
-"""Steps for each constraint in which the check of an optimum must end; the usual three do not always do."""
 
 STATIONARITY = 1e-3
 """Largest gradient left over, relative to the gradient.  It costs fairness, not truth: the
@@ -164,13 +162,15 @@ def checked(programme: Programme, q: Floats) -> QuadraticSolution:
 
 def _stationary(programme: Programme, q: Floats, scale: float) -> bool:
     """Whether the gradient is a combination of the active constraints with the right signs."""
+    # Steps for each constraint in which the check of an optimum must end; the usual three do not always do.
+    patience = 10
     gradient = programme.hessian @ q + programme.linear
     active = programme.rows[programme.rows @ q - programme.at_least < ACTIVE * scale]
     columns = np.concatenate([programme.equalities, -programme.equalities, active]).T
     if not columns.size:
         return bool(np.abs(gradient).max() <= STATIONARITY)
     try:
-        left = nnls(columns, gradient, maxiter=PATIENCE * columns.shape[1])[1]
+        left = nnls(columns, gradient, maxiter=patience * columns.shape[1])[1]
     except RuntimeError:  # of scipy, where that does not do: nothing is known then
         return False
     return bool(left <= STATIONARITY * float(np.linalg.norm(gradient)) + 1e-12)
@@ -253,21 +253,13 @@ def _minimiser(programme: ExactProgramme, active: list[int]) -> tuple[fmpq_mat, 
         table[j][:m], table[j][size] = rows[number][:m], rows[number][m]
         for i in range(m):
             table[i][j] = -rows[number][i]
-    reduced, rank = fmpq_mat(table).rref()
-    solution, pivots = [fmpq(0)] * (size + 1), leads(reduced, rank)
-    for i, lead in enumerate(pivots):
-        solution[lead] = reduced[i, size]
-    unknowns = fmpq_mat(1, m, solution[:m])
-    if size in pivots or any(_residuals(programme.equations, unknowns)):
+    found = solved(fmpq_mat(table))
+    if found is None or any(_residuals(programme.equations, fmpq_mat(1, m, found[0][:m]))):
         raise InfeasibleError("the equations contradict one another")
+    solution, bound = found
     multipliers = dict.fromkeys(active, fmpq(0))
     multipliers |= {active[n - equations]: solution[j] for j, n in enumerate(chosen, start=m) if n >= equations}
-    return unknowns, multipliers, all(j in pivots for j in range(m))
-
-
-def leads(reduced: fmpq_mat, rank: int) -> list[int]:
-    """The columns of the leading entries of a reduced matrix, row by row."""
-    return [next(j for j in range(reduced.ncols()) if reduced[i, j] != 0) for i in range(rank)]
+    return fmpq_mat(1, m, solution[:m]), multipliers, set(range(m)) <= set(bound)
 
 
 def _residuals(inequalities: fmpq_mat, unknowns: fmpq_mat) -> list[fmpq]:

@@ -20,9 +20,6 @@ from pas.fairing.energy import QUANTITIES, SurfacePoints
 from pas.surface.directions import Directions
 from pas.surface.geometry import FIRST, JETS, ORDERS, SECOND, THIRD, Geometry, derivatives, derived
 
-FEW = 256
-"""Points whose derivatives are worked out together; of more, those of each piece: large tables leave the caches."""
-
 AREA = QUANTITIES
 """The column of the logarithm of the area, which comes after the quantities of `SurfacePoints`."""
 
@@ -234,11 +231,14 @@ class Jacobian:
 
         By the members, and not by the coefficients of each piece: these are large where a piece is narrow, and cancel.
         """
+        # Points whose derivatives are worked out together; of more, those of each piece: large tables leave
+        # the caches.
+        few = 256
         basis, chosen = self.samples.basis, residuals.chosen
         gram, gradient = np.zeros((basis.size, basis.size)), np.zeros(basis.size)
         ends = [(p, *np.searchsorted(chosen, (here.start, here.stop)).tolist()) for p, here in self.samples.rays.slices]
         parts = [part for part in ends if part[2] > part[1]]
-        for group in [parts] if len(chosen) < FEW else [[part] for part in parts]:
+        for group in [parts] if len(chosen) < few else [[part] for part in parts]:
             start = group[0][1]
             here = slice(start, group[-1][2])
             rows = self._by_coefficient(chosen[here], residuals.slopes[here])

@@ -17,9 +17,6 @@ from pas.fairing.solver import FitSolver, FittedMember, Iterate, coordinates
 from pas.fairing.wishes import Wishes
 from pas.piecewise import PiecewiseSurface
 
-TOUCHED = 1e-6
-"""How near an inequality a member is on it, over the lengths of both: solvers leave 1e-9."""
-
 SETTLED = 1e-8
 """Singular values of equations, over the largest, that are taken for 0."""
 
@@ -66,6 +63,7 @@ def compliance(space: PreparedSpace, surface: PiecewiseSurface, fitted: FittedMe
     members for which the wishes' equations hold, and the inequalities on which the member is.  Raises
     `InfeasibleError` where rays from the centre miss or graze the surface.
     """
+    near = 1e-6  # how near an inequality a member is on it, over the lengths of both: solvers leave 1e-9
     solver = FitSolver(space, wishes, LIVE)
     if solver.energy.on_surface:
         at = _sampled(solver, surface, fitted, True)
@@ -74,7 +72,7 @@ def compliance(space: PreparedSpace, surface: PiecewiseSurface, fitted: FittedMe
     matrix, _ = solver.linearised(at)
     rows = _rows(space, fitted) if wishes.guard else Inequalities.none(len(at.member))
     left = rows.rows @ at.member - rows.at_least
-    touched = rows.rows[left <= TOUCHED * np.linalg.norm(rows.rows, axis=1) * np.linalg.norm(at.member)]
+    touched = rows.rows[left <= near * np.linalg.norm(rows.rows, axis=1) * np.linalg.norm(at.member)]
     free = null_space(np.concatenate([solver.programme.equations[:, :-1], touched]), SETTLED)
     inner = free.T @ matrix @ free
     stiff = 1e-9  # added to second derivatives that are 0, over their mean: so that these can be inverted

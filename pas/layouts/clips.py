@@ -173,10 +173,6 @@ def _least(fits: Callable[[int], bool]) -> int | None:
     return high
 
 
-SHARE = 0.6
-"""Share of the angle between two contacts that their curves may take up: of 0.8 and 0.6 the strongest lever on
-shape."""
-
 WIDEST = radians(40)
 """Angular radius of a curve that is placed, at the most."""
 
@@ -323,13 +319,16 @@ def _too_near(arms: Sequence[Arm], ends: Sequence[float], pairs: Sequence[Pair])
 
 def _too_wide(arms: Sequence[Arm], ends: Sequence[float], pairs: Sequence[Pair]) -> set[int]:
     """Of each two that take up too much of the angle between them the wider seen; both where they are alike."""
+    # Share of the angle between two contacts that their curves may take up: of 0.8 and 0.6 the strongest lever on
+    # shape.
+    share = 0.6
     wide = [arm.angle(end) for arm, end in zip(arms, ends, strict=True)]
     found: set[int] = set()
     for i, j, angle in pairs:
         given = [wide[n] for n in (i, j) if arms[n].given is not None]
         # Share of what a curve that was given leaves of such an angle, that another may take up all the same.
         left = 1 / 3
-        most = max(SHARE * angle, *(g + left * (angle - g) for g in given), 0.0)
+        most = max(share * angle, *(g + left * (angle - g) for g in given), 0.0)
         if len(given) < 2 and wide[i] + wide[j] > most:
             free = [n for n in (i, j) if arms[n].given is None]
             found.update(n for n in free if STEP * wide[n] >= max(wide[m] for m in free))

@@ -10,9 +10,9 @@ from math import degrees, pi
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.lengths import unit
+from pas.algebra.lengths import across, unit
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector, binary_exponent, dot, exact, minus, to_float, to_floats
+from pas.algebra.rational import Vector, binary_exponent, dot, exact, minus, three, to_float, to_floats
 from pas.contacts.contact import Movable
 from pas.contacts.rims import Rim
 from pas.errors import GeometryError
@@ -92,8 +92,7 @@ class Disc:
         point = list(rounded(place, step))
         rest = sum((normal[i] * point[i] for i in range(3) if i != axis), fmpq(0))
         point[axis] = (self.height - rest) / normal[axis]
-        x, y, z = point
-        return x, y, z
+        return three(point)
 
 
 def rim_of(number: int, contact: Movable) -> Rim:
@@ -141,13 +140,6 @@ def sides(rays: Sequence[Ray]) -> Floats:
     return unit(np.cross(around, np.roll(around, -1, axis=0)))
 
 
-def across(direction: Floats) -> Floats:
-    """Two unit vectors (2, 3) across a unit vector, right-handed with it."""
-    first = np.cross(direction, np.eye(3)[int(np.abs(direction).round(9).argmin())])
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(direction, first)])
-
-
 def turn(start: float, end: float) -> float:
     """The angle (radians, 0 up to 2 pi) from one azimuth on to another."""
     return float((end - start) % (2 * pi))
@@ -160,8 +152,7 @@ def power_of_two(size: float) -> fmpq:
 
 def rounded(place: Sequence[float] | Floats, step: fmpq) -> Vector:
     """The exact point next to a place (3,), in whole multiples of a step."""
-    x, y, z = (fmpq(round(float(c) / to_float(step))) * step for c in place)
-    return x, y, z
+    return three(fmpq(round(float(c) / to_float(step))) * step for c in place)
 
 
 def whole_ray(direction: Floats, largest: int) -> tuple[int, int, int]:
@@ -176,5 +167,4 @@ def whole_ray(direction: Floats, largest: int) -> tuple[int, int, int]:
     aside = np.linalg.norm(np.cross(near, wanted), axis=1)
     worth = np.arctan2(aside, near @ wanted) + price * sizes
     best = near[int((worth < worth.min() + 1e-12).argmax())].astype(int)
-    x, y, z = (best // np.gcd.reduce(best)).tolist()
-    return x, y, z
+    return three((best // np.gcd.reduce(best)).tolist())

@@ -14,18 +14,15 @@ from math import cos, degrees, gcd, pi, radians, sin
 
 import numpy as np
 
-from pas.algebra.lengths import unit
+from pas.algebra.lengths import across, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector
 from pas.errors import GeometryError
-from pas.layouts.discs import Disc, across, check_fits, turn, whole_ray
+from pas.layouts.discs import Disc, check_fits, turn, whole_ray
 from pas.partition.layout import Layout, Ray
 
 LONGEST_AXIS = 4
 """Largest entry of an axis: longer ones lengthen the numbers of the algebra, and gained little."""
-
-WIDE_GAP = 60
-"""Degrees of a gap for each of which, after the first, one more half-plane is put in."""
 
 LENGTHS = (10, 16, 24, 40)
 """Entries of the rays, tried in turn until every disc fits."""
@@ -122,9 +119,10 @@ def _with_rays(discs: Sequence[Disc], center: Vector, gaps: Gaps, each: int, lon
 
 def _azimuths(gaps: Gaps, each: int) -> list[float]:
     """Those of the half-planes."""
+    wide = 60  # degrees of a gap for each of which, after the first, one more half-plane is put in
     found = []
     for middle, half, size in zip(gaps.middles, gaps.halves, gaps.sizes, strict=True):
-        number = each + max(0, int(degrees(size) // WIDE_GAP) - 1)
+        number = each + max(0, int(degrees(size) // wide) - 1)
         low = max(0.15, min(0.36, 0.07 / max(size, 1e-3)))  # shares of a gap, between them 0.07 radians from discs
         shares = [0.5] if number == 1 else [low + (1 - 2 * low) * i / (number - 1) for i in range(number)]
         found += [middle + half + size * share for share in shares]

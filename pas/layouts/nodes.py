@@ -18,6 +18,7 @@ from flint import fmpq, fmpq_mat
 
 from pas.algebra.inputs import short, shown_point
 from pas.algebra.lengths import angle_between, unit
+from pas.algebra.matrices import solved
 from pas.algebra.rational import Vector, cross, dot, listed, minus, to_float, to_floats
 from pas.contacts.contact import Contact
 from pas.contacts.rims import Rim, outlook
@@ -36,13 +37,6 @@ SPREAD, ROOMY = 0.95, 0.8
 
 MANY = 5
 """So many contacts of order 2 without planes are served better by near walls: they get these first, the usual last."""
-
-ROUNDED = 32
-"""Parts of the smallest radius to which a centre is rounded: an axis may miss it, and short numbers keep the algebra
-short."""
-
-LONG = 24
-"""Binary digits up to which a point on all axes is kept as it is."""
 
 UNIT = fmpq_mat(3, 3, [1, 0, 0, 0, 1, 0, 0, 0, 1])
 
@@ -212,6 +206,10 @@ def center_of(rims: Sequence[Rim]) -> Vector:
     Of several, as for rims on one line, the one next to the middle of these.  It is exact where it lies on all lines,
     else rounded.
     """
+    most_digits = 24  # binary digits up to which a point on all axes is kept as it is
+    # Parts of the smallest radius to which a centre is rounded: an axis may miss it, and short numbers keep the
+    # algebra short.
+    parts = 32
     middle = tuple(sum((rim.center[i] for rim in rims), fmpq(0)) / len(rims) for i in range(3))
     matrix, right = fmpq_mat(3, 3), fmpq_mat(3, 1)
     for rim in rims:
@@ -222,15 +220,12 @@ def center_of(rims: Sequence[Rim]) -> Vector:
     # the shortest solution of M x = r for a symmetric M is M y with M^2 y = r
     square = matrix * matrix
     augmented = fmpq_mat([[*row, value] for row, value in zip(square.tolist(), right.entries(), strict=True)])
-    reduced, rank = augmented.rref()
-    y = fmpq_mat(3, 1)
-    for row in range(rank):
-        lead = next(j for j in range(4) if reduced[row, j] != 0)
-        y[lead, 0] = reduced[row, 3]
-    found = [m + offset for m, offset in zip(middle, (matrix * y).entries(), strict=True)]
-    if max(int(v.q).bit_length() for v in found) <= LONG and all(_on_line(found, rim) for rim in rims):
+    solution = solved(augmented)
+    assert solution is not None  # M^2 y = r has one wherever M x = r has
+    found = [m + o for m, o in zip(middle, (matrix * fmpq_mat(3, 1, solution[0])).entries(), strict=True)]
+    if max(int(v.q).bit_length() for v in found) <= most_digits and all(_on_line(found, rim) for rim in rims):
         return found[0], found[1], found[2]
-    step = power_of_two(min(rim.radii[0] for rim in rims) / ROUNDED)
+    step = power_of_two(min(rim.radii[0] for rim in rims) / parts)
     x, y_, z = (fmpq(round(to_float(v / step))) * step for v in found)
     return x, y_, z
 

@@ -17,10 +17,11 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.affine import slope_at
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, dot, minus, plain, to_float, to_floats
+from pas.algebra.rational import Vector, dot, minus, moved, plain, to_float, to_floats
 from pas.algebra.scaling import scaled
 from pas.contacts.cones import apex, first_met, nappe
 from pas.contacts.contact import Contact, as_contact
@@ -89,7 +90,7 @@ def _ended(item: Endless, plate: Polynomial, edge: Rim, number: int) -> Endless:
     if slope == 0:
         raise GeometryError(f"contact {number} runs along the plate, and never meets it")
     foot = -plate.raw(*item.point) / slope
-    met = np.array(to_floats(_sum(item.point, item.axis, foot)))
+    met = np.array(to_floats(moved(item.point, (foot, item.axis))))
     axis, normal = np.array(to_floats(item.axis)), plate.dense(1)[1:4]
     length = float(np.linalg.norm(axis))
     lean = min(1.0, float(abs(axis @ normal) / (length * np.linalg.norm(normal))))  # above by rounding
@@ -138,7 +139,7 @@ def _center(surface: Polynomial, edge: Rim, rims: Mapping[int, Rim], number: int
 
     Of several curves it is below the middle of the plate's.
     """
-    normal = (surface.diff(0).raw(0, 0, 0), surface.diff(1).raw(0, 0, 0), surface.diff(2).raw(0, 0, 0))
+    normal = slope_at(surface)
     for other, rim in rims.items():
         if surface.at(rim.center) <= 0:
             raise GeometryError(
@@ -149,7 +150,7 @@ def _center(surface: Polynomial, edge: Rim, rims: Mapping[int, Rim], number: int
     if len(rims) == 1:
         (rim,) = rims.values()
         slope = dot(normal, rim.normal)
-        met = _sum(rim.center, rim.normal, -surface.raw(*rim.center) / slope) if slope else foot
+        met = moved(rim.center, (-surface.raw(*rim.center) / slope, rim.normal)) if slope else foot
         # How far from the middle of the plate's curve, over its smallest radius, the axis of the one other contact may
         # meet the plate for the centre to be on it.
         within = 0.5
@@ -161,11 +162,7 @@ def _center(surface: Polynomial, edge: Rim, rims: Mapping[int, Rim], number: int
     depth = 0.5
     wanted = depth * edge.radii[0] * float(np.linalg.norm(to_floats(normal))) / to_float(dot(normal, up))
     step = power_of_two(wanted / FINE)
-    return _sum(foot, up, -fmpq(round(wanted / to_float(step))) * step)
-
-
-def _sum(point: Vector, way: Vector, share: fmpq) -> Vector:
-    return point[0] + share * way[0], point[1] + share * way[1], point[2] + share * way[2]
+    return moved(foot, (-fmpq(round(wanted / to_float(step))) * step, up))
 
 
 def _cone(plate: Contact, center: Vector) -> Polynomial:
@@ -174,19 +171,13 @@ def _cone(plate: Contact, center: Vector) -> Polynomial:
     y = [g - c for g, c in zip(GENERATORS, center, strict=True)]
     height = surface(*center)
     level = (surface - height) / -height
-    value, slopes = clip.raw(*center), [clip.diff(i).raw(*center) for i in range(3)]
+    value, slopes = clip.raw(*center), slope_at(clip, center)
     linear = sum((s * c for s, c in zip(slopes, y, strict=True)), 0 * y[0])
     return Polynomial.from_raw(value * level**2 + linear * level + (clip.raw - value - linear))
 
 
 CORNERS, LARGER = 12, 1.05
 """Of the polygon round the opening, and how much larger than the smallest one it is."""
-
-BEYOND = 0.3
-"""How far rays through the polygon go on beyond the opening, over the way to it, or over the other contacts' height."""
-
-LEAST = 0.01
-"""How far above the opening other contacts end at least, over its height."""
 
 ROUND = 64
 """Parts of their length, at least, in which corners are rounded."""
@@ -223,6 +214,10 @@ def open_cone(
 
     Raises `GeometryError` where these are not seen through the opening, or are not apart.
     """
+    least = 0.01  # how far above the opening other contacts end at least, over its height
+    # How far rays through the polygon go on beyond the opening, over the way to it, or over the other contacts'
+    # height.
+    beyond = 0.3
     shift = [g + c for g, c in zip(GENERATORS, center, strict=True)]
     clip, surface, *others = (
         Polynomial.from_raw(p.raw.compose(*shift)) for p in (opening.clip, opening.surface, *surfaces)
@@ -247,11 +242,11 @@ def open_cone(
     axis = unit(axes[0])
     heights = [float((disc.points @ axis).min()) / float((met[:, None] * polygon @ axis).max()) - 1 for disc in discs]
     low = int(np.argmin(heights))
-    if heights[low] <= LEAST:
+    if heights[low] <= least:
         raise GeometryError(
             f"the curve of contact {discs[low].number} reaches down to contact {number}, and leaves no room"
         )
-    outer = [_rounded(corner) for corner in (1 + BEYOND * min(1.0, heights[low])) * met[:, None] * polygon]
+    outer = [_rounded(corner) for corner in (1 + beyond * min(1.0, heights[low])) * met[:, None] * polygon]
     if not ends:
         pieces = [_with_face(discs[0], outer)]
     else:

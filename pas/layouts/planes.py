@@ -15,10 +15,10 @@ from math import atan2, isqrt, radians, sin
 import numpy as np
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.lengths import unit
+from pas.algebra.lengths import across, unit
 from pas.algebra.rational import Vector, cross, determinant, dot, vector
 from pas.errors import GeometryError
-from pas.layouts.discs import Disc, across
+from pas.layouts.discs import Disc
 from pas.partition.layout import Layout, Ray, primitive, reduced
 
 ORBITS: tuple[Ray, ...] = ((1, 0, 0), (1, 1, 1), (2, 1, 0), (3, 1, 0), (4, 1, 0))
@@ -32,9 +32,6 @@ CLEAR = radians(1.5)
 FEW = 3
 """So many contacts, all in one plane, and all more than a right angle apart have fans that are as symmetric, with more
 members: planes serve others."""
-
-SQUARE = 1e-9
-"""One minus the cosine up to which a contact counts as perpendicular to its clip."""
 
 AXES: tuple[Ray, ...] = ((1, 0, 0), (1, 1, 0), (1, 1, 1))
 """An axis of a cube of each kind, by its squared length."""
@@ -95,12 +92,13 @@ def has_whole_planes(layout: Layout) -> bool:
 
 def _orbit(discs: Sequence[Disc], orbit: Ray) -> list[Ray] | None:
     """The normals of the planes of an orbit, whole; None where they have no room, and for contacts that fans serve."""
+    square = 1e-9  # one minus the cosine up to which a contact counts as perpendicular to its clip
     directions = [primitive(disc.normal) for disc in discs]
     flat = not any(determinant(*three) for three in combinations(directions, 3))
     if len(discs) <= FEW or flat or all(dot(*two) < 0 for two in combinations(directions, 2)):
         return None
     axes = axes_of_cube(directions)
-    if axes is None or min(float(disc.unit @ disc.direction) for disc in discs) < 1 - SQUARE:
+    if axes is None or min(float(disc.unit @ disc.direction) for disc in discs) < 1 - square:
         return None
     signed = [tuple(s * c for s, c in zip(signs, orbit, strict=True)) for signs in product((1, -1), repeat=3)]
     turned = [(n[i], n[(i + 1) % 3], n[(i + 2) % 3]) for n in signed for i in range(3)]

@@ -13,11 +13,11 @@ from math import cos, degrees, radians, tan
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from pas.algebra.lengths import angle_between, unit
+from pas.algebra.lengths import across, angle_between, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, determinant
 from pas.errors import GeometryError
-from pas.layouts.discs import Disc, across, check_fits, room, whole_ray
+from pas.layouts.discs import Disc, check_fits, room, whole_ray
 from pas.partition.layout import Layout, Ray
 from pas.surface.fairness import spiral
 
@@ -27,9 +27,6 @@ leaves a piece that is too wide, or no room."""
 
 LENGTHS = (6, 24)
 """Entries of the rays: short ones, for short numbers in the algebra, and longer ones where these leave no room."""
-
-SHRUNK = 0.45
-"""How far, from its disc to its Laguerre cell, the piece of a site reaches."""
 
 ROOM = radians(1.5)
 """Between a disc and the sides of its piece, at least: for the polygon round its clip face."""
@@ -120,6 +117,7 @@ class SiteTriangulation:
     def _corners(self, number: int) -> list[tuple[int, Floats]]:
         """The corners of a site's piece, counterclockwise, each with the number of its triangle: its Laguerre cell,
         in the plane that touches the sphere at it, shrunk towards it."""
+        shrunk = 0.45  # how far, from its disc to its Laguerre cell, the piece of a site reaches
         site = self.sites[number]
         first, second = across(site.direction)
         places = {}
@@ -136,7 +134,7 @@ class SiteTriangulation:
         if least < radius:
             raise GeometryError("a disc reaches beyond its Laguerre cell")
         every = number < self.contacts
-        share = max((radius + SHRUNK * (x - radius)) / x for x in (depths if every else [least]))
+        share = max((radius + shrunk * (x - radius)) / x for x in (depths if every else [least]))
         largest = 0.9  # share of its Laguerre cell that a piece may take up
         share = min(share, largest)
         if share * least < radius:

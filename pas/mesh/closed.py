@@ -16,7 +16,6 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pas.mesh.cleaning import FOLD, cleaned
-from pas.mesh.contraction import contracted
 from pas.mesh.diagnostics import diagnosis
 from pas.mesh.face_ground import FaceGround
 from pas.mesh.field import FaceField, extent_of
@@ -25,7 +24,7 @@ from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.hollowed import mesh_hollowed, too_thick
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.nodes import SAME, Nodes
+from pas.mesh.nodes import SAME, Nodes, contracted
 from pas.mesh.octree import Octree
 from pas.mesh.projection import newton, pair_normals, project
 from pas.mesh.quality import Quality

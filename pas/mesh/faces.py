@@ -14,16 +14,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.bracket import sign_change
 from pas.limits import checkpoint
-from pas.mesh.changes import side_changes
 from pas.mesh.contour import crossings, knotted, oriented, snapped
-from pas.mesh.contraction import contracted
 from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import NOWHERE, Cones, Nodes, find_nodes
+from pas.mesh.nodes import NOWHERE, Cones, Nodes, contracted, find_nodes
 from pas.mesh.projection import least_norm, newton, placing
 from pas.mesh.refusals import Refusal
-from pas.mesh.rows import Floats, Integers, cross, norms
+from pas.mesh.rows import Floats, Integers, cross, dots, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, edge_table, pinched
 
@@ -130,6 +129,70 @@ class BoundaryCrossings:
         number = self._components[source]
         size = self.shape[0]
         return np.bincount(number, minlength=size) - np.bincount(number[triangles[:, 0]], minlength=size) // 2
+
+
+def side_changes(
+    field: FaceField, points: Floats, edges: Integers, signs: NDArray[np.bool_], inside: NDArray[np.bool_]
+) -> tuple[Floats, Integers]:
+    """Where along each edge the side changes (E,), and the label of the face there (E,)."""
+    a, b = edges.T
+    start, changes = signs[:, a], signs[:, a] != signs[:, b]
+    columns, rows = np.nonzero(changes)
+    result, label = np.full(len(edges), 0.5), np.full(len(edges), -1)
+    alone = np.bincount(rows, minlength=len(edges))[rows] == 1
+    rows, columns = rows[alone], columns[alone]
+    result[rows] = _roots(field, 2 * columns, points[a[rows]], points[b[rows]])
+    label[rows] = 2 * columns + (start[columns, rows] != inside[a[rows]])
+    _check_crossings(field, points[a], points[b], inside[a], result, label)
+    return np.clip(result, 1e-6, 1 - 1e-6), label
+
+
+def _check_crossings(
+    field: FaceField, a: Floats, b: Floats, start: NDArray[np.bool_], t: Floats, label: Integers
+) -> None:
+    """Correct, in place, crossings where the side does not change, and find those of edges on which several functions
+    change their signs: by halving edges."""
+
+    def signs(rows: Integers, at: Floats) -> NDArray[np.bool_]:
+        return field.signs(a[rows] + at[:, None] * (b[rows] - a[rows]))
+
+    every, near = np.arange(len(t)), 1e-6  # over an edge's length, how far beside a crossing the side is looked at
+    before = field.inside(signs(every, np.maximum(t - near, 0.0))) == start
+    after = field.inside(signs(every, np.minimum(t + near, 1.0))) != start
+    rows = np.flatnonzero(~(before & after) | (label < 0))
+    if not len(rows):
+        return
+    low, high = np.zeros(len(rows)), np.ones(len(rows))
+    for _ in range(20):  # down to a millionth: Newton's method places vertices
+        checkpoint()
+        middle = (low + high) / 2
+        same = field.inside(signs(rows, middle)) == start[rows]
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    first, last = signs(rows, low), signs(rows, high)
+    changes = first != last
+    found = np.full(len(rows), -1)
+    for column in range(len(changes)):
+        alone = last.copy()
+        alone[column] = first[column]
+        decides = changes[column] & (found < 0) & (field.inside(alone) == start[rows])
+        inner_sign = np.where(start[rows], first[column], last[column])
+        found = np.where(decides, 2 * column + ~inner_sign, found)
+    t[rows], label[rows] = (low + high) / 2, found
+
+
+def _roots(field: FaceField, labels: Integers, a: Floats, b: Floats) -> Floats:
+    """Parameters in [0, 1] where functions (N,) that change sign from a to b vanish."""
+    first, last = field.jets(a, labels)[:, 0], field.jets(b, labels)[:, 0]
+    turned = np.where(first <= 0, 1.0, -1.0)
+    start = np.clip(first / np.where(first != last, first - last, 1.0), 0.0, 1.0)
+
+    def jets(at: Floats, rows: Integers) -> tuple[Floats, Floats]:
+        along = b[rows] - a[rows]
+        found = field.jets(a[rows] + at[:, None] * along, labels[rows])
+        return turned[rows] * found[:, 0], turned[rows] * dots(found[:, 1:], along)
+
+    root_still = 1e-10  # the step of Newton's method along a lattice edge, over the edge's length, where it ends
+    return sign_change(jets, np.zeros(len(a)), np.ones(len(a)), start, root_still)
 
 
 def _unclear(field: FaceField, points: Floats, triangles: Integers, labels: Integers) -> tuple[Integers, Integers]:

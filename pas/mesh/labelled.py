@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.mesh.rows import Floats, Integers, any_of, norms
+from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.topology import connected, numbered, twins_of
 
 NONE = np.empty(0, dtype=np.intp)
@@ -99,14 +99,6 @@ class Topology:
     def seams(self) -> Integers:
         """The edges (S, 2) between different labels."""
         return self.edges[self.seam_mask]
-
-    def around(self, vertices: Integers, rings: int) -> NDArray[np.bool_]:
-        """Which vertices (N,) are some given ones, or so many edges from them at most."""
-        result = np.zeros(self.size, dtype=bool)
-        result[vertices] = True
-        for _ in range(rings):
-            result[self.triangles[any_of(result[self.triangles])]] = True
-        return result
 
     @cached_property
     def pieces(self) -> list[Integers]:

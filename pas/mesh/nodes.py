@@ -22,11 +22,11 @@ from scipy.spatial import ConvexHull, cKDTree
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
-from pas.mesh.projection import distances, newton, second_derivatives
+from pas.mesh.projection import distances, least_norm, newton, second_derivatives
 from pas.mesh.refusals import Refusal
-from pas.mesh.rows import Floats, Integers, cross, norms
+from pas.mesh.rows import Floats, Integers, any_of, cross, norms
 from pas.mesh.shading import unit_rows
-from pas.mesh.topology import connected, edge_table
+from pas.mesh.topology import connected, edge_table, numbered, pinched
 
 SAME = 1e-7
 """Distance over the extent of the box between two nodes that are one."""
@@ -256,3 +256,63 @@ def _touch(field: FaceField, points: Floats, pairs: Integers, close: float) -> n
     sine = norms(cross(*(unit_rows(field.jets(here, column)[:, 1:]) for column in functions.T)))
     result[result] = (np.max(off, axis=0) < close) & (sine < PARALLEL)
     return result
+
+
+def contracted(
+    field: FaceField, points: Floats, triangles: Integers, labels: Integers, nodes: Nodes
+) -> tuple[Floats, Integers, Integers, Integers] | Nodes:
+    """The mesh (points, triangles, labels, the nodes' vertices) with all within reach of a node drawn into one vertex.
+
+    Only what is a disc is; where it is none the result is the nodes in question.
+    """
+    failed, drawn, close = np.zeros(len(nodes.points), dtype=bool), [], SAME * extent_of(field)
+    points = points.copy()
+    for number, (node, reach) in enumerate(zip(nodes.points, nodes.reach, strict=True)):
+        used = np.zeros(len(points), dtype=bool)
+        used[triangles] = True
+        distance = np.where(used, norms(points - node), np.inf)
+        center = int(distance.argmin())
+        shares = 1.0, 1.4, 0.7  # of a node's reach: what is within one of these is a disc
+        found = (_drawn_into(center, distance < share * reach, triangles, labels) for share in shares)
+        best = next((f for f in found if f and _meet(field, node, f[1][(f[0] == center).any(axis=1)], close)), None)
+        failed[number] = best is None
+        if best is not None:
+            triangles, labels = best
+            points[center] = node
+            drawn.append(center)
+    if failed.any():
+        return Nodes(nodes.points[failed], nodes.reach[failed])
+    used, numbers = numbered(triangles.ravel())
+    return points[used], numbers.reshape(-1, 3), labels, np.flatnonzero(np.isin(used, drawn))
+
+
+def _meet(field: FaceField, node: Floats, labels: Integers, close: float) -> bool:
+    """Whether the faces of given labels pass through a node."""
+    labels = np.unique(labels)
+    steps = least_norm(field, labels[:, None], np.tile(node, (len(labels), 1)))
+    return bool(np.abs(steps).max(initial=0.0) < close)
+
+
+def _drawn_into(
+    center: int, near: NDArray[np.bool_], triangles: Integers, labels: Integers
+) -> tuple[Integers, Integers] | None:
+    """Triangles (T, 3) and labels (T,) with vertices `near` (N,) drawn into one of them, the centre.
+
+    None where these are no disc, a label would be lost, or a vertex is no more surrounded by one fan.
+    """
+    near[center] = True
+    is_near = near[triangles]
+    rows = np.flatnonzero(any_of(is_near))
+    before, is_near = triangles[rows], is_near[rows]
+    inner = near[edge_table(before[is_near.sum(axis=1) > 1])[0]].all(axis=1).sum()
+    if near.sum() - inner + is_near.all(axis=1).sum() != 1:
+        return None
+    after, kept = triangles.copy(), np.ones(len(triangles), dtype=bool)
+    after[rows] = np.where(is_near, center, before)
+    kept[rows] = (after[rows] != after[rows][:, [1, 2, 0]]).all(axis=1)
+    about = np.zeros(len(near), dtype=bool)
+    about[after[rows]] = True
+    beside = kept & any_of(about[after])
+    if not np.isin(labels[rows], labels[kept]).all() or len(pinched(after[beside], about)):
+        return None
+    return after[kept], labels[kept]

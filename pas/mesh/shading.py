@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pas.mesh.rows import Floats, Integers, cross
-
-GROUPS = 8
-"""Of close normals at a vertex that are told apart; the rest share one more."""
+from pas.mesh.topology import connected, twins_of
 
 
 def unit_rows(vectors: Floats) -> Floats:
@@ -45,27 +43,15 @@ def sharp_points(count: int, triangles: Integers, normals: Floats) -> tuple[Inte
     """Points doubled along sharp edges only.
 
     Returns the numbers (M,) of the old points that the new ones are, the triangles (T, 3) of new ones, and
-    their normals (M, 3).  Corners at one point share a new one if their normals (T, 3, 3) are close.
+    their normals (M, 3).  Corners at one point share a new one where neighbours' normals (T, 3, 3) are close.
     """
-    corner = triangles.ravel()
-    flat = normals.reshape(-1, 3)
-    order = np.argsort(corner, kind="stable")
-    first = np.searchsorted(corner[order], np.arange(count))
-    first = np.minimum(first, len(order) - 1)
-    groups, pending = np.zeros(len(corner), dtype=np.intp), np.ones(len(corner), dtype=bool)
-    leader = order[first][corner]
-    for group in range(GROUPS):
-        # Normals of a vertex's faces closer than this are one, so that smooth joints are shaded smoothly.
-        smooth_cosine = 0.9
-        close = pending & ((flat * flat[leader]).sum(axis=1) > smooth_cosine)
-        groups[close], pending = group, pending & ~close
-        if not pending.any():
-            break
-        rest = np.flatnonzero(pending)
-        chosen = np.full(count, -1)
-        chosen[corner[rest][::-1]] = rest[::-1]
-        leader = np.where(pending, chosen[corner], leader)
-    groups[pending] = GROUPS
-    keys, inverse = np.unique(corner * (GROUPS + 1) + groups, return_inverse=True)
-    renumbered = inverse.reshape(-1, 3).astype(np.intp)
-    return keys // (GROUPS + 1), renumbered, mean_normals(len(keys), renumbered, normals)
+    smooth = 0.9  # cosine between normals of neighbours at a vertex above which their joint is shaded smoothly
+    twins, flat = twins_of(triangles, count), normals.reshape(-1, 3)
+    here = np.flatnonzero(twins >= 0)
+    after, other = here - here % 3 + (here + 1) % 3, twins[here]  # the corners at the ends, and across the edge
+    ends = np.concatenate([np.stack([here, other - other % 3 + (other + 1) % 3], axis=1), np.stack([after, other], 1)])
+    ends = ends[(flat[ends[:, 0]] * flat[ends[:, 1]]).sum(axis=1) > smooth]
+    renumbered = connected(ends, len(flat)).reshape(-1, 3)
+    points = np.empty(int(renumbered.max(initial=-1)) + 1, dtype=np.intp)
+    points[renumbered] = triangles
+    return points, renumbered, mean_normals(len(points), renumbered, normals)

@@ -115,12 +115,10 @@ def edge_table(triangles: Integers) -> tuple[Integers, Integers]:
 
 def seams(triangles: Integers, faces: Integers) -> Integers:
     """The edges (E, 2) between two triangles of different faces."""
-    start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
-    key = np.minimum(start, end) * (int(triangles.max(initial=0)) + 1) + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")
-    sorted_key, face = key[order], np.repeat(faces, 3)[order]
-    first = order[:-1][(sorted_key[:-1] == sorted_key[1:]) & (face[:-1] != face[1:])]
-    return np.stack([start[first], end[first]], axis=1)
+    twins = twins_of(triangles, int(triangles.max(initial=-1)) + 1)
+    halves = np.flatnonzero(twins > np.arange(len(twins)))
+    halves = halves[faces[halves // 3] != faces[twins[halves] // 3]]
+    return np.stack([triangles.ravel()[halves], triangles[:, [1, 2, 0]].ravel()[halves]], axis=1)
 
 
 def euler_characteristic(triangles: Integers) -> int:

@@ -24,7 +24,7 @@ from typing import Any
 
 from pas.algebra.affine import Affine
 from pas.algebra.inputs import shown
-from pas.algebra.rational import Vector, VectorLike, cross, dot, minus, plain, texts, vector
+from pas.algebra.rational import Vector, VectorLike, cross, dot, minus, plain, texts, three, vector
 from pas.errors import GeometryError
 from pas.partition.cells import Partition
 
@@ -179,8 +179,7 @@ def _check_inside(corners: Sequence[Vector], point: Vector) -> None:
 
 def _centroid(points: Sequence[Vector]) -> Vector:
     """The centroid of some points, exact."""
-    x, y, z = (sum(column[1:], column[0]) / len(points) for column in zip(*points, strict=True))
-    return x, y, z
+    return three(sum(column[1:], column[0]) / len(points) for column in zip(*points, strict=True))
 
 
 Signs = tuple[int, int, int]
@@ -236,7 +235,6 @@ class SixTetrahedra(Partition):
         return SixTetrahedra(map_.exact(self.center), [map_.direction(leg) for leg in self.legs])
 
     def _vertex(self, origin: Vector, signs: Signs) -> Vector:
-        x, y, z = (
+        return three(
             o + sum(s * leg[axis] for s, leg in zip(signs, self.legs, strict=True)) for axis, o in enumerate(origin)
         )
-        return x, y, z

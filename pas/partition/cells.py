@@ -29,6 +29,7 @@ from pas.algebra.rational import (
     minus,
     plain,
     texts,
+    three,
     to_float,
     to_floats,
     vector,
@@ -159,8 +160,7 @@ def _middle(points: Sequence[Vector]) -> Vector:
     """The middle of the bounding box, rounded to few binary digits: any origin nearby will do."""
     ends = [(min(column), max(column)) for column in zip(*points, strict=True)]
     step = fmpq(2) ** (binary_exponent(max(high - low for low, high in ends)) - 4)
-    x, y, z = (fmpq(round(to_float((low + high) / (2 * step)))) * step for low, high in ends)
-    return x, y, z
+    return three(fmpq(round(to_float((low + high) / (2 * step)))) * step for low, high in ends)
 
 
 class Region(Partition):

@@ -22,7 +22,7 @@ from typing import Literal, Unpack
 from flint import fmpq
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import Vector, VectorLike, cross, dot, minus, plain, to_float
+from pas.algebra.rational import Vector, VectorLike, cross, dot, minus, moved, plain, to_float
 from pas.blending.place import PartitionLike
 from pas.contacts.cones import Opening
 from pas.contacts.endless import Pipe
@@ -64,12 +64,11 @@ class Tee:
                 f"{plain(run.radius)}; pas.node joins them"
             )
         along = -dot(cross(apart, run.axis), cross(branch.axis, run.axis)) / dot(across, across)
-        x, y, z = (p + along * a for p, a in zip(branch.point, branch.axis, strict=True))
+        point = moved(branch.point, (along, branch.axis))
         if isinstance(branch.clip, str):
-            return cls(run, replace(branch, point=(x, y, z)))
+            return cls(run, replace(branch, point=point))
         far = branch.clip - along
-        a, b, c = (c if far > 0 else -c for c in branch.axis)
-        return cls(run, Pipe((a, b, c), branch.radius, abs(far), (x, y, z)))
+        return cls(run, Pipe([c if far > 0 else -c for c in branch.axis], branch.radius, abs(far), point))
 
     @cached_property
     def angle(self) -> float:

@@ -22,7 +22,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import shown_point
-from pas.algebra.rational import Exact, exact, plain, positive, rational
+from pas.algebra.rational import Exact, plain, positive, rational, three
 from pas.certify.nesting import nesting
 from pas.certify.thickness import thicker_than
 from pas.contacts.contact import Contact, ContactLike, as_contact
@@ -42,10 +42,6 @@ from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
 from pas.solid.solid import Solid
 from pas.verdicts import Findings, Status, Verdict
-
-ROUNDED = 2.0**-29
-"""By how much coefficients of an inner surface may be another machine's, over the largest: radii that are irrational
-are rounded to 32 binary digits (see `pas.contacts.parallels`)."""
 
 Rank: TypeAlias = "tuple[bool, float, float]"
 """What is proved comes before what is not, then an even wall before an uneven one, then the fairer surface."""
@@ -102,8 +98,7 @@ class HollowBlend(Shape, Generic[B]):
         """How thick the wall is where it is thinnest, measured."""
         meshes = self.outer.mesh(self._tolerance), self.inner.mesh(self._tolerance)
         distance, place = least_distance(*meshes)
-        x, y, z = place.tolist()
-        return Wall(distance, (x, y, z), max(mesh.deviation or 0.0 for mesh in meshes))
+        return Wall(distance, three(place.tolist()), max(mesh.deviation or 0.0 for mesh in meshes))
 
     @limited("bounding the thickness of a wall", "a smaller bound")
     def thicker_than(self, bound: Exact, **limits: Unpack[WorkLimits]) -> Verdict:
@@ -231,8 +226,11 @@ def check_sides(outer: ChosenBlend, inner: ChosenBlend, thickness: fmpq | None) 
 
 def _same(one: Contact, other: Contact) -> bool:
     """Whether two contacts have one surface, to the rounding of irrational radii, and one clip."""
+    # By how much coefficients of an inner surface may be another machine's, over the largest: radii that are
+    # irrational are rounded to 32 binary digits (see `pas.contacts.parallels`).
+    rounding = 2.0**-29
     a, b = (c.surface.dense(max(one.surface.degree, other.surface.degree)) for c in (one, other))
-    rounded = float(np.abs(a - b).max()) <= ROUNDED * float(np.abs(a).max())
+    rounded = float(np.abs(a - b).max()) <= rounding * float(np.abs(a).max())
     return rounded and one.clip.primitive() in (other.clip.primitive(), (-other.clip).primitive())
 
 
@@ -288,5 +286,4 @@ def _with_place(surface: PiecewiseSurface, number: int) -> Contact:
     contact, join = surface.contacts[number], surface.joins[number]
     if not join.opening:
         return contact
-    x, y, z = map(exact, surface.partition.frame.global_points(join.curve()[0]).tolist())
-    return Contact(contact.surface, contact.clip, (x, y, z))
+    return Contact(contact.surface, contact.clip, surface.partition.frame.global_points(join.curve()[0]).tolist())

@@ -33,10 +33,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import fmpq, fmpq_mpoly, fmpq_poly
 
-from pas.algebra.affine import away, height
+from pas.algebra.affine import away, height, slope_at
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, cross, dot, exact, minus, to_float, to_floats, two_across
+from pas.algebra.rational import Vector, cross, dot, exact, minus, moved, three, to_float, to_floats, two_across
 from pas.bernstein.signs import alike
 from pas.certify.nesting import prove_inside
 from pas.errors import GeometryError
@@ -98,7 +98,7 @@ class Slab:
 
     def __init__(self, join: Join, length: fmpq) -> None:
         self.join, self.surface, self.plane = join, join.contact.surface, join.planes[0].plane
-        self.normal: Vector = tuple(self.plane.diff(i).raw(0, 0, 0) for i in range(3))  # type: ignore[assignment]
+        self.normal = slope_at(self.plane)
         square = dot(self.normal, self.normal)
         self.size = exact(float(np.sqrt(to_float(square))))  # of the normal, rounded as that of the cap is
         self.top = length * self.size / square * (1 + ROUNDED)
@@ -233,17 +233,10 @@ def kuhn(quads: Sequence[Sequence[Vector]]) -> list[tuple[Vector, ...]]:
     return [tuple(corners[v] for v in cell) for cell in KUHN_CELLS]
 
 
-def moved(point: Sequence[fmpq], *steps: tuple[fmpq | int, Sequence[fmpq]]) -> Vector:
-    """A point and the sum of some vectors, each given with its factor."""
-    x, y, z = (c + sum((s * v[i] for s, v in steps), fmpq(0)) for i, c in enumerate(point))
-    return x, y, z
-
-
 def _shortened(vector: Vector) -> Vector:
     """The vector over a rational number that is about its length."""
     size = exact(float(np.linalg.norm(to_floats(vector))))
-    x, y, z = (c / size for c in vector)
-    return x, y, z
+    return three(c / size for c in vector)
 
 
 def _through(first: Vector, second: Vector, along: Vector) -> fmpq_mpoly:

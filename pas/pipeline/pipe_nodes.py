@@ -19,13 +19,13 @@ from operator import or_, sub
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.affine import slope_at
 from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, cross, dot, minus, to_float, to_floats
+from pas.algebra.rational import Vector, cross, dot, minus, three, to_float, to_floats
 from pas.contacts.endless import Pipe
-from pas.contacts.parallels import slope_at
 from pas.errors import GeometryError, NoSolutionError, NotProvedError
 from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
@@ -166,8 +166,7 @@ class PipeNode:
             points = mesh.points[mesh.triangles[np.isin(mesh.faces, _numbers(mesh, tube))]].reshape(-1, 3)
             heights = (points - to_floats(self.center)) @ unit(to_floats(tube.way))
             hidden = 1.001 * max(to_float(t.radius) for t in self.tubes if t is not tube)
-            x, y, z = tube.way
-            sides = ((tube.way, heights.max()), ((-x, -y, -z), -heights.min()))
+            sides = ((tube.way, heights.max()), (three(-w for w in tube.way), -heights.min()))
             found += [PipeArm(tube, way, float(reach)) for way, reach in sides if reach > hidden]
         return tuple(found)
 
@@ -261,8 +260,7 @@ class PipeNode:
         if not found:
             return None
         height, name = min(found)
-        x, y, z = (c + height * w for c, w in zip(self.center, arm.way, strict=True))
-        return (x, y, z), name
+        return three(c + height * w for c, w in zip(self.center, arm.way, strict=True)), name
 
     def _lost(self, made: Solid) -> str | None:
         """What is wrong where a face that is no end of a pipe is gone; None where none is."""
@@ -290,8 +288,7 @@ def _meet(one: PipeFace, other: PipeFace) -> Vector | None:
     if not any(across) or dot(across, gap) != 0:
         return None
     share = dot(cross(gap, other.way), across) / dot(across, across)
-    x, y, z = (p + share * w for p, w in zip(one.point, one.way, strict=True))
-    return x, y, z
+    return three(p + share * w for p, w in zip(one.point, one.way, strict=True))
 
 
 def _has(tree: Tree, tubes: Iterable[PipeFace]) -> bool:

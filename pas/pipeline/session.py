@@ -27,16 +27,16 @@ from collections.abc import Hashable, Iterator, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from itertools import permutations
-from math import isqrt
 from threading import Lock
 from typing import Self, TypeAlias
 
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.affine import IDENTITY, ORIGIN, Affine
+from pas.algebra.affine import ORIGIN, Affine
 from pas.algebra.inputs import whole
-from pas.algebra.polynomial import GENERATORS, RING, Polynomial
-from pas.algebra.rational import Vector, cross, dot, minus
+from pas.algebra.matrices import leads
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import UNITS, Vector, cross, dot, minus, square_root, three
 from pas.certify.certificate import Certificate
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
@@ -65,7 +65,7 @@ class Found:
     def of(cls, blend: ChosenBlend) -> Found:
         """That of a proved blend; raises `GeometryError` where a contact has no plane curve."""
         s = blend.surface
-        own = PiecewiseSurface(s.partition.moved(Affine(IDENTITY, ORIGIN)), s.contacts, s.order, s.patches, s.degree)
+        own = PiecewiseSurface(s.partition.moved(Affine(UNITS, ORIGIN)), s.contacts, s.order, s.patches, s.degree)
         found = tuple(map(Anchor.of, s.contacts))
         return cls(own, found, s.certificate, blend.dimension, blend.energy, blend.attempts, blend.wishes)
 
@@ -97,12 +97,8 @@ class Match:
         """The blend of these contacts as one of that class, with what was proved."""
         old = self.found.surface
         partition = old.partition.moved(self.map_)
-        back, frame, scale = self.map_.inverse, partition.frame, old.partition.frame.scale
-        shares = tuple((a * frame.scale / scale, b * frame.scale / scale, c * frame.scale / scale)
-                       for a, b, c in back.matrix)  # fmt: skip
-        shift = old.partition.frame.local_point(back.exact(frame.origin))
-        images = [_linear(row, offset) for row, offset in zip(shares, shift, strict=True)]
-        patches = [p.compose(*images) * Polynomial.from_raw(RING.constant(self.scale)) for p in old.patches]
+        local = partition.frame.affine.inverse.after(self.map_).after(old.partition.frame.affine)
+        patches = [local.polynomial(p) * self.scale for p in old.patches]
         surface = PiecewiseSurface(partition, self.contacts, old.order, patches, old.degree)
         surface.certificate = self.certificate  # carried over, see above
 
@@ -118,10 +114,6 @@ class Match:
         claims = [verdict.claim for verdict in ours.contacts]
         turned = (replace(ours.contacts[i], claim=claim) for i, claim in zip(self.numbers, claims, strict=True))
         return replace(ours, contacts=tuple(turned))
-
-
-def _linear(row: Vector, offset: fmpq) -> Polynomial:
-    return Polynomial.from_raw(sum((g * c for g, c in zip(GENERATORS, row, strict=True)), RING.constant(offset)))
 
 
 def _counterpart(contact: Contact, ours: Sequence[tuple[Polynomial, Polynomial]]) -> int | None:
@@ -264,12 +256,9 @@ def similarities(before: Sequence[Anchor], after: Sequence[Anchor]) -> Iterator[
     ranks = [fmpq_mat([list(v) for v in _vectors(before[:size])]).rank() for size in sizes]
     base = before[: sizes[ranks.index(max(ranks))]]
     for chosen in permutations(after, len(base)):
-        found = linear_maps(_vectors(base), _vectors(chosen))
-        if found is not None:
-            for matrix, scale in found:
-                image = Affine(matrix, ORIGIN).exact(base[0].point)
-                x, y, z = (b - a for a, b in zip(image, chosen[0].point, strict=True))
-                yield Affine(matrix, (x, y, z)), scale
+        for matrix, scale in linear_maps(_vectors(base), _vectors(chosen)):
+            image = Affine(matrix, ORIGIN).exact(base[0].point)
+            yield Affine(matrix, minus(chosen[0].point, image)), scale
 
 
 def _vectors(anchors: Sequence[Anchor]) -> list[Vector]:
@@ -280,14 +269,15 @@ def _vectors(anchors: Sequence[Anchor]) -> list[Vector]:
     return [*ways, *along]
 
 
-def linear_maps(before: list[Vector], after: list[Vector]) -> list[tuple[Matrix, fmpq]] | None:
-    """The linear similarities that take some vectors to others, and their scales; None where there is none."""
-    scale = _root(dot(after[0], after[0]) / dot(before[0], before[0]))
-    if scale is None:
-        return None
-    if any(dot(a, after[0]) != dot(b, before[0]) * scale**2 for a, b in zip(after, before, strict=True)):
-        return None
-    pivots = _independent(before)
+def linear_maps(before: list[Vector], after: list[Vector]) -> list[tuple[Matrix, fmpq]]:
+    """The linear similarities that take some vectors to others, and their scales, which are rational."""
+    square = dot(after[0], after[0]) / dot(before[0], before[0])
+    scale = square_root(square)
+    if scale**2 != square or any(
+        dot(a, after[0]) != dot(b, before[0]) * square for a, b in zip(after, before, strict=True)
+    ):
+        return []
+    pivots = leads(*_columns(before).rref())
     ours, theirs = [before[i] for i in pivots], [after[i] for i in pivots]
     if len(pivots) == 1:
         return [(_reflected(_times(ours[0], scale), theirs[0], scale), scale)]
@@ -304,16 +294,6 @@ def linear_maps(before: list[Vector], after: list[Vector]) -> list[tuple[Matrix,
     return found
 
 
-def _independent(vectors: Sequence[Vector]) -> list[int]:
-    """The numbers of the first vectors that are independent of those before them."""
-    chosen: list[int] = []
-    for number in range(len(vectors)):
-        rows = [list(vectors[i]) for i in (*chosen, number)]
-        if fmpq_mat(rows).rank() == len(rows):
-            chosen.append(number)
-    return chosen
-
-
 def _reflected(old: Vector, new: Vector, scale: fmpq) -> Matrix:
     """A reflection that takes a vector to another of its length (Householder 1958), or none, times the scale."""
     w = minus(new, old)
@@ -327,15 +307,8 @@ def _columns(vectors: Sequence[Vector]) -> fmpq_mat:
 
 
 def _rows(matrix: fmpq_mat) -> Matrix:
-    x, y, z = ((matrix[i, 0], matrix[i, 1], matrix[i, 2]) for i in range(3))
-    return x, y, z
-
-
-def _root(square: fmpq) -> fmpq | None:
-    """The rational square root of a positive number; None where it is irrational."""
-    p, q = isqrt(int(square.p)), isqrt(int(square.q))
-    return fmpq(p, q) if fmpq(p * p, q * q) == square else None
+    return three((matrix[i, 0], matrix[i, 1], matrix[i, 2]) for i in range(3))
 
 
 def _times(a: Vector, factor: fmpq) -> Vector:
-    return a[0] * factor, a[1] * factor, a[2] * factor
+    return three(c * factor for c in a)

@@ -22,15 +22,13 @@ from dataclasses import dataclass, replace
 
 from flint import fmpq
 
-from pas.algebra.affine import away, height
+from pas.algebra.affine import away, height, slope_at
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, dot, minus, near, square_root, to_float, to_floats, two_across
-from pas.contacts.parallels import principal_axes, quadratic_terms, slope_at
+from pas.algebra.rational import Vector, dot, minus, near, square_root, three, to_float, to_floats, two_across
+from pas.contacts.parallels import principal_axes, quadratic_terms
 from pas.contacts.torus import torus_polynomial
 from pas.solid.face_seams import FaceSeam
 from pas.solid.fillets import FilletForm, short
-
-ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
 
 Axis = tuple[Vector, Vector]
 """A point and a unit vector."""
@@ -163,7 +161,7 @@ def _axis(faces: tuple[Polynomial, Polynomial]) -> Axis | None:
     for face in faces:
         found = revolved(face)
         if face.degree == 1:
-            ways.append(slope_at(face, ORIGIN))
+            ways.append(slope_at(face))
         elif found is None:
             return None
         else:
@@ -187,5 +185,4 @@ def revolved(face: Polynomial) -> tuple[fmpq, Vector, list[Vector]] | None:
     double = next((v for v in values if v != 0 and values.count(v) > 1), None)
     if axes is None or double is None:
         return None
-    x, y, z = (-s / (2 * double) for s in slope_at(face, ORIGIN))
-    return double, (x, y, z), [way for way, value in axes if value != double]
+    return double, three(-s / (2 * double) for s in slope_at(face)), [way for way, value in axes if value != double]

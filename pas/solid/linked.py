@@ -1,10 +1,13 @@
 """Boundaries of unions of blends' solids that go on in one another, as nodes of a lattice of struts do.
 
-Where flat ends of two bodies are in one plane, seen from opposite sides, and neighbours of one surface end there, the
-bodies are linked: their ends are within the union, and what goes on from one is joined to what goes on from the other.
-Elsewhere they must be apart, as boxes of them show, or planes of ends that part them, in which they have nothing but
-ends whose boxes are apart.  That is looked at on meshes, with their distances from the bodies added, so it is as sure
-as these are measured.
+Where neighbours of one surface end flat in one plane, seen from opposite sides, or overlap without reaching beyond
+where the other one begins, the bodies are linked: their ends are within the union, and what goes on from one is joined
+to what goes on from the other.  Where they reach farther, the surface of the one leaves the other without an angle,
+which no mesh shows: that is refused, with lengths that would do.
+
+Elsewhere bodies must be apart, as boxes of them show, or planes that part them: any, or those of ends, in which they
+have nothing but ends whose boxes are apart.  That is looked at on meshes, with their distances from the bodies added,
+so it is as sure as these are measured.
 """
 
 from __future__ import annotations
@@ -12,16 +15,21 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
+from itertools import combinations, product
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from pas.algebra.affine import Affine
+from pas.algebra.inputs import shown_point
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import rational
+from pas.errors import MeshError
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, ring
+from pas.solid.runs import gap_between
 from pas.solid.sheets import ROOM, Faces, Loops, SheetBody, roomy
 from pas.solid.strips import Sections, SolidStrip
 
@@ -49,12 +57,29 @@ class SolidBoundary(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """Chain `number` of part `part` ends where chain `other_number` of part `other` does."""
+    """Chain `number` of part `part` goes on in chain `other_number` of part `other`, which is not shorter: its strip is
+    left out, and ends at a `share` of the way along it; where that is None both strips are left out."""
 
     part: int
     number: int
     other: int
     other_number: int
+    share: float | None
+
+    def of(self, part: int) -> int:
+        """The number of the chain of one of both parts."""
+        return self.number if part == self.part else self.other_number
+
+
+class LinkableEnd(NamedTuple):
+    """Of a chain of straight strips its number, the plane in which they end, positive outside, how long they are, the
+    surfaces of all sides, and a point (3,) where they begin."""
+
+    number: int
+    plane: Polynomial
+    length: float
+    tubes: tuple[Polynomial, ...]
+    place: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,16 +92,19 @@ class LinkedPart:
         return polynomial if self.body.place is None else self.body.place.polynomial(polynomial)
 
     @cached_property
-    def ends(self) -> tuple[tuple[int, Polynomial, tuple[Polynomial, ...]], ...]:
-        """Of the chains that may be linked, single straight strips of quadrics on each side, their numbers, the planes
-        in which they end, positive outside, and the surfaces of all sides."""
-        found = []
+    def ends(self) -> tuple[LinkableEnd, ...]:
+        """Of the chains that may be linked: with at most one straight strip of a quadric on each side."""
+        found, place = list[LinkableEnd](), self.body.place
         for number, chain in enumerate(self.body.sides[0].chains):
             sides = [side.chains[number] for side in self.body.sides]
-            kinds = [[isinstance(strip.rows, Sections) for strip in side.strips] for side in sides]
-            if all(kind == [True] for kind in kinds) and not any(side.bowed[0] for side in sides):
+            strips = [(strip, bowed) for side in sides for strip, bowed in zip(side.strips, side.bowed, strict=True)]
+            straight = not any(bowed or not isinstance(strip.rows, Sections) for strip, bowed in strips)
+            if straight and len(strips) <= len(sides) and chain.clip.surface.degree == 1:
                 tubes = tuple(self._placed(side.contact.surface) for side in sides)
-                found.append((number, self._placed(chain.end.surface), tubes))
+                plane, start = self._placed(chain.end.surface), chain.curve[0]
+                start = start if place is None else place.points(start)
+                length = -float(plane(start) / np.linalg.norm(plane.gradient(start)))
+                found.append(LinkableEnd(number, plane, length if strips else 0.0, tubes, start))
         return tuple(found)
 
     @cached_property
@@ -94,25 +122,31 @@ class LinkedPart:
         found = np.array([*self.boxes.values()])
         return np.stack([found[:, 0].min(axis=0), found[:, 1].max(axis=0)])
 
-    def carried(self, strip: SolidStrip, points: Floats) -> Floats:
-        """Points (N, 3) of the loop in which a strip begins, moved to where it ends."""
+    def carried(self, strip: SolidStrip, points: Floats, share: float) -> Floats:
+        """Points (N, 3) of the loop in which a strip begins, moved a share of the way along it."""
         place = self.body.place
-        return strip.rows(points, 1.0) if place is None else place.points(strip.rows(place.inverse.points(points), 1.0))
+        return (
+            strip.rows(points, share)
+            if place is None
+            else place.points(strip.rows(place.inverse.points(points), share))
+        )
 
     def named(self, number: int) -> set[str]:
         """The names of the faces that go on from a contact, to its end."""
         chains = [side.chains[number] for side in self.body.sides]
         return {chains[0].name, *(strip.name for chain in chains for strip in chain.strips)}
 
-    def beside(self, plane: Polynomial, room: float) -> set[str] | None:
-        """The faces that come as near as `room` to a plane, positive outside; None where one is beyond it."""
+    def beside(self, plane: Polynomial, room: float, without: set[str]) -> set[str] | None:
+        """The faces, but for some, that come as near as `room` to a plane, positive outside; None where one is beyond
+        it."""
         mesh = self.body.coarse
         assert mesh is not None
+        kept = np.array([name not in without for name in mesh.names])[mesh.faces]
         slope = plane.gradient(np.zeros(3))
-        heights = plane(mesh.points) / np.linalg.norm(slope)
+        heights = (plane(mesh.points) / np.linalg.norm(slope))[mesh.triangles[kept]]
         if heights.max() > EQUAL * (1 + np.abs(mesh.points).max()):
             return None
-        return {mesh.names[face] for face in np.unique(mesh.faces[(heights > -room)[mesh.triangles].any(axis=1)])}
+        return {mesh.names[face] for face in np.unique(mesh.faces[kept][(heights > -room).any(axis=1)])}
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,7 +180,7 @@ class LinkedBodies:
         """A closed mesh within a tolerance (the model's units), as measured; None where a body has none."""
         made, loops = Faces([], 0.0), list[Loops]()
         for number, part in enumerate(self.parts):
-            ends = {k.number: True for k in self.links if k.part == number}
+            ends = {k.number: k.share is not None for k in self.links if k.part == number}
             ends |= {k.other_number: False for k in self.links if k.other == number}
             found = part.body.opened(tolerance, quality, ends)
             if found is None:
@@ -161,13 +195,13 @@ class LinkedBodies:
     def _join(self, made: Faces, points: Floats, link: Link, near: Loops, far: Loops) -> None:
         """The strip of a link, on each side, between the loops in which one chain ends and the other begins."""
         other = self.parts[link.other]
-        _, plane, tubes = next(end for end in other.ends if end[0] == link.other_number)
+        _, plane, _, tubes, _ = next(end for end in other.ends if end.number == link.other_number)
         slope = -plane.gradient(np.zeros(3))
         axis = slope / np.linalg.norm(slope)
         for side, tube in enumerate(tubes):
             loop, begin = near[side, link.number], far[side, link.other_number]
             (strip,) = other.body.sides[side].chains[link.other_number].strips
-            flat = np.concatenate([points[loop], other.carried(strip, points[begin])])
+            flat = np.concatenate([points[loop], other.carried(strip, points[begin], link.share or 1.0)])
             found = ring(flat, np.arange(len(loop)), np.arange(len(loop), len(flat)), axis, strip.name)
             triangles = np.concatenate([loop, begin])[found if side == 0 else found[:, ::-1]]
             corners, end = points[triangles], End(tube, axis)
@@ -190,35 +224,66 @@ def united(one: SolidBoundary, other: SolidBoundary) -> LinkedBodies | None:
             room = ROOM * sum(mesh.deviation or 0.0 for mesh in meshes if mesh)
             if _gap(mine.box, its.box) > room:
                 continue
-            found = tuple(_links(i, mine, j, its))
-            if not _apart(mine, its, found, room):
+            found = dict(_links(i, mine, j, its))
+            gone = [{name for k in found for name in part.named(k.of(n))} for n, part in ((i, mine), (j, its))]
+            planes = found.values() or [*(end.plane for end in mine.ends), *(-end.plane for end in its.ends)]
+            parted = any(_parted(mine, gone[0], its, gone[1], plane, room) for plane in planes)
+            if not parted and (found or gap_between(meshes[0].points, meshes[1].points) <= room):
                 return None
             links += found
     return LinkedBodies((*these.parts, *those.parts), tuple(links))
 
 
-def _links(i: int, one: LinkedPart, j: int, other: LinkedPart) -> Iterator[Link]:
-    """Where two parts, `i` and `j`, go on in one another."""
-    for number, plane, tubes in one.ends:
-        for other_number, facing, surfaces in other.ends:
-            if len(tubes) == len(surfaces) and _same(plane, -facing) and all(map(_same, tubes, surfaces)):
-                yield Link(i, number, j, other_number)
+def refuse_passing(parts: Sequence[LinkedPart]) -> None:
+    """Raise `MeshError` where what goes on from one of several bodies passes the curve in which another one begins to
+    go on along the same surface: there their faces part without an angle."""
+    for one, other in combinations(parts, 2):
+        for mine, its, gap, opposite in _facing(one, other):
+            rounding, longest = EQUAL * (1 + np.abs(mine.place).max()), max(mine.length, its.length)
+            passed = -rounding <= gap < longest - rounding
+            if passed if opposite else rounding < abs(gap) <= (mine if gap > 0 else its).length + rounding:
+                names = [part.body.sides[0].chains[k.number].name for part, k in ((one, mine), (other, its))]
+                may = f"give each a length of at most {gap:.4g}" if opposite and gap > rounding else "move them apart"
+                raise MeshError(
+                    f"the solid has no mesh: straight parts of two blends that lie on one another, up to {names[0]!r} "
+                    f"and {names[1]!r}, pass near {shown_point(its.place)}, where one of the blends leaves them "
+                    f"without an angle; {may}, or make one blend of the contacts of both"
+                )
 
 
-def _apart(one: LinkedPart, other: LinkedPart, links: Sequence[Link], room: float) -> bool:
-    """Whether two parts have nothing in common but the ends that `links` join, and are further apart than `room`."""
-    joined = [(one.named(k.number), other.named(k.other_number)) for k in links]
-    for plane in [plane for _, plane, _ in one.ends] + [-plane for _, plane, _ in other.ends]:
-        mine, its = one.beside(plane, room), other.beside(-plane, room)
-        if mine is None or its is None:
-            continue
-        if all(
-            _gap(one.boxes[a], other.boxes[b]) > room or any(a in some and b in others for some, others in joined)
-            for a in mine
-            for b in its
-        ):
-            return True
-    return False
+def _facing(one: LinkedPart, other: LinkedPart) -> Iterator[tuple[LinkableEnd, LinkableEnd, float, bool]]:
+    """The ends of two parts on one surface, how far the second begins beyond where the first does, seen along that, and
+    whether they go opposite ways."""
+    for mine, its in product(one.ends, other.ends):
+        if len(mine.tubes) == len(its.tubes) and all(map(_same, mine.tubes, its.tubes)):
+            mine_way, its_way = (end.plane.gradient(np.zeros(3)) for end in (mine, its))
+            way = mine_way / np.linalg.norm(mine_way)
+            cosine = float(way @ its_way / np.linalg.norm(its_way))
+            if 1 - abs(cosine) <= EQUAL:
+                yield mine, its, float((its.place - mine.place) @ way), cosine < 0
+
+
+def _links(i: int, one: LinkedPart, j: int, other: LinkedPart) -> Iterator[tuple[Link, Polynomial]]:
+    """Where two parts, `i` and `j`, go on in one another, and planes amid what they share, positive towards `j`."""
+    for mine, its, gap, opposite in _facing(one, other):
+        rounding, (short, long) = EQUAL * (1 + np.abs(mine.place).max()), sorted((mine.length, its.length))
+        overlap = short + long - gap
+        if opposite and long > rounding and -rounding <= overlap <= short + rounding:
+            ends, share = [(i, mine.number), (j, its.number)], 1 - overlap / long
+            first, second = ends if its.length >= mine.length else ends[::-1]
+            raised = float(np.linalg.norm(mine.plane.gradient(mine.place))) * overlap / 2
+            yield Link(*first, *second, share if share > EQUAL else None), mine.plane + rational(raised)
+
+
+def _parted(
+    one: LinkedPart, gone: set[str], other: LinkedPart, its_gone: set[str], plane: Polynomial, room: float
+) -> bool:
+    """Whether a plane, positive towards the other one, is between two parts without some faces, and what comes as near
+    as `room` to it is further apart than that."""
+    mine, its = one.beside(plane, room, gone), other.beside(-plane, room, its_gone)
+    if mine is None or its is None:
+        return False
+    return all(_gap(one.boxes[a], other.boxes[b]) > room for a in mine for b in its)
 
 
 def _gap(one: Floats, other: Floats) -> float:

@@ -49,7 +49,7 @@ from pas.mesh.shading import unit_rows
 from pas.solid.joints import Joint
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import PlacedBody, jets_of, put_flat, put_side
+from pas.solid.swept import FacedBody, jets_of, put_flat, put_side
 from pas.solid.tree import Atom, Tree, combined, complement
 
 
@@ -144,7 +144,7 @@ class PipePiece:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PipeBody(PlacedBody):
+class PipeBody(FacedBody):
     """What bounds a pipe: the pieces of its outside, and of its inside where it has one."""
 
     sides: tuple[tuple[PipePiece, ...], ...]

@@ -44,7 +44,7 @@ from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operands
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import PlacedBody, flat, jets_of, put_curved, put_flat, put_side, weights_and_triangles
+from pas.solid.swept import FacedBody, flat, jets_of, put_curved, put_flat, put_side, weights_and_triangles
 from pas.solid.tree import Atom, Tree, combined, complement, parts_of
 
 
@@ -268,7 +268,7 @@ def _claims(patches: Mapping[frozenset[PlaneFace], RoundPatch]) -> Iterator[Join
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class RoundedBody(PlacedBody):
+class RoundedBody(FacedBody):
     """What bounds a rounded polyhedron three edges of which meet at each vertex."""
 
     edges: tuple[StraightEdge, ...]

@@ -71,7 +71,7 @@ class RunSide:
         if len(known) != len(meshes):
             return False
         return all(
-            _between(a.points, b.points) > ROOM * ((a.deviation or 0.0) + (b.deviation or 0.0))
+            gap_between(a.points, b.points) > ROOM * ((a.deviation or 0.0) + (b.deviation or 0.0))
             for a, b in combinations(known, 2)
         )
 
@@ -114,7 +114,7 @@ class RunSide:
         return True
 
 
-def _between(one: Floats, other: Floats) -> float:
+def gap_between(one: Floats, other: Floats) -> float:
     """The distance of the farthest parallel planes between points (N, 3) and (M, 3), negative where there are none.
 
     By a linear programme, so it is the farthest of those whose normal is measured by its largest coordinate.

@@ -10,10 +10,11 @@ sheet; a surface that ends elsewhere than in one loop on each contact has no suc
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -175,12 +176,54 @@ def _quads(begin: Integers, end: Integers) -> list[tuple[Integers, Integers, Int
     return [(after, begin, end), (after, end, beyond)]
 
 
+B = TypeVar("B", bound="PlacedBody")
+
+
 @dataclass(frozen=True, eq=False)
-class SheetBody:
-    """What bounds a blend's solid: one side, or an outer and an inner one; `place` is how it was moved."""
+class PlacedBody(ABC):
+    """What bounds a solid all faces of which are made without a lattice; `place` is how it was moved."""
+
+    place: Affine | None = field(default=None, kw_only=True)
+
+    def moved(self: B, map_: Affine) -> B:
+        """Its image."""
+        return replace(self, place=map_ if self.place is None else map_.after(self.place))
+
+    @cached_property
+    def coarse(self) -> Mesh | None:
+        """A coarse mesh of it, which shows where it is; None where it has none."""
+        return self.mesh(COARSE * self.stretch * self.extent, Quality.BALANCED)
+
+    @property
+    def stretch(self) -> float:
+        """By how much lengths grow at most where it was moved."""
+        return 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
+
+    @property
+    def size(self) -> float | None:
+        """The longest side of a box around it, as the coarse mesh shows it."""
+        return None if self.coarse is None else float(np.ptp(self.coarse.points, axis=0).max())
+
+    @property
+    def box(self) -> Floats | None:
+        """Two corners (2, 3) of a box that holds it, as the coarse mesh shows with room around it."""
+        return None if self.coarse is None else roomy(self.coarse.box, self.coarse.deviation or 0.0)
+
+    @property
+    @abstractmethod
+    def extent(self) -> float:
+        """About how large it was before it was moved."""
+
+    @abstractmethod
+    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
+        """A closed mesh within a tolerance (the model's units), as measured; None where there is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class SheetBody(PlacedBody):
+    """What bounds a blend's solid: one side, or an outer and an inner one."""
 
     sides: tuple[Bounding, ...]
-    place: Affine | None = None
 
     @classmethod
     def of(cls, sides: Sequence[Side]) -> SheetBody | None:
@@ -213,30 +256,11 @@ class SheetBody:
         walls = zip(sides[0].chains, sides[-1].chains, strict=True) if len(sides) > 1 else ()
         return cls(tuple(sides)) if all(outer.holds(inner) for outer, inner in walls) else None
 
-    def moved(self, map_: Affine) -> SheetBody:
-        """Its image."""
-        return replace(self, place=map_ if self.place is None else map_.after(self.place))
-
-    @cached_property
-    def coarse(self) -> Mesh | None:
-        """A coarse mesh of it, which shows where it is; None where it has none."""
+    @property
+    def extent(self) -> float:
+        """The longest side of a box around the curves in which surfaces end, before it was moved."""
         points = np.concatenate([chain.curve for side in self.sides for chain in side.chains])
-        return self.mesh(COARSE * self._stretch * float(np.ptp(points, axis=0).max()), Quality.BALANCED)
-
-    @property
-    def _stretch(self) -> float:
-        """By how much lengths grow at most where it was moved."""
-        return 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
-
-    @property
-    def size(self) -> float | None:
-        """The longest side of a box around it, as the coarse mesh shows it."""
-        return None if self.coarse is None else float(np.ptp(self.coarse.points, axis=0).max())
-
-    @property
-    def box(self) -> Floats | None:
-        """Two corners (2, 3) of a box that holds it, as the coarse mesh shows with room around it."""
-        return None if self.coarse is None else roomy(self.coarse.box, self.coarse.deviation or 0.0)
+        return float(np.ptp(points, axis=0).max())
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         """A closed mesh within a tolerance (the model's units), as measured; None where a surface is not as wished."""
@@ -248,7 +272,7 @@ class SheetBody:
 
         Also the loops that are left open.  None where a surface is not as wished.
         """
-        stretch = self._stretch
+        stretch = self.stretch
         short = [number for number, whole in ends.items() if not whole]
         found = [side.mesh(tolerance / stretch, quality, short) for side in self.sides]
         made, loops = Faces([], 0.0), Loops({})

@@ -2,71 +2,35 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import TypeVar
 
 import numpy as np
 
-from pas.algebra.affine import Affine
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
 from pas.solid.edges import Loop
-from pas.solid.sheets import COARSE, Faces, roomy
+from pas.solid.sheets import Faces, PlacedBody
 
 Jets = Callable[[Floats], tuple[Floats, Floats]]
 """From points (..., 3) to the values (...) and gradients (..., 3) of a function whose zero set a face is on."""
 
-B = TypeVar("B", bound="PlacedBody")
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PlacedBody(ABC):
-    """What bounds a solid all faces of which are made at once; `place` is how it was moved."""
-
-    place: Affine | None = field(default=None)
-
-    def moved(self: B, map_: Affine) -> B:
-        """Its image."""
-        return replace(self, place=map_ if self.place is None else map_.after(self.place))
-
-    @cached_property
-    def coarse(self) -> Mesh | None:
-        """A coarse mesh of it, which shows where it is; None where rounding spoils it."""
-        return self._placed(self.made(COARSE * self.extent))
-
-    @property
-    def size(self) -> float | None:
-        """The longest side of a box around it, as the coarse mesh shows it."""
-        return None if self.coarse is None else float(np.ptp(self.coarse.points, axis=0).max())
-
-    @property
-    def box(self) -> Floats | None:
-        """Two corners (2, 3) of a box that holds it, as the coarse mesh shows with room around it."""
-        return None if self.coarse is None else roomy(self.coarse.box, self._stretch * (self.coarse.deviation or 0.0))
-
-    @property
-    def _stretch(self) -> float:
-        return 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
-
-    def _placed(self, faces: Faces | None) -> Mesh | None:
-        return None if faces is None else faces.mesh if self.place is None else faces.mesh._moved(self.place)
+class FacedBody(PlacedBody):
+    """What bounds a solid all faces of which are made at once."""
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         """A closed mesh within a tolerance (the model's units), as measured; None where rounding spoils it."""
-        faces = self.made(tolerance / self._stretch)
-        return None if faces is None or faces.deviation * self._stretch > tolerance else self._placed(faces)
-
-    @property
-    @abstractmethod
-    def extent(self) -> float:
-        """About how large it was before it was moved."""
+        faces = self.made(tolerance / self.stretch)
+        if faces is None or faces.deviation * self.stretch > tolerance:
+            return None
+        return faces.mesh if self.place is None else faces.mesh._moved(self.place)
 
     @abstractmethod
     def made(self, tolerance: float) -> Faces | None:
@@ -74,7 +38,7 @@ class PlacedBody(ABC):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SweptBody(PlacedBody):
+class SweptBody(FacedBody):
     """What bounds such a solid, before it was moved: what its profile's loops sweep out."""
 
     loops: tuple[Loop, ...]

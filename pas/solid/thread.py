@@ -21,7 +21,7 @@ from pas.algebra.rational import Exact, plain, positive, square_root, to_float
 from pas.solid.functions import Distance
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import PlacedBody, jets_of, put_curved, put_flat
+from pas.solid.swept import FacedBody, jets_of, put_curved, put_flat
 from pas.solid.tree import Atom, combined
 
 X, Y, Z = GENERATORS
@@ -82,7 +82,7 @@ class Flank(Distance):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Wound(PlacedBody):
+class Wound(FacedBody):
     """What bounds a thread from z = 0 to a height."""
 
     flank: Flank

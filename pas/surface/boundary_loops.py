@@ -13,6 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from pas.algebra.bracket import Jets
 from pas.algebra.evaluation import PolynomialBatch
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
@@ -65,20 +66,12 @@ class ConeLoop:
         across = np.linalg.solve(self.axes.T, points.T)[1:]
         across = across / np.maximum(np.sqrt((across * across).sum(axis=0)), 1e-300)
         rays = self.axes[0] + across.T @ self.axes[1:]
-        share = dots(points, rays) / dots(rays, rays)
-        rows = np.arange(len(rays))
-        for _ in range(STEPS):
-            here = rays[rows] * share[rows, None]
-            slope = dots(self.surface.gradient(here), rays[rows])
-            with np.errstate(all="ignore"):
-                step = share[rows] - self.surface(here) / slope
-            step = np.where(slope > 0, np.clip(step, share[rows] / 2, share[rows] * 2), share[rows] * 2)
-            moving = ~(np.abs(step - share[rows]) < SETTLED * step)
-            share[rows] = step
-            rows = rows[moving]
-            if not len(rows):
-                break
-        return np.asarray(rays * share[:, None])
+
+        def jets(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
+            here = rays[rows] * shares[:, None]
+            return self.surface(here), dots(self.surface.gradient(here), rays[rows])
+
+        return np.asarray(rays * _settled(jets, dots(points, rays) / dots(rays, rays))[:, None])
 
     def distances(self, points: Floats) -> Floats:
         """Distances (N,) of points from those of the curve at the same angles."""
@@ -186,17 +179,28 @@ class Loops:
         middles, normals = self._middles[numbers], self._normals[numbers]
         ways = points - middles
         ways = ways - dots(ways, normals)[:, None] * normals
-        shares, moving = np.ones(len(points)), np.ones(len(points), dtype=bool)
-        for _ in range(STEPS):
-            jets = self._batch(middles + shares[:, None] * ways, numbers)
-            slopes = dots(jets[:, 1:], ways)
-            rising = slopes > 0
-            found = np.where(rising, shares - jets[:, 0] / np.where(rising, slopes, 1.0), np.inf)
-            found = np.where(moving, np.minimum(np.maximum(found, shares / 2), shares * 2), shares)
-            moving, shares = ~(np.abs(found - shares) < SETTLED), found
-            if not moving.any():
-                break
-        return middles + shares[:, None] * ways
+
+        def jets(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
+            found = self._batch(middles[rows] + shares[:, None] * ways[rows], numbers[rows])
+            return found[:, 0], dots(found[:, 1:], ways[rows])
+
+        return np.asarray(middles + _settled(jets, np.ones(len(points)))[:, None] * ways)
+
+
+def _settled(jets: Jets, shares: Floats) -> Floats:
+    """Where functions of the shares of rays (N,), rising there, are 0, by Newton's method from near by."""
+    rows = np.arange(len(shares))
+    for _ in range(STEPS):
+        here = shares[rows]
+        values, slopes = jets(here, rows)
+        rising = slopes > 0
+        found = np.where(rising, here - values / np.where(rising, slopes, 1.0), np.inf)
+        found = np.minimum(np.maximum(found, here / 2), here * 2)
+        shares[rows] = found
+        rows = rows[~(np.abs(found - here) < SETTLED * found)]
+        if not len(rows):
+            break
+    return shares
 
 
 def _across(normal: Floats) -> Floats:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.inputs import check_order, shown
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import amount, to_float
 from pas.contacts.joins import Join
@@ -178,11 +179,6 @@ def _out_of_plate(plate: Neighbour, pipe: Neighbour) -> float:
         least - float(np.linalg.norm(foot)) - pipe.radius / np.cos(lean), up / np.cos(lean) - pipe.radius * np.tan(lean)
     )
     return tangent * float(np.tan((np.pi / 2 - lean) / 2))
-
-
-def unit(vector: Floats) -> Floats:
-    """A vector (3,) over its length."""
-    return np.asarray(vector / np.linalg.norm(vector))
 
 
 def _across(axis: Floats, normal: Floats) -> Floats:

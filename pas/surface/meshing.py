@@ -122,8 +122,7 @@ def around_centre(surface: PiecewisePolynomial) -> bool:
 def _outside(surface: PiecewisePolynomial, face: OuterFace) -> bool:
     """Whether the middle of an outer face is."""
     corners = [surface.local.vertices[v] for v in face.vertices]
-    x, y, z = (sum(c) / 3 for c in zip(*corners, strict=True))
-    return surface.patches[face.piece].at((x, y, z)) > 0
+    return surface.patches[face.piece].at([sum(c) / 3 for c in zip(*corners, strict=True)]) > 0
 
 
 def _sharpest(surface: PiecewisePolynomial) -> str:

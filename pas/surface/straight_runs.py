@@ -22,8 +22,9 @@ from itertools import combinations, permutations
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.surface.fairness_limits import Neighbour, unit
+from pas.surface.fairness_limits import Neighbour
 
 ROUND = 0.01
 """How far the curve of a tube is from round about its axis, over its radius, at the most."""
@@ -40,15 +41,6 @@ shape that is wanted, measured on nodes in random directions."""
 
 STAR = np.cos(np.radians(118))
 """Cosine of the angle between any two of three equal branches, at the most."""
-
-ASIDE = 0.15
-"""Sine of the angle between a run and another contact, at the least, for that to be a branch of it: towards one
-nearer to its axis there is no side."""
-
-THROUGH = 0.95
-"""Mean radius of a run over that of a wider one that it crosses, at the least.  The sides of two tubes meet at an angle
-whose cosine is that ratio, and a fillet of 3/5 of the wider radius leaves them by 0.008 of it there, by 0.016 at 0.9
-and 0.033 at 0.8.  Measured at right angles, both runs are within 0.03 at 0.95, and no more so at 0.9."""
 
 AWAY, TOWARDS = 0.1, 0.5
 """Cosines from another contact: below the first a point belongs to the run alone and its waist is measured; above the
@@ -185,13 +177,18 @@ def _eased(u: Floats) -> Floats:
 def straight_runs(neighbours: Sequence[Neighbour]) -> tuple[StraightRun, ...]:
     """The runs between neighbours: pairs on one line, where they cross the widest of them, and the three of a star of
     equal angles around the centre."""
+    # Mean radius of a run over that of a wider one that it crosses, at the least. The sides of two tubes meet at
+    # an angle whose cosine is that ratio, and a fillet of 3/5 of the wider radius leaves them by 0.008 of it
+    # there, by 0.016 at 0.9 and 0.033 at 0.8. Measured at right angles, both runs are within 0.03 at 0.95, and no
+    # more so at 0.9.
+    through = 0.95
     tubes = {number: tube for number, one in enumerate(neighbours) if (tube := _tube(one)) is not None}
     pairs: list[tuple[int, int]] = []
     for i, j in sorted(combinations(tubes, 2), key=lambda pair: float(tubes[pair[0]].axis @ tubes[pair[1]].axis)):
         if _continue(tubes[i], tubes[j], BEND) and not any(k in pair for pair in pairs for k in (i, j)):
             pairs.append((i, j))
     widths = [tubes[i].radius + tubes[j].radius for i, j in pairs]
-    pairs = [pair for pair, width in zip(pairs, widths, strict=True) if width >= THROUGH * max(widths)]
+    pairs = [pair for pair, width in zip(pairs, widths, strict=True) if width >= through * max(widths)]
     if not pairs and len(neighbours) == 3 and all(_alike(a, b) for a, b in combinations(tubes.values(), 2)):
         pairs = list(combinations(tubes, 2))
     means = {number: one.mean for number, one in enumerate(neighbours)}
@@ -236,11 +233,14 @@ def _on_one_line(a: StraightEnd, b: StraightEnd) -> bool:
 
 
 def _run(i: int, j: int, tubes: Mapping[int, StraightEnd], others: Sequence[Floats]) -> StraightRun:
+    # Sine of the angle between a run and another contact, at the least, for that to be a branch of it: towards
+    # one nearer to its axis there is no side.
+    aside = 0.15
     a, b = tubes[i], tubes[j]
     onward = unit(a.axis - b.axis)
     across = [mean - (mean @ onward) * onward for mean in others]
     branches = [
-        unit(v) for v, mean in zip(across, others, strict=True) if np.linalg.norm(v) > ASIDE * np.linalg.norm(mean)
+        unit(v) for v, mean in zip(across, others, strict=True) if np.linalg.norm(v) > aside * np.linalg.norm(mean)
     ]
     line = _on_one_line(a, b)
     return StraightRun(

@@ -17,13 +17,14 @@ from scipy.sparse import diags_array, eye_array, kron, triu
 from scipy.spatial import cKDTree
 
 from pas.algebra.affine import quadratic_form
+from pas.algebra.lengths import across
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.exchange.step.borders import DEGREE
 from pas.exchange.step.carriers import Plane
 from pas.exchange.step.charts import Atlas, Sheet
-from pas.exchange.step.parameters import Parameters, SplinePatch, across, carrier_parameters, quadric_patch
+from pas.exchange.step.parameters import Parameters, SplinePatch, carrier_parameters, quadric_patch
 from pas.limits import checkpoint
 from pas.mesh.field import place_of
 from pas.mesh.rows import Integers
@@ -104,8 +105,7 @@ def _graph(sheet: Sheet, corners: Floats, tolerance: float, angle: float) -> Spl
 
 def _frame(points: Floats, normal: Floats) -> Floats:
     """Axes (3, 3) as rows, the last one the normal, the first along the longer side of the smallest rectangle."""
-    first = across(normal)
-    second = np.cross(normal, first)
+    first, second = across(normal)
     turns = np.linspace(0, np.pi, 48, endpoint=False)
     ways = np.outer(np.cos(turns), first) + np.outer(np.sin(turns), second)
     sides = np.ptp(points @ ways.T, axis=0)
