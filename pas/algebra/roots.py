@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import lru_cache, total_ordering
+from itertools import count
 from typing import Any
 
 from flint import arb, ctx, fmpq, fmpq_poly, fmpz_poly
@@ -16,12 +17,9 @@ FIRST_BITS = 64
 """Of balls, before more are asked for."""
 
 
-def accuracies(first: int = FIRST_BITS) -> Iterator[int]:
+def accuracies() -> Iterator[int]:
     """Numbers of bits to be tried one after the other: 64, 128, 256, ..."""
-    bits = first
-    while True:
-        yield bits
-        bits *= 2
+    return (FIRST_BITS << doublings for doublings in count())
 
 
 @total_ordering
