@@ -193,10 +193,9 @@ class PipeNode:
     def _placed(self, surface: PiecewiseSurface) -> Solid | str:
         """The solid with a surface between its arms, or what is wrong with it."""
         planes = [clip_plane(surface, number) for number in range(len(self.arms))]
-        left = []
-        for part in parts_of(self.pipes.tree, True):
-            beyond = [Atom(-p, "") for arm, p in zip(self.arms, planes, strict=True) if _has(part, [arm.tube])]
-            left.append(combined(False, part, combined(True, *beyond)))
+        ends = [*zip(self.arms, planes, strict=True)]
+        parts = parts_of(self.pipes.tree, union=True)
+        left = [combined(False, p, Atom(-plane, "")) for p in parts for arm, plane in ends if _has(p, [arm.tube])]
         pieces = Atom(Pieces(surface.partition, surface.polynomials), self.face)
         inner = combined(False, pieces, region(surface.partition))
         joined = Solid(combined(True, inner, *left), sheets=self._sheets(surface, planes))
