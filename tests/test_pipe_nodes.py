@@ -71,6 +71,7 @@ def test_bores_take_the_corner_away():
     assert made.contains([[1.5, 0, 1.5]]).all() and made.volume() < 47.8171
 
 
+@pytest.mark.slow
 def test_what_else_is_united_or_taken_away_stays():
     bolt = solid.cylinder((-2, 0, -2), (-2, 0, 2), "1/4", face="bolt")
     foot = solid.box((-3, -1, -2), (-2, 1, 0), face="foot")
