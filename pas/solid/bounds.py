@@ -64,12 +64,14 @@ def _branch_box(tree: Tree, seen: Floats) -> tuple[Floats, Floats] | None:
     """See `_shrunk`."""
     evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
     start = None if is_contradiction(tree) or evaluator.is_empty else _linear_box(tree)
-    for part in (p for p in parts_of(tree, union=False) if start is not None and isinstance(p, Node) and p.union):
+    if start is None:
+        return None
+    for part in (p for p in parts_of(tree, union=False) if isinstance(p, Node) and p.union):
         if np.abs(start).max() >= FARTHEST:  # of blends with something taken away the parts are bounded one by one
             with suppress(GeometryError):  # of what is empty or unbounded by itself: the whole says so
                 box = bounding_box(part)
                 start = np.stack([np.maximum(start[0], box[0]), np.minimum(start[1], box[1])])
-    return None if start is None else _shrunk(evaluator, start, seen)
+    return _shrunk(evaluator, start, seen)
 
 
 def _hull(boxes: Sequence[Floats]) -> Floats:
