@@ -17,6 +17,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.scaling import scaled
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.errors import GeometryError
+from pas.limits import checkpoint
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import followed_by
 from pas.solid.tree import Bools, Node, Tree, is_contradiction, parts_of
@@ -107,6 +108,7 @@ def _linear_box(tree: Tree) -> Floats | None:
 
 def _box_of_planes(parts: Sequence[Tree]) -> Floats | None:
     """The box of the linear inequalities among conditions."""
+    checkpoint()  # of many, each of which takes a programme
     rows = []
     for part in parts:
         if isinstance(part, Node) or not isinstance(part.function, Polynomial) or part.function.degree != 1:
