@@ -142,6 +142,8 @@ def command_line() -> str:
         lines += ["```text\n" + command.format_usage().removeprefix("usage: ") + "```\n", *arguments(command)]
         if command.epilog:
             lines += [f"```text\n{command.epilog}\n```\n"]
+        if command.reader:
+            lines += ["What the file says: [problem files](problem_files.md), and `--help`.\n"]
     return "\n".join(lines)
 
 

@@ -22,6 +22,8 @@ ELSEWHERE = {
         ("cube cuboid block", "box"),
         ("square", "rectangle"),
         ("ngon hexagon", "regular_polygon"),
+        ("sweep path_extrude pipe_run", "pipe"),
+        ("screw bolt isothread", "thread"),
         ("linear_extrude prism", "extrude"),
         ("rotate_extrude lathe", "revolve"),
         ("line lineto", "line_to"),

@@ -8,13 +8,13 @@ import pytest
 import pas
 from pas import solid
 from pas.designs.teapot import teapot
-from pas.mesh import triangulate
 from pas.mesh.face_ground import deviation
 from pas.mesh.grading import Settings
 from pas.mesh.quality import smallest_angles
 from pas.mesh.remesher import Remesher
 from pas.mesh.sheet import SurfaceGround, open_mesh
 from pas.mesh.topology import is_manifold
+from pas.surface import triangulate
 
 
 def ring():

@@ -190,6 +190,13 @@ def test_what_is_wrong_is_told_with_its_line(text, old, new, line, sentence, tmp
     assert caught.value.line == line
 
 
+def test_blends_with_a_wall_are_hollow(tmp_path):
+    found = read(CORNER.replace("length = 2", 'length = 2\nwall = "1/10"'), tmp_path).solve()
+    assert "inside of blend" in found.faces and found.proved
+    with pytest.raises(pas.ProblemFileError, match="solid 'corner': "):
+        read(CORNER.replace("length = 2", "wall = 1"), tmp_path).solve()
+
+
 PLATE = """
 tolerance = 0.05
 
@@ -206,6 +213,15 @@ def run(capsys, *arguments):
     code = main([str(a) for a in arguments])
     captured = capsys.readouterr()
     return code, captured.out, captured.err
+
+
+def test_wrong_units_and_sizes_are_told_before_anything_is_made(tmp_path, capsys):
+    path = tmp_path / "part.toml"
+    path.write_text(PLATE.replace("height = 1 ", "height = -1 "))
+    for option, value in (("--unit", "parsec"), ("--scale", "0"), ("--size", "x")):
+        code, _, err = run(capsys, "build", path, option, value)
+        assert code and option.strip("-") in err and "height" not in err
+    assert "height must be positive" in run(capsys, "build", path)[2]
 
 
 def test_the_command_writes_each_file_by_its_suffix(tmp_path, capsys):

@@ -179,6 +179,12 @@ GUESSED = [
     ("ball.color", "a solid has no 'color'; it is written solid.assembly(name=(shape, '#rrggbb'))"),
     ("ball.centroid", "a solid has no 'centroid'; is 'measures' meant?"),
     ("solid.circle((0, 0), 1).linear_extrude", "a profile has no 'linear_extrude'; is 'extrude' meant?"),
+    ("solid.sweep", "pas.solid has no 'sweep'; is 'pipe' meant?"),
+    (
+        "solid.sketch((0, 0)).line_to(4, 0).line_to(4, 1).extrude",
+        "an open sketch has no 'extrude', its profile has: close() goes from (4, 1) back to (0, 0)",
+    ),
+    ("solid.sketch((0, 0)).lineto", "a sketch has no 'lineto'; is 'line_to' meant?"),
     ("solid.circle((0, 0), 1).fillet", "a profile has no 'fillet'; it is flat: extrude or revolve it first"),
     ("solid.assembly(a=ball).export", "an assembly has no 'export'; is 'write' meant?"),
 ]

@@ -225,3 +225,13 @@ def rewrite(path, change):
     change(record["content"])
     record["sha256"] = container.checksum(record["content"])
     path.write_text(json.dumps(record))
+
+
+@pytest.mark.parametrize("ends", ["flat", "round"])
+def test_tubes_are_read_as_they_end(ends, tmp_path):
+    tube = solid.tube(("cos(t)", "sin(t)", "t/5"), "1/8", (0, 1), ends=ends)
+    read = pas.load(tube.save(tmp_path / "a.pas.json"))
+    points = np.random.default_rng(0).uniform(tube.box[0], tube.box[1], (3000, 3))
+    assert (read.value(points) == tube.value(points)).all()
+    beyond = np.array([1.0, 0, 0]) - 0.1 * np.array([0, 1, 0.2]) / np.hypot(1, 0.2)
+    assert tube.contains(beyond) == read.contains(beyond) == (ends == "round")

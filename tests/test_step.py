@@ -15,7 +15,7 @@ from pas import solid
 from pas.cli import main
 from pas.exchange.formats import step as module
 from pas.exchange.formats.step import write_parts
-from pas.exchange.step.borders import CurveKind, curve_through
+from pas.exchange.step.borders import curve_through
 from pas.exchange.step.carriers import CarrierKind, carrier_of, reducible_planes
 from pas.exchange.step.model import adaptive_volume, explored, is_valid, step_part
 from pas.exchange.write import write_step
@@ -324,11 +324,21 @@ def test_solids_with_exact_faces_come_back(ocp, tmp_path, name):
     assert [p.name for p in tmp_path.iterdir()] == ["a.step"]
 
 
-def test_volumes_are_those_of_meshes_where_quadrature_does_not_converge(ocp, tmp_path):
+def test_volumes_are_those_of_meshes_where_quadrature_does_not_converge(ocp, tmp_path, monkeypatch):
+    # Open Cascade's is off by that much on some ways to divide this one
+    monkeypatch.setattr("pas.exchange.formats.step.adaptive_volume", lambda shape, _: 0.97 * adaptive_volume(shape))
     bell = solid.implicit("x^2 + y^2 - 1 - z^2 / 4", "z", "3 - z", face="bell")
     (found,), _ = read_solids(bell.write(tmp_path / "a.step"))
     assert is_valid(found) and module.meshed_volume(found, 1e-3) == pytest.approx(5.25 * np.pi, rel=1e-3)
-    assert adaptive_volume(found) < 5.2 * np.pi  # else this is no such solid any more
+
+
+@pytest.mark.slow
+def test_tubes_are_followed_to_their_flat_ends(ocp, tmp_path):
+    tube = solid.tube(("cos(t)", "sin(t)", "t/5"), "1/8", (0, 1))
+    (found,), kinds = read_solids(tube.write(tmp_path / "a.step"))
+    length = np.hypot(1, 1 / 5)
+    assert is_valid(found) and kinds["Plane"] == 2
+    assert adaptive_volume(found) == pytest.approx(np.pi / 64 * length, rel=1e-5)
 
 
 def test_parts_have_their_names_colours_and_places(ocp, tmp_path):
@@ -380,7 +390,7 @@ def test_what_was_written_is_told(ocp, tmp_path, capsys):
 
 
 def test_a_file_that_would_not_be_the_solid_is_not_written(ocp, tmp_path, monkeypatch):
-    monkeypatch.setattr("pas.exchange.formats.step.adaptive_volume", lambda shape: 2 * adaptive_volume(shape))
+    monkeypatch.setattr("pas.exchange.formats.step.adaptive_volume", lambda shape, _: 2 * adaptive_volume(shape))
     monkeypatch.setattr("pas.exchange.formats.step.meshed_volume", lambda shape, _: 2 * adaptive_volume(shape))
     with pytest.raises(pas.GeometryError, match="no STEP file was written, because the volume of 'a' would be 12"):
         solid.box((0, 0, 0), (3, 2, 1)).write(tmp_path / "a.step")
@@ -455,10 +465,10 @@ def test_cylinders_of_one_radius_meet_in_two_planes():
 @pytest.mark.parametrize(
     ("kind", "curve"),
     [
-        (CurveKind.LINE, lambda t: np.stack([1 + t, 2 * t, 0 * t], axis=1)),
-        (CurveKind.CIRCLE, lambda t: np.stack([np.cos(t), 1 + np.sin(t), 0 * t], axis=1)),
-        (CurveKind.ELLIPSE, lambda t: np.stack([2 * np.cos(t), np.sin(t), 0.5 * np.sin(t)], axis=1)),
-        (CurveKind.SPLINE, lambda t: np.stack([np.cos(t), np.sin(t), np.cos(2 * t)], axis=1)),
+        ("line", lambda t: np.stack([1 + t, 2 * t, 0 * t], axis=1)),
+        ("circle", lambda t: np.stack([np.cos(t), 1 + np.sin(t), 0 * t], axis=1)),
+        ("ellipse", lambda t: np.stack([2 * np.cos(t), np.sin(t), 0.5 * np.sin(t)], axis=1)),
+        ("spline", lambda t: np.stack([np.cos(t), np.sin(t), np.cos(2 * t)], axis=1)),
     ],
 )
 def test_curves_are_what_their_points_are_on(kind, curve):
@@ -467,8 +477,9 @@ def test_curves_are_what_their_points_are_on(kind, curve):
     def placed(points):
         return curve(dense[np.linalg.norm(points[:, None] - curve(dense[::20]), axis=2).argmin(axis=1) * 20])
 
-    found = curve_through(curve(np.linspace(0, 3, 40)), placed if kind is CurveKind.SPLINE else exact(curve), 1e-2)
-    assert found.kind is kind
+    found = curve_through(curve(np.linspace(0, 3, 40)), placed if kind == "spline" else exact(curve), 1e-2)
+    assert (found.spline is not None) == (kind == "spline")
+    assert (found.second is not None) == (kind in ("circle", "ellipse")) and found.circle == (kind == "circle")
     ends = found(np.array([found.start, found.end]))
     assert ends == pytest.approx(curve(np.array([0.0, 3.0])), abs=1e-9)
 

@@ -17,6 +17,7 @@ from pas.algebra.inputs import whole
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import (
+    UNITS,
     Exact,
     Vector,
     VectorLike,
@@ -29,6 +30,8 @@ from pas.algebra.rational import (
     to_floats,
     vector,
 )
+
+ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
 
 
 def away(point: Sequence[fmpq]) -> list[fmpq_mpoly]:
@@ -49,6 +52,17 @@ def quadratic_form(polynomial: Polynomial) -> fmpq_mat:
         rows[i][j] += value / 2
         rows[j][i] += value / 2
     return fmpq_mat(rows)
+
+
+def slope_at(polynomial: Polynomial, point: Vector = ORIGIN) -> Vector:
+    """The gradient at a point, at 0 if none is given, exact."""
+    return three(polynomial.diff(i).raw(*point) for i in range(3))
+
+
+def center_equations(polynomial: Polynomial) -> list[list[fmpq]]:
+    """Where the gradient of a polynomial of degree 2 vanishes: three equations (3, 4), right-hand sides last."""
+    form = quadratic_form(polynomial)
+    return [[form[i, 0], form[i, 1], form[i, 2], -form[i, 3]] for i in range(3)]
 
 
 @dataclass(frozen=True)
@@ -123,7 +137,7 @@ class Frame:
     @cached_property
     def affine(self) -> Affine:
         """The map from local coordinates to the user's."""
-        return Affine(three(three(self.scale * c for c in row) for row in IDENTITY), self.origin)
+        return Affine(three(three(self.scale * c for c in row) for row in UNITS), self.origin)
 
     def localise(self, polynomial: Polynomial) -> Polynomial:
         """A function of the user's coordinates as one of local coordinates, exact."""
@@ -150,13 +164,9 @@ class Frame:
         return np.asarray(points, dtype=float) * to_float(self.scale) + to_floats(self.origin)
 
 
-IDENTITY = ((fmpq(1), fmpq(0), fmpq(0)), (fmpq(0), fmpq(1), fmpq(0)), (fmpq(0), fmpq(0), fmpq(1)))
-ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
-
-
 def translation(offset: VectorLike) -> Affine:
     """The map that adds `offset`."""
-    return Affine(IDENTITY, vector(offset, "offset"))
+    return Affine(UNITS, vector(offset, "offset"))
 
 
 def about(matrix: tuple[Vector, Vector, Vector], center: VectorLike) -> Affine:
@@ -213,7 +223,7 @@ def reflection(normal: VectorLike, center: VectorLike) -> Affine:
     square = dot(n, n)
     if square == 0:
         raise ValueError("normal must not be the zero vector")
-    return about(three(three(IDENTITY[i][j] - 2 * n[i] * n[j] / square for j in range(3)) for i in range(3)), center)
+    return about(three(three(UNITS[i][j] - 2 * n[i] * n[j] / square for j in range(3)) for i in range(3)), center)
 
 
 def translations(count: int, offset: VectorLike) -> list[Affine]:

@@ -12,14 +12,14 @@ transversally says so (`CurvePart.turns` is None).
 from __future__ import annotations
 
 from functools import cached_property
-from itertools import count
+from itertools import count, pairwise
 
 from flint import fmpq
 
 from pas.algebra.ideal import Ideal
-from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import cross, dot
-from pas.algebra.roots import RealRoot
+from pas.algebra.roots import RealRoot, between
 from pas.algebra.zeros import (
     Quotient,
     RealZero,
@@ -35,15 +35,6 @@ VectorField = tuple[Polynomial, Polynomial, Polynomial]
 
 PLANES = (fmpq(1, 3), fmpq(-2, 5), fmpq(7, 4))
 """Values of the linear form where a curve is asked for being irreducible."""
-
-
-VIEWPOINTS = (
-    (fmpq(3, 7), fmpq(-5, 11), fmpq(8, 13)),
-    (fmpq(-19, 3), fmpq(23, 5), fmpq(29, 7)),
-    (fmpq(101, 9), fmpq(-57, 4), fmpq(-83, 6)),
-)
-"""Points from which distances are taken; a curve all of whose points are critical for all three
-distances is not cut out transversally."""
 
 
 class SplitError(Exception):
@@ -190,20 +181,17 @@ def count_real_points(ideal: Ideal) -> int | None:
 def has_real_curve(surface: Polynomial, clip: Polynomial) -> bool | None:
     """Whether V(surface, clip) is a real curve somewhere, not empty nor isolated points.
 
-    It has a regular real point iff the distance from some generic point has a critical point there.  None where the
-    two touch along a whole component, so that distances do not decide it.
+    Asked for polynomials without a common factor that have a common complex point.  None where the two touch along
+    a whole component.
     """
-    normal = cross(gradient(surface), gradient(clip))
-    singular = count_real_points(Ideal(surface, clip, *normal))
-    if singular is None:
+    whole = SpaceCurve(surface, clip).whole
+    try:
+        turns = whole.turns
+    except SplitError:
         return None
-    for viewpoint in VIEWPOINTS:
-        # every singular point counts as critical, whatever the viewpoint
-        critical = dot(normal, [Polynomial.from_raw(g - o) for g, o in zip(GENERATORS, viewpoint, strict=True)])
-        number = count_real_points(Ideal(surface, clip, critical))
-        if number is not None:
-            return number > singular
-    return None
+    if turns is None:
+        return None
+    return any(whole.points(between(*slab)) for slab in pairwise([None, *sorted(set(turns)), None]))
 
 
 def _top(polynomial: Polynomial) -> Polynomial:

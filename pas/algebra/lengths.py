@@ -28,6 +28,13 @@ def unit(vectors: ArrayLike) -> Floats:
         return np.asarray(small / np.sqrt((small * small).sum(axis=-1, keepdims=True)))
 
 
+def across(direction: Floats) -> Floats:
+    """Two unit vectors (2, 3) across a unit vector, right-handed with it."""
+    first = np.cross(direction, np.eye(3)[int(np.abs(direction).round(9).argmin())])
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(direction, first)])
+
+
 def angle_between(a: Floats, b: Floats) -> float:
     """The angle (radians) between two vectors (3,)."""
     return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))

@@ -35,7 +35,6 @@ R = TypeVar("R")
 T = TypeVar("T")
 Vector = tuple[fmpq, fmpq, fmpq]
 
-UNITS: tuple[Vector, ...] = tuple((fmpq(i == 0), fmpq(i == 1), fmpq(i == 2)) for i in range(3))
 
 Exact: TypeAlias = int | float | str | Fraction | fmpq | SupportsFloat
 """What is taken for an exact number, as the head of this module says."""
@@ -152,6 +151,9 @@ def three(values: Iterable[T]) -> tuple[T, T, T]:
     """Three values as a tuple, such as a vector's coordinates; raises `ValueError` for more or fewer."""
     x, y, z = values
     return x, y, z
+
+
+UNITS = three((fmpq(i == 0), fmpq(i == 1), fmpq(i == 2)) for i in range(3))
 
 
 def exact_vector(values: Sequence[float]) -> Vector:

@@ -8,20 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import lru_cache, total_ordering
+from itertools import count
 from typing import Any
 
-from flint import arb, arb_poly, ctx, fmpq, fmpq_poly, fmpz_poly
+from flint import arb, ctx, fmpq, fmpq_poly, fmpz_poly
 
 FIRST_BITS = 64
 """Of balls, before more are asked for."""
 
 
-def accuracies(first: int = FIRST_BITS) -> Iterator[int]:
+def accuracies() -> Iterator[int]:
     """Numbers of bits to be tried one after the other: 64, 128, 256, ..."""
-    bits = first
-    while True:
-        yield bits
-        bits *= 2
+    return (FIRST_BITS << doublings for doublings in count())
 
 
 @total_ordering
@@ -34,7 +32,7 @@ class RealRoot:
 
     def ball(self, bits: int = FIRST_BITS) -> arb:
         """A ball of that relative accuracy that holds the root."""
-        return _ball(self._key, self.index, bits)
+        return _balls(self._key, bits)[self.index]
 
     def bounds(self, bits: int = FIRST_BITS) -> tuple[fmpq, fmpq]:
         """Two rational numbers between which the root lies."""
@@ -53,28 +51,6 @@ class RealRoot:
             if not self.ball(bits).overlaps(other.ball(bits)):
                 return bool(self.ball(bits) < other.ball(bits))
         raise AssertionError
-
-
-@lru_cache(maxsize=1 << 14)
-def _ball(key: tuple[int, ...], index: int, bits: int) -> arb:
-    if bits <= FIRST_BITS or len(key) == 2:
-        return _balls(key, bits)[index]
-    return _refined(fmpz_poly(list(key)), _ball(key, index, bits // 2), bits) or _balls(key, bits)[index]
-
-
-def _refined(polynomial: fmpz_poly, ball: arb, bits: int) -> arb | None:
-    """A smaller ball around the only root in one, by Newton's method; None where it does not converge."""
-    most_steps = 3  # of Newton's method, each of which about doubles the number of right digits
-    slope, size = polynomial.derivative(), polynomial.height_bits()
-    for _ in range(most_steps):
-        with ctx.workprec(2 * bits + 2 * size):
-            middle, rise = ball.mid(), arb_poly(slope)(ball)
-            if rise.contains(0):
-                return None
-            ball = (middle - arb_poly(polynomial)(middle) / rise).intersection(ball)
-            if ball.rel_accuracy_bits() >= bits:
-                return ball
-    return None
 
 
 @lru_cache(maxsize=1 << 12)

@@ -110,10 +110,10 @@ def prove_positive(
     return SignResult(found.status, found.open.corners.mean(axis=1), sources, found.examined, witness)
 
 
-def prove_apart(zeros: Sequence[Floats], corners: Floats, limits: Limits | None = None) -> SignResult:
+def prove_apart(zeros: Sequence[Floats], corners: Floats) -> SignResult:
     """Prove that some polynomials have no common zero on simplices; `zeros` are their B-coefficients (N, m)."""
     nowhere = np.full((len(corners), 1), -1.0)
-    return prove_positive(nowhere, corners, zeros, limits)
+    return prove_positive(nowhere, corners, zeros)
 
 
 Exact: TypeAlias = "tuple[Sequence[fmpq_mpoly], int]"

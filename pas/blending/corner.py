@@ -14,6 +14,7 @@ from math import sqrt
 
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.affine import center_equations, slope_at
 from pas.algebra.matrices import solved
 from pas.algebra.rational import Vector, cross, dot, listed, moved, plain, rational, three, to_float
 from pas.contacts.contact import Contact
@@ -76,7 +77,7 @@ def _normal(number: int, contact: Contact) -> Vector:
         raise GeometryError(
             f"the clip {contact.clip} of contact {number} is not a plane, as the six-tetrahedra corner needs; {OTHERS}"
         )
-    return three(contact.clip.diff(i).raw(0, 0, 0) for i in range(3))
+    return slope_at(contact.clip)
 
 
 def _center(contacts: Sequence[Contact], pipes: Sequence[Circular | None]) -> Vector:
@@ -91,9 +92,7 @@ def _center(contacts: Sequence[Contact], pipes: Sequence[Circular | None]) -> Ve
                 f"surface {number} is of degree {contact.surface.degree}, so the corner's centre is not "
                 "known; give the partition, such as pas.SixTetrahedra(center, legs)"
             )
-        for i in range(3):
-            slope = contact.surface.diff(i)
-            rows.append([slope.diff(j).raw(0, 0, 0) for j in range(3)] + [-slope.raw(0, 0, 0)])
+        rows += center_equations(contact.surface)
     found = solved(fmpq_mat(rows))
     if found is None:
         raise GeometryError(_apart(pipes))
@@ -141,8 +140,7 @@ def check_circle(number: int, pipe: Circular, join: Join) -> None:
 
 def _foot(pipe: Circular, join: Join) -> Vector:
     clip = join.contact.clip
-    slope = sum((clip.diff(i).raw(0, 0, 0) * a for i, a in enumerate(pipe.axis)), fmpq(0))
-    t = -clip.raw(*pipe.point) / slope
+    t = -clip.raw(*pipe.point) / dot(slope_at(clip), pipe.axis)
     return moved(pipe.point, (t, pipe.axis))
 
 

@@ -25,7 +25,6 @@ from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.monomials import Exponents
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
-from pas.bernstein.search import Limits
 from pas.bernstein.signs import SignResult, alike, positive_on
 from pas.contacts.joins import ClipPlane, Join
 from pas.partition.complex import OuterFace
@@ -106,7 +105,6 @@ def alpha_signs(
     join: Join,
     *,
     on_curve: bool,
-    limits: Limits | None = None,
     beside: Sequence[Join] = (),
 ) -> SignResult:
     """Branch and bound for alpha > 0 on the clip faces (or on the curve), where `patch = alpha f_i`.
@@ -123,7 +121,7 @@ def alpha_signs(
         faces += [join.partition.corners(face.vertices) for face in met.faces]
         values += [alpha] * len(met.faces)
     zeros = [alike(join.contact.surface.raw, faces)] if on_curve else []
-    return positive_on(faces, (values, surface.degree), zeros, limits=limits)
+    return positive_on(faces, (values, surface.degree), zeros)
 
 
 def _without(alpha: fmpq_mpoly, others: Sequence[Join], face: OuterFace) -> fmpq_mpoly:

@@ -179,7 +179,7 @@ def _sized(shape: Any, options: argparse.Namespace, unit: str | None = None) -> 
 def run_build(options: argparse.Namespace) -> CommandResult:
     """`pas build`: the files of a part, or of the body of whatever a problem asks for."""
     from pas.exchange.files import target
-    from pas.exchange.formats import FORMATS, Request
+    from pas.exchange.formats import FORMATS, Request, Sizing, unit_named
     from pas.exchange.parts import part_list_of
     from pas.exchange.problem import read_problem
     from pas.shape import kind_of
@@ -188,11 +188,12 @@ def run_build(options: argparse.Namespace) -> CommandResult:
     outputs = [Path(name) for name in options.output or ()]
     for path in outputs:
         target(path, (".pas.json", ".png", *FORMATS), "a part")
+    sizing, unit = settings_of(Sizing, options), unit_named(options.unit) if options.unit else problem.model_unit
     clock = Clock()
     shape = problem.solve()
     body = kind_of(shape).body
     made = shape if body is None else body(shape, None)
-    shape, unit = _sized(made, options, options.unit or problem.model_unit)
+    shape, unit = sizing.applied(made, unit)
     clock.passed("build")
     certificate: Verdicts = shape.certificate
     clock.passed("prove")

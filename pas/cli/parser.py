@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import ast
 import re
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Any, NoReturn
 
 from pas.cli import commands, networks
@@ -22,13 +24,17 @@ Add = Callable[[argparse.ArgumentParser], object]
 
 @dataclass(frozen=True)
 class Command:
-    """A command: what runs it, what it does in a line, its arguments, and more text below them."""
+    """A command: what runs it, what it does in a line, its arguments, and more text below them.
+
+    `reader` is the module of `pas.exchange` that reads its files, and says what these look like.
+    """
 
     name: str
     run: Callable[[argparse.Namespace], CommandResult]
     text: str
     arguments: tuple[Add, ...]
     more: str = ""
+    reader: str = ""
 
     def add_to(self, commands: Any) -> None:
         """Make its parser, one of several."""
@@ -37,6 +43,7 @@ class Command:
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )  # fmt: skip
         parser.set_defaults(command=self.name, run=self.run)
+        parser.reader = self.reader
         parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
         if self.name not in ("solve", "studio"):  # one prints other forms, too, the other nothing in the end
             parser.add_argument("--json", action="store_true", help="print the result as JSON")
@@ -120,37 +127,16 @@ COMMANDS = (
         commands.run_problem,
         "find, prove, mesh and draw the blend of a problem file",
         PROBLEM,
-        "Writes NAME.pas.json (the exact solution and its verdicts), NAME.stl and NAME.png.\n\n"
-        "A problem file is TOML:\n\n"
-        "  order = 2            # the k of GC^k\n\n"
-        "  [[pipes]]            # three of them, perpendicular, through one point\n"
-        '  axis = [1, 0, 0]\n  radius = "1/3"\n  clip = 1\n\n'
-        "Also: degree, tolerance, [[contacts]] (surface, clip), [partition], [energy],\n"
-        "[points] (inside, outside, through, near), [normalize], prove, guard, basis,\n"
-        "[mesh] (quality, max_triangles), [picture] (style, view, combs).",
+        "Writes NAME.pas.json (the exact solution and its verdicts), NAME.stl and NAME.png.",
+        "corner_problem",
     ),
     Command(
         "parametric",
         commands.run_problem,
         "find, prove, mesh and draw the parametric blend of a problem file",
         PROBLEM,
-        "Writes NAME.pas.json (data, method, components, verdicts), NAME.stl and NAME.png.\n\n"
-        "A problem file is TOML:\n\n"
-        '  order = 2\n  method = "hermite"   # or "weighted", with balance, normalized, exponent\n\n'
-        "  [[surfaces]]         # two or more, met at h = 0, 1, ... or at values = [...]\n"
-        '  x = "(1 - t^2)/(1 + t^2)"\n  y = "2*t/(1 + t^2)"\n  z = "h - 1"\n\n'
-        "  [domain]             # of proof, mesh and picture\n  t = [-1, 1]\n\n"
-        "Also: parameters, tolerance, prove, [picture] (style, view).\n\n"
-        "Or by a Bezier generatrix between two boundaries of any kind:\n\n"
-        '  method = "generatrix"                # or "quadrics": closed plane sections of quadrics\n\n'
-        "  [[boundaries]]                       # two of these; a plane section of a quadric,\n"
-        '  quadric = "x^2 + y^2 - 1"\n  plane = "z - 2"\n\n'
-        "  [[boundaries]]                       # or a curve on an implicit surface, or others\n"
-        '  implicit = "y^2 + z^2 - 1"\n  curve = ["3", "cos(2*pi*s)", "sin(2*pi*s)"]\n\n'
-        "  [shape]                              # a number, pairs, a cosine; middle: a curve\n"
-        "  l1 = 1\n  l2 = { low = 0.5, high = 1 }\n\n"
-        "Other boundaries: quadric and other (branch); x, y, z and t, h or path; curve and normal or tangent.\n"
-        "Also: align, unit, tolerance, prove, [picture].",
+        "Writes NAME.pas.json (data, method, components, verdicts), NAME.stl and NAME.png.",
+        "parametric_problem",
     ),
     Command(
         "solve",
@@ -182,17 +168,8 @@ COMMANDS = (
             settings(Sizing),
             settings(MeshSettings, "the file's, or 0.001 of the size"),
         ),
-        "Prints the faces, the verdicts on their joints, and what each part measures.\n\n"
-        "A part file is TOML; each table makes a thing, and those that no other uses are the parts:\n\n"
-        '  unit = "mm"\n\n'
-        '  [[solid]]\n  name = "plate"\n  kind = "box"         # a function of pas.solid, and its arguments\n'
-        "  lower = [0, 0, 0]\n  upper = [40, 30, 5]\n\n"
-        '  [[solid]]\n  name = "hole"\n  kind = "circle"\n  center = [20, 15]\n  radius = 6\n'
-        '  then = [{ kind = "extrude", height = 5 }]\n\n'
-        '  [[solid]]\n  name = "part"\n  kind = "difference"\n  of = ["plate", "hole"]\n'
-        '  then = [{ kind = "fillet", first = "box x+", second = "box y+", radius = 3 }]\n\n'
-        "Also: union, intersection, blend (with the tables of its problem), color, prove, tolerance,\n"
-        "[mesh], [picture].",
+        "Prints the faces, the verdicts on their joints, and what each part measures.",
+        "part_problem",
     ),
     Command(
         "check",
@@ -299,6 +276,16 @@ COMMANDS = (
 
 class Parser(argparse.ArgumentParser):
     """A reader of arguments that guesses what a misspelt command or option was meant to be."""
+
+    reader = ""
+
+    def format_help(self) -> str:
+        """As usual, and what the files look like that are read, as the reader of these says it."""
+        if not self.reader:
+            return super().format_help()
+        source = Path(__file__).parents[1] / "exchange" / f"{self.reader}.py"
+        told = ast.get_docstring(ast.parse(source.read_text(encoding="utf-8")))
+        return f"{super().format_help()}\n{told}\n"
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong on stderr and end with exit code 2."""

@@ -13,13 +13,26 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
-from pas.algebra.affine import away, height
+from pas.algebra.affine import away, center_equations, height, quadratic_form
 from pas.algebra.bracket import sign_change
 from pas.algebra.brief import brief
 from pas.algebra.inputs import short
+from pas.algebra.matrices import solved
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, Vector, VectorLike, dot, listed, plain, positive, rational, to_float, vector
+from pas.algebra.rational import (
+    Exact,
+    Vector,
+    VectorLike,
+    dot,
+    listed,
+    plain,
+    positive,
+    rational,
+    three,
+    to_floats,
+    vector,
+)
 from pas.contacts.contact import Contact, Movable
 from pas.errors import GeometryError
 
@@ -33,15 +46,10 @@ WIDEST = 1e6
 
 def apex(clip: Polynomial) -> Vector | None:
     """The apex of a cone of degree 2; None for other polynomials."""
-    slopes = [clip.diff(i).raw for i in range(3)]
-    if clip.degree != 2:
+    found = solved(fmpq_mat(center_equations(clip))) if clip.degree == 2 else None
+    if found is None or len(found[1]) < 3 or clip.raw(*found[0]) != 0:
         return None
-    origin = (fmpq(0), fmpq(0), fmpq(0))
-    form = fmpq_mat(3, 3, [slope.derivative(j)(*origin) for slope in slopes for j in range(3)])
-    if form.det() == 0:
-        return None
-    x, y, z = form.solve(fmpq_mat(3, 1, [-slope(*origin) for slope in slopes])).entries()
-    return (x, y, z) if clip.raw(x, y, z) == 0 else None
+    return three(found[0])
 
 
 def nappe(cone: Polynomial, towards: Floats) -> Floats:
@@ -50,7 +58,7 @@ def nappe(cone: Polynomial, towards: Floats) -> Floats:
     The first is its axis, on the side of `towards` (3,).  Raises `GeometryError` for what is no cone that is negative
     inside: its form must have one negative square and two positive ones; and for one wider or narrower than `WIDEST`.
     """
-    form = np.array([[to_float(cone.diff(i).diff(j).raw(0, 0, 0)) / 2 for j in range(3)] for i in range(3)])
+    form = np.array([to_floats(row[:3]) for row in quadratic_form(cone).tolist()[:3]])
     values, axes = np.linalg.eigh(form)
     squares, most = -values[1:] / values[0] if values[0] < 0 else np.zeros(2), 2 * WIDEST**2  # rounding counts as well
     if not 1 / most < squares[0] <= squares[1] < most:

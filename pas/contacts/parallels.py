@@ -20,6 +20,7 @@ from math import frexp, ldexp, sqrt
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.affine import quadratic_form, slope_at
 from pas.algebra.inputs import short
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import (
@@ -48,8 +49,6 @@ DIGITS = 32
 
 Axes = tuple[tuple[Vector, fmpq], ...]
 """Three vectors across one another, each with the eigenvalue of the quadratic form that belongs to it."""
-
-ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
 
 
 def inner_contact(contact: Contact, thickness: fmpq, number: int = 1) -> Contact:
@@ -112,7 +111,7 @@ def rounded(value: float) -> fmpq:
 
 def principal_axes_of(surface: Polynomial, contact: Contact) -> Axes | None:
     """Those of a polynomial's terms of degree 2, one of which may be the normal of a contact's plane clip."""
-    hint = slope_at(contact.clip, ORIGIN) if contact.clip.degree == 1 else None
+    hint = slope_at(contact.clip) if contact.clip.degree == 1 else None
     return principal_axes(quadratic_terms(surface), hint)
 
 
@@ -170,10 +169,5 @@ def _eigenvalue(matrix: fmpq_mat, vector: Vector) -> fmpq | None:
 
 
 def quadratic_terms(f: Polynomial) -> fmpq_mat:
-    """The symmetric matrix of the terms of degree 2."""
-    return fmpq_mat(3, 3, [f.diff(i).diff(j).raw(*ORIGIN) / 2 for i in range(3) for j in range(3)])
-
-
-def slope_at(f: Polynomial, point: Vector) -> Vector:
-    """The gradient at a point, exact."""
-    return three(f.diff(i).raw(*point) for i in range(3))
+    """The symmetric matrix of the terms of degree 2, of a polynomial of no higher degree."""
+    return fmpq_mat([row[:3] for row in quadratic_form(f).tolist()[:3]])

@@ -9,12 +9,13 @@ from typing import ClassVar
 
 from flint import fmpq
 
+from pas.algebra.affine import slope_at
 from pas.algebra.brief import brief
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, Vector, VectorLike, dot, listed, positive, rational
 from pas.contacts.axial import Axial, perpendicular, vectors
 from pas.contacts.contact import Contact
-from pas.contacts.parallels import ORIGIN, root, slope_at
+from pas.contacts.parallels import root
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ class Plate(Axial):
         f = contact.surface
         if f.degree != 1:
             return None
-        slope = slope_at(f, ORIGIN)
+        slope = slope_at(f)
         return f + Polynomial(thickness * root(dot(slope, slope)))
 
     def __str__(self) -> str:

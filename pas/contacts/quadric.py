@@ -11,7 +11,7 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from flint import fmpq, fmpq_mpoly
 
-from pas.algebra.affine import height, translation
+from pas.algebra.affine import height, slope_at, translation
 from pas.algebra.brief import brief
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
@@ -19,16 +19,7 @@ from pas.algebra.polynomial import GENERATORS, RING, Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, dot, minus, rational, three, to_float, to_floats
 from pas.contacts.cones import apex, nappe, nappe_rays
 from pas.contacts.contact import Contact, Movable
-from pas.contacts.parallels import (
-    ORIGIN,
-    Axes,
-    TooThickError,
-    principal_axes_of,
-    quadratic_terms,
-    rounded,
-    shrunk,
-    slope_at,
-)
+from pas.contacts.parallels import Axes, TooThickError, principal_axes_of, quadratic_terms, rounded, shrunk
 
 QuadricLike: TypeAlias = "PolynomialLike | Sequence[Sequence[Exact]]"
 """What is taken for a quadric: a polynomial of degree 2, or a symmetric 4x4 matrix of exact numbers."""
@@ -167,6 +158,6 @@ def _curve(contact: Contact) -> tuple[Vector, Floats]:
 
 def _center(f: Polynomial, axes: Axes) -> Vector:
     """The centre of a quadric, as far as it has one: along the axes with an eigenvalue other than 0."""
-    slope = slope_at(f, ORIGIN)
+    slope = slope_at(f)
     shares = [-dot(slope, v) / (2 * value * dot(v, v)) if value else fmpq(0) for v, value in axes]
     return three(sum((s * v[i] for s, (v, _) in zip(shares, axes, strict=True)), fmpq(0)) for i in range(3))

@@ -19,7 +19,7 @@ from typing import Protocol
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.affine import height
+from pas.algebra.affine import height, slope_at
 from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import short, shown_point
@@ -32,6 +32,7 @@ from pas.algebra.rational import (
     dot,
     exact,
     moved,
+    three,
     to_float,
     to_floats,
     two_across,
@@ -142,11 +143,10 @@ class PlaneChart:
     def of(cls, plane: Polynomial) -> PlaneChart:
         """That of a plane, a polynomial of degree 1; its origin is the point next to the origin of space."""
         slope = Scaled.of([plane - plane.at((0, 0, 0))])
-        x, y, z = (slope.polynomials[0].diff(i).raw(0, 0, 0) for i in range(3))
-        normal = (x, y, z)
+        normal = slope_at(slope.polynomials[0])
         share = -plane.raw(0, 0, 0) / fmpq(2) ** slope.exponent / dot(normal, normal)
         (a, b, c), (d, e, f) = two_across(normal)
-        return cls(normal, (share * x, share * y, share * z), (-a, -b, -c), (-d, -e, -f))
+        return cls(normal, three(share * n for n in normal), (-a, -b, -c), (-d, -e, -f))
 
     def point(self, s: fmpq, t: fmpq) -> Vector:
         """The point with given coordinates."""

@@ -33,7 +33,8 @@
     [[solid]]
     name = "corner"
     kind = "blend"                 # the solid of a blend; its other keys and tables are those of a problem file of
-    order = 1                      # such, see pas.exchange.corner_problem, and length, that of its neighbours
+    order = 1                      # such, see pas.exchange.corner_problem, and length, that of its neighbours, and
+                                   # wall, the thickness of a hollow one
     pipes = [
       { axis = [1, 0, 0], radius = "1/3", clip = 1 },
       { axis = [0, 1, 0], radius = "1/3", clip = 1 },
@@ -281,9 +282,9 @@ def _blend(reader: TableReader, table: dict[str, Any]) -> Callable[[], Solid]:
     for key in ("tolerance", "mesh", "picture"):
         if key in table:
             raise ValueError(f"{key} is that of the whole file")
-    length = table.pop("length", None)
-    problem = PROBLEMS["corner"].read(reader.file, "\n".join(reader.lines), table)
-    return lambda: problem.solve().solid(length)  # type: ignore[attr-defined]
+    length, wall = table.pop("length", None), table.pop("wall", None)
+    problem: Any = PROBLEMS["corner"].read(reader.file, "\n".join(reader.lines), table)
+    return lambda: (problem.solve() if wall is None else problem.solve().hollow(wall)).solid(length)
 
 
 def _read(file: Path, text: str, data: dict[str, Any]) -> PartProblem:

@@ -51,7 +51,7 @@ TREE: Value = choice(
 )
 """How its functions are numbered is said by the whole record, which reads and writes it."""
 
-_TUBE = Table({"curve": list_of(TEXT, 3), "interval": list_of(NUMBER, 2), "radius": NUMBER})
+_TUBE = Table({"curve": list_of(TEXT, 3), "interval": list_of(NUMBER, 2), "radius": NUMBER}, {"round": FLAG})
 _DATA = {
     "pas.solid.tube.Tube": _TUBE,
     "pas.solid.tube.End": Table({"tube": _TUBE, "side": WHOLE}),

@@ -10,7 +10,7 @@ from math import degrees, pi
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.lengths import unit
+from pas.algebra.lengths import across, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, binary_exponent, dot, exact, minus, three, to_float, to_floats
 from pas.contacts.contact import Movable
@@ -138,13 +138,6 @@ def sides(rays: Sequence[Ray]) -> Floats:
     """The unit normals (N, 3), inwards, of the planes of a piece's sides."""
     around = np.array(rays, dtype=float)
     return unit(np.cross(around, np.roll(around, -1, axis=0)))
-
-
-def across(direction: Floats) -> Floats:
-    """Two unit vectors (2, 3) across a unit vector, right-handed with it."""
-    first = np.cross(direction, np.eye(3)[int(np.abs(direction).round(9).argmin())])
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(direction, first)])
 
 
 def turn(start: float, end: float) -> float:

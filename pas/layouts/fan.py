@@ -14,11 +14,11 @@ from math import cos, degrees, gcd, pi, radians, sin
 
 import numpy as np
 
-from pas.algebra.lengths import unit
+from pas.algebra.lengths import across, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector
 from pas.errors import GeometryError
-from pas.layouts.discs import Disc, across, check_fits, turn, whole_ray
+from pas.layouts.discs import Disc, check_fits, turn, whole_ray
 from pas.partition.layout import Layout, Ray
 
 LONGEST_AXIS = 4

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.affine import slope_at
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
@@ -138,7 +139,7 @@ def _center(surface: Polynomial, edge: Rim, rims: Mapping[int, Rim], number: int
 
     Of several curves it is below the middle of the plate's.
     """
-    normal = (surface.diff(0).raw(0, 0, 0), surface.diff(1).raw(0, 0, 0), surface.diff(2).raw(0, 0, 0))
+    normal = slope_at(surface)
     for other, rim in rims.items():
         if surface.at(rim.center) <= 0:
             raise GeometryError(
@@ -170,7 +171,7 @@ def _cone(plate: Contact, center: Vector) -> Polynomial:
     y = [g - c for g, c in zip(GENERATORS, center, strict=True)]
     height = surface(*center)
     level = (surface - height) / -height
-    value, slopes = clip.raw(*center), [clip.diff(i).raw(*center) for i in range(3)]
+    value, slopes = clip.raw(*center), slope_at(clip, center)
     linear = sum((s * c for s, c in zip(slopes, y, strict=True)), 0 * y[0])
     return Polynomial.from_raw(value * level**2 + linear * level + (clip.raw - value - linear))
 

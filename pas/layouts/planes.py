@@ -15,10 +15,10 @@ from math import atan2, isqrt, radians, sin
 import numpy as np
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.lengths import unit
+from pas.algebra.lengths import across, unit
 from pas.algebra.rational import Vector, cross, determinant, dot, vector
 from pas.errors import GeometryError
-from pas.layouts.discs import Disc, across
+from pas.layouts.discs import Disc
 from pas.partition.layout import Layout, Ray, primitive, reduced
 
 ORBITS: tuple[Ray, ...] = ((1, 0, 0), (1, 1, 1), (2, 1, 0), (3, 1, 0), (4, 1, 0))

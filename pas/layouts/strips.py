@@ -13,11 +13,11 @@ from math import cos, degrees, radians, tan
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from pas.algebra.lengths import angle_between, unit
+from pas.algebra.lengths import across, angle_between, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, determinant
 from pas.errors import GeometryError
-from pas.layouts.discs import Disc, across, check_fits, room, whole_ray
+from pas.layouts.discs import Disc, check_fits, room, whole_ray
 from pas.partition.layout import Layout, Ray
 from pas.surface.fairness import spiral
 

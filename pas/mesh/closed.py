@@ -18,7 +18,7 @@ from scipy.spatial import cKDTree
 from pas.mesh.cleaning import FOLD, cleaned
 from pas.mesh.diagnostics import diagnosis
 from pas.mesh.face_ground import FaceGround
-from pas.mesh.field import FaceField, extent_of
+from pas.mesh.field import FaceField, bounds_set, extent_of
 from pas.mesh.first import first_lattice, first_mesh, unsound
 from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.hollowed import mesh_hollowed, too_thick
@@ -30,7 +30,7 @@ from pas.mesh.projection import newton, pair_normals, project
 from pas.mesh.quality import Quality
 from pas.mesh.refusals import Made, Refusal, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
-from pas.mesh.rows import Floats, norms
+from pas.mesh.rows import norms
 from pas.mesh.surfaces import mesh_apart, together
 from pas.mesh.topology import connected
 
@@ -43,14 +43,9 @@ UPRIGHT = 0.3
 
 @dataclass(frozen=True)
 class FaceMesh:
-    """A closed mesh whose triangles carry labels, with outward unit normals of each vertex's faces.
-
-    `mesh` holds points (N, 3), triangles (T, 3) and labels (T,); `normals` (P, 3) belongs to the rows
-    of `mesh.topology.pairs`, the (vertex, label) pairs; `deviation` is the measured distance from the set.
-    """
+    """A closed mesh whose triangles carry labels, and its `deviation`: the measured distance from the set."""
 
     mesh: Labelled
-    normals: Floats
     deviation: float
 
     def named(self, field: FaceField) -> Mesh:
@@ -76,7 +71,7 @@ class FaceMesh:
             mesh.triangles,
             numbers,
             names,
-            self.normals[mesh.topology.corner_pairs],
+            pair_normals(mesh, field)[mesh.topology.corner_pairs],
             deviation=self.deviation * field.scale,
         )
 
@@ -91,7 +86,7 @@ def triangulate_faces(
     triangles.
     """
     made = None if first is None else _from_first(first, field, tolerance, quality)
-    return _finished(_bounded(field, tolerance, quality) if made is None else made, field)
+    return _finished(_bounded(field, tolerance, quality) if made is None else made)
 
 
 def _from_first(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> Made | None:
@@ -127,23 +122,18 @@ def _bounding(mesh: Labelled, field: FaceField, tolerance: float) -> bool:
     points = np.einsum("wc,tcx->twx", weights, corners[rows]).reshape(-1, 3)
     labels = np.repeat(mesh.labels[rows], len(weights))
     points = newton(points, field, labels[:, None], np.full(len(points), tolerance))
-    signs, every = field.signs(points), np.arange(len(points))
-    signs[labels // 2, every] = labels % 2 == 0
-    inside = field.inside(signs)
-    signs[labels // 2, every] = labels % 2 == 1
-    return bool((inside & ~field.inside(signs)).all())
+    return bool(bounds_set(field, points, labels).all())
 
 
 def refined_faces(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> FaceMesh:
     """A closed mesh with the faces of a first one, otherwise as of `triangulate_faces`."""
-    return _finished(_refined(first, field, tolerance, quality), field)
+    return _finished(_refined(first, field, tolerance, quality))
 
 
-def _finished(found: Made, field: FaceField) -> FaceMesh:
+def _finished(found: Made) -> FaceMesh:
     if isinstance(found, Refusal):
         raise found.error
-    mesh, reached = found
-    return FaceMesh(mesh, pair_normals(mesh, field), reached)
+    return FaceMesh(*found)
 
 
 def _bounded(field: FaceField, tolerance: float, quality: Quality) -> Made:

@@ -171,3 +171,12 @@ def place_of(field: FaceField, point: Floats) -> str:
     """A point as the user reads it, without the digits of zeros."""
     least = VISIBLE * float(np.abs(field.world(field.box)).max())
     return shown_point(x if abs(x) > least else 0.0 for x in field.world(point))
+
+
+def bounds_set(field: FaceField, points: Floats, labels: Integers) -> NDArray[np.bool_]:
+    """At which points (N, 3) on faces of labels (N,) the set begins: with the face's function alone it changes."""
+    signs, every = field.signs(points), np.arange(len(points))
+    signs[labels // 2, every] = labels % 2 == 0
+    inside = field.inside(signs)
+    signs[labels // 2, every] = labels % 2 == 1
+    return np.asarray(inside & ~field.inside(signs))

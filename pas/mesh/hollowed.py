@@ -20,7 +20,7 @@ from itertools import pairwise
 import numpy as np
 
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, ShellWall, place_of
+from pas.mesh.field import FaceField, ShellWall, bounds_set, place_of
 from pas.mesh.first import unsound
 from pas.mesh.halfedges import following
 from pas.mesh.labelled import Labelled
@@ -36,31 +36,32 @@ SHARE = 1 / 3
 SMOOTH = 0.97
 """Cosine between normals of faces with one inner face above which their common vertex has one image."""
 
-BESIDE = 0.1
-"""Share of the thickness by which a point is off a triangle, on both sides, where the set must change."""
-
 
 def mesh_hollowed(
     field: FaceField,
     wall: ShellWall,
     tolerance: float,
-    mesh: Callable[[FaceField, float], Made],
+    meshed: Callable[[FaceField, float], Made],
     refined: Callable[[Labelled, FaceField, float], Made],
 ) -> tuple[Labelled, float] | None:
-    """The mesh of a shell and how near it is, from that of the solid by `mesh(solid, tolerance)`, `refined`.
+    """The mesh of a shell and how near it is, from that of the solid by `meshed(solid, tolerance)`, `refined`.
 
     None where it does not come out.
     """
     checkpoint("meshing both sides of a wall")
     aim = min(tolerance, SHARE * wall.thickness)
-    outer = mesh(wall.solid, aim)
+    outer = meshed(wall.solid, aim)
     if isinstance(outer, Refusal):
         return None
     first = Doubled(outer[0], wall).projected(field)
     if not is_closed_manifold(first.triangles) or unsound(first, field, aim)[0]:
         return None
     found = refined(first, field, aim)
-    return None if isinstance(found, Refusal) or not _changes(found[0], field, wall.thickness) else found
+    if isinstance(found, Refusal):
+        return None
+    mesh, middles = found[0], found[0].points[found[0].triangles].mean(axis=1)
+    at = newton(middles, field, mesh.labels[:, None], np.full(len(middles), wall.thickness / 2))
+    return found if bounds_set(field, at, mesh.labels).all() else None
 
 
 class Doubled:
@@ -210,15 +211,6 @@ class Doubled:
                 self._add(label, (ring[0], q, p))
             if opened and len(ring) > 1:
                 self._add(int(self.wall.outer[self.mesh.labels[corner // 3]]), (vertex, ring[-1], ring[0]))
-
-
-def _changes(mesh: Labelled, field: FaceField, thickness: float) -> bool:
-    """Whether points beside the middle of each triangle are in the set and out of it."""
-    middles = mesh.points[mesh.triangles].mean(axis=1)
-    at = newton(middles, field, mesh.labels[:, None], np.full(len(middles), thickness / 2))
-    size = np.minimum(thickness, mesh.sizes[mesh.triangles].min(axis=1))
-    step = BESIDE * size[:, None] * unit_rows(field.jets(at, mesh.labels)[:, 1:])
-    return bool((field.inside(field.signs(at - step)) & ~field.inside(field.signs(at + step))).all())
 
 
 def too_thick(mesh: Labelled, wall: ShellWall) -> str:

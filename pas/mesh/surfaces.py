@@ -13,11 +13,10 @@ import numpy as np
 
 from pas.limits import checkpoint
 from pas.mesh.face_ground import inner_points
-from pas.mesh.field import FaceField, extent_of
+from pas.mesh.field import FaceField, bounds_set
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton
 from pas.mesh.refusals import Made, Refusal
-from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected
 
 ROOM = 3.0
@@ -66,11 +65,9 @@ def together(field: FaceField, shells: Sequence[FaceField], meshes: Sequence[Lab
 
 def _bounding(field: FaceField, shell: FaceField, mesh: Labelled) -> np.ndarray:
     """Which triangles (T,) are on pieces that bound the set: it changes across most triangles of each."""
-    middles = mesh.points[mesh.triangles].mean(axis=1)
+    middles, mostly = mesh.points[mesh.triangles].mean(axis=1), 0.5  # share of a piece's triangles that must do
     at = newton(middles, shell, mesh.labels[:, None], mesh.sizes[mesh.triangles].max(axis=1))
-    beside, mostly = 1e-6, 0.5  # how far on both sides of a piece, over the extent; share of its triangles that must do
-    step = beside * extent_of(field) * unit_rows(shell.jets(at, mesh.labels)[:, 1:])
-    changes = field.inside(field.signs(at - step)) & ~field.inside(field.signs(at + step))
+    changes = bounds_set(field, at, field.labels_of(shell, mesh.labels))
     pieces = connected(mesh.topology.edges, len(mesh.points))[mesh.triangles[:, 0]]
     share = np.bincount(pieces, changes) / np.maximum(np.bincount(pieces), 1)
     return np.asarray(share[pieces] > mostly)

@@ -1,8 +1,7 @@
-"""Meshes of walls: two open sheets, one inside the other, closed by rings between their boundaries."""
+"""What closes meshes of walls between two open sheets, one inside the other: rings between their boundaries."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +10,6 @@ from pas.algebra.polynomial import Polynomial
 from pas.errors import MeshError
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Floats, Integers
-from pas.mesh.topology import Edges
 
 
 @dataclass(frozen=True)
@@ -40,36 +38,6 @@ class End:
         """The unit normals (..., 3) outwards at points of it."""
         slopes = self.surface.gradient(points)
         return np.asarray(slopes / np.linalg.norm(slopes, axis=-1, keepdims=True))
-
-
-def wall_mesh(outer: Mesh, inner: Mesh, ends: Sequence[End], names: Sequence[str]) -> Mesh:
-    """The closed mesh between two sheets that end in the same surfaces, planes or cones.
-
-    `names` are the faces': the outer sheet's, the inner one's, and each end's.  Raises `MeshError` where an end is no
-    ring, as where curves are not seen around from the middle of the inner one.
-    """
-    sheets = [(outer.points, outer.triangles), (inner.points, inner.triangles[:, ::-1])]
-    points, start = np.concatenate([p for p, _ in sheets]), len(outer.points)
-    triangles = [outer.triangles, sheets[1][1] + start]
-    own, others = (Edges(mesh.triangles, len(mesh.points)).loops for mesh in (outer, inner))
-    loops = own, [loop + start for loop in others]
-    normals = [outer.normals, -inner.normals[:, ::-1]]
-    for end, name in zip(ends, names[2:], strict=True):
-        pair = [min(some, key=lambda loop: end.off(points[loop]), default=None) for some in loops]
-        if pair[0] is None or pair[1] is None:
-            raise MeshError(f"one of the two sheets does not end in {name}")
-        triangles.append(ring(points, pair[0], pair[1], end.axis, name))
-        normals.append(end.normals(points[triangles[-1]]))
-    faces = np.repeat(np.arange(len(triangles)), [len(t) for t in triangles])
-    known = [m.deviation for m in (outer, inner) if m.deviation is not None]
-    return Mesh(
-        points,
-        np.concatenate(triangles),
-        faces,
-        tuple(names),
-        np.concatenate(normals),
-        deviation=max(known) if len(known) == 2 else None,
-    )
 
 
 def least_distance(first: Mesh, second: Mesh) -> tuple[float, Floats]:

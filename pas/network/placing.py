@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.lengths import across
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
 from pas.errors import MeshError
@@ -260,13 +261,6 @@ def rings_of(points: Floats, boundary: Integers, arms: Any) -> tuple[Integers, .
         seen |= on
     assert seen.all() and sum(map(len, found)) == len(boundary)
     return tuple(found)
-
-
-def across(axis: Floats) -> tuple[Floats, Floats]:
-    """Two unit vectors across a unit vector and one another, with it as a right-handed frame."""
-    first = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
-    first /= np.linalg.norm(first)
-    return first, np.cross(axis, first)
 
 
 def angles_around(points: Floats, axis: Floats) -> Floats:

@@ -14,7 +14,6 @@ features between these are missed.  Not guaranteed: that the surface does not pa
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -27,20 +26,15 @@ from numpy.typing import NDArray
 
 from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import to_float
 from pas.bernstein.boxes import product
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.errors import GeometryError, MeshError
-from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Integers
 from pas.parametric.maps import ParametricMap
-from pas.parametric.nets import SMALLEST, Framed, Nets, Rectangle, bernstein_at, exact_net
+from pas.parametric.nets import Framed, Nets, Rectangle, bernstein_at, exact_net
 from pas.parametric.tiling import GRID, SEAM, assemble
-
-PRODUCT = 32 * UNIT_ROUNDOFF
-"""Relative error of a coefficient of a product of nets by bilinear ones: some 20 operations."""
 
 LARGEST = 1_000_000
 """Cells; twice as many triangles would not fit into the memory of a small machine."""
@@ -48,13 +42,15 @@ LARGEST = 1_000_000
 
 @dataclass(frozen=True)
 class CellErrors:
-    """What was seen of C cells: P - B (C, a, b, 3), first and last rows on the sides, and corners (C, 2, 2, 3).
+    """What was seen of C cells: P - B (C, a, b, 3), first and last rows on the sides, corners (C, 2, 2, 3) and middles
+    (C, 3).
 
     `slack` (C,) is what rounding may add to |P - B|, `least` the part of it that no halving takes away.
     """
 
     errors: Floats
     corners: Floats
+    middles: Floats
     slack: Floats
     least: Floats
 
@@ -71,6 +67,16 @@ class CellErrors:
         clear = np.maximum(along_t, along_h) > np.maximum(largest / 2, twist / 8)
         wider = np.where(clear, along_t < along_h, sides[0] < sides[1])
         return np.where(np.isfinite(bounds), bounds, np.inf), wider.astype(np.intp)
+
+    @property
+    def points(self) -> Floats:
+        """The corners, the last parameter first, and the middle (C, 5, 3)."""
+        return np.concatenate([self.corners.reshape(-1, 4, 3), self.middles[:, None]], axis=1)
+
+    @property
+    def away(self) -> Floats:
+        """How far they may be from P there (C,)."""
+        return np.asarray(lengths(self.errors[:, [0, 0, -1, -1], [0, -1, 0, -1]]).max(axis=1) + self.slack)
 
     def long(self) -> tuple[NDArray[np.bool_], Integers]:
         """Which cells are over 1.5 times as long as wide (C,), unless a side is a point, and the axis across which."""
@@ -100,13 +106,16 @@ def distances(nets: Nets, pieces: Floats, rounding: float) -> tuple[Floats, Floa
 
 def bounded(nets: Nets) -> CellErrors:
     """Of exact surfaces: coefficients of P - B over the least weight, infinite where that is not positive."""
-    points, weights = nets.table[..., :3], nets.table[..., 3:]
+    table, (m, n) = nets.table, np.array(nets.table.shape[1:3]) - 1
+    half = np.array(0.5)
+    middles = np.einsum("i,cijx,j->cx", bernstein_at(m, half), table, bernstein_at(n, half))
+    rounding = (2 * m + 2 * n + 24) * UNIT_ROUNDOFF  # of sums of Bernstein polynomials (Higham 2002, 3.1)
     with np.errstate(all="ignore"):
-        corners = points[:, [0, 0, -1, -1], [0, -1, 0, -1]] / weights[:, [0, 0, -1, -1], [0, -1, 0, -1]]
-        corners = corners.reshape(-1, 2, 2, 3)
-        errors, slack = distances(nets, corners, PRODUCT)
-        floors = np.where(np.isfinite(slack), 2 * nets.off / weights.max(axis=(1, 2, 3)), 0.0)
-    return CellErrors(errors, corners, slack, floors)
+        ends = table[:, [0, 0, -1, -1], [0, -1, 0, -1]]
+        corners = (ends[..., :3] / ends[..., 3:]).reshape(-1, 2, 2, 3)
+        errors, slack = distances(nets, corners, rounding)
+        floors = np.where(np.isfinite(slack), 2 * nets.off / table[..., 3].max(axis=(1, 2)), 0.0)
+        return CellErrors(errors, corners, middles[:, :3] / middles[:, 3:], slack, floors)
 
 
 def measured(surface: ParametricMap, cells: Integers) -> CellErrors:
@@ -123,55 +132,8 @@ def measured(surface: ParametricMap, cells: Integers) -> CellErrors:
     with np.errstate(all="ignore"):
         errors = values - np.einsum("ia,jb,cijx->cabx", hats, hats, corners)
     none = np.zeros(len(cells))
-    return CellErrors(np.where(np.isfinite(errors), 1.1 * errors, np.inf), np.nan_to_num(corners), none, none)
-
-
-@dataclass(frozen=True)
-class NetPoints:
-    """Points of an exact surface at parameters of its frame that are multiples of 1 / GRID, and bounds on their errors.
-
-    A Bernstein sum of degrees (m, n) errs by (2 m + 2 n + 24) 2^-53 of the same sum of absolute values at most, 24
-    being the operations that do not grow with the degrees (Higham 2002, section 3.1).  Where that is more than
-    `allowed` the point is worked out exactly.
-    """
-
-    framed: Framed
-    table: Floats
-    allowed: float
-
-    def __call__(self, places: Integers) -> tuple[Floats, Floats]:
-        """Points (N, 3) at places (N, 2) on the grid, and what they may be off by (N,)."""
-        points, off = np.empty((len(places), 3)), np.empty(len(places))
-        step = 1 << 13
-        for start in range(0, len(places), step):
-            checkpoint("placing the vertices of a mesh", start / len(places))
-            rows = slice(start, start + step)
-            points[rows], off[rows] = self._summed(places[rows] / GRID)
-        for number in np.flatnonzero(~(off <= self.allowed)):
-            checkpoint("placing vertices exactly")
-            points[number] = self._exact(places[number])
-            off[number] = 2 * UNIT_ROUNDOFF * (1 + np.abs(points[number]).max())
-        return points, off
-
-    def _summed(self, shares: Floats) -> tuple[Floats, Floats]:
-        m, n = (size - 1 for size in self.table.shape[:2])
-        first, second = bernstein_at(m, shares[:, 0]), bernstein_at(n, shares[:, 1])
-        four, most = (
-            np.einsum("nj,njx->nx", second, np.tensordot(first, table, 1)) for table in (self.table, np.abs(self.table))
-        )
-        error = (2 * m + 2 * n + 24) * UNIT_ROUNDOFF * most + SMALLEST
-        with np.errstate(all="ignore"):
-            points = four[:, :3] / four[:, 3:]
-            least = four[:, 3] - error[:, 3]
-            far = np.abs(points).max(axis=1)
-            off = 2 * (error[:, :3].max(axis=1) + error[:, 3] * far) / least + UNIT_ROUNDOFF * far
-        return points, np.where(least > 0, off, np.inf)
-
-    def _exact(self, place: Integers) -> list[float]:
-        at = self.framed.exact_parameters([fmpq(int(k), GRID) for k in place])
-        return [
-            to_float(c.numerator(*at) / c.denominator(*at) / self.framed.unit) for c in self.framed.bounded.components
-        ]
+    errors, middles = np.where(np.isfinite(errors), 1.1 * errors, np.inf), np.nan_to_num(values[:, 2, 2])
+    return CellErrors(errors, np.nan_to_num(corners), middles, none, none)
 
 
 @dataclass(frozen=True)
@@ -179,7 +141,8 @@ class GridCells(Nets):
     """C cells of the grid: (first, last) in both parameters (C, 4), how often they were halved, and what was seen.
 
     `bounds` are those of the distance, `floors` the part that no halving takes away, `axes` the parameters across which
-    to halve, and `done` are those that stay.  Nets are zero where there are none.
+    to halve, `points` (C, 5, 3) the corners and the middle, and `away` how far these may be from the surface; those
+    that are `done` stay.  Nets are zero where there are none.
     """
 
     places: Integers
@@ -187,6 +150,8 @@ class GridCells(Nets):
     bounds: Floats
     floors: Floats
     axes: Integers
+    points: Floats
+    away: Floats
     done: NDArray[np.bool_]
 
     def halves(self, axis: int) -> Self:
@@ -232,20 +197,19 @@ class CellMesher:
     def mesh(self) -> Mesh:
         """Raises `GeometryError` near poles, `MeshError` for a tolerance that is too fine."""
         framed, whole = self.framed, self.whole
-        leaves, worst = self._leaves()
-        place: Callable[[Integers], tuple[Floats, Floats]] = lambda at: (framed.surface(at / GRID), np.zeros(len(at)))  # noqa: E731
-        points = place if whole is None else NetPoints(framed, whole.table[0], self.welding)
+        leaves, points, worst, off = self._leaves()
         tiles = assemble(framed.surface, leaves, points, framed.size)
         if not len(tiles.triangles):
             raise GeometryError(f"the surface is a curve as far as doubles tell, less than {SEAM:.0e} as wide as long")
-        if tiles.away > self.wanted - worst:
+        away = tiles.away + off
+        if away > self.wanted - worst:
             raise self._too_fine(self.wanted)
         return Mesh.smooth(
             np.ldexp(tiles.points, framed.exponent),
             tiles.triangles,
             tiles.normals,
             parameters=framed.parameters_outside(tiles.shares),
-            deviation=framed.outside((worst + tiles.away) * (1 + 2.0**-40)),  # for the rounding of the sum of bounds
+            deviation=framed.outside((worst + away) * (1 + 2.0**-40)),  # for the rounding of the sum of bounds
             proved=whole is not None,
         )
 
@@ -267,8 +231,8 @@ class CellMesher:
             cell = np.array([*first, *second])
             nets = self.whole if len(ends[0]) == len(ends[1]) == 2 else self._net(cell)
             nets = Nets(np.zeros((1, 2, 2, 1)), np.zeros(1)) if nets is None else nets
-            none, unseen = np.zeros(1, dtype=np.intp), np.zeros(1)
-            cells = GridCells(nets.table, nets.off, cell[None], none, unseen, unseen, none, unseen > 0)
+            none, unseen, points = np.zeros(1, dtype=np.intp), np.zeros(1), np.zeros((1, 5, 3))
+            cells = GridCells(nets.table, nets.off, cell[None], none, unseen, unseen, none, points, unseen, unseen > 0)
             found.append(self._seen(cells))
         return found
 
@@ -284,7 +248,8 @@ class CellMesher:
         if self.even:
             long, across = errors.long()
             axes, done = np.where(done & long, across, axes), done & ~long
-        return replace(cells, bounds=bounds, floors=errors.least, axes=axes, done=done)
+        seen = replace(cells, bounds=bounds, floors=errors.least, axes=axes, done=done)
+        return replace(seen, points=errors.points, away=errors.away)
 
     def _judge(self, cells: GridCells, _: int) -> Fates:
         """Raises `MeshError` or `GeometryError` where halving on would be in vain."""
@@ -311,22 +276,23 @@ class CellMesher:
             tolerance = self.framed.outside(self.aim)
             raise MeshError(f"the tolerance {tolerance:.3g} needs more than {2 * LARGEST} triangles; give a larger one")
 
-    def _leaves(self) -> tuple[Integers, float]:
-        """Cells (C, 4) as (first, last) in both parameters on a grid of GRID steps, and the greatest bound.
+    def _leaves(self) -> tuple[Integers, Floats, float, float]:
+        """Cells (C, 4) as (first, last) in both parameters on a grid of GRID steps, their points (C, 5, 3), the
+        greatest bound, and how far points may be from the surface.
 
         Some are searched at a time, not to fill the memory; those at poles come first.
         """
-        pending, leaves, worst = self._first(), list[Integers](), 0.0
+        pending, leaves = self._first(), list[GridCells]()
         while pending:
             cells = pending.pop()
             batch = 1 << 18  # coefficients of the cells that are searched at a time
             limits = Limits(cells=batch // cells.table[0].size)
             found = search(cells, self._judge, lambda c: self._seen(c.split(c.axes)), limits, "meshing a surface")
-            leaves.append(found.kept.places)
-            worst = max(worst, float(found.kept.bounds.max(initial=0.0)))
+            leaves.append(replace(found.kept, table=np.zeros((len(found.kept), 0, 0, 0))))
             order = np.argsort(~np.isfinite(found.open.bounds), kind="stable")
             pending += [found.open.select(rows) for rows in np.array_split(order, 4) if len(rows)]
-        return np.concatenate(leaves), worst
+        kept = leaves[0].joined(leaves[1:])
+        return kept.places, kept.points, float(kept.bounds.max()), float(kept.away.max())
 
     def _too_fine(self, tolerance: float) -> MeshError:
         told = f"the tolerance {self.framed.outside(tolerance):.3g} is finer than doubles resolve on this surface"

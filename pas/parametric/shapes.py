@@ -24,6 +24,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import short, shown
+from pas.algebra.lengths import across
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, VectorLike, dot, plain, positive, rational, to_float, to_floats, vector
 from pas.algebra.rational_function import FunctionLike
@@ -291,7 +292,5 @@ def _frame(center: VectorLike, axis: VectorLike) -> tuple[Floats, Floats]:
         raise ValueError("axis must not be the zero vector")
     third = np.array(to_floats(a))
     third /= np.linalg.norm(third)
-    helper = np.eye(3)[int(np.abs(third).argmin())]
-    first = helper - third * (helper @ third)
-    first /= np.linalg.norm(first)
-    return np.array(to_floats(vector(center, "center"))), np.stack([first, np.cross(third, first), third])
+    first, second = across(third)
+    return np.array(to_floats(vector(center, "center"))), np.stack([0.0 - second, first, third])

@@ -6,7 +6,6 @@ cut along its shorter diagonal.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,9 +15,6 @@ from pas.algebra.monomials import Floats
 from pas.mesh.rows import Integers
 from pas.mesh.topology import edge_table
 from pas.parametric.maps import ParametricMap
-
-Placing = Callable[[Integers], tuple[Floats, Floats]]
-"""From places (N, 2) on the grid to points (N, 3) and what they may be off by (N,)."""
 
 GRID = 1 << 26
 """Steps of the finest grid each way, twice as fine as rectangles get, so that their middles are on it."""
@@ -31,7 +27,7 @@ SEAM = 1e-9
 
 @dataclass(frozen=True)
 class Tiles:
-    """Points, triangles, normals and parameters in the unit square; `away`: how far vertices may be from P there."""
+    """Points, triangles, normals and parameters in the unit square; `away`: by how much welding moved points."""
 
     points: Floats
     triangles: Integers
@@ -40,13 +36,12 @@ class Tiles:
     away: float
 
 
-def assemble(surface: ParametricMap, cells: Integers, place: Placing, size: float) -> Tiles:
+def assemble(surface: ParametricMap, cells: Integers, known: Floats, size: float) -> Tiles:
     """Triangles for rectangles (C, 4) that fill the unit square, the domain of `surface`; `size` is its extent.
 
-    `place` gives the points at places of the grid.
+    `known` (C, 5, 3) are the points at the corners of each, the last parameter first, and at its middle.
     """
-    places, triangles = _triangles(surface, cells, [closes(surface, axis, size) for axis in (0, 1)])
-    points, off = place(places)
+    places, points, triangles = _triangles(cells, known, [closes(surface, axis, size) for axis in (0, 1)])
     same = _merged(points, triangles, places, size)
     kept, first = np.unique(same, return_index=True)
     number = np.searchsorted(kept, same)
@@ -55,7 +50,7 @@ def assemble(surface: ParametricMap, cells: Integers, place: Placing, size: floa
     normals = _normals(surface, shares, number, len(kept))
     a, b, c = triangles.T
     triangles = triangles[(a != b) & (b != c) & (c != a)]
-    away = float((lengths(points - points[first][number]) + off).max(initial=0.0))
+    away = float(lengths(points - points[first][number]).max(initial=0.0))
     return Tiles(points[first], triangles, normals, shares[first], away)
 
 
@@ -67,16 +62,18 @@ def closes(surface: ParametricMap, axis: int, size: float) -> bool:
     return bool((np.abs(first - last) <= SEAM * size).all())
 
 
-def _triangles(surface: ParametricMap, cells: Integers, closed: list[bool]) -> tuple[Integers, Integers]:
-    """Vertices (N, 2) on the grid, and triangles."""
+def _triangles(cells: Integers, known: Floats, closed: list[bool]) -> tuple[Integers, Floats, Integers]:
+    """Vertices (N, 2) on the grid, their points (N, 3), and triangles."""
     corners = np.concatenate([cells[:, [i, j]] for i in (0, 1) for j in (2, 3)])
+    points = np.concatenate([known[:, number] for number in range(4)])
     for axis in (0, 1):
         if closed[axis]:
-            rim = corners[(corners[:, axis] == 0) | (corners[:, axis] == GRID)]
+            rows = np.flatnonzero((corners[:, axis] == 0) | (corners[:, axis] == GRID))
+            rim = corners[rows]
             rim[:, axis] = GRID - rim[:, axis]
-            corners = np.concatenate([corners, rim])
+            corners, points = np.concatenate([corners, rim]), np.concatenate([points, points[rows]])
     middles = np.stack([cells[:, :2].sum(axis=1) // 2, cells[:, 2:].sum(axis=1) // 2], axis=1)
-    columns = np.unique(corners[:, 0] * ROW + corners[:, 1])
+    columns, once = np.unique(corners[:, 0] * ROW + corners[:, 1], return_index=True)
     i0, i1, j0, j1 = cells.T
     rows = np.sort((columns % ROW) * ROW + columns // ROW)
     as_column = np.searchsorted(columns, (rows % ROW) * ROW + rows // ROW)
@@ -97,7 +94,8 @@ def _triangles(surface: ParametricMap, cells: Integers, closed: list[bool]) -> t
     quads = np.stack(
         [np.searchsorted(columns, i * ROW + j)[plain] for i, j in ((i0, j0), (i1, j0), (i1, j1), (i0, j1))], axis=1
     )
-    return places, np.concatenate([triangles, _cut(surface, places, quads)]).astype(np.intp)
+    points = np.concatenate([points[once], known[fans, 4]])
+    return places, points, np.concatenate([triangles, _cut(points, quads)]).astype(np.intp)
 
 
 def _side(
@@ -112,10 +110,9 @@ def _side(
     return (owner, end, start) if backwards else (owner, start, end)
 
 
-def _cut(surface: ParametricMap, places: Integers, quads: Integers) -> Integers:
-    if not len(quads):
-        return np.empty((0, 3), dtype=np.intp)
-    p = surface(places[quads] / GRID)
+def _cut(points: Floats, quads: Integers) -> Integers:
+    """Two triangles for each quadrangle."""
+    p = points[quads]
     shorter = ((p[:, 0] - p[:, 2]) ** 2).sum(axis=-1) <= ((p[:, 1] - p[:, 3]) ** 2).sum(axis=-1)
     a, b = quads[shorter], quads[~shorter]
     return np.concatenate([a[:, [0, 1, 2]], a[:, [0, 2, 3]], b[:, [0, 1, 3]], b[:, [1, 2, 3]]])

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.affine import Frame, height
+from pas.algebra.affine import Frame, height, slope_at
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, exact, exact_vector, minus, moved, to_float, to_floats
@@ -70,9 +70,18 @@ class AroundOpening:
         join, scale = surface.joins[number], surface.partition.frame.scale
         assert center is not None
         if contact.surface.degree == 1:
-            x, y, z = (contact.surface.diff(i).raw(0, 0, 0) for i in range(3))
             low, rim = -contact.surface.raw(*center), contact.rim
-            return cls(number + 1, contact, center, (x, y, z), low, rim.center, exact(rim.radii[0]), join, scale)
+            return cls(
+                number + 1,
+                contact,
+                center,
+                slope_at(contact.surface),
+                low,
+                rim.center,
+                exact(rim.radii[0]),
+                join,
+                scale,
+            )
         length, *widths = np.linalg.norm(join.nappe, axis=1).tolist()
         heights = join.curve() @ (join.nappe[0] / length)
         low, high = (round(float(h) * FINE) * scale / FINE for h in (heights.min(), heights.max()))

@@ -28,10 +28,12 @@ from pas.certify.thickness import thicker_than
 from pas.contacts.contact import Contact, ContactLike, as_contact
 from pas.contacts.ends import ContactEnd
 from pas.contacts.parallels import inner_contact
-from pas.errors import GeometryError, InfeasibleError, NoSolutionError, NotProvedError
+from pas.errors import GeometryError, InfeasibleError, MeshError, NoSolutionError, NotProvedError
 from pas.limits import WorkLimits, limited
 from pas.mesh.quality import Quality
-from pas.mesh.walls import End, least_distance, wall_mesh
+from pas.mesh.rows import Integers
+from pas.mesh.topology import Edges
+from pas.mesh.walls import End, least_distance
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of
 from pas.pipeline.cavity import Cavity
@@ -40,6 +42,7 @@ from pas.pipeline.search import excess, find
 from pas.pipeline.wall_mesh import WallMesh
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
+from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
 from pas.verdicts import Findings, Status, Verdict
 
@@ -154,9 +157,18 @@ class HollowBlend(Shape, Generic[B]):
         tolerance = self._tolerance if tolerance is None else tolerance
         sheets = self.outer.surface, self.inner.surface
         ends = [self._end(number) for number in range(len(self.outer.surface.contacts))]
-        names = ["blend", "inside of blend", *(f"end {number + 1}" for number in range(len(ends)))]
-        outer, inner = (sheet.mesh(tolerance, quality=quality) for sheet in sheets)
-        return WallMesh.of(wall_mesh(outer, inner, ends, names), sheets, ends)
+        made, loops = Faces([], 0.0), list[list[Integers]]()
+        for sheet, name in zip(sheets, ("blend", "inside of blend"), strict=True):
+            mesh = sheet.mesh(tolerance, quality=quality)
+            first = made.put(replace(mesh, names=(name,)), flipped=len(loops) > 0)
+            loops.append([loop + first for loop in Edges(mesh.triangles, len(mesh.points)).loops])
+        points = made.points
+        for number, end in enumerate(ends, start=1):
+            pair = [min(some, key=lambda loop: end.off(points[loop]), default=None) for some in loops]
+            if pair[0] is None or pair[1] is None:
+                raise MeshError(f"one of the two sheets does not end in end {number}")
+            made.ended(end, f"end {number}", pair[0], pair[1])
+        return WallMesh.of(made.mesh, sheets, ends)
 
     @property
     def _tolerance(self) -> float:

@@ -33,7 +33,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import fmpq, fmpq_mpoly, fmpq_poly
 
-from pas.algebra.affine import away, height
+from pas.algebra.affine import away, height, slope_at
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact, minus, moved, three, to_float, to_floats, two_across
@@ -98,7 +98,7 @@ class Slab:
 
     def __init__(self, join: Join, length: fmpq) -> None:
         self.join, self.surface, self.plane = join, join.contact.surface, join.planes[0].plane
-        self.normal: Vector = tuple(self.plane.diff(i).raw(0, 0, 0) for i in range(3))  # type: ignore[assignment]
+        self.normal = slope_at(self.plane)
         square = dot(self.normal, self.normal)
         self.size = exact(float(np.sqrt(to_float(square))))  # of the normal, rounded as that of the cap is
         self.top = length * self.size / square * (1 + ROUNDED)

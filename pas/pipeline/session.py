@@ -32,11 +32,11 @@ from typing import Self, TypeAlias
 
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.affine import IDENTITY, ORIGIN, Affine
+from pas.algebra.affine import ORIGIN, Affine
 from pas.algebra.inputs import whole
 from pas.algebra.matrices import leads
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, cross, dot, minus, square_root, three
+from pas.algebra.rational import UNITS, Vector, cross, dot, minus, square_root, three
 from pas.certify.certificate import Certificate
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
@@ -65,7 +65,7 @@ class Found:
     def of(cls, blend: ChosenBlend) -> Found:
         """That of a proved blend; raises `GeometryError` where a contact has no plane curve."""
         s = blend.surface
-        own = PiecewiseSurface(s.partition.moved(Affine(IDENTITY, ORIGIN)), s.contacts, s.order, s.patches, s.degree)
+        own = PiecewiseSurface(s.partition.moved(Affine(UNITS, ORIGIN)), s.contacts, s.order, s.patches, s.degree)
         found = tuple(map(Anchor.of, s.contacts))
         return cls(own, found, s.certificate, blend.dimension, blend.energy, blend.attempts, blend.wishes)
 

@@ -40,7 +40,7 @@ class WallMesh(Mesh):
 
     @classmethod
     def of(cls, mesh: Mesh, sheets: tuple[PiecewiseSurface, PiecewiseSurface], ends: Sequence[End]) -> WallMesh:
-        """A mesh that `wall_mesh` made, with what it is the mesh of."""
+        """A mesh with what it is the mesh of."""
         parts = (mesh.points, mesh.triangles, mesh.faces, mesh.names, mesh.normals)
         return cls(*parts, deviation=mesh.deviation, sheets=sheets, ends=ends)
 

@@ -83,7 +83,8 @@ def _fill(plotter: Any, scene: Scene, picture: Picture, grid: tuple[int, int], a
                 actors = list(plotter.renderer.actors.values())
                 _clip(actors[before:combs], plane, shift)
                 _clip(actors[combs:], plane, shift, 0.01 * extent)  # so that combs in it are seen
-                _add_section(plotter, layer, plane, shift)
+                colors = {*paints[place].faces}
+                _add_section(plotter, layer, plane, shift, colors.pop() if len(colors) == 1 else layer.color)
         if legend and number == 0:
             add_legend(plotter, legend, size[0])
         if picture.combs and number == 0:
@@ -146,8 +147,8 @@ def _clip(actors: Sequence[Any], plane: tuple[Floats, Floats], shift: Floats, ma
         actor.mapper.AddClippingPlane(pyvista.generate_plane(-normal, origin + shift + margin * normal))
 
 
-def _add_section(plotter: Any, layer: Layer, plane: tuple[Floats, Floats], shift: Floats) -> None:
-    """What closes a closed mesh in a plane, with its outline."""
+def _add_section(plotter: Any, layer: Layer, plane: tuple[Floats, Floats], shift: Floats, color: str) -> None:
+    """What closes a closed mesh in a plane, in a colour, with its outline."""
     if not layer.mesh.is_closed:
         return
     normal, origin = plane
@@ -158,7 +159,7 @@ def _add_section(plotter: Any, layer: Layer, plane: tuple[Floats, Floats], shift
     if not len(triangles):  # the plane misses it
         return
     section = type(whole).from_regular_faces(whole.points + shift, triangles).clean()
-    plotter.add_mesh(section, color=layer.color, ambient=0.6, diffuse=0.6)
+    plotter.add_mesh(section, color=color, ambient=0.6, diffuse=0.6)
     add_lines(plotter, section.extract_feature_edges(feature_edges=False, manifold_edges=False), 2.0)
 
 

@@ -112,11 +112,14 @@ def add_labels(plotter: Any, layers: Sequence[Layer], shifts: Floats, plane: Any
                 spots = (inner @ corners[here]).reshape(-1, 3)
                 left = _behind(plane, spots)
                 mean = np.average(spots, axis=0, weights=np.repeat(areas[here], len(inner)) * left) if left.any() else 0
-                place = spots[(np.linalg.norm(spots - mean, axis=1) + np.where(left, 0.0, np.inf)).argmin()] + shift
-                pairs = zip(layers, shifts, strict=True)
-                if left.any() and not any(_hides(o.mesh, place - moved, plane, towards) for o, moved in pairs):
-                    places.append(place)
-                    names.append(name)
+                order = np.linalg.norm(spots - mean, axis=1).argsort()
+                order = order[left[order]]
+                for place in spots[order[:: len(order) // 16 + 1]] + shift:  # the best one that nothing hides
+                    pairs = zip(layers, shifts, strict=True)
+                    if not any(_hides(o.mesh, place - moved, plane, towards) for o, moved in pairs):
+                        places.append(place)
+                        names.append(name)
+                        break
     if names:
         _add_words(plotter, np.array(places), names, width)
 

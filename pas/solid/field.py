@@ -16,13 +16,12 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
 from pas.errors import GeometryError
 from pas.mesh.field import FaceField, ShellWall
+from pas.mesh.rows import Integers
 from pas.solid.bounds import ORIGIN, bounding_box
 from pas.solid.evaluator import TreeEvaluator, called
 from pas.solid.functions import followed_by
 from pas.solid.seams import Seams, seams_of
 from pas.solid.tree import Atom, Function, Node, Tree, complement, splits_of
-
-Integers = NDArray[np.intp]
 
 
 class SolidField:

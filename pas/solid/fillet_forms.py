@@ -22,10 +22,10 @@ from dataclasses import dataclass, replace
 
 from flint import fmpq
 
-from pas.algebra.affine import away, height
+from pas.algebra.affine import away, height, slope_at
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, dot, minus, near, square_root, to_float, to_floats, two_across
-from pas.contacts.parallels import principal_axes, quadratic_terms, slope_at
+from pas.contacts.parallels import principal_axes, quadratic_terms
 from pas.contacts.torus import torus_polynomial
 from pas.solid.fillets import FaceSeam, FilletForm, short
 
@@ -160,7 +160,7 @@ def _axis(faces: tuple[Polynomial, Polynomial]) -> Axis | None:
     it has a rational length."""
     points, ways = list[Vector](), list[Vector]()
     for face in faces:
-        slope = slope_at(face, ORIGIN)
+        slope = slope_at(face)
         if face.degree == 1:
             ways.append(slope)
             continue

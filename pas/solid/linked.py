@@ -204,9 +204,7 @@ class LinkedBodies:
             flat = np.concatenate([points[loop], other.carried(strip, points[begin], link.share or 1.0)])
             found = ring(flat, np.arange(len(loop)), np.arange(len(loop), len(flat)), axis, strip.name)
             triangles = np.concatenate([loop, begin])[found if side == 0 else found[:, ::-1]]
-            corners, end = points[triangles], End(tube, axis)
-            made.deviation = max(made.deviation, end.off((corners + np.roll(corners, 1, axis=1)) / 2))
-            made.add(strip.name, triangles, end.normals(corners) * (1 if side == 0 else -1))
+            made.add_on(End(tube, axis), strip.name, triangles, 1 if side == 0 else -1)
 
 
 def united(one: SolidBoundary, other: SolidBoundary) -> LinkedBodies | None:

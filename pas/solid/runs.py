@@ -108,9 +108,7 @@ class RunSide:
         triangles = between_loops(np.stack([np.arctan2(y, x), heights], axis=1), circles, holes)
         if triangles is None:
             return False
-        corners, surface = points[triangles], End(self.ends[0].contact.surface, np.zeros(3))
-        made.deviation = max(made.deviation, surface.off((corners + np.roll(corners, 1, axis=1)) / 2))
-        made.add(self.name, triangles, surface.normals(corners))
+        made.add_on(End(self.ends[0].contact.surface, np.zeros(3)), self.name, triangles)
         return True
 
 

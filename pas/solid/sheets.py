@@ -23,7 +23,6 @@ from pas.algebra.monomials import Floats
 from pas.mesh.closed import FaceMesh, refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.projection import pair_normals
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers, norms
 from pas.mesh.topology import Edges
@@ -124,21 +123,24 @@ class Faces:
         loops[number] = here
         return True
 
-    def ended(self, chain: Chain, outer: Integers, inner: Integers | None) -> bool:
-        """Whether the end of a chain closes the mesh at a loop, or in a wall between two loops."""
-        points, end = self.points, chain.end
+    def add_on(self, end: End, name: str, triangles: Integers, side: int = 1) -> None:
+        """A face on a surface, seen from its inside where `side` is -1; how far off its edges' middles are is noted."""
+        corners = self.points[triangles]
+        self.deviation = max(self.deviation, end.off((corners + np.roll(corners, 1, axis=1)) / 2))
+        self.add(name, triangles, side * end.normals(corners))
+
+    def ended(self, end: End, name: str, outer: Integers, inner: Integers | None) -> bool:
+        """Whether an end closes the mesh at a loop, or in a wall between two loops."""
+        points = self.points
         if inner is None:
             (middle,) = self.added(points[outer].mean(axis=0)[None])
             points, triangles = self.points, _fan(outer, int(middle))
             if end.facing(points[triangles]).min() <= 0:
                 return False
         else:
-            triangles = ring(points, outer, inner, end.axis, chain.name)
-        corners = points[triangles]
-        self.deviation = max(
-            self.deviation, *(end.off(p) for p in (corners, (corners + np.roll(corners, 1, axis=1)) / 2))
-        )
-        self.add(chain.name, triangles, end.normals(corners))
+            triangles = ring(points, outer, inner, end.axis, name)
+        self.deviation = max(self.deviation, end.off(points[triangles]))
+        self.add_on(end, name, triangles)
         return True
 
     def put(self, mesh: Mesh, flipped: bool = False) -> int:
@@ -282,7 +284,8 @@ class SheetBody(PlacedBody):
             first = made.put(pair[0], flipped=number > 0)
             loops |= {(number, chain): loop + first for chain, loop in enumerate(pair[1])}
         for number, chain in enumerate(self.sides[0].chains):
-            if number not in ends and not made.ended(chain, loops[0, number], loops.get((1, number))):
+            outer, inner = loops[0, number], loops.get((1, number))
+            if number not in ends and not made.ended(chain.end, chain.name, outer, inner):
                 return None
         if made.deviation > tolerance / stretch:
             return None
@@ -320,4 +323,4 @@ def face_mesh(mesh: Mesh, field: SolidField, tolerance: float, quality: Quality)
     made = Labelled.of(points, mesh.triangles, (2 * numbers + sides)[mesh.faces], pinned)
     if quality is Quality.ANGLES:
         return refined_faces(made, field, tolerance / field.scale, quality)
-    return FaceMesh(made, pair_normals(made, field), (mesh.deviation or 0.0) / field.scale)
+    return FaceMesh(made, (mesh.deviation or 0.0) / field.scale)

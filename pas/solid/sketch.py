@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from flint import fmpq
 
 from pas.algebra.rational import Exact, near, plain, positive, rational, square_root, to_float
-from pas.errors import GeometryError
+from pas.errors import GeometryError, missing
 from pas.solid.edges import Loop, PlaneEdge, Point, across, along, arc, at, minus, turn
 from pas.solid.profile import Profile, plane_point
 
@@ -94,6 +94,15 @@ class Sketch:
         """
         drawn = self if self.end == self.start else self.line_to(*self.start, face)
         return closed(drawn.edges)
+
+    if not TYPE_CHECKING:  # else every name would be known
+
+        def __getattr__(self, name: str) -> NoReturn:
+            """Raises `AttributeError`; says what must be closed first for what profiles have."""
+            if hasattr(Profile, name):
+                way = f"close() goes from {at(self.end)} back to {at(self.start)}"
+                raise AttributeError(f"an open sketch has no {name!r}, its profile has: {way}")
+            raise missing("a sketch", name, dir(type(self)))
 
     def _target(self, x: Exact, y: Exact) -> Point:
         end = rational(x, "x"), rational(y, "y")

@@ -11,14 +11,11 @@ from functools import cache, cached_property
 from math import comb
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.evaluation import evaluate
 from pas.algebra.monomials import Floats, derivative_matrix, exponents, positions
 from pas.algebra.polynomial import Polynomial
-from pas.solid.tree import Bools
-
-Integers = NDArray[np.intp]
+from pas.solid.tree import Bools, Integers
 
 HELD = 1 << 22
 """Numbers held at once while boxes are bounded."""

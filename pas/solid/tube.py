@@ -53,7 +53,13 @@ class TubeCurve:
         self.interval = (to_float(low), to_float(high))
 
     def jets(self, t: Floats) -> Floats:
-        """Points, first and second derivatives at t (N,): (3, N, 3)."""
+        """Points, first and second derivatives at t (N,): (3, N, 3); beyond the interval parabolas go on."""
+        inside = np.clip(t, *self.interval)
+        point, slope, bend = self._jets(inside)
+        beyond = (t - inside)[:, None]
+        return np.stack([point + beyond * slope + beyond**2 / 2 * bend, slope + beyond * bend, bend])
+
+    def _jets(self, t: Floats) -> Floats:
         line, _ = variables(t, np.zeros_like(t), (2, 0))
         result = np.zeros((3, len(t), 3))
         for axis, formula in enumerate(self._parts):
@@ -90,13 +96,17 @@ class TubeCurve:
 
 
 class Tube(Distance):
-    """The distance from a curve less a radius."""
+    """The distance from a curve less a radius; unless ends are `round` the curve goes on a little beyond them."""
 
-    def __init__(self, curve: TubeCurve, radius: Any) -> None:
-        self.curve, self.exact_radius = curve, _radius(radius)
+    def __init__(self, curve: TubeCurve, radius: Any, round: bool = True) -> None:
+        self.curve, self.exact_radius, self.round = curve, _radius(radius), round
         positive(self.exact_radius, "radius")
         self.radius = to_float(self.exact_radius)
         self.parameters = curve.sampled(self.radius / 16)
+        if not round and not curve.is_closed:
+            first, last = np.diff(self.parameters)[[0, -1]]
+            (start, end), more = curve.interval, np.array([1, 2, 3, 4])
+            self.parameters = np.concatenate([start - first * more[::-1], self.parameters, end + last * more])
         points, slopes, bends = curve.jets(self.parameters)
         speed = np.linalg.norm(slopes, axis=1)
         turned = (slopes[1:] * slopes[:-1]).sum(axis=1) <= 0
@@ -147,12 +157,12 @@ class Tube(Distance):
             "curve": list(self.curve.formulas),
             "interval": [plain(c) for c in self.curve.exact_interval],
             "radius": plain(self.exact_radius),
-        }
+        } | ({} if self.round else {"round": False})
 
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> Tube:
         """The tube of `to_record`."""
-        return cls(TubeCurve(record["curve"], record["interval"]), record["radius"])
+        return cls(TubeCurve(record["curve"], record["interval"]), record["radius"], record.get("round", True))
 
 
 def _radius(given: Any) -> fmpq:
@@ -226,7 +236,7 @@ def tube(
     """
     if ends not in ("flat", "round"):
         raise ValueError(f"ends must be 'flat' or 'round', not {ends!r}")
-    shape = Tube(TubeCurve(curve, interval), radius)
+    shape = Tube(TubeCurve(curve, interval), radius, ends == "round")
     parts = [Atom(shape, face)]
     if ends == "flat" and not shape.curve.is_closed:
         parts += [Atom(TubeEnd(shape, side), f"{face} {name}") for side, name in enumerate(("start", "end"))]

@@ -14,17 +14,17 @@ from flint import fmpq, fmpq_poly
 from parametric_cases import ONE, H, T
 
 import pas
+from pas.algebra.rational import rational
 from pas.parametric.blends import ParametricBlend, hermite_blend
 from pas.parametric.common_zeros import UNIT_SQUARE, avoids_origin, without_common_zero
 from pas.parametric.data import BlendingData, contact_verdicts
 from pas.parametric.fitting import FittedPatch, _bound, _knots, _outer
 from pas.parametric.generatrix.crossings import is_injective
-from pas.parametric.meshing import NetPoints, bounded
-from pas.parametric.nets import Framed, Nets, exact_net, exact_rectangle
+from pas.parametric.meshing import bounded
+from pas.parametric.nets import Framed, Nets, PlacedNets, exact_net, exact_rectangle
 from pas.parametric.regularity import positive_on_unit_square, regularity
 from pas.parametric.series import roots_and_sides, roots_between
 from pas.parametric.surface import ParametricSurface
-from pas.parametric.tiling import GRID
 from pas.verdicts import Status
 
 UNIT = ((0, 1), (0, 1))
@@ -250,20 +250,25 @@ def test_bounds_of_cells_count_their_rounding(far, weight):
 
 
 @pytest.mark.parametrize("far", [0, 10**7])
-def test_vertices_count_their_rounding(far):
-    """Points from a net, summed or exact, are within what is said of them."""
+def test_points_of_cells_count_their_rounding(far):
+    """Corners and middles of halved nets are within what is said of them."""
     surface = ParametricSurface(f"{far} + (t - 40)^12/10^9", "h/(1 + t^2)", "t*h", domain=((39, 42), (0, "1/3")))
     framed = Framed.of(surface)
     net = exact_net(surface, exact_rectangle(surface)).rounded(framed.unit)
-    places = np.random.default_rng(1).integers(0, GRID + 1, (40, 2))
-    for allowed in (1.0, 0.0):
-        points, off = NetPoints(framed, net.table[0], allowed)(places)
-        for point, bound, place in zip(points, off, places, strict=True):
-            at = framed.exact_parameters([fmpq(int(k), GRID) for k in place])
+    cells = PlacedNets(net.table, net.off, np.zeros((1, 2), dtype=object), np.zeros((1, 2), dtype=int))
+    for number in range(12):
+        halves = cells.halves(number % 2)
+        cells = halves.select(np.random.default_rng(number).permutation(len(halves))[:8])
+    seen = bounded(cells)
+    shares = [(a, b) for a in (0, 1) for b in (0, 1)] + [(Fraction(1, 2), Fraction(1, 2))]
+    for start, steps, points, bound in zip(cells.start, cells.steps.tolist(), seen.points, seen.away, strict=True):
+        assert bound < (0.1 if far else 1e-7)  # errors of weights count as often as points are far
+        for point, share in zip(points, shares, strict=True):
+            places = [Fraction(s + w) / 2**n for s, w, n in zip(start, share, steps, strict=True)]
+            at = framed.exact_parameters([rational(place) for place in places])
             true = [c.numerator(*at) / c.denominator(*at) / framed.unit for c in surface.components]
             exact = [Fraction(int(x.p), int(x.q)) for x in true]
             assert square_distance([Fraction(float(x)) for x in point], exact) <= Fraction(float(bound)) ** 2
-            assert bound < 1e-7
 
 
 @pytest.mark.parametrize(

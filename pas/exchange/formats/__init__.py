@@ -18,7 +18,7 @@ from flint import fmpq
 
 from pas.algebra.affine import AffineShape
 from pas.algebra.inputs import shown
-from pas.algebra.rational import near, positive
+from pas.algebra.rational import near, positive, rational
 from pas.errors import MissingLibraryError, PasError
 from pas.registry import Registry
 from pas.settings import MeshSettings, given, option
@@ -96,14 +96,21 @@ class Sizing:
     def __post_init__(self) -> None:
         if self.scale is not None and self.size is not None:
             raise ValueError("scale and size are two ways to say how large a shape is to be; give one of them")
+        positive(1 if self.scale is None else self.scale, "scale")
+        _ = self._length
+
+    @property
+    def _length(self) -> tuple[fmpq, str | None]:
+        """The size and the unit that stands behind it."""
+        parts = re.fullmatch(r"\s*(.*?)\s*([a-zA-Z]*)\s*", self.size or "1")
+        assert parts is not None
+        return positive(parts[1], "size"), unit_named(parts[2]) if parts[2] else None
 
     def factor(self, shape: Shape, unit: str | None) -> tuple[fmpq, str | None]:
         """By what a shape is scaled, exactly, and the unit of it then: that of the size where no other is given."""
         if self.size is None:
-            return positive(1 if self.scale is None else self.scale, "scale"), unit
-        parts = re.fullmatch(r"\s*(.*?)\s*([a-zA-Z]*)\s*", self.size)
-        assert parts is not None
-        length, told = positive(parts[1], "size"), unit_named(parts[2]) if parts[2] else unit
+            return rational(1 if self.scale is None else self.scale), unit
+        length, told = self._length
         if told is not None and unit is not None:
             ratio = UNITS[told].meters / UNITS[unit_named(unit)].meters
             length *= fmpq(ratio.numerator, ratio.denominator)

@@ -189,7 +189,8 @@ def _checked(parts: Sequence[StepPart], path: Path) -> tuple[StepReport, ...]:
         mine, first = solids[first : first + part.count], first + part.count
         if not all(map(is_valid, mine)):
             raise _refused(f"the part {part.name!r} would not be valid when it is read again")
-        volume, loose = sum(map(adaptive_volume, mine)), max(map(largest_tolerance, mine))
+        error = max(5e-7, part.bound / part.volume / 50)
+        volume, loose = sum(adaptive_volume(solid, error) for solid in mine), max(map(largest_tolerance, mine))
         if abs(volume - part.volume) > part.bound:
             volume = sum(meshed_volume(solid, part.loosest) for solid in mine)
         off = volume - part.volume

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
@@ -30,26 +29,20 @@ EXACT = 1e-9
 """Distance of points from a line or conic, over their extent, up to which they are on it."""
 
 
-class CurveKind(Enum):
-    """Kinds of curves."""
-
-    LINE = "line"
-    CIRCLE = "circle"
-    ELLIPSE = "ellipse"
-    SPLINE = "spline"
-
-
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A curve from parameter `start` to `end`: origin + t first, origin + cos t first + sin t second, or a spline."""
+    """A curve from parameter `start` to `end`: origin + t first, origin + cos t first + sin t second, or a spline.
 
-    kind: CurveKind
+    `circle` tells a circle from other ellipses.
+    """
+
     start: float
     end: float
     origin: Floats | None = None
     first: Floats | None = None
     second: Floats | None = None
     spline: BSpline | None = None
+    circle: bool = False
 
     def __call__(self, parameters: Floats) -> Floats:
         """Points (N, 3) at parameters (N,)."""
@@ -86,7 +79,7 @@ def curve_through(points: Floats, placed: Callable[[Floats], Floats], tolerance:
         between = spline(np.concatenate([lengths[1::2], (lengths[1:] + lengths[:-1])[[0, 1, -2, -1]] / 2]))
         error = float(np.linalg.norm(placed(between) - between, axis=1).max())
         if error <= tolerance or number >= most_points:
-            return Curve(CurveKind.SPLINE, 0.0, float(lengths[-1]), spline=spline)
+            return Curve(0.0, float(lengths[-1]), spline=spline)
         number, dense = 2 * number - 1, knots
 
 
@@ -112,7 +105,7 @@ def _line(points: Floats) -> Curve | None:
     way = way / length
     moved = points - points[0]
     off = float(np.linalg.norm(moved - (moved @ way)[:, None] * way, axis=1).max())
-    return Curve(CurveKind.LINE, 0.0, length, points[0], way) if off < EXACT * length else None
+    return Curve(0.0, length, points[0], way) if off < EXACT * length else None
 
 
 def _conic(points: Floats) -> Curve | None:
@@ -165,8 +158,7 @@ def _conic(points: Floats) -> Curve | None:
     off = np.linalg.norm(place + np.cos(turn)[:, None] * first + np.sin(turn)[:, None] * second - points, axis=1).max()
     if off > 10 * EXACT * size or (np.diff(turn) <= 0).any():
         return None
-    kind = CurveKind.CIRCLE if radius else CurveKind.ELLIPSE
-    return Curve(kind, start, end, place, first, second)
+    return Curve(start, end, place, first, second, circle=radius > 0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,19 +11,20 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline
+from scipy.interpolate import BSpline, NdBSpline
 from scipy.linalg import solveh_banded
 from scipy.sparse import diags_array, eye_array, kron, triu
 from scipy.spatial import cKDTree
 
 from pas.algebra.affine import quadratic_form
+from pas.algebra.lengths import across
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.exchange.step.borders import DEGREE
 from pas.exchange.step.carriers import Plane
 from pas.exchange.step.charts import Atlas, Sheet
-from pas.exchange.step.parameters import Parameters, SplinePatch, across, carrier_parameters, quadric_patch
+from pas.exchange.step.parameters import Parameters, SplinePatch, carrier_parameters, quadric_patch
 from pas.limits import checkpoint
 from pas.mesh.field import place_of
 from pas.mesh.rows import Integers
@@ -69,8 +70,10 @@ def divide(atlas: Atlas, tolerance: float, angle: float) -> dict[int, Parameters
 
 def _corners(atlas: Atlas, rows: Integers) -> Floats:
     """Points (K, 3) of a chart at which it and two others meet at least."""
-    corners = np.unique(atlas.triangles[rows])
-    pairs = np.unique(np.stack([atlas.triangles.ravel(), np.repeat(atlas.chart, 3)], axis=1), axis=0)
+    corners, mine = np.unique(atlas.triangles[rows]), np.zeros(len(atlas.points), dtype=bool)
+    mine[corners] = True
+    some = mine[atlas.triangles]
+    pairs = np.unique(np.stack([atlas.triangles[some], atlas.chart[np.nonzero(some)[0]]], axis=1), axis=0)
     times = np.bincount(pairs[:, 0], minlength=len(atlas.points))
     return np.asarray(atlas.points[corners[times[corners] > 2]])
 
@@ -104,8 +107,7 @@ def _graph(sheet: Sheet, corners: Floats, tolerance: float, angle: float) -> Spl
 
 def _frame(points: Floats, normal: Floats) -> Floats:
     """Axes (3, 3) as rows, the last one the normal, the first along the longer side of the smallest rectangle."""
-    first = across(normal)
-    second = np.cross(normal, first)
+    first, second = across(normal)
     turns = np.linspace(0, np.pi, 48, endpoint=False)
     ways = np.outer(np.cos(turns), first) + np.outer(np.sin(turns), second)
     sides = np.ptp(points @ ways.T, axis=0)
@@ -221,12 +223,8 @@ def _least_squares(knots: list[Floats], places: list[Floats], heights: Floats, w
 
 def _errors(sheet: Sheet, patch: SplinePatch, uv: Floats) -> tuple[float, float]:
     """The largest distance of a graph's points from the zeros, to first order, and angle between the normals there."""
-    sides = [BSpline(knots, np.eye(len(knots) - DEGREE - 1), DEGREE) for knots in patch.knots]
-    (u, du), (v, dv) = ((side(uv[:, i]), side.derivative()(uv[:, i])) for i, side in enumerate(sides))
-    size, poles = len(patch.poles), patch.poles.reshape(len(patch.poles), -1)
-    points, by_u, by_v = (
-        np.einsum("njx,nj->nx", (a @ poles).reshape(-1, size, 3), b) for a, b in ((u, v), (du, v), (u, dv))
-    )
+    surface = NdBSpline(patch.knots, patch.poles, DEGREE)
+    points, by_u, by_v = (surface(uv, nu=nu) for nu in ((0, 0), (1, 0), (0, 1)))
     jets = sheet.jets(points)
     slopes, normals = np.linalg.norm(jets[:, 1:], axis=1), np.cross(by_u, by_v)
     sines = np.linalg.norm(np.cross(normals, jets[:, 1:]), axis=1) / (slopes * np.linalg.norm(normals, axis=1))

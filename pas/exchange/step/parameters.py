@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pas.algebra.lengths import across
 from pas.algebra.monomials import Floats
 from pas.exchange.step.carriers import Carrier, CarrierKind, Plane
 from pas.exchange.step.charts import ON_PLANE
@@ -61,17 +62,17 @@ def carrier_parameters(carrier: Carrier, points: Floats, corners: Floats) -> Car
     """
     axis, moved = carrier.axis, points - carrier.place
     if carrier.kind is CarrierKind.PLANE:
-        return CarrierParameters(carrier, axis, across(axis))
+        return CarrierParameters(carrier, axis, across(axis)[0])
     if carrier.kind is CarrierKind.SPHERE:
         return _on_sphere(carrier, moved)
-    first = across(axis)
+    first, second = across(axis)
     free, start = _free(_angles(moved, axis, first))
     height = moved @ axis
     if free < GAP:
         _, turn = _free(_angles(corners - carrier.place, axis, first), math.tau / 2)
-        normal = np.cos(turn) * np.cross(axis, first) - np.sin(turn) * first
+        normal = np.cos(turn) * second - np.sin(turn) * first
         return Plane.of(normal, normal @ carrier.place)
-    begin = np.cos(start) * first + np.sin(start) * np.cross(axis, first)
+    begin = np.cos(start) * first + np.sin(start) * second
     if carrier.kind is CarrierKind.TORUS:
         radii = np.linalg.norm(moved - height[:, None] * axis, axis=1) - carrier.radius
         free, tube = _free(np.arctan2(height, radii))
@@ -96,21 +97,15 @@ def _on_sphere(carrier: Carrier, moved: Floats) -> CarrierParameters | Plane:
         if cosines[:, pole].max() > np.cos(GAP / 2):
             break
         axis = directions[pole]
-        first = across(axis)
+        first, second = across(axis)
         free, start = _free(_angles(moved, axis, first))
         if free >= GAP:
-            begin = np.cos(start) * first + np.sin(start) * np.cross(axis, first)
+            begin = np.cos(start) * first + np.sin(start) * second
             return CarrierParameters(carrier, axis, begin)
     heights = units @ directions.T
     spread = np.minimum((heights > 0).mean(axis=0), (heights < 0).mean(axis=0)) + heights.std(axis=0)
     normal = directions[int(np.argmax(np.round(spread, 3)))]
     return Plane.of(normal, normal @ carrier.place)
-
-
-def across(axis: Floats) -> Floats:
-    """A unit vector across a unit axis."""
-    first = np.cross(axis, np.eye(3)[int(np.argmin(np.round(np.abs(axis), 6)))])
-    return np.asarray(first / np.linalg.norm(first))
 
 
 def _angles(moved: Floats, axis: Floats, first: Floats) -> Floats:
@@ -180,8 +175,7 @@ def quadric_patch(matrix: Floats, points: Floats, middle: Floats, normal: Floats
         gradient = 2 * (form @ eye + slope)
         eye = eye - (eye @ form @ eye + 2 * eye @ slope + matrix[3, 3]) / (gradient @ gradient) * gradient
     axis = (middle - eye) / np.linalg.norm(middle - eye)
-    first = across(axis)
-    frame = np.stack([first, np.cross(axis, first), axis])
+    frame = np.stack([*across(axis), axis])
     seen = (points - eye) @ frame.T
     if seen[:, 2].min() <= 0.01 * np.linalg.norm(seen, axis=1).max():
         return None

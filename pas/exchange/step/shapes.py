@@ -14,7 +14,7 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from pas.algebra.monomials import Floats
-from pas.exchange.step.borders import DEGREE, Borders, Curve, CurveKind
+from pas.exchange.step.borders import DEGREE, Borders, Curve
 from pas.exchange.step.carriers import CarrierKind
 from pas.exchange.step.parameters import CarrierParameters, Parameters, SplinePatch
 from pas.limits import checkpoint
@@ -256,7 +256,7 @@ def curve_of(curve: Curve) -> Any:
     normal = gp_Vec(*curve.first.tolist()).Crossed(gp_Vec(*curve.second.tolist()))
     axes = gp_Ax2(point_of(curve.origin), gp_Dir(normal), gp_Dir(*curve.first.tolist()))
     radii = float(np.linalg.norm(curve.first)), float(np.linalg.norm(curve.second))
-    return Geom_Circle(axes, radii[0]) if curve.kind is CurveKind.CIRCLE else Geom_Ellipse(axes, *radii)
+    return Geom_Circle(axes, radii[0]) if curve.circle else Geom_Ellipse(axes, *radii)
 
 
 def flat_spline(spline: BSpline) -> Any:

@@ -148,25 +148,11 @@ class Frames:
         controls, slopes = self.grid(size[0]).controls(shape)
         t = np.linspace(0.0, 1.0, size[1])
         value, slope = bernstein_at(self.degree, t), bernstein_at(self.degree, t, 1)
-        points = _combined(value, controls)
-        across, along = (_combined(b, np.ldexp(c, -exponent(c))) for b, c in ((value, slopes), (slope, controls)))
-        return points, _crossed(across, along)
-
-
-def _combined(weights: Floats, controls: Floats) -> Floats:
-    """sum_i weights[j, i] controls[i, k]: (k, j, 3)."""
-    size = controls.shape[1]
-    flat = weights @ controls.reshape(len(controls), -1)
-    return np.ascontiguousarray(flat.reshape(len(weights), size, 3).swapaxes(0, 1))
-
-
-def _crossed(a: Floats, b: Floats) -> Floats:
-    """The vector product along the last axis, with fewer copies than numpy's."""
-    result = np.empty_like(a)
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        np.multiply(a[..., j], b[..., k], out=result[..., i])
-        result[..., i] -= a[..., k] * b[..., j]
-    return result
+        small = np.ldexp(slopes, -exponent(slopes)), np.ldexp(controls, -exponent(controls))
+        points, across, along = (
+            np.einsum("ji,ikx->kjx", b, c) for b, c in ((value, controls), (value, small[0]), (slope, small[1]))
+        )
+        return points, np.cross(across, along)
 
 
 @lru_cache(maxsize=32)
