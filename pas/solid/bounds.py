@@ -64,11 +64,27 @@ def _branch_box(tree: Tree, seen: Floats) -> tuple[Floats, Floats] | None:
     """See `_shrunk`."""
     evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
     start = None if is_contradiction(tree) or evaluator.is_empty else _linear_box(tree)
-    return None if start is None else _shrunk(evaluator, start, seen)
+    return None if start is None else _shrunk(evaluator, _within_unions(tree, start), seen)
 
 
 def _hull(boxes: Sequence[Floats]) -> Floats:
     return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
+
+
+def _within_unions(tree: Tree, start: Floats) -> Floats:
+    """A box that planes leave open, brought within the boxes of unions among the conditions.
+
+    Of a union with something taken away the parts are bounded one by one, as without that.
+    """
+    for part in parts_of(tree, union=False):
+        if not (isinstance(part, Node) and part.union) or np.abs(start).max() < FARTHEST:
+            continue
+        try:
+            box = bounding_box(part)
+        except GeometryError:  # empty or unbounded by itself: the whole says so
+            continue
+        start = np.stack([np.maximum(start[0], box[0]), np.minimum(start[1], box[1])])
+    return start
 
 
 def _linear_box(tree: Tree) -> Floats | None:
