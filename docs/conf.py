@@ -1,7 +1,8 @@
 """The site: Sphinx with pages in Markdown (MyST), an API reference from docstrings, and formulas as MathML.
 
-`make docs` builds it into out/docs.  Nothing is fetched while it is built or read.  Pages that are made from
-other files (gallery, command line, file formats) are written by `generated.py` when the build begins.
+`make docs` builds it into out/docs.  Nothing is fetched while it is built or read.  When the build begins, pages that
+are made from other files (gallery, command line, file formats) are written by `generated.py`, and the tutorials'
+notebooks by `notebooks.py`, which runs them: two minutes at the first time.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import generated  # noqa: E402
+import notebooks  # noqa: E402
 
 from pas._version import __version__  # noqa: E402
 
@@ -110,8 +112,13 @@ def process(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: li
 
 
 def relinked(app: Sphinx, page: str, source: list[str]) -> None:
-    """Links to texts elsewhere in the repository, as the README of an example, lead to their pages here."""
+    """Links to texts elsewhere in the repository, as the README of an example, lead to their pages here; tutorials
+    have a link to their notebook below the title."""
     path = HERE / f"{page}.md"
+    if path in notebooks.TUTORIALS:
+        title, rest = source[0].split("\n", 1)
+        link = f"[notebook with its results](../generated/notebooks/{path.stem}.ipynb)"
+        source[0] = f"{title}\n\nThis page as a {link}, to go on from.\n{rest}"
     if path.parent != generated.FOLDER:
         source[0] = generated.moved(source[0], path, path)
 
@@ -152,4 +159,5 @@ def setup(app: Sphinx) -> None:
     app.connect("autodoc-process-docstring", process)
     app.connect("source-read", relinked)
     app.connect("builder-inited", lambda app: generated.write(HERE / "generated"))
+    app.connect("builder-inited", lambda app: notebooks.write(HERE / "generated/notebooks"))
     app.add_post_transform(LinkedCode)

@@ -11,10 +11,10 @@ from conftest import EQUAL, solved
 import pas
 from pas.exchange.picture_options import Picture
 from pas.piecewise import PiecewiseSurface
-from pas.render import combs as drawing
 from pas.render import piecewise as sections
-from pas.render.combs import hair_length, tips
+from pas.render import plotting as drawing
 from pas.render.piecewise import chains, combs, section_planes
+from pas.render.plotting import hair_length, tips
 from pas.render.scene import Comb, Layer, scene_of
 
 

@@ -211,7 +211,7 @@ def test_published_cone_and_ellipsoid():
     fits = [sympy.simplify(e.subs(place).subs(t, 36 / sympy.sqrt(denominator))) == 0 for e in turned]
     assert fits == [True, False]
     branches = quadric_intersection(sympy.sstr(cone).replace("**", "^"), sympy.sstr(turned[0]).replace("**", "^"))
-    assert len(branches) == 2 and all(b.closed and not b.both_signs for b in branches)
+    assert len(branches) == 2 and all(b.closed and b.factor is None for b in branches)
     signs = set()
     for branch in branches:
         p = branch(S)

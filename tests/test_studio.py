@@ -24,11 +24,10 @@ import pas
 from pas.cli import WRONG, main
 from pas.errors import InputError
 from pas.exchange.formats import FORMATS, suffixes_for
-from pas.studio import GALLERY, TEAPOT, documents
+from pas.studio import GALLERY, TEAPOT, Message, documents
 from pas.studio.controls import controls
 from pas.studio.conversation import INSIDE, REST, Conversation, RefusedError, StoppedError, request_of
 from pas.studio.documents import DOCUMENTS, checked, plain_tables, problem_of, program, toml
-from pas.studio.messages import Message
 from pas.studio.scene import coefficients, picture
 from pas.studio.server import PAGE, Studio, listening
 from pas.studio.session import StudioSession

@@ -15,10 +15,9 @@ from pas.cli import main
 from pas.exchange.picture_options import STYLES, Picture
 from pas.parametric.surface import Forms
 from pas.piecewise import PiecewiseSurface
-from pas.render.combs import CONCAVE, CONVEX, hair_length, tips
 from pas.render.picture import plotted
 from pas.render.piecewise import principal_curvatures
-from pas.render.plotting import FOOT, SIDE, add_comb_legend, offscreen_pyvista
+from pas.render.plotting import CONCAVE, CONVEX, FOOT, SIDE, add_comb_legend, hair_length, offscreen_pyvista, tips
 from pas.render.scene import Coloring, Comb, Layer, scene_of
 from pas.render.styles import LIGHTS, color_range, meeting_angles, point_areas, tunnel, unwrapped
 from pas.shape import KINDS

@@ -102,7 +102,7 @@ def short_basis(rows: fmpz_mat) -> fmpz_mat:
     """An LLL-reduced basis (m, N) of the whole vectors in the span of independent whole rows (m, N).
 
     With the reduced echelon form `E / d`, the columns of E span a lattice that holds all multiples of d; where those of
-    H are a basis of it, the rows of `H^-1 E` are one of the whole vectors.
+    H are a basis of it, the rows of `H^-1 E` are one of the whole vectors, and short already where H is reduced.
     """
     checkpoint("reducing a basis")
     echelon, denominator = _echelon(rows).numer_denom()
@@ -111,10 +111,13 @@ def short_basis(rows: fmpz_mat) -> fmpz_mat:
     mixed = random.Random(size)
     mix = fmpz_mat(columns, size + 10, [mixed.randint(-1, 1) for _ in range(columns * (size + 10))])
     square = _triangular([[int(v) for v in column] for column in (echelon * mix).transpose().tolist()], d)
-    inverse, scale = fmpq_mat(fmpz_mat(square)).inv().numer_denom()
+    checkpoint()
+    reduced = fmpz_mat(square).transpose().lll().transpose()
+    checkpoint()
+    inverse, scale = fmpq_mat(reduced).inv().numer_denom()
     spanning, _ = (fmpq_mat(inverse * echelon) * fmpq(1, scale)).numer_denom()
     checkpoint()
-    return spanning.lll()
+    return fmpz_mat(spanning.tolist()[::-1]).lll()  # the dual of a reduced basis is nearly reduced from its end
 
 
 def _echelon(rows: fmpz_mat) -> fmpq_mat:

@@ -150,8 +150,9 @@ class Space(InPlace, Exported):
         """This space with a basis of short polynomials: one that is LLL-reduced of all members with whole coefficients,
         in the partition's local coordinates (see `pas.algebra.matrices`).
 
-        A tenth as many digits as in the usual basis for corners, a twentieth for nodes.  The corner of GC^1 takes a
-        tenth of a second, that of GC^2 two, nodes of GC^2 up to some ten and, of four pipes and more, minutes.
+        A tenth as many digits as in the usual basis for corners, a twentieth for nodes.  Corners take a tenth of a
+        second with GC^1 and up to two with GC^2, nodes of 60 members five to seven.  With more than some 100 members
+        one call of flint's LLL takes a minute and more, in which nothing can stop it.
         """
         if not self.dimension:
             return self

@@ -35,10 +35,10 @@ FOLD = 0.2
 """Cosine of a triangle's normal and its face's below which it counts as folded."""
 
 
-def cleaned(mesh: Labelled, field: FaceField, tolerance: float, even: bool) -> Labelled:
-    """The mesh, with triangles about as large as the lattice's cubes if it is `even`, on planes as well."""
+def cleaned(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
+    """The mesh, good enough to be remeshed for a tolerance."""
     mesh = _with_special_points(mesh, field)
-    return Cleaning(field, int(mesh.labels.max()) + 1, tolerance).cleaned(project(mesh, field, mesh.sizes / 2), even)
+    return Cleaning(field, int(mesh.labels.max()) + 1, tolerance).cleaned(project(mesh, field, mesh.sizes / 2))
 
 
 class Cleaning(Grading):
@@ -48,11 +48,10 @@ class Cleaning(Grading):
         super().__init__(FaceGround(field, labels, long=False), tolerance, Settings())
         self.field = field
 
-    def cleaned(self, first: Labelled, even: bool) -> Labelled:
+    def cleaned(self, first: Labelled) -> Labelled:
         """A mesh whose vertices are on their faces, and which is good to be remeshed."""
         mesh = self.begun(first)
-        if not even:
-            self._coarsen(mesh)
+        self._coarsen(mesh)
         for _ in range(SMOOTHINGS):
             checkpoint(f"improving the mesh ({len(mesh.labels)} triangles)")
             self._collapse_short(mesh)

@@ -91,7 +91,7 @@ def triangulate_faces(
 
 def _from_first(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> Made | None:
     """The mesh of a boundary from a first one that need not be good; None where it is not of all of the boundary."""
-    mesh = cleaned(_joined(first, field), field, tolerance, quality is Quality.ANGLES)
+    mesh = cleaned(_joined(first, field), field, tolerance)
     if unsound(mesh, field, tolerance)[0]:
         return None
     found = _refined(mesh, field, tolerance, quality)
@@ -171,7 +171,7 @@ def _from_lattices(field: FaceField, tolerance: float, quality: Quality) -> Made
 
 def _made(field: FaceField, tolerance: float, quality: Quality, octree: Octree | None = None) -> Made:
     """The mesh of one field with the functions that it has."""
-    first = first_mesh(field, tolerance, octree, quality is Quality.ANGLES)
+    first = first_mesh(field, tolerance, octree)
     return first if isinstance(first, Refusal) else _refined(first, field, tolerance, quality)
 
 

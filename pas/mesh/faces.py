@@ -19,7 +19,7 @@ from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
 from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import NOWHERE, Cones, Nodes, contracted, find_nodes
+from pas.mesh.nodes import NOWHERE, Nodes, contracted, find_nodes
 from pas.mesh.projection import least_norm, newton, placing
 from pas.mesh.refusals import Refusal
 from pas.mesh.rows import Floats, Integers, cross, dots, norms
@@ -39,12 +39,11 @@ _CORNERS = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 class BoundaryCrossings:
     """Where the boundary crosses a lattice: a closed mesh, with a vertex on each crossed edge.
 
-    `edges` (E, 2) are the crossed ones, as rows of `nodes` (N, 3); `triangles` (T, 3) are rows of these.  The `cones`
-    are known from other lattices of the same boundary.
+    `edges` (E, 2) are the crossed ones, as rows of `nodes` (N, 3); `triangles` (T, 3) are rows of these.
     """
 
-    def __init__(self, field: FaceField, nodes: Floats, tetrahedra: Integers, cones: Cones | None = None) -> None:
-        self.field, self.nodes, self._cones = field, nodes, cones
+    def __init__(self, field: FaceField, nodes: Floats, tetrahedra: Integers) -> None:
+        self.field, self.nodes = field, nodes
         checkpoint(f"finding the boundary in a lattice of {len(tetrahedra)} tetrahedra")
         self._signs = field.signs(nodes)
         self._inside = field.inside(self._signs)
@@ -87,7 +86,7 @@ class BoundaryCrossings:
         unclear, flat = _unclear(self.field, points, triangles, labels)
         nodes = Nodes(NOWHERE, np.empty(0))
         if 0 < len(unclear) + len(flat) <= MOST_UNCLEAR:
-            found = find_nodes(self.field, points, triangles, labels, unclear, flat, self._cones)
+            found = find_nodes(self.field, points, triangles, labels, unclear, flat)
             if isinstance(found, Refusal):
                 return found
             nodes = found

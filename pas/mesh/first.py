@@ -19,7 +19,6 @@ from pas.mesh.diagnostics import Diagnosis, diagnosis
 from pas.mesh.faces import BoundaryCrossings
 from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import Cones
 from pas.mesh.octree import DEEPEST, MOST_CUBES, NOWHERE, OPEN, QUIET, Octree
 from pas.mesh.projection import cosines, least_norm, placing
 from pas.mesh.refusals import Refusal
@@ -44,20 +43,17 @@ def first_lattice(field: FaceField) -> Octree:
     return Octree(field, extent_of(field) / PARTS)
 
 
-def first_mesh(
-    field: FaceField, tolerance: float, octree: Octree | None = None, even: bool = False
-) -> Labelled | Refusal:
+def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None) -> Labelled | Refusal:
     """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do.
 
-    The `octree` to begin with is that of `first_lattice`, if it is known.  An `even` mesh has triangles about as
-    large as the lattice's cubes, on planes as well.
+    The `octree` to begin with is that of `first_lattice`, if it is known.
     """
     start = _cleared(field, first_lattice(field) if octree is None else octree)
     if isinstance(start, Refusal):
         return start
-    ahead, failures, reason = [_Lattice(field, start, {})], list[tuple[int, int]](), ""
+    ahead, failures, reason = [_Lattice(field, start)], list[tuple[int, int]](), ""
     for _ in range(HALVINGS):
-        found = _shown(ahead, tolerance, even)
+        found = _shown(ahead, tolerance)
         if not isinstance(found, _Failed):
             return found
         reason, places, first = found.reason or reason, found.places, ahead[0].octree
@@ -109,19 +105,18 @@ def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
 
 @dataclass(frozen=True)
 class _Lattice:
-    """An octree and where the boundary crosses it; and the cones that are known from other octrees."""
+    """An octree and where the boundary crosses it."""
 
     field: FaceField
     octree: Octree
-    cones: Cones
 
     @cached_property
     def crossings(self) -> BoundaryCrossings:
-        return BoundaryCrossings(self.field, *self.octree.tetrahedra(), self.cones)
+        return BoundaryCrossings(self.field, *self.octree.tetrahedra())
 
     def refined(self, places: Floats = NOWHERE, least: int = OPEN) -> _Lattice:
         """The next one; see `Octree.refined`."""
-        return _Lattice(self.field, self.octree.refined(places, least), self.cones)
+        return _Lattice(self.field, self.octree.refined(places, least))
 
 
 @dataclass(frozen=True)
@@ -132,7 +127,7 @@ class _Failed:
     places: Floats = field_of(default_factory=lambda: NOWHERE)
 
 
-def _shown(ahead: list[_Lattice], tolerance: float, even: bool) -> Labelled | Refusal | _Failed:
+def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | Refusal | _Failed:
     """The mesh of the first of some lattices, to which finer ones are added until there are enough to compare it."""
     field, first = ahead[0].field, ahead[0]
     if first.octree.crowded:
@@ -153,7 +148,7 @@ def _shown(ahead: list[_Lattice], tolerance: float, even: bool) -> Labelled | Re
         return _Failed("its faces are too small")
     if not len(first.crossings.edges):
         return _Failed("")
-    mesh = cleaned(raw, field, tolerance, even)
+    mesh = cleaned(raw, field, tolerance)
     reason, places = unsound(mesh, field, tolerance)
     return _Failed(reason, places) if reason else mesh
 

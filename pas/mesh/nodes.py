@@ -67,10 +67,6 @@ class Nodes:
         return np.asarray((distances < self.reach).any(axis=1))
 
 
-Cones = dict[tuple[bytes, float], bool | Refusal]
-"""Whether the boundary is one sheet at nodes, by their places and the spacing, so that no other lattice looks again."""
-
-
 def find_nodes(
     field: FaceField,
     points: Floats,
@@ -78,14 +74,12 @@ def find_nodes(
     labels: Integers,
     places: Integers,
     flat: Integers,
-    cones: Cones | None = None,
 ) -> Nodes | Refusal:
     """The nodes near triangles `places` of a mesh (T, 3) whose vertices are on faces of given labels.
 
-    Near triangles `flat`, in which two faces meet flatly, they are looked for where these two touch.  The
-    `cones` that are known are added to.  Refused where the solid touches itself in a node.
+    Near triangles `flat`, in which two faces meet flatly, they are looked for where these two touch.  Refused where
+    the solid touches itself in a node.
     """
-    cones = {} if cones is None else cones
     all_places = np.concatenate([places, flat])
     corners = points[triangles[all_places]]
     centers = corners.mean(axis=1)
@@ -106,10 +100,7 @@ def find_nodes(
             continue
         own = np.linalg.norm(found - found[row], axis=1) < SAME * extent
         radius = float(np.linalg.norm(centers[owners[own]] - found[row], axis=1).max() + size[owners[own]].max())
-        key = found[row].tobytes(), float(size[owners[row]])
-        if key not in cones:
-            cones[key] = _is_cone(field, found[row], key[1])
-        cone = cones[key]
+        cone = _is_cone(field, found[row], float(size[owners[row]]))
         if isinstance(cone, Refusal):
             return cone
         if cone:

@@ -5,9 +5,7 @@ s_i, cut off at degree k - j, times (h - s_i)^j / j! and W / (h - s_i)^(k+1) (Sp
 for blending by Perez-Diaz and Sendra 2003).  The degree is n(k+1) - 1 at most, and the basis is
 unique since the confluent Vandermonde determinant does not vanish.
 
-The Hermite blend is T = sum_i sum_{j<=k} (d^j P_i/dh^j)(t, s_i) L_ij(h) (Perez-Diaz and Sendra 2003, algorithm 1).  The
-denominators are polynomials in t alone, so the sum is a product of two matrices of rationals, and lowest terms need
-greatest common divisors in t only.
+The Hermite blend is T = sum_i sum_{j<=k} (d^j P_i/dh^j)(t, s_i) L_ij(h) (Perez-Diaz and Sendra 2003, algorithm 1).
 
 In doubles it is evaluated without expanding it, fast and stable: T = sum_i w_i(h) S_i(t, h - s_i),
 w_i = prod_{l != i} ((h - s_l)/(s_i - s_l))^(k+1) and S_i the Taylor polynomial of degree k of P_i / w_i at s_i.  The
@@ -27,14 +25,14 @@ from operator import add, mul
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpq_mat, fmpq_poly
+from flint import fmpq, fmpq_poly
 
 from pas.algebra.expressions import Names
 from pas.algebra.horner import Bundle, as_arrays
 from pas.algebra.inputs import check_order, short, shown
 from pas.algebra.jets import Jet, along, constant, nilpotency, power, variables
 from pas.algebra.rational import Exact, plain, rational, to_float, to_fraction
-from pas.algebra.rational_function import ONE, RING, RationalFunction
+from pas.algebra.rational_function import ONE, RationalFunction
 from pas.limits import checkpoint
 from pas.parametric.series import Components, padded, taylor, univariate
 from pas.parametric.surface import ParametricSurface
@@ -140,32 +138,19 @@ def exact_hermite(
     values: Sequence[fmpq], expansions: Sequence[Sequence[Expansion]], order: int, names: Names
 ) -> Components:
     """The blend in lowest terms from the expansions of the three components of each surface."""
-    rows = [p for i in range(len(values)) for p in taylor_basis(values, i, order)]
-    width = max(p.length() for p in rows)
-    basis = fmpq_mat(len(rows), width, [c for p in rows for c in padded(p, width)])
-    x, y, z = (_summed([parts[axis] for parts in expansions], basis, names) for axis in range(3))
+    basis = [univariate(p, 1) for i in range(len(values)) for p in taylor_basis(values, i, order)]
+
+    def summed(parts: Sequence[Expansion]) -> RationalFunction:
+        checkpoint("adding up the Hermite blend")
+        below = fmpq_poly([1])
+        for part in parts:
+            below = below * (part.denominator / below.gcd(part.denominator))
+        tops = [univariate(n * (below / part.denominator), 0) for part in parts for n in part.numerators]
+        above = sum((top * p for top, p in zip(tops, basis, strict=True)), ONE * 0)
+        return RationalFunction.quotient(above, univariate(below, 0), names)
+
+    x, y, z = (summed(parts) for parts in zip(*expansions, strict=True))
     return x, y, z
-
-
-def _summed(parts: Sequence[Expansion], basis: fmpq_mat, names: Names) -> RationalFunction:
-    """One component: coefficients in t (columns) times the basis (rows) is a matrix of coefficients."""
-    checkpoint("adding up the Hermite blend")
-    below = fmpq_poly([1])
-    for part in parts:
-        below = below * (part.denominator / below.gcd(part.denominator))
-    tops = [n * (below / part.denominator) for part in parts for n in part.numerators]
-    height = max(p.length() for p in tops)
-    if height == 0:
-        return RationalFunction(0, names)
-    table = fmpq_mat(len(tops), height, [c for p in tops for c in padded(p, height)]).transpose() * basis
-    columns = [fmpq_poly([table[a, b] for a in range(height)]) for b in range(table.ncols())]
-    common = below
-    for column in columns:
-        common = common.gcd(column)
-    terms: dict[tuple[int, ...], fmpq] = {
-        (a, b): c for b, column in enumerate(columns) for a, c in enumerate((column / common).coeffs()) if c != 0
-    }
-    return RationalFunction.from_lowest_terms(RING.from_dict(terms), univariate(below / common, 0), names)
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,15 +42,14 @@ LARGEST = 1_000_000
 
 @dataclass(frozen=True)
 class CellErrors:
-    """What was seen of C cells: P - B (C, a, b, 3), first and last rows on the sides, corners (C, 2, 2, 3) and middles
-    (C, 3).
+    """What was seen of C cells: P - B (C, a, b, 3), first and last rows on the sides, and `points` (C, 5, 3): corners,
+    the last parameter first, and the middle.
 
     `slack` (C,) is what rounding may add to |P - B|, `least` the part of it that no halving takes away.
     """
 
     errors: Floats
-    corners: Floats
-    middles: Floats
+    points: Floats
     slack: Floats
     least: Floats
 
@@ -69,9 +68,9 @@ class CellErrors:
         return np.where(np.isfinite(bounds), bounds, np.inf), wider.astype(np.intp)
 
     @property
-    def points(self) -> Floats:
-        """The corners, the last parameter first, and the middle (C, 5, 3)."""
-        return np.concatenate([self.corners.reshape(-1, 4, 3), self.middles[:, None]], axis=1)
+    def corners(self) -> Floats:
+        """The corners (C, 2, 2, 3)."""
+        return self.points[:, :4].reshape(-1, 2, 2, 3)
 
     @property
     def away(self) -> Floats:
@@ -108,14 +107,14 @@ def bounded(nets: Nets) -> CellErrors:
     """Of exact surfaces: coefficients of P - B over the least weight, infinite where that is not positive."""
     table, (m, n) = nets.table, np.array(nets.table.shape[1:3]) - 1
     half = np.array(0.5)
-    middles = np.einsum("i,cijx,j->cx", bernstein_at(m, half), table, bernstein_at(n, half))
+    middles = np.einsum("i,cijx,j->cx", bernstein_at(m, half), table, bernstein_at(n, half))[:, None]
     rounding = (2 * m + 2 * n + 24) * UNIT_ROUNDOFF  # of sums of Bernstein polynomials (Higham 2002, 3.1)
     with np.errstate(all="ignore"):
-        ends = table[:, [0, 0, -1, -1], [0, -1, 0, -1]]
-        corners = (ends[..., :3] / ends[..., 3:]).reshape(-1, 2, 2, 3)
-        errors, slack = distances(nets, corners, rounding)
+        five = np.concatenate([table[:, [0, 0, -1, -1], [0, -1, 0, -1]], middles], axis=1)
+        points = five[..., :3] / five[..., 3:]
+        errors, slack = distances(nets, points[:, :4].reshape(-1, 2, 2, 3), rounding)
         floors = np.where(np.isfinite(slack), 2 * nets.off / table[..., 3].max(axis=(1, 2)), 0.0)
-        return CellErrors(errors, corners, middles[:, :3] / middles[:, 3:], slack, floors)
+        return CellErrors(errors, points, slack, floors)
 
 
 def measured(surface: ParametricMap, cells: Integers) -> CellErrors:
@@ -127,13 +126,12 @@ def measured(surface: ParametricMap, cells: Integers) -> CellErrors:
     t, h = (places[:, i, None] * (1 - share) + places[:, i + 1, None] * share for i in (0, 2))
     points = np.stack(np.broadcast_arrays(t[:, :, None], h[:, None, :]), axis=-1)
     values = surface(np.clip(points, 0.0, 1.0))
-    corners = values[:, [0, 0, -1, -1], [0, -1, 0, -1]].reshape(-1, 2, 2, 3)
+    five = values[:, [0, 0, -1, -1, 2], [0, -1, 0, -1, 2]]
     hats = np.stack([1 - share, share])
     with np.errstate(all="ignore"):
-        errors = values - np.einsum("ia,jb,cijx->cabx", hats, hats, corners)
+        errors = values - np.einsum("ia,jb,cijx->cabx", hats, hats, five[:, :4].reshape(-1, 2, 2, 3))
     none = np.zeros(len(cells))
-    errors, middles = np.where(np.isfinite(errors), 1.1 * errors, np.inf), np.nan_to_num(values[:, 2, 2])
-    return CellErrors(errors, np.nan_to_num(corners), middles, none, none)
+    return CellErrors(np.where(np.isfinite(errors), 1.1 * errors, np.inf), np.nan_to_num(five), none, none)
 
 
 @dataclass(frozen=True)

@@ -166,7 +166,7 @@ class SurfaceDistance(Distance):
             slope = np.einsum("nij,nj->ni", first, away)
             square = np.einsum("nij,nkj->nik", first, first)
             bent = square + np.einsum("nikj,nj->nik", second, away)
-            good = (bent[:, 0, 0] > 0) & (_determinant(bent) > 0.1 * _determinant(square))
+            good = (bent[:, 0, 0] > 0) & (np.linalg.det(bent) > 0.1 * np.linalg.det(square))
             matrix = np.where(good[:, None, None], bent, square)
             held = self._held(place[active], slope)
             slope = np.where(held, 0.0, slope)
@@ -247,14 +247,7 @@ def _solved(matrix: Floats, right: Floats) -> Floats:
     """The solutions (N, 2) of symmetric systems; of singular ones, as at poles, not far from the least."""
     scale = np.maximum(np.einsum("nii->ni", matrix), 1e-300) ** -0.5
     even = matrix * scale[:, :, None] * scale[:, None, :] + 1e-14 * np.eye(2)
-    (a, b), (_, d) = even.transpose(1, 2, 0)
-    first, second = (right * scale).T
-    solved = np.stack([d * first - b * second, a * second - b * first], axis=1)
-    return np.asarray(scale * solved / np.maximum(_determinant(even), 1e-14)[:, None])
-
-
-def _determinant(matrix: Floats) -> Floats:
-    return np.asarray(matrix[:, 0, 0] * matrix[:, 1, 1] - matrix[:, 0, 1] * matrix[:, 1, 0])
+    return np.asarray(scale * np.linalg.solve(even, (right * scale)[:, :, None])[:, :, 0])
 
 
 def is_end(surface: ParametricMap, axis: int, side: int, parameters: Floats) -> Bools:

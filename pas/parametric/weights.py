@@ -81,11 +81,12 @@ class Weights:
     def functions(self) -> tuple[RationalFunction, ...]:
         """The weights as exact functions of h."""
         pairs = self._pairs([fmpq_poly([-s, 1]) for s in self.values], self.balance)
-        if not self.normalized:
-            return tuple(_quotient(above, above + rest) for above, rest in pairs)
-        everything = prod((above + rest for above, rest in pairs), start=fmpq_poly([1]))
-        tops = [above * (everything / (above + rest)) for above, rest in pairs]
-        return tuple(_quotient(top, sum(tops, fmpq_poly([0]))) for top in tops)
+        quotients = [(above, above + rest) for above, rest in pairs]
+        if self.normalized:
+            everything = prod((below for _, below in quotients), start=fmpq_poly([1]))
+            tops = [above * (everything / below) for above, below in quotients]
+            quotients = [(top, sum(tops, fmpq_poly([0]))) for top in tops]
+        return tuple(RationalFunction.quotient(univariate(a, 1), univariate(b, 1)) for a, b in quotients)
 
     def poles(self) -> tuple[WeightPole, ...]:
         """All real poles of the weights, by weight and place (exactly isolated, then rounded)."""
@@ -132,9 +133,3 @@ def _balance(balance: Any, size: int) -> tuple[fmpq, ...]:
         if not 0 < u < 1:
             raise ValueError(f"balance must lie strictly between 0 and 1, not {short(plain(u))} (for surface {i})")
     return balances
-
-
-def _quotient(above: fmpq_poly, below: fmpq_poly) -> RationalFunction:
-    """A quotient of polynomials in h, reduced while they have one variable, which is quick."""
-    common = above.gcd(below)
-    return RationalFunction.from_lowest_terms(univariate(above / common, 1), univariate(below / common, 1))

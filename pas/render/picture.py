@@ -14,17 +14,19 @@ from pas.exchange.picture_options import VIEWS, Picture
 from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Integers
-from pas.render.combs import add_combs, hair_length, tips
 from pas.render.plotting import (
     add_comb_legend,
+    add_combs,
     add_dimensions,
     add_labels,
     add_legend,
     add_lights,
     add_lines,
     bar,
+    hair_length,
     look_at,
     room,
+    tips,
     widest_view,
 )
 from pas.render.scene import Layer, Legend, Paint, Scene

@@ -27,7 +27,7 @@ from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.limits import checkpoint
 from pas.solid.germs import Ray, Sheets
 from pas.solid.tree import Atom, Bools, ScalarField
-from pas.solid.truths import LeafTree
+from pas.solid.truths import LeafTree, matters, rests_on, says
 
 Slab = tuple[RealRoot | None, RealRoot | None]
 """Two values of the sweeping form (None: without end), between which arcs are looked at."""
@@ -99,7 +99,7 @@ class Around:
     def may_matter(self, number: int) -> bool:
         """Whether the solid may depend on a leaf close to the point."""
         unknown = dict.fromkeys(range(len(self.sheets.regular)))
-        return self.solid.matters(number, lambda n: self._holds(n, unknown))
+        return matters(self.solid.code, number, lambda n: self._holds(n, unknown))
 
     def cuts(self, number: int) -> list[RealRoot]:
         """Values inside the slab at which the truth of a leaf may change."""
@@ -146,12 +146,12 @@ class Around:
                 known[number] = not holds if number in turned and holds is not None else holds
             return known[number]
 
-        says = self.solid.says(truth)
-        if says is None:
-            self.doubts |= {n for n in [*known] if known[n] is None and self.solid.matters(n, truth)}
+        said = says(self.solid.code, truth)
+        if said is None:
+            self.doubts |= {n for n in [*known] if known[n] is None and matters(self.solid.code, n, truth)}
         else:
-            self.doubts |= self.solid.rests_on(says, truth, self._is_fixed)
-        return says
+            self.doubts |= rests_on(self.solid.code, said, truth, self._is_fixed)
+        return said
 
     def _holds(self, number: int, signs: dict[int, int | None]) -> bool | None:
         polynomial, _ = self.solid.signed[number]

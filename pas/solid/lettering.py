@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from functools import reduce
+from operator import sub
 from pathlib import Path
 from typing import Any
 
@@ -113,23 +115,10 @@ def _letter(contours: Sequence[Contour], letter: str) -> list[Profile]:
             for piece in contour
         ]
         made.append(closed(edges))
-    around = [[other for other in made if other is not one and _is_around(other, one)] for one in made]
+    starts = [next(profile.all_loops).edges[0].start for profile in made]
+    around = [[k for k, other in enumerate(made) if k != n and other.holds(p)] for n, p in enumerate(starts)]
     return [
-        _less(
-            one,
-            [hole for hole, those in zip(made, around, strict=True) if one in those and len(those) == len(outer) + 1],
-        )
-        for one, outer in zip(made, around, strict=True)
+        reduce(sub, (made[k] for k, those in enumerate(around) if n in those and len(those) == len(outer) + 1), made[n])
+        for n, outer in enumerate(around)
         if len(outer) % 2 == 0
     ]
-
-
-def _less(outer: Profile, holes: Sequence[Profile]) -> Profile:
-    for hole in holes:
-        outer = outer - hole
-    return outer
-
-
-def _is_around(one: Profile, other: Profile) -> bool:
-    assert other.loop is not None
-    return one.holds(other.loop.edges[0].start)

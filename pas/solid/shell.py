@@ -14,8 +14,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from pas.algebra.monomials import Floats
@@ -27,6 +25,7 @@ from pas.mesh.labelled import Labelled
 from pas.mesh.projection import least_norm, project
 from pas.mesh.rows import Integers, cross
 from pas.mesh.shading import unit_rows
+from pas.mesh.topology import connected
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.functions import Distance, Followed
@@ -297,8 +296,7 @@ def _groups(edges: LabelEdges, names: dict[int, str], kept: list[str]) -> list[l
     number = np.array([kept.index(n) if (n := names.get(i)) in kept else -1 for i in range(max(names) + 1)])
     pairs = number[edges.labels[edges.smooth | edges.grooves]]
     pairs = pairs[(pairs >= 0).all(axis=1)]
-    graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(len(kept),) * 2)
-    group = connected_components(graph, directed=False)[1]
+    group = connected(pairs, len(kept))
     return [[f for f, g in zip(kept, group, strict=True) if g == own] for own in dict.fromkeys(group.tolist())]
 
 

@@ -144,7 +144,8 @@ Truth = Callable[[int], bool | None]
 
 
 class LeafTree:
-    """The different inequalities of a tree, its `leaves`, and what it says for truths of these at one point.
+    """The different inequalities of a tree, its `leaves`, and the `code` by which truths of these at one point are put
+    together.
 
     `polynomials` are those of the leaves, one of all multiples, and `signed` says of each leaf which it is and with
     which sign; it is -1 for other functions.
@@ -157,26 +158,11 @@ class LeafTree:
         self.polynomials = [f for f in columns.functions if isinstance(f, Polynomial)]
         costs = [f.degree if isinstance(f := a.function, Polynomial) else math.inf for a in self.leaves]
         asks = {leaf: Ask(n, cost) for n, (leaf, cost) in enumerate(zip(self.leaves, costs, strict=True))}
-        self._code = _ordered(mapped(tree, asks.__getitem__))
+        self.code = _ordered(mapped(tree, asks.__getitem__))
 
     def holds(self, leaf: int, sign: int) -> bool:
         """Whether a leaf holds where the polynomial of its number has a sign (not 0)."""
         return (sign * self.signed[leaf][1] < 0) != self.leaves[leaf].outside
-
-    def says(self, truth: Truth) -> bool | None:
-        """Whether points with these truths are in the solid; None where that is not known."""
-        return _says(self._code, truth)
-
-    def rests_on(self, says: bool, truth: Truth, fixed: Callable[[int], bool]) -> set[int]:
-        """Leaves that are not `fixed` and on which what the tree `says` rests; none if it is certain.
-
-        Of several ways in which it could be certain, the one with the fewest such leaves.
-        """
-        return _rests_on(self._code, says, truth, fixed)
-
-    def matters(self, leaf: int, truth: Truth) -> bool:
-        """Whether the tree may depend on a leaf: none of its branches is settled by others."""
-        return _matters(self._code, leaf, truth)
 
 
 @dataclass(frozen=True)
@@ -209,41 +195,47 @@ def _ordered(tree: Node[Ask] | Ask) -> Code:
     return Branch(tuple(parts), tree.union, parts[0].cost)
 
 
-def _says(code: Code, truth: Truth) -> bool | None:
+def says(code: Code, truth: Truth) -> bool | None:
+    """Whether points with these truths are in the solid; None where that is not known."""
     if isinstance(code, Ask):
         return truth(code.leaf)
     result: bool | None = not code.union
     for part in code.parts:
-        found = _says(part, truth)
+        found = says(part, truth)
         if found is code.union:
             return code.union
         result = None if found is None else result
     return result
 
 
-def _rests_on(code: Code, says: bool, truth: Truth, fixed: Callable[[int], bool]) -> set[int]:
+def rests_on(code: Code, said: bool, truth: Truth, fixed: Callable[[int], bool]) -> set[int]:
+    """Leaves that are not `fixed` and on which what was said rests; none if it is certain.
+
+    Of several ways in which it could be certain, the one with the fewest such leaves.
+    """
     if isinstance(code, Ask):
         return set() if fixed(code.leaf) else {code.leaf}
-    if says is not code.union:
-        return {leaf for part in code.parts for leaf in _rests_on(part, says, truth, fixed)}
+    if said is not code.union:
+        return {leaf for part in code.parts for leaf in rests_on(part, said, truth, fixed)}
     best: set[int] = set()
     cost = None
     for part in code.parts:
         if cost is not None and part.cost > cost:
             break  # to cut at some more planes costs less than to ask a polynomial of higher degree
-        if _says(part, truth) is says:
-            way = _rests_on(part, says, truth, fixed)
+        if says(part, truth) is said:
+            way = rests_on(part, said, truth, fixed)
             best, cost = way if cost is None else min(best, way, key=len), part.cost
             if not best:
                 break
     return best
 
 
-def _matters(code: Code, leaf: int, truth: Truth) -> bool:
+def matters(code: Code, leaf: int, truth: Truth) -> bool:
+    """Whether what is said may depend on a leaf: none of its branches is settled by others."""
     if isinstance(code, Ask):
         return code.leaf == leaf
     return any(
-        _matters(part, leaf, truth)
-        and all(_says(other, truth) is not code.union for other in code.parts if other is not part)
+        matters(part, leaf, truth)
+        and all(says(other, truth) is not code.union for other in code.parts if other is not part)
         for part in code.parts
     )

@@ -26,8 +26,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any
 
 from pas.errors import LimitError, PasError
-from pas.studio import GALLERY
-from pas.studio.messages import Message, refusal
+from pas.studio import GALLERY, Message, refusal
 
 SPAWN = multiprocessing.get_context("spawn")
 

@@ -23,12 +23,12 @@ from pas.contacts.joins import Join
 from pas.exchange.picture_options import Picture
 from pas.parametric.generatrix.blend import GeneratrixBlend
 from pas.piecewise import PiecewiseSurface, SurfaceMesh
-from pas.render.combs import hair_length
 from pas.render.piecewise import sharpest_neighbour
+from pas.render.plotting import hair_length
 from pas.render.scene import scene_of
 from pas.shape import Shape, kind_of
+from pas.studio import Message
 from pas.studio.controls import SHAPE
-from pas.studio.messages import Message
 from pas.surface.fairness_limits import LOOSE, NODE_SHARPNESS, neighbour
 from pas.surface.placed import PlacedContacts
 

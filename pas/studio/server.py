@@ -16,9 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from pas.errors import InputError, library
-from pas.studio import GALLERY, Data
+from pas.studio import GALLERY, Data, Message, refusal
 from pas.studio.conversation import LONGEST_FILE, Conversation, RefusedError, StoppedError, Worker
-from pas.studio.messages import Message, refusal
 
 PAGE = Path(__file__).parent / "page"
 

@@ -28,7 +28,7 @@ from pas.limits import limit
 from pas.piecewise import PiecewiseSurface, SurfaceMesh
 from pas.pipeline.result import Blend
 from pas.shape import KINDS, Shape
-from pas.studio import Data, documents
+from pas.studio import Data, Message, documents
 from pas.studio.controls import LENGTHS, SHAPE, controls
 from pas.studio.handles import (
     at_degree,
@@ -38,7 +38,6 @@ from pas.studio.handles import (
     shares_of,
     with_handle,
 )
-from pas.studio.messages import Message
 from pas.studio.scene import coefficients, hairs, measures, name_of_scene, outline, picture, quick, triangles
 from pas.surface.placed import PlacedContacts
 

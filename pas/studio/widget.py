@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from pas.errors import PasError, library
 from pas.shape import Shape
-from pas.studio import GALLERY, Data
-from pas.studio.messages import Message, refusal
+from pas.studio import GALLERY, Data, Message, refusal
 from pas.studio.server import PAGE
 from pas.studio.session import StudioSession, can_follow
 

@@ -291,7 +291,8 @@ class GeneratrixForm:
 
     def _components(self) -> Components:
         """x, y, z as rational functions of s and t."""
-        pairs = zip(self.boundaries, self.frames.signs, self.shape.lengths, self.shape.slants, strict=True)
+        lengths, slants = (self.shape.l1, self.shape.l2), (self.shape.lambda1, self.shape.lambda2)
+        pairs = zip(self.boundaries, self.frames.signs, lengths, slants, strict=True)
         (start, one), (end, two) = (_exact_leg(*each) for each in pairs)
         middle = [] if self.frames.middle is None else [self.frames.middle.components]
         weights = bernstein_polynomials(self.degree, GENERATORS[1], fmpq(0), fmpq(1))

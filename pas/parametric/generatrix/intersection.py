@@ -114,11 +114,6 @@ class QuadricBranch:
     __repr__ = brief
 
     @property
-    def both_signs(self) -> bool:
-        """Whether it takes both signs of the root of D."""
-        return self.factor is not None
-
-    @property
     def closed(self) -> bool:
         """Whether the branch is a closed curve in space (none of it at infinity)."""
         return not self.poles

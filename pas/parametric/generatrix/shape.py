@@ -178,16 +178,6 @@ class GeneratrixShape:
             object.__setattr__(self, name, made)
         object.__setattr__(self, "middle", middle)
 
-    @property
-    def lengths(self) -> tuple[ShapeFunction | None, ShapeFunction | None]:
-        """Both lengths."""
-        return self.l1, self.l2
-
-    @property
-    def slants(self) -> tuple[ShapeFunction, ShapeFunction]:
-        """Both slants."""
-        return self.lambda1, self.lambda2
-
     def changed(self, **changes: ShapeLike | CurveLike | None) -> GeneratrixShape:
         """The shape with some of the five replaced; raises `TypeError` for another name."""
         names = (*FOUR, "middle")
