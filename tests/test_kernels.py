@@ -132,9 +132,7 @@ def by_the_rule(coefficients, degree, x, y, z):
 def test_values_are_those_of_horners_rule_and_exact_to_rounding(degree, number):
     rng = np.random.default_rng(degree)
     table, points = rng.normal(size=(3, count(degree))), rng.uniform(-2, 2, (3, number))
-    found = np.full((number, 3), np.nan).T  # whose rows are not contiguous
-    horner(table, degree, points, found)
-    for row, values in zip(table.tolist(), found, strict=True):
+    for row, values in zip(table.tolist(), horner(table, degree, points), strict=True):
         assert np.array_equal(values, by_the_rule(row, degree, *points))
         coefficients = [Fraction(c) for c in row]
         for place in range(0, number, 50):

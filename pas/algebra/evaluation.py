@@ -81,18 +81,17 @@ class PolynomialBatch:
         return result.T
 
 
-def horner(coefficients: Floats, degree: int, points: Floats, out: Floats) -> None:
-    """Write the values of m polynomials at N points into `out` (m, N).
+def horner(coefficients: Floats, degree: int, points: Floats) -> Floats:
+    """The values (m, N) of m polynomials at N points.
 
     `coefficients` (m, C(n+3, 3)) stand in the order of `monomials.exponents(degree)`; `points` (3, N).
     """
-    x, y, z = (np.ascontiguousarray(c, dtype=float) for c in points)
+    x, y, z = np.ascontiguousarray(points, dtype=float)
     table = np.ascontiguousarray(coefficients[:, order_of_rule(degree)], dtype=float)
-    for row, column in zip(table, out, strict=True):
-        values = column if column.flags.c_contiguous else np.empty(len(x))
-        compiled().call("pas_horner", degree, len(x), row, x, y, z, values)
-        if values is not column:
-            column[:] = values
+    values = np.empty((len(table), len(x)))
+    for row, out in zip(table, values, strict=True):
+        compiled().call("pas_horner", degree, len(x), row, x, y, z, out)
+    return values
 
 
 def evaluate(points: Floats, coefficients: Floats) -> Floats:
@@ -111,10 +110,8 @@ def evaluate(points: Floats, coefficients: Floats) -> Floats:
         block, out = flat[start : start + step], result[start : start + step]
         if columns > FEW:
             np.matmul(monomial_values(block, degree).T, coefficients, out=out)
-            continue
-        values = np.empty((columns, len(block)))
-        horner(coefficients.T, degree, np.ascontiguousarray(block.T), values)
-        out[...] = values.T
+        else:
+            out[...] = horner(coefficients.T, degree, block.T).T
     return result.reshape(*np.shape(points)[:-1], columns)
 
 

@@ -90,8 +90,7 @@ def _forms(tables: Floats, degree: int, corners: Floats) -> Floats:
     """B-coefficients (r, m, T) of polynomials."""
     places, inverse, _ = lattice(degree)
     points = np.ascontiguousarray(np.tensordot(places, corners, axes=(1, 1)).transpose(2, 0, 1))
-    values = np.empty((len(tables), points[0].size))
-    horner(tables, degree, points.reshape(3, -1), values)
+    values = horner(tables, degree, points.reshape(3, -1))
     return np.asarray(np.matmul(inverse, values.reshape(len(tables), len(places), -1)))
 
 
