@@ -47,13 +47,15 @@ class Components:
     """The components of a reduced curve, found as far as planes are looked at."""
 
     def __init__(self, curve: SpaceCurve) -> None:
+        from scipy.cluster.hierarchy import DisjointSet
+
         self.curve = curve
         self._turns = sorted(set(curve.whole.turns or ()))
         others = (linear for linear in linear_forms() if linear != curve.linear)
         shadows = 3  # second linear forms that are tried
         self._shadows = [Shadow(curve, linear) for linear in islice(others, shadows)]
         self._points: dict[fmpq, list[RealZero]] = {}
-        self._parents: dict[tuple[fmpq, int], tuple[fmpq, int]] = {}
+        self._parts = DisjointSet()
 
     def of(self, points: Sequence[tuple[fmpq, RealZero]]) -> list[tuple[fmpq, int]]:
         """For each point, with the value of the sweeping form, what all on its component have in common.
@@ -68,13 +70,14 @@ class Components:
                 self._pass(low, high)
             else:
                 self._turn(low, turn, high)
-        return [self._root((value, self._number(value, point))) for value, point in points]
+        return [self._parts[value, self._number(value, point)] for value, point in points]
 
     def _in_plane(self, value: fmpq) -> list[RealZero]:
         if value not in self._points:
             checkpoint("telling a curve's components apart")
             self._points[value] = self.curve.whole.points(value)
-            self._parents |= {(value, i): (value, i) for i in range(len(self._points[value]))}
+            for i in range(len(self._points[value])):
+                self._parts.add((value, i))
         return self._points[value]
 
     def _number(self, value: fmpq, point: RealZero) -> int:
@@ -87,15 +90,6 @@ class Components:
             if len(candidates) == 1:
                 return candidates[0]
         raise AssertionError
-
-    def _root(self, node: tuple[fmpq, int]) -> tuple[fmpq, int]:
-        while self._parents[node] != node:
-            node = self._parents[node]
-        return node
-
-    def _join(self, *nodes: tuple[fmpq, int]) -> None:
-        for node in nodes[1:]:
-            self._parents[self._root(node)] = self._root(nodes[0])
 
     def _pass(self, low: fmpq, high: fmpq) -> None:
         """Join each point of a plane with the one that it goes on to in another, without a turn in between."""
@@ -112,7 +106,7 @@ class Components:
                 plane = between(max(v for v in (start, *chain(*ahead)) if v < end), end)
             orders = [[(v, i) for i in self._shadows[number].order(self._in_plane(v))] for v in (low, plane)]
             for pair in zip(*orders, strict=True):
-                self._join(*pair)
+                self._parts.merge(*pair)
             low = plane
 
     def _turn(self, low: fmpq, turn: RealRoot, high: fmpq) -> None:
@@ -129,11 +123,8 @@ class Components:
             order = [(plane, i) for i in windows.shadow.order(points)]
             sides.append([[n for n in order if windows.place(points[n[1]]) == k] for k in range(2 * len(at) + 1)])
         for k, (before, after) in enumerate(zip(*sides, strict=True)):
-            if k % 2:
-                self._join(*before, *after)
-            else:
-                for pair in zip(before, after, strict=True):
-                    self._join(*pair)
+            for pair in pairwise([*before, *after]) if k % 2 else zip(before, after, strict=True):
+                self._parts.merge(*pair)
 
     @cached_property
     def _turning_points(self) -> list[RealZero]:

@@ -162,7 +162,7 @@ def _check_crossings(
     if not len(rows):
         return
     low, high = np.zeros(len(rows)), np.ones(len(rows))
-    for _ in range(20):  # down to a millionth: Newton's method places vertices
+    for _ in range(40):  # down to rounding: faces may be nearly tangent
         checkpoint()
         middle = (low + high) / 2
         same = field.inside(signs(rows, middle)) == start[rows]
