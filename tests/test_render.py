@@ -6,7 +6,7 @@ from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
-from conftest import EQUAL, solved
+from conftest import EQUAL, ROOT, solved
 
 import pas
 from pas import solid
@@ -118,6 +118,15 @@ def test_stripes_run_on_across_contacts_and_break_without():
         normals = blend.surface.normals(np.stack([t, 0 * t], axis=1))
         gaps = np.abs(normals - beyond.point_normals.reshape(ALONG, -1, 3)[:, 0])
         assert bool(gaps.max() < 1e-9) is smooth
+
+
+def test_surfaces_beyond_end_where_they_are_singular():
+    """The normal of one of the two surfaces vanishes on its curve, where its strip stays."""
+    blend = pas.read_problem(ROOT / "examples/parametric/example_1.toml").solve()
+    first, *beyond = scene_of(blend, Picture()).layers
+    assert len(beyond) == 2
+    for layer in beyond:
+        assert np.ptp(layer.mesh.points, axis=0).max() < 1.5 * np.ptp(first.mesh.points, axis=0).max()
 
 
 def mean_curvatures(surface, parameters):

@@ -80,13 +80,23 @@ def _parametric(surface: ParametricSurface, places: Floats, away: Floats, step: 
     whole = surface.with_domain(None)
     low, high = np.array(surface.domain).T
 
-    def advance(_: Floats, away: Floats) -> Floats | None:
-        nonlocal places
-        before, middle = places, places + _change(whole, places, step / 2 * away)
-        places = np.clip(before + _change(whole, middle, step * away), low, high)
-        return None if (places == before).all() else np.stack([whole(places), whole.normals(places)])
+    def row() -> Floats:
+        return np.stack([whole(places), np.nan_to_num(whole.normals(places))])
 
-    return _rows(np.stack([whole(places), whole.normals(places)]), away, advance)
+    def changed(change: Floats) -> Floats:
+        new = np.clip(places + change, low, high)
+        return np.where(np.isfinite(new), new, places)
+
+    def advance(before: Floats, away: Floats) -> Floats | None:
+        nonlocal places
+        middle = changed(_change(whole, places, step / 2 * away))
+        new = changed(_change(whole, middle, step * away))
+        far = ~(np.linalg.norm(whole(new) - before, axis=1) < 2 * step)  # where the surface is singular they stay
+        new[far], old = places[far], places
+        places = new
+        return None if (places == old).all() else row()
+
+    return _rows(row(), away, advance)
 
 
 def _rows(first: Floats, away: Floats, advance: Callable[[Floats, Floats], Floats | None]) -> list[Floats]:
