@@ -93,6 +93,7 @@ class Pair:
             BRepPrimAPI_MakeTorus,
         )
         from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
+        from OCP.Standard import Standard_Failure
         from OCP.TopoDS import TopoDS
 
         along = gp_Ax2(gp_Pnt(-3, 0, 0), gp_Dir(1, 0, 0))
@@ -114,7 +115,10 @@ class Pair:
         maker, edges = BRepFilletAPI_MakeFillet(whole.Shape()), [TopoDS.Edge(edge) for edge in whole.SectionEdges()]
         for edge in edges:
             maker.Add(radius, edge)
-        maker.Build()
+        try:
+            maker.Build()
+        except Standard_Failure:
+            return False, False, 0.0
         if not maker.IsDone():
             return False, False, 0.0
         valid = BRepCheck_Analyzer(maker.Shape()).IsValid()

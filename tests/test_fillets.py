@@ -11,8 +11,9 @@ from flint import fmpq
 from pas import solid
 from pas.errors import GeometryError
 from pas.exchange.step.carriers import CarrierKind, carrier_of
+from pas.solid.face_seams import FaceSeam
 from pas.solid.fillet_forms import bent, torus
-from pas.solid.fillets import FaceSeam, Filling
+from pas.solid.fillets import Filling
 
 
 def box() -> solid.Solid:

@@ -32,7 +32,7 @@ def test_three_faces_that_meet_in_a_curve_where_two_are_enough(name):
     mesh = shape.mesh(1e-2 * extent)
     assert mesh.is_closed
     assert mesh.components == 1
-    assert mesh.volume == pytest.approx(volume, rel=4e-3)
+    assert mesh.volume == pytest.approx(volume, rel=5e-3)
     assert mesh.deviation <= 1e-2 * extent
     assert set(mesh.face_areas) <= {*shape.faces, *(f for f in mesh.face_areas if f.endswith(" = 0"))}
 

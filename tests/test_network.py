@@ -7,7 +7,7 @@ import os
 import re
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -24,6 +24,7 @@ import pas
 from pas import network, solid
 from pas.algebra.rational import vector
 from pas.cli import main
+from pas.network.blocks import status
 from pas.network.classes import kinds_of, turn
 from pas.network.clearance import clearance, segment_distances
 from pas.network.nodes import placed_ends
@@ -327,6 +328,98 @@ def test_blocks_are_the_mesh(tmp_path):
     after = [path.stat().st_mtime_ns for path in paths]
     assert before[1:] == after[1:]
     assert before[0] != after[0]
+    assert status(tmp_path / "blocks") == (len(paths), len(paths))
+    with pytest.raises(ValueError, match="blocks has blocks of another mesh, or cut otherwise; give another folder"):
+        part().write_blocks(tmp_path / "blocks", 0.002, struts=2)
+    with pytest.raises(ValueError, match=r"is no folder of blocks, which has a file blocks\.json"):
+        status(tmp_path)
+
+
+def test_an_engine_that_is_lost_is_told(tmp_path):
+    """What it had done is there, and the same folder is gone on with."""
+
+    def breaking(function, jobs):
+        yield function(jobs[0])
+        raise BrokenExecutor
+
+    with pytest.raises(network.EngineLostError, match=r"map= was lost \(BrokenExecutor\) with 1 of [0-9]+ results"):
+        part().write_blocks(tmp_path / "blocks", struts=2, map=breaking)
+    (tmp_path / "blocks/.block-0-0-0-half.stl").touch()
+    done, most = status(tmp_path / "blocks")
+    assert done == 1 < most == len(part().write_blocks(tmp_path / "blocks", struts=2))
+    assert not [*(tmp_path / "blocks").glob(".*")]
+    with pytest.raises(
+        network.EngineLostError, match=r"with 0 of 1 results; what was done is whole, and kept in .*kept"
+    ):
+        bend().blend(1, "lowest", cache=tmp_path / "kept", map=lambda *_: (_ for _ in ()).throw(BrokenExecutor()))
+
+
+def pipework():
+    """A corner of three tubes, one of which goes on straight: with open ends, and made of cones."""
+    points = [(0, 0, 0), (4, 0, 0), (0, 4, 0), (0, 0, 4), (8, 0, 0)]
+    return network.Network(points, [(0, 1), (0, 2), (0, 3), (1, 4)], "1/2", "1/64"), "1/8"
+
+
+@pytest.mark.parametrize(
+    ("made", "surfaces"), [(pipework, 1), (lambda: (cube(), "1/40"), 2), (lambda: (trunk(), "1/16"), 1)]
+)
+def test_hollow_networks(made, surfaces, tmp_path):
+    net, wall = made()
+    found = net.blend(1, "lowest", wall=wall)
+    assert found.certificate.proved, found.certificate
+    mesh = found.mesh()
+    assert mesh.certificate.proved, mesh.certificate
+    assert mesh.components == surfaces
+    assert mesh.euler_characteristic == 2 * mesh.components - 2 * found.genus
+    full = replace(found, wall=None, hollow={})
+    inside = full.pieces(mesh.tolerance).volume - found.cavity.pieces(mesh.tolerance).volume
+    assert found.volume == pytest.approx(mesh.volume) == pytest.approx(inside)
+    across = np.cross(*(mesh.points[mesh.triangles[:, i]] - mesh.points[mesh.triangles[:, 0]] for i in (1, 2)))
+    assert ((across[:, None] * mesh.normals).sum(axis=2) > 0).all()
+    bodies = found.bodies(MeshSettings())
+    assert all(body.is_closed for body, _ in bodies)
+    assert sum(body.volume * len(places) for body, places in bodies) == pytest.approx(mesh.volume, rel=2e-2)
+    for body, _ in bodies:
+        corners = body.points[body.triangles]
+        out = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert ((out[:, None] * body.normals).sum(axis=2) > 0).all()
+    again = pas.load(found.save(tmp_path / "a.pas.json"))
+    assert again.certificate.proved
+    assert (again.mesh().points == mesh.points).all()
+
+
+@cache
+def cube():
+    """The cube of the frame alone."""
+    return network.Network(frame().points[:8], frame().edges[:12], "1/10", "1/64")
+
+
+def test_a_wall_has_its_thickness_between_straight_struts():
+    """Rings of the mesh at open ends are as thick as the wall, and cylinders inside are of the radius that is left."""
+    net, wall = pipework()
+    found = net.blend(1, "lowest", wall=wall)
+    points = found.mesh().points
+    ends = np.linalg.norm(points[np.abs(points[:, 0] - 8) < 1e-9][:, 1:], axis=1)
+    assert set(ends.round(9)) == {0.5, 0.375}
+    swapped = {key: replace(blend, outer=blend.inner, inner=blend.outer) for key, blend in found.hollow.items()}
+    assert "that of 1 node of 3 struts, 6 symmetries is not proved" in str([*replace(found, hollow=swapped)._inside()])
+    with pytest.raises(ValueError, match="a wall of 1/2 leaves no cavity in struts of the radius 1/2; give a thinner"):
+        net.blend(wall="1/2")
+    with pytest.raises(ValueError, match="wall must be positive"):
+        net.blend(wall=0)
+
+
+def test_meshes_of_a_wall_may_meet():
+    """What is coarser than the wall is thick is not proved to be apart."""
+    found = pipework()[0].blend(1, "lowest", wall="1/50")
+    mesh = found.mesh(0.03)
+    said = {v.claim: v for v in mesh.certificate.verdicts}
+    assert said["the topology of every node"].proved
+    assert not said["both sides of the wall are apart"].proved
+    assert next(mesh._apart(1e-3)).proved
+    unknown = pas.Verdict(pas.Status.UNDECIDED, "thickness", "not known")
+    thin = {key: SimpleNamespace(thicker_than=lambda _: unknown) for key in found.hollow}
+    assert not next(replace(mesh, part=replace(found, hollow=thin))._apart(1e-3)).proved
 
 
 def test_short_struts_are_shared():
@@ -360,6 +453,12 @@ def test_a_cache_is_gone_on_from(tmp_path, monkeypatch):
 def bend():
     """Two struts at a right angle."""
     return network.Network([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1), (0, 2)], "1/8", "1/8")
+
+
+@cache
+def bent():
+    """Its body."""
+    return bend().blend(1, "lowest")
 
 
 def test_files_of_a_cache_are_those_of_their_nodes(tmp_path):
@@ -405,8 +504,7 @@ def test_networks_are_cut_off_flat():
     assert half.components == 1
     cap = half.triangles[half.faces == half.names.index("box z+")]
     assert set(half.points[cap][..., 2].ravel()) == {0.5}
-    cube = network.Network(frame().points[:8], frame().edges[:12], "1/10", "1/64").blend(1, "lowest")
-    assert half.volume == pytest.approx(cube.volume / 2, rel=1e-3)
+    assert half.volume == pytest.approx(cube().blend(1, "lowest").volume / 2, rel=1e-3)
 
 
 def test_foams():
@@ -609,6 +707,31 @@ def test_the_command(tmp_path, capsys):
     text = capsys.readouterr().out
     assert "every node meets its struts with GC^1: proved" in text
     assert f"\nwritten:\n  {out[0]}\n  {out[1]}\n" in text
+    blocks = [
+        "network",
+        "build",
+        str(graph),
+        "--degree",
+        "lowest",
+        "--grid",
+        "1/8",
+        "--blocks",
+        str(tmp_path / "blocks"),
+    ]
+    assert main([*blocks, "--wall", "1/32"]) == 0
+    assert "the cavity is inside: proved" in capsys.readouterr().out
+    assert main([*blocks, "--wall", "1/32"]) == 2
+    assert "blocks has blocks of an earlier run; go on with it by --resume, or empty it" in capsys.readouterr().err
+    assert main([*blocks, "--wall", "1/32", "--resume"]) == 0
+    assert main(["network", "status", str(tmp_path / "blocks")]) == 0
+    assert "1 of 1 blocks are written" in capsys.readouterr().out
+    for wrong, sentence in (
+        (["--workers", "2"], "workers hand blends over in files: give a folder that all of them see as --cache"),
+        (["--workers", "2", "--scheduler", "tcp://a:1"], "--workers starts processes here, --scheduler takes those of"),
+        (["--workers", "0", "--cache", str(tmp_path)], "--workers must be a whole number from 1 to 10000, not 0"),
+    ):
+        assert main([*blocks, "--resume", *wrong]) == 2
+        assert sentence in capsys.readouterr().err
     assert main(["network", "chek", str(graph)]) == 2
     assert "there is no action 'chek' on networks; is 'check' meant?" in capsys.readouterr().err
 
@@ -628,6 +751,23 @@ def test_no_file_of_several_is_left_where_one_fails(tmp_path, capsys, monkeypatc
     )
     assert "the disk is full" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
+
+
+@pytest.mark.parametrize("suffix", [".3mf", ".glb", ".stl", ".npz", ".csv", "/"])
+def test_a_full_disk_leaves_nothing(suffix, tmp_path):
+    """No process ends (as that of lib3mf did), no file is left, and the sentence names it; "/" stands for blocks."""
+    resource = pytest.importorskip("resource")
+    if suffix in (".3mf", ".glb"):
+        pytest.importorskip("lib3mf" if suffix == ".3mf" else "trimesh")
+    usual = resource.getrlimit(resource.RLIMIT_FSIZE)
+    write = bend().write if suffix in (".npz", ".csv") else bent().write
+    resource.setrlimit(resource.RLIMIT_FSIZE, (200 if suffix == "/" else 50, usual[1]))
+    try:
+        with pytest.raises(OSError, match=r"so that nothing was written to: .*(a\.|block-0-0-0)"):
+            bent().write_blocks(tmp_path) if suffix == "/" else write(tmp_path / f"a{suffix}")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, usual)
+    assert [path.name for path in tmp_path.iterdir()] == ["blocks.json"] * (suffix == "/")
 
 
 @pytest.mark.slow

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from test_fillets import CORNER
 
-import pas
 from pas import solid
 from pas.errors import GeometryError
-from pas.solid.fillets import edges_between
+from pas.solid.face_seams import edges_between
 
 
 def plate() -> solid.Solid:
@@ -129,7 +128,6 @@ REFUSED = {
         "a fillet of radius 3/2 between 'plate z+' and 'peg' is not proved: fillet meets plate z+ with GC^1: on a "
         "part of the curve plate z+ is missing: the boundary goes on without it; one of radius 1.2",
     ),
-    "equal pipes": (lambda: (run(), pipe()), "'run' and 'branch' touch, or nearly so, near ("),
     "order": (lambda: (plate(), peg(), "1/4", 0), "order must be at least 1; chamfer cuts edges off flatly"),
     "radius": (lambda: (plate(), peg(), 0), "radius must be positive, not 0"),
     "mesh": (
@@ -146,19 +144,3 @@ def test_refused(name):
     with pytest.raises((GeometryError, ValueError, TypeError)) as caught:
         solid.smooth_union(a, b, radius, *order)
     assert sentence in str(caught.value) and "\n" not in str(caught.value)
-
-
-@pytest.mark.slow
-def test_the_line_for_equal_pipes_makes_a_tee():
-    """What the sentence says is run as it stands there."""
-    sentences = []
-    for call in (solid.smooth_union, lambda a, b, r: (a | b).fillet("run", "branch", r)):
-        with pytest.raises(GeometryError, match="touch") as caught:
-            call(run(), pipe(), "1/4")
-        sentences.append(str(caught.value))
-    assert sentences[0] == sentences[1]
-    made = eval(sentences[0].partition(" by ")[2].partition(" by ")[2], {"pas": pas})
-    mesh = made.mesh()
-    assert made.proved and mesh.is_closed and mesh.components == 1
-    inside = [[4, 0.9, 0], [-4, 0, -0.9], [0, 0.9, 4], [0, 0, 0]]
-    assert made.contains(inside).all() and not made.contains([[4, 1.1, 0], [0, 1.1, 4]]).any()

@@ -21,6 +21,7 @@ import pytest
 from conftest import ROOT
 
 import pas
+from pas import network
 from pas.cli import WRONG, main
 from pas.errors import InputError
 from pas.exchange.formats import FORMATS, suffixes_for
@@ -894,3 +895,20 @@ def test_meshes_of_other_kinds_are_drawn_from_triangles():
     assert message.head["how"] == "mesh" and message.head["triangles"] * 3 == message.arrays["triangles 0"].size
     assert np.abs(np.linalg.norm(message.arrays["points 0"], axis=1) - 1).max() < 0.01
     assert set(TEAPOT) == {c["path"][-1] for c in controls({"kind": "teapot", "values": {}})}
+
+
+def test_a_network_is_sent_as_bodies_and_their_places():
+    """Together they are the mesh, in the page's coordinates, and have the colours of their classes."""
+    net = network.Network([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1), (0, 2), (2, 3)], "1/8", "1/8")
+    part = net.blend(1, "lowest")
+    message = picture(part)
+    places = [message.arrays[f"places {n}"] for n in range(len(message.head["colors"]))]
+    points = [message.arrays[f"points {n}"] for n in range(len(places))]
+    assert sum(map(len, places)) == len(net.points)
+    assert [name for name, _ in message.head["parts"]] == [str(one) for one in part.classes]
+    assert set(message.head["colors"]) == {color for _, color in message.head["parts"]}
+    everything = np.concatenate([at + shape for shape, ats in zip(points, places, strict=True) for at in ats])
+    box = message.head["scale"] * np.stack([everything.min(axis=0), everything.max(axis=0)]) + message.head["origin"]
+    np.testing.assert_allclose(box, part.bounding_box, atol=1e-6)
+    counts = [len(message.arrays[f"triangles {n}"].reshape(-1, 3)) * len(at) for n, at in enumerate(places)]
+    assert message.head["triangles"] == sum(counts)

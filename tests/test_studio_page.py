@@ -18,6 +18,7 @@ from conftest import ROOT
 from test_studio import MESHLESS, children
 
 import pas
+from pas import network
 from pas.studio import GALLERY
 from pas.studio.documents import problem_of
 from pas.studio.scene import coefficients
@@ -1121,3 +1122,22 @@ MODEL = """async ([esm, css, start]) => {
 }"""
 HEAR = """([content, parts]) => model.heard(content,
   parts.map((p) => new DataView(Uint8Array.from(atob(p), (c) => c.charCodeAt(0)).buffer)))"""
+
+
+def test_a_network_is_drawn_by_its_bodies_in_their_places(page, tmp_path):
+    net = network.Network([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1), (0, 2), (2, 3)], "1/8", "1/8")
+    part = net.blend(1, "lowest")
+    page.page.set_input_files("input[type=file]", part.save(tmp_path / "frame.pas.json"))
+    page.until("studio.state.doc.name === 'frame.pas.json' && " + FINAL)
+    assert page.proved and page.page.inner_text(".parts").splitlines() == [str(one) for one in part.classes]
+    assert page.ask("studio.state.scene.meshes.reduce((n, m) => n + m.places.length / 3, 0)") == len(net.points)
+    page.page.evaluate("studio.view.aim([0, 0, 1]); studio.view.fit()")
+    (left, right), (low, high) = page.ask(EXTENT)
+    assert left > 0.01 and right < 0.99 and abs(left + right - 1) < 0.16 and abs(low + high - 1) < 0.16
+    assert page.ask(HOLE) == 0
+    assert page.trouble == []
+
+
+HOLE = """(() => { const v = studio.view; v.now(); const c = v.live, g = v.caster.gl, a = new Uint8Array(4);
+  g.readPixels(c.width / 2, c.height / 2, 1, 1, g.RGBA, g.UNSIGNED_BYTE, a); return a[3]; })()"""
+"""What is drawn in the middle of the picture: nothing where one looks between struts."""

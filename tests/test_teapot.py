@@ -182,6 +182,15 @@ def test_a_body_goes_through_its_profile():
     assert body.upper.at((body.rim, 0, body.top)) == 0
     with pytest.raises(pas.GeometryError, match="at least three points"):
         Body.through([(1, 0), (1, 0), (1, 0)])
+    with pytest.warns(UserWarning, match=r"the body is 0\.\d+ away from the point \(.*\) of its profile"):
+        Body.through([(1, -0.8), ("3/2", "-1/2"), (1, 0), ("3/2", 0.3)])
+
+
+@pytest.mark.slow
+def test_what_is_right_for_a_spout_that_is_too_fat():
+    fat = Spout(axis=((1, -0.3, 0.6), (2.12, -0.02, 0.5), (2.42, 0.78, 0.13), (2.8, 1.15, 0.11)))
+    with pytest.raises(pas.GeometryError, match=r"body lower meets spout fillet .*; a fillet needs room .* a thinner"):
+        teapot(spout=fat)
 
 
 @pytest.mark.slow

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from pas.algebra.inputs import whole
 from pas.cli.commands import write_outputs
 from pas.cli.common import DONE, FAILED, Clock, CommandResult, settings_of, verdict_record, written_lines
-from pas.errors import meant
+from pas.errors import library, meant
 from pas.settings import MeshSettings
 
 if TYPE_CHECKING:
@@ -16,14 +19,14 @@ if TYPE_CHECKING:
 
 
 def run_network(options: argparse.Namespace) -> CommandResult:
-    """`pas network check`, `classes` or `build`."""
+    """`pas network check`, `classes`, `build` or `status`."""
     action = _ACTIONS.get(options.action)
     if action is None:
         guess = meant(options.action, _ACTIONS) or f"; there are {', '.join(_ACTIONS)}"
         raise ValueError(f"there is no action {options.action!r} on networks{guess}")
     if action is not _build and options.output:
         raise ValueError(f"pas network {options.action} writes nothing; -o is for pas network build")
-    return action(_network(options), options)
+    return _status(options) if action is _status else action(_network(options), options)
 
 
 def _network(options: argparse.Namespace) -> Network:
@@ -65,16 +68,20 @@ def _build(network: Network, options: argparse.Namespace) -> CommandResult:
     outputs = [Path(name) for name in options.output]
     for path in outputs:
         target(path, (".npz", ".csv", ".pas.json", ".png", *suffixes_of("triangles")), "a network")
+    if options.blocks and not options.resume and any(Path(options.blocks).glob("block-*.stl")):
+        raise ValueError(f"{options.blocks} has blocks of an earlier run; go on with it by --resume, or empty it")
     clock, mesh = Clock(), settings_of(MeshSettings, options)
     changes: tuple[str, ...] = ()
     if options.collapse:
         network, changes = network.repair(collapse=True)
-    part = network.blend(options.order, options.degree, cache=options.cache)
-    clock.passed("blend")
-    certificate = part.certificate
-    clock.passed("prove")
-    write_outputs(part, outputs, mesh, options.unit, clock, npz=network.write, csv=network.write)
-    written = [*outputs, *(part.write_blocks(options.blocks, mesh.tolerance) if options.blocks else ())]
+    with _engine(options) as map_:
+        part = network.blend(options.order, options.degree, wall=options.wall, cache=options.cache, map=map_)
+        clock.passed("blend")
+        certificate = part.certificate
+        clock.passed("prove")
+        write_outputs(part, outputs, mesh, options.unit, clock, npz=network.write, csv=network.write)
+        blocks = part.write_blocks(options.blocks, mesh.tolerance, map=map_) if options.blocks else ()
+    written = [*outputs, *blocks]
     record = {
         "changes": list(changes),
         "density": part.density,
@@ -87,4 +94,39 @@ def _build(network: Network, options: argparse.Namespace) -> CommandResult:
     )
 
 
-_ACTIONS = {"check": _check, "classes": _classes, "build": _build}
+@contextmanager
+def _engine(options: argparse.Namespace) -> Iterator[Callable[..., Any]]:
+    """What solves and writes: a loop, or workers of Dask; raises `ValueError` and `MissingLibraryError`."""
+    if options.workers is None and options.scheduler is None:
+        yield map
+        return
+    if options.workers is not None and options.scheduler is not None:
+        raise ValueError("--workers starts processes here, --scheduler takes those of another: give one of them")
+    if not options.cache:
+        raise ValueError("workers hand blends over in files: give a folder that all of them see as --cache")
+    distributed = library("distributed", "workers need Dask: pip install 'pas[distributed]'")
+    if options.workers is not None:
+        count = whole(options.workers, "--workers", 1, 10_000)
+        where = distributed.LocalCluster(count, threads_per_worker=1, dashboard_address=None)
+    with nullcontext(options.scheduler) if options.workers is None else where as address:
+        try:
+            client = distributed.Client(address)
+        except (OSError, ValueError) as error:
+            raise ValueError(f"there is no scheduler at {address}: {error}") from None
+        with client:
+            yield client.map
+
+
+def _status(options: argparse.Namespace) -> CommandResult:
+    from pas.network.blocks import status
+
+    done, most = status(Path(options.source))
+    return CommandResult(f"{done} of {most} blocks are written", {"written": done, "blocks": most})
+
+
+_ACTIONS: dict[str, Callable[..., CommandResult]] = {
+    "status": _status,
+    "check": _check,
+    "classes": _classes,
+    "build": _build,
+}

@@ -241,8 +241,13 @@ COMMANDS = (
         networks.run_network,
         "check a network of struts, or make a body of it: proved nodes, exact struts",
         (
-            value("action", "ACTION", "check (what is wrong), classes (of its nodes), or build"),
-            value("source", "FILE", "a graph (.npz, .csv, .obj, .3mf), or cubic, BCC, FCC, octet, diamond, Kelvin"),
+            value("action", "ACTION", "check (what is wrong), classes (of its nodes), build, or status (of a run)"),
+            value(
+                "source",
+                "FILE",
+                "a graph (.npz, .csv, .obj, .3mf), or cubic, BCC, FCC, octet, diamond, Kelvin; "
+                "of status the folder of --blocks",
+            ),
             value("-o --output", "OUT", "of build: a file to write; may be repeated", action="append", default=[]),
             value("--cells", "X,Y,Z", "of a lattice: how many, as 4 or 4,4,2 (default: 1)"),
             value("--cell-size", "S", "of a lattice: the side of a cell (default: 1)", default=1),
@@ -250,8 +255,12 @@ COMMANDS = (
             value("--grid", "G", "of the points of a file (default: 1/1024)", default="1/1024"),
             value("--order", "K", "the k of GC^k (default: 1)", int, default=1),
             DEGREE,
+            value("--wall", "W", "struts and nodes are hollow, with walls of this thickness"),
             value("--cache", "DIR", "folder that keeps blends; an interrupted run continues from it"),
             value("--blocks", "DIR", "for STL files of some 20 000 struts each"),
+            flag("--resume", "go on with the blocks of an earlier run"),
+            value("--workers", "N", "so many processes of Dask on this machine; needs --cache", int),
+            value("--scheduler", "ADDRESS", "the workers of a scheduler of Dask, as tcp://host:8786; needs --cache"),
             flag("--collapse", "struts too short for any blend become points"),
             flag("--whole", "of check: loose ends and several pieces are wrong, too"),
             settings(Request, leave=("sew", "open")),

@@ -14,7 +14,7 @@ from pas.algebra.brief import brief
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact
 from pas.designs.exact import points, settle
-from pas.errors import GeometryError
+from pas.errors import GeometryError, warn
 from pas.solid.solid import Solid, patch
 
 
@@ -104,11 +104,7 @@ class Body:
     @property
     def opening(self) -> float:
         """The radius of the hollow pot's opening, in the plane of the rim."""
-        value, slope = (
-            (self.upper + self.wall).at((0, 0, self.top)),
-            self.lower.at((1, 0, 0)) - self.lower.at((0, 0, 0)),
-        )
-        return sqrt(-value / slope)
+        return self._radius(self.top, self.wall)
 
     @property
     def rim_curve(self) -> tuple[Polynomial, Polynomial]:
@@ -127,15 +123,31 @@ class Body:
         """The body whose lower quadric `a r^2 + b z^2 + c z = 1` is nearest to points (radius, height) of a profile.
 
         Least in squares is the equation's error, and the coefficients have six digits.  `others` are the other fields:
-        the upper quadric is given by the seam, the top and the rim.  Raises `ValueError` or `TypeError` for what are no
+        the upper quadric is given by the seam, the top and the rim.  Warns (`UserWarning`) where the body is further
+        than a twentieth of its width from a point.  Raises `ValueError` or `TypeError` for what are no
         points, `GeometryError` where they determine no quadric or the body cannot be made.
         """
-        rows = np.array([(float(r) ** 2, float(z) ** 2, float(z)) for r, z in points(*profile)])
+        given = points(*profile)
+        rows = np.array([(float(r) ** 2, float(z) ** 2, float(z)) for r, z in given])
         found, _, rank, _ = np.linalg.lstsq(rows, np.ones(len(rows)), rcond=None)
         if rank < rows.shape[1]:
             raise GeometryError("the profile must have at least three points (radius, height) that determine a quadric")
         a, b, c = (f"{value:.6f}" for value in found)
-        return cls(Polynomial(f"{a}*(x^2 + y^2) + {b}*z^2 + {c}*z - 1"), **others)  # type: ignore[arg-type]
+        made = cls(Polynomial(f"{a}*(x^2 + y^2) + {b}*z^2 + {c}*z - 1"), **others)  # type: ignore[arg-type]
+        off, at = max((abs(made._radius(z) - float(r)), (r, z)) for r, z in given)
+        if off > max(rows[:, 0]) ** 0.5 / 20:
+            warn(
+                f"the body is {off:.2g} away from the point ({float(at[0]):g}, {float(at[1]):g}) of its profile: it is "
+                f"of two quadrics, which have no waist and are widest once; another seam, top or rim may be nearer"
+            )
+        return made
+
+    def _radius(self, height: Fraction, depth: Fraction = Fraction(0)) -> float:
+        """The radius at a height, within a wall as thick as a value of the polynomials; 0 where nothing is there."""
+        surface = self.lower if height <= self.seam else self.upper
+        slope = self.lower.at((1, 0, 0)) - self.lower.at((0, 0, 0))
+        square = -(surface.at((0, 0, height)) + depth) / slope
+        return sqrt(square) if square > 0 else 0.0
 
     def room(self) -> Solid:
         """The room inside: level sets of the body's own polynomials, which keep their joint."""

@@ -16,6 +16,7 @@ from pas.designs.handle import Handle, PaperHandle
 from pas.designs.lid import Lid
 from pas.designs.paper_spout import PaperSpout
 from pas.designs.spout import Spout
+from pas.errors import GeometryError
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
@@ -140,7 +141,12 @@ def teapot(
     upper_walls, lower_walls = (a + b for a, b in zip(nose.walls(), grip.walls(), strict=True))
     pot = grip.attached(nose.attached(base.solid(upper_walls, lower_walls), base), base)
     pot = pot.cap(-below(base.bottom), "bottom disc")
-    whole = (pot | cover).joined("lid dome", "body upper", base.rim_curve, 0).require_joints()
+    whole = (pot | cover).joined("lid dome", "body upper", base.rim_curve, 0)
+    for verdict in (verdict for verdict in whole.verdicts if not verdict.proved):
+        room = (
+            "; a fillet needs room on the lower body: a thinner tube, a higher one, or smaller tube_side and body_side"
+        )
+        raise GeometryError(f"joint not there: {verdict}{room if 'fillet' in verdict.claim else ''}")
     hollow = pot.cap(-below(base.top), "rim")
     channel = nose.channel()
     if channel is None:

@@ -18,6 +18,7 @@ import os
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from errno import EDQUOT, EFBIG, ENOSPC
 from pathlib import Path
 from typing import Any
 
@@ -104,6 +105,10 @@ def replacing(path: str | Path) -> Iterator[Path]:
         yield temporary
         temporary.chmod(0o666 & ~_umask())
         temporary.replace(target)
+    except OSError as error:
+        if error.errno in (ENOSPC, EFBIG, EDQUOT):
+            raise OSError(error.errno, f"{error.strerror}, so that nothing was written to", str(target)) from error
+        raise
     finally:
         temporary.unlink(missing_ok=True)
 

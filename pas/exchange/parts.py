@@ -79,7 +79,7 @@ def require_closed(thing: Any, parts: Sequence[Piece], file: str) -> None:
     body = f"write the body that it bounds, as in shape.solid().write({file!r})" if bounds else "close it"
     raise ValueError(
         f"{file} would be taken for a closed body, and the surface of {edged.name!r} has edges; {body}, or write the "
-        "bare surface with open=True"
+        "bare surface with open=True (`--open` of a command)"
     )
 
 

@@ -17,6 +17,7 @@ from pas.kinds.piecewise import BLEND
 from pas.network.network import Network
 from pas.network.nodes import matched, placed_ends
 from pas.network.part import NetworkPart
+from pas.pipeline.hollow import HollowBlend
 from pas.render.scene import solid_layers
 from pas.shape import Kind
 
@@ -31,11 +32,20 @@ def _graph(thing: NetworkPart) -> dict[str, Any]:
         "sizes": network.sizes[:, : 2 - network.even].ravel().tolist(),
         "order": thing.order,
         "blends": list(thing.blends.values()),
+        **({} if thing.wall is None else {"wall": thing.wall, "inner": [h.inner for h in thing.hollow.values()]}),
     }
 
 
 def _part(
-    grid: str, points: list[Any], edges: list[Any], radii: list[str], sizes: list[int], order: int, blends: list[Any]
+    grid: str,
+    points: Any,
+    edges: Any,
+    radii: Any,
+    sizes: Any,
+    order: int,
+    blends: Any,
+    wall: Any = None,
+    inner: Any = (),
 ) -> NetworkPart:
     """The part of a file; raises `ValueError` where the blends are not those of its nodes."""
     if len(sizes) not in (len(edges), 2 * len(edges)) or not all(0 <= size < len(radii) for size in sizes):
@@ -44,7 +54,12 @@ def _part(
     places = np.array(points, dtype=float).reshape(-1, 3) * float(to_fraction(rational(grid, "grid")))
     network = Network(places, np.array(edges).reshape(-1, 2), [(radii[a], radii[b]) for a, b in both], grid)
     kinds = placed_ends(network, order)
-    return NetworkPart(network, order, kinds, matched(network, kinds, order, blends))
+    thick = None if wall is None else network.wall_of(wall)
+    if len(inner) != (0 if thick is None else len(blends)):
+        raise ValueError("inner must have the cavity of each blend of a network with a wall, and none without one")
+    found = blends if thick is None else [HollowBlend(a, b) for a, b in zip(blends, inner, strict=True)]
+    steps = None if thick is None else thick / network.grid
+    return NetworkPart.of(network, order, kinds, matched(network, kinds, order, found, steps), thick)
 
 
 NETWORK = Kind(
@@ -61,6 +76,7 @@ NETWORK = Kind(
                 "order": WHOLE,
                 "blends": list_of(BLEND.schema),
             },
+            {"wall": NUMBER, "inner": list_of(BLEND.schema)},
             make=_part,
             entries=_graph,
         )

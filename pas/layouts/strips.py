@@ -188,8 +188,9 @@ def _edges(triangle: tuple[int, int, int]) -> list[tuple[int, int]]:
 
 
 def _distance(a: Floats, b: Floats) -> float:
-    """Of the line through two points from the origin."""
-    return float(np.linalg.norm(np.cross(a, b - a)) / np.linalg.norm(b - a))
+    """Of the line through two points from the origin, or of the point where they are one."""
+    length = float(np.linalg.norm(b - a))
+    return float(np.linalg.norm(np.cross(a, b - a))) / length if length else float(np.linalg.norm(a))
 
 
 def _volume(rays: Sequence[Ray]) -> float:

@@ -6,13 +6,16 @@
 Public names are those of `__all__`.
 """
 
+from pas.network.blocks import EngineLostError
+from pas.network.certified_mesh import NetworkMesh
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.network.lattices import UnitCell, lattice, voronoi
 from pas.network.network import Network
 from pas.network.nodes import NodeClass
-from pas.network.part import NetworkMesh, NetworkPart
+from pas.network.part import NetworkPart
 
 __all__ = [
+    "EngineLostError",
     "Network",
     "NetworkError",
     "NetworkMesh",

@@ -25,7 +25,7 @@ from pas.algebra.rational import Exact
 from pas.errors import ProblemFileError
 from pas.exchange.files import read_text, replacing, source, target
 from pas.exchange.formats import Request
-from pas.exchange.formats.libraries import require_lib3mf, three_mf_unit
+from pas.exchange.formats.libraries import require_lib3mf, save_3mf, three_mf_unit
 from pas.network.graph import StrutGraph
 
 MOST_BYTES = 1 << 30
@@ -173,7 +173,7 @@ def _write_3mf(network: StrutGraph, path: Path, request: Request) -> None:
     lattice = item.BeamLattice()
     lattice.SetBeams((lib3mf.Beam * len(beams)).from_buffer_copy(beams.tobytes()))
     model.AddBuildItem(item, lib3mf.get_wrapper().GetIdentityTransform())
-    model.QueryWriter("3mf").WriteToFile(str(path))
+    save_3mf(model.QueryWriter("3mf"), path)
 
 
 WRITERS: dict[str, Callable[[StrutGraph, Path, Request], None]] = {

@@ -109,6 +109,15 @@ class StrutGraph:
         """Whether all struts have one radius, so that they are cylinders."""
         return bool((self.sizes[:, 0] == self.sizes[:, 1]).all())
 
+    def wall_of(self, wall: Exact) -> Fraction:
+        """The thickness of a wall of all struts; raises `ValueError` where it is not positive, or fills a strut."""
+        found = to_fraction(positive(wall, "wall"))
+        if self.radii and found >= self.radii[0]:
+            raise ValueError(
+                f"a wall of {found} leaves no cavity in struts of the radius {self.radii[0]}; give a thinner one"
+            )
+        return found
+
     @cached_property
     def valence(self) -> Integers:
         """The number of struts at each point (N,)."""

@@ -77,24 +77,29 @@ class Network(StrutGraph):
         order: int = 1,
         degree: int | Literal["lowest"] | None = None,
         *,
+        wall: Exact | None = None,
         cache: str | Path | None = None,
         map: Callable[..., Any] = map,
         **limits: Unpack[WorkLimits],
     ) -> NetworkPart:
         """The body of it: a proved blend of this order for each class of nodes, and exact struts between them.
 
-        `degree` is that of `pas.blend`.  In the folder `cache` blends are kept as they are found, and found again by
-        any network that has such nodes: a run that was ended goes on where it was.  `map(function, items)` may be the
-        `map` of another engine, which gives results or futures in the order of the items, such as that of a
-        `concurrent.futures.Executor` or of a client of Dask.
+        `degree` is that of `pas.blend`.  With a `wall` (the model's units, across the struts) struts and nodes are
+        hollow, and it is proved that the cavity is inside; struts that end are open tubes.  In the folder `cache`
+        blends are kept as they are found, and found again by any network that has such nodes: a run that was ended goes
+        on where it was.  `map(function, items)` may be the `map` of another engine, which gives results or futures in
+        the order of the items, such as that of a `concurrent.futures.Executor` or of a client of Dask.
 
         Raises `NetworkError` for a network that `check` finds at fault, and with the points of every node for which
-        there is no proved blend.
+        there is no proved blend, `ValueError` for a wall that is not positive or not below every radius,
+        `EngineLostError` where the engine ends before the work.
         """
+        thick = None if wall is None else self.wall_of(wall)
         if wrong := self.check():
             raise NetworkError(wrong)
         kinds = nodes.placed_ends(self, order)
-        return NetworkPart(self, order, kinds, nodes.blends(self, kinds, order, degree, cache, map))
+        steps = None if thick is None else thick / self.grid
+        return NetworkPart.of(self, order, kinds, nodes.blends(self, kinds, order, degree, steps, cache, map), thick)
 
     def write(self, path: str | Path, *, unit: str | None = None) -> Path:
         """Write the graph itself: as beams (.3mf), arrays (.npz) or a table (.csv); returns the path."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -20,15 +20,18 @@ import numpy as np
 
 from pas.algebra.inputs import check_order
 from pas.algebra.monomials import Floats
+from pas.algebra.rational import rational
 from pas.contacts.contact import Contact, as_contact
 from pas.contacts.endless import Cone, Pipe
 from pas.errors import PasError, ProjectFileError
 from pas.layouts.clips import with_clips
-from pas.limits import checkpoint, in_parts
+from pas.limits import checkpoint
+from pas.network.blocks import results
 from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.network.problems import graph_problems
 from pas.pipeline.blend import blend
+from pas.pipeline.hollow import HollowBlend
 from pas.pipeline.result import Blend
 from pas.registry import loaded
 
@@ -39,6 +42,7 @@ LOAD = "pas.kinds.files:load"
 """Where project files are read, in a layer above."""
 
 Degree = int | Literal["lowest"] | None
+Node = Blend | HollowBlend[Blend]
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,8 +103,10 @@ def placed_ends(network: StrutGraph, order: int) -> Kinds:
         raise NetworkError(wrong)
     clips = np.zeros((len(network.edges), 2), dtype=np.int64)
     known: dict[Any, tuple[float, ...]] = {}
+    seen: dict[NodeKind, NodeKind] = {}  # whose forms are known from the rounds before
     while True:
         kinds = kinds_of(network, clips)
+        kinds = replace(kinds, kinds=tuple(seen.setdefault(kind, kind) for kind in kinds.kinds))
         ends = _ends(kinds, network, order, known)
         at = ends[kinds.of[network.edges], kinds.slots]
         short = at.sum(axis=1) > (PARTS - STRAIGHT) / PARTS
@@ -155,9 +161,9 @@ def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe | Con
 
 
 def blends(
-    network: StrutGraph, kinds: Kinds, order: int, degree: Degree, cache: str | Path | None, map_: Callable[..., Any]
-) -> dict[tuple[Any, ...], Blend]:
-    """A proved blend for the first kind of each class that takes one, by the class's key.
+    network: StrutGraph, kinds: Kinds, order: int, degree: Degree, wall: Fraction | None, cache: Any, map_: Any
+) -> dict[tuple[Any, ...], Node]:
+    """A proved blend for the first kind of each class that takes one, hollow with a `wall`, by the class's key.
 
     Raises `NetworkError` with all nodes for which there is none.
     """
@@ -168,13 +174,11 @@ def blends(
         folder.mkdir(parents=True, exist_ok=True)
     elif map_ is not map:
         raise ValueError("the map of another engine hands blends over in files: give the folder as cache=")
-    wanted = dict(_jobs(network, kinds, order, degree, folder))
-    found: dict[tuple[Any, ...], Blend] = {}
+    wanted = dict(_jobs(network, kinds, order, degree, folder, wall))
+    found: dict[tuple[Any, ...], Node] = {}
     problems = []
-    results: Iterator[Any] = iter(map_(solved, wanted.values()))
-    for key in in_parts(wanted, "blending nodes"):
-        given = next(results)
-        result = given.result() if hasattr(given, "result") else given
+    given = results(map_, solved, list(wanted.values()), folder, "blending nodes")
+    for key, result in zip(wanted, given, strict=True):
         if isinstance(result, str):
             problems.append(_without(kinds.nodes(kinds.classes[key]), PasError(result)))
         else:
@@ -184,13 +188,20 @@ def blends(
     return found
 
 
-def _kept(path: Path, job: Job) -> Blend:
+def _kept(path: Path, job: Job) -> Node:
     """The blend of a file of the cache; raises `ProjectFileError` where it is not that of the node's struts."""
-    found = loaded(LOAD)(path)
-    if found.kind != "blend" or (found.surface.order, found.surface.contacts) != job.meets:
+    found: Any = loaded(LOAD)(path)
+    kind = "blend" if job.wall is None else "hollow blend"
+    if found.kind != kind or met(found, job.wall) != job.meets:
         raise ProjectFileError(f"{path} is no blend of the struts after which it is named; remove it")
-    blend: Blend = found
-    return blend
+    node: Node = found
+    return node
+
+
+def met(found: Any, wall: Fraction | None) -> tuple[Any, ...]:
+    """The order of a blend and the contacts that it meets, with a wall those of its cavity after the outer ones."""
+    outer = (found if wall is None else found.outer).surface
+    return outer.order, outer.contacts, *(() if wall is None else (found.inner.surface.contacts,))
 
 
 def _jobs(network: StrutGraph, kinds: Kinds, order: int, *how: Any) -> Iterator[tuple[tuple[Any, ...], Job]]:
@@ -200,11 +211,13 @@ def _jobs(network: StrutGraph, kinds: Kinds, order: int, *how: Any) -> Iterator[
             yield key, Job(tuple(pipes_of(kinds.kinds[numbers[0]], network, order)), order, *how)
 
 
-def matched(network: StrutGraph, kinds: Kinds, order: int, found: Sequence[Blend]) -> dict[tuple[Any, ...], Blend]:
+def matched(
+    network: StrutGraph, kinds: Kinds, order: int, found: Sequence[Node], wall: Fraction | None = None
+) -> dict[tuple[Any, ...], Node]:
     """Which of some blends is that of which class; raises `ValueError` for a class of which none is."""
-    known = {(b.surface.order, b.surface.contacts): b for b in found}
+    known = {met(blend, wall): blend for blend in found}
     result = {}
-    for key, job in _jobs(network, kinds, order):
+    for key, job in _jobs(network, kinds, order, None, None, wall):
         if job.meets not in known:
             raise ValueError(f"blends has none for the node {kinds.nodes(kinds.classes[key])[0]}")
         result[key] = known[job.meets]
@@ -213,17 +226,26 @@ def matched(network: StrutGraph, kinds: Kinds, order: int, found: Sequence[Blend
 
 @dataclass(frozen=True)
 class Job:
-    """One blend to be found: the pipes and cones, the order, the degree, and the folder in which it is kept."""
+    """One blend to be found: the pipes and cones, the order, the degree, the folder in which it is kept, and for a
+    hollow one the wall of its struts, in the model's units over the grid, measured across their axes."""
 
     pipes: tuple[Pipe | Cone, ...]
     order: int
-    degree: Degree = None
-    folder: Path | None = None
+    degree: Degree
+    folder: Path | None
+    wall: Fraction | None
 
     @property
-    def meets(self) -> tuple[int, tuple[Contact, ...]]:
-        """The order and the contacts that make a blend that of these pipes."""
-        return self.order, tuple(map(as_contact, self.pipes))
+    def inner(self) -> tuple[Contact, ...]:
+        """What a cavity meets: thinner pipes and cones, with the same ends."""
+        wall = rational(self.wall or 0)
+        return tuple(as_contact(replace(pipe, radius=rational(pipe.radius) - wall)) for pipe in self.pipes)
+
+    @property
+    def meets(self) -> tuple[Any, ...]:
+        """What makes a blend that of these pipes, see `met`."""
+        outer = self.order, tuple(map(as_contact, self.pipes))
+        return outer if self.wall is None else (*outer, self.inner)
 
     @cached_property
     def path(self) -> Path | None:
@@ -231,16 +253,18 @@ class Job:
         if self.folder is None:
             return None
         told = repr([(tuple(map(str, p.axis)), str(p.radius), str(p.clip), str(p.slope)) for p in self.pipes])
-        name = hashlib.sha256(f"{told} {self.order} {self.degree}".encode()).hexdigest()[:32]
+        hollow = "" if self.wall is None else f" {self.wall}"
+        name = hashlib.sha256(f"{told} {self.order} {self.degree}{hollow}".encode()).hexdigest()[:32]
         return self.folder / f"{name}.pas.json"
 
 
-def solved(job: Job) -> Blend | Path | str:
+def solved(job: Job) -> Node | Path | str:
     """The blend of a job, or the file that keeps it; of a node without one the sentence that says why."""
     if job.path is not None and job.path.exists():
         return job.path
     try:
-        found = blend(job.pipes, job.order, job.degree)
+        outer = blend(job.pipes, job.order, job.degree)
+        found: Node = outer if job.wall is None else outer.hollow(inner=job.inner)
     except PasError as error:
         return str(error)
     return found if job.path is None else found.save(job.path)

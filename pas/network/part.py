@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Unpack
@@ -12,20 +13,24 @@ import numpy as np
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.affine import ORIGIN, height
-from pas.algebra.inputs import check_tolerance, whole
+from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import cross, dot, exact, rational, vector
 from pas.certify.proofs import zeros_signs
 from pas.errors import MeshError
-from pas.limits import WorkLimits, in_parts, limited
+from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
-from pas.mesh.quality import Quality, manifold
+from pas.mesh.quality import Quality
+from pas.network.blocks import FACES, write_blocks
+from pas.network.certified_mesh import NetworkMesh
 from pas.network.classes import Kinds
 from pas.network.clearance import clearance
 from pas.network.graph import StrutGraph
+from pas.network.hollow import HollowPieces
 from pas.network.nodes import NodeClass, classes_of
 from pas.network.placing import PlacedPieces
+from pas.pipeline.hollow import HollowBlend
 from pas.pipeline.result import Blend
 from pas.pipeline.search import excess
 from pas.settings import MeshSettings
@@ -34,8 +39,6 @@ from pas.verdicts import Findings, Status, Verdict
 
 USUAL = 0.03
 """Of the least radius: the tolerance of meshes."""
-
-FACES = ("nodes", "struts")
 
 MOST_TRIANGLES = 40_000_000
 """Of one mesh, which take some 10 GB; more are written by pieces, see `NetworkPart.write`."""
@@ -46,14 +49,34 @@ class NetworkPart(Shape):
     """The body of a network: a blend for each class of its nodes, a cylinder or cone for each strut, flat ends.
 
     `kinds` are those of its nodes, with their ends, `blends` has the blend of each class by its key, in steps of the
-    grid.
+    grid.  Of a hollow body, with a `wall` in the model's units, `hollow` has those of its classes with their cavities.
     """
 
     network: StrutGraph
     order: int
     kinds: Kinds
     blends: Mapping[Any, Blend]
+    wall: Fraction | None = None
+    hollow: Mapping[Any, HollowBlend[Blend]] = field(default_factory=dict)
     kind = "network"
+
+    @classmethod
+    def of(
+        cls, network: StrutGraph, order: int, kinds: Kinds, found: Mapping[Any, Any], wall: Fraction | None
+    ) -> NetworkPart:
+        """The body with blends, hollow ones where there is a wall."""
+        outer = {key: blend if wall is None else blend.outer for key, blend in found.items()}
+        return cls(network, order, kinds, outer, wall, {} if wall is None else found)
+
+    @cached_property
+    def cavity(self) -> NetworkPart | None:
+        """What a hollow body is hollow by, as a body of its own; None of a full one."""
+        if self.wall is None:
+            return None
+        network, wall = self.network, self.wall
+        radii = [(network.radii[a] - wall, network.radii[b] - wall) for a, b in network.sizes.tolist()]
+        inner = StrutGraph(network.points, network.edges, radii, network.grid)
+        return NetworkPart(inner, self.order, self.kinds, {key: found.inner for key, found in self.hollow.items()})
 
     @cached_property
     def classes(self) -> tuple[NodeClass, ...]:
@@ -67,7 +90,9 @@ class NetworkPart(Shape):
     @property
     def unfair(self) -> tuple[NodeClass, ...]:
         """The classes whose blends are proved and not within the limits of fairness."""
-        return tuple(one for one in self.classes if (b := self.blend_of(one)) is not None and excess(b) > 0)
+        sides = [self.blends, *([self.cavity.blends] if self.cavity else [])]
+        keys = [(one, one.kind.form.key) for one in self.classes]
+        return tuple(one for one, key in keys if any(key in side and excess(side[key]) > 0 for side in sides))
 
     @cached_property
     def certificate(self) -> Findings:
@@ -77,7 +102,22 @@ class NetworkPart(Shape):
         are the cylinders and cones that these blends are proved to meet, on one exact axis from node to node.
         """
         apart = clearance(self.network, self._reach, self._ends)
-        return Findings((self._nodes(), self._struts(), self._apart(), apart))
+        return Findings((self._nodes(), self._struts(), self._apart(), apart, *self._inside()))
+
+    def _inside(self) -> Iterator[Verdict]:
+        """Of a hollow body that its cavity meets its struts, and is inside: then nothing of it meets, as outside."""
+        if self.cavity is None:
+            return
+        nodes = self.cavity._nodes()
+        yield replace(nodes, claim=nodes.claim.replace("its struts", "its struts inside"))
+        claim = "the cavity is inside"
+        for one in self.classes:
+            found = self.hollow.get(one.kind.form.key)
+            if one.blended and (found is None or not found.certificate.proved):
+                yield Verdict(Status.UNDECIDED, claim, f"that of {one} is not proved")
+                return
+        reason = f"of every node, and every strut has a wall of {self.wall} across its axis"
+        yield Verdict(Status.PROVED, claim, reason, measure=len(self.hollow))
 
     def _nodes(self) -> Verdict:
         claim = f"every node meets its struts with GC^{self.order}"
@@ -157,9 +197,14 @@ class NetworkPart(Shape):
 
     @property
     def genus(self) -> int:
-        """Of its surface, summed over its pieces: struts - nodes + pieces."""
-        used = int((self.network.valence > 0).sum())
-        return len(self.network.edges) - used + self.network.pieces
+        """Of its surface, summed over its pieces: struts - nodes + pieces.
+
+        That of a hollow body is twice as much, and one for each open end of a piece after the first.
+        """
+        network = self.network
+        found = len(network.edges) - int((network.valence > 0).sum()) + network.pieces
+        ends = np.unique(network.components[network.valence == 1], return_counts=True)[1]
+        return found if self.wall is None else 2 * found + int((ends - 1).sum())
 
     @cached_property
     def volume(self) -> float:
@@ -178,16 +223,21 @@ class NetworkPart(Shape):
 
     def pieces(self, tolerance: float | None = None) -> PlacedPieces:
         """The meshes of the kinds of nodes and struts, and their places, of which `mesh` and files consist; kept."""
-        wanted = USUAL * float(min(self.network.radii)) if tolerance is None else check_tolerance(tolerance)
+        usual = USUAL * float(min(self.network.radii))
+        if self.wall is not None:
+            usual = min(usual, float(self.wall) / 4)  # so that the meshes of both sides are apart
+        wanted = usual if tolerance is None else check_tolerance(tolerance)
         if wanted not in self._made:
-            self._made[wanted] = PlacedPieces(self.network, self.kinds, dict(self.blends), wanted)
+            made = PlacedPieces(self.network, self.kinds, dict(self.blends), wanted)
+            self._made[wanted] = HollowPieces(made, self.cavity.pieces(wanted)) if self.cavity else made
         return self._made[wanted]
 
     @limited("meshing a network", "a coarser tolerance")
     def mesh(
         self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> NetworkMesh:
-        """Triangles within `tolerance` (the model's units; by default 3 % of the least radius), watertight.
+        """Triangles within `tolerance` (the model's units; by default 3 % of the least radius, or a fourth of the wall
+        where that is less), watertight.
 
         Its faces are "nodes" and "struts".  Raises `MeshError` for more than 40 million triangles.
         """
@@ -222,7 +272,8 @@ class NetworkPart(Shape):
     def description(self) -> str:
         """The network, its classes of nodes, and how dense it is."""
         network = self.network
-        lines = [f"{int((network.valence > 0).sum())} nodes, {len(network.edges)} struts, order {self.order}"]
+        walls = "" if self.wall is None else f", hollow with walls of {self.wall}"
+        lines = [f"{int((network.valence > 0).sum())} nodes, {len(network.edges)} struts, order {self.order}{walls}"]
         unfair = set(map(id, self.unfair))
         for one in self.classes:
             found = self.blend_of(one)
@@ -235,67 +286,31 @@ class NetworkPart(Shape):
         return f"{self.description}\n\n{self.certificate}"
 
     def bodies(self, settings: MeshSettings) -> list[tuple[Mesh, Floats]]:
-        """Closed meshes of the kinds of nodes with halves of their struts, and the places (M, 3) where each stands."""
-        found = self.pieces(settings.tolerance).bodies()
-        meshes = [replace(Mesh.from_triangles(p, t, "node"), normals=n) for p, t, n, _ in found]
+        """Closed meshes of the kinds of nodes with halves of their struts, and the places (M, 3) where each stands.
+
+        Their one face has the name of the class.
+        """
+        found, kinds = self.pieces(settings.tolerance).bodies(), self.kinds
+        names = {number: str(one) for one in self.classes for number in kinds.classes[one.kind.form.key]}
+        meshes = [replace(Mesh.from_triangles(p, t, names[kinds.of[at[0]]]), normals=n) for p, t, n, at in found]
         return [(mesh, self.network.points[nodes]) for mesh, (*_, nodes) in zip(meshes, found, strict=True)]
 
-    def write_blocks(self, folder: str | Path, tolerance: float | None = None, *, struts: int = 20_000) -> list[Path]:
+    def write_blocks(
+        self, folder: str | Path, tolerance: float | None = None, *, struts: int = 20_000, map: Callable[..., Any] = map
+    ) -> list[Path]:
         """Write the watertight mesh as STL files of about so many struts each, for what is too large for one mesh.
 
         A block has the nodes in a box, and the struts that begin there; together the files are the mesh.  One that is
-        there already is not made again, and none is left half written.  Returns the paths.
+        there already is not made again, and none is left half written.  `map` is as in `Network.blend`.  Returns the
+        paths.
 
-        Raises `ValueError` for fewer than one strut, and what writing raises.
+        Raises `ValueError` for fewer than one strut and for a folder with blocks of another mesh, `EngineLostError`
+        where the engine ends, and what writing raises.
         """
-        whole(struts, "struts", 1, len(self.network.edges) + struts)
-        place, pieces = Path(folder), self.pieces(tolerance)
-        place.mkdir(parents=True, exist_ok=True)
-        sides = np.ptp(self.network.places, axis=0) + 1
-        across = max(1, round((len(self.network.edges) / struts) ** (1 / 3)))
-        cells = (self.network.places - self.network.places.min(axis=0)) * across // sides
-        numbers, paths = cells @ (across**2, across, 1), []
-        for number in in_parts(np.unique(numbers).tolist(), "writing blocks"):
-            path = place / "block-{}-{}-{}.stl".format(*np.unravel_index(number, (across,) * 3))
-            if not path.exists():
-                points, triangles, normals, faces = pieces.mesh(numbers == number)
-                Mesh(points, triangles, faces, FACES, normals, deviation=pieces.deviation).write(path, open=True)
-            paths.append(path)
-        return paths
+        return write_blocks(self.pieces(tolerance), Path(folder), struts, map)
 
     def __repr__(self) -> str:
         return f"<NetworkPart: {len(self.network.places)} nodes, {len(self.network.edges)} struts, GC^{self.order}>"
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class NetworkMesh(Mesh):
-    """The mesh of a network's body; its certificate is a proof that it is one."""
-
-    part: NetworkPart | None = field(default=None, kw_only=True)
-    tolerance: float = field(default=0.0, kw_only=True)
-
-    @cached_property
-    def certificate(self) -> Findings:
-        """Whether it is a closed manifold, each node's mesh has the topology of its surface, and how far it is off."""
-        assert self.part is not None
-        pieces, step = self.part.pieces(self.tolerance), float(self.part.network.grid)
-        topology, distance = Verdict(Status.PROVED, "the topology of every node", "by the meshes of their classes"), 0.0
-        for one in self.part.classes:
-            if (blend := self.part.blend_of(one)) is None:
-                continue
-            found = blend.surface.mesh(self.tolerance / step).certificate
-            open_ = [verdict for verdict in found.verdicts if not (verdict.proved or verdict.measured)]
-            for verdict in open_:
-                topology = Verdict(verdict.status, topology.claim, f"{one}: {verdict.claim}: {verdict.reason}")
-            # with the topology goes that points of both are joined along the gradient, on which the distance is bounded
-            distance = max(distance, np.inf if open_ or found.distance is None else step * found.distance)
-        strips = max((s.deviation for s in pieces.struts), default=0.0)
-        bound = max(distance, strips) + float(np.abs(self.points).max()) * 2.0**-50
-        near = Verdict(Status.UNDECIDED, "near the surface", "of some class the distance is not proved")
-        if np.isfinite(bound):
-            reason = f"within {bound:.3g}: nodes by their classes, strips by their widest angle"
-            near = Verdict(Status.PROVED, near.claim, reason)
-        return Findings((manifold(self.triangles), topology, near))
 
 
 def _holds(blend: Blend, value: fmpq_mpoly) -> bool:

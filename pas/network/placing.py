@@ -3,14 +3,12 @@
 The blend of a class is meshed once, and turned into each kind by its exact rotation or reflection; each kind of strut,
 told apart by the kinds of its nodes and its arms there, has one strip of triangles between two rings.  So a mesh of any
 size is a few tables and a place for each node.
-
-A strip merges the vertices of two rings by their angles around the strut.  A triangle of it has two neighbours of one
-ring, and one of the other between them or between which they are, so that its corners are no farther apart, in angle,
-than neighbours of one ring; it is r (1 - cos(angle / 2)) from the cylinder or cone at most, with its largest radius r.
 """
 
 from __future__ import annotations
 
+import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import acos, ceil, cos, pi, tau
@@ -25,6 +23,7 @@ from pas.errors import MeshError
 from pas.mesh.rows import Integers
 from pas.network.classes import Kinds, NodeKind, ranked, turn
 from pas.network.graph import StrutGraph
+from pas.network.rings import angles_around, outwards, rings_of, strip
 from pas.pipeline.result import Blend
 
 FEWEST = 8
@@ -66,6 +65,47 @@ class StrutPiece:
     normals: Floats
     deviation: float
     edges: Integers
+
+
+@dataclass(frozen=True, eq=False)
+class MeshShare:
+    """A part of a network's mesh: the pieces of all kinds of `nodes`, of all kinds of struts triangles, normals and
+    both rings, `places` (M, 3) of nodes with their kinds, which of these are its `own`, and of each strut its two nodes
+    in these (E, 2) and its kind."""
+
+    nodes: Sequence[NodePiece]
+    strips: Sequence[Any]
+    places: Floats
+    of: Integers
+    own: Any
+    links: Any
+    strut_kinds: Any
+
+    def mesh(self) -> tuple[Floats, Integers, Floats, Integers]:
+        """Points (N, 3), triangles (T, 3), normals at their corners (T, 3, 3), and whether each is of a strut (T,).
+
+        Points of the nodes at the far ends of struts are there, too.
+        """
+        sizes = np.array([len(n.points) for n in self.nodes])[self.of]
+        starts = np.cumsum(sizes) - sizes
+        points = np.empty((int(sizes.sum()), 3))
+        triangles, normals = [np.zeros((0, 3), dtype=np.int64)], [np.zeros((0, 3, 3))]
+        for kind in np.unique(self.of).tolist():
+            piece, all_of = self.nodes[kind], np.flatnonzero(self.of == kind)
+            rows = starts[all_of][:, None] + np.arange(len(piece.points))
+            points[rows] = piece.points + self.places[all_of][:, None]
+            own = all_of[self.own[all_of]]
+            triangles.append((piece.triangles + starts[own][:, None, None]).reshape(-1, 3))
+            normals.append(np.tile(piece.normals, (len(own), 1, 1)))
+        many = sum(map(len, triangles))
+        for kind in np.unique(self.strut_kinds).tolist():
+            strip_, out, *rings = self.strips[kind]
+            links = self.links[self.strut_kinds == kind]
+            both = [starts[links[:, end]][:, None] + rings[end] for end in (0, 1)]
+            triangles.append(np.concatenate(both, axis=1)[:, strip_].reshape(-1, 3))
+            normals.append(np.tile(out, (len(links), 1, 1)))
+        found = np.concatenate(triangles)
+        return points, found, np.concatenate(normals), (np.arange(len(found)) >= many).astype(np.int64)
 
 
 class PlacedPieces:
@@ -151,37 +191,39 @@ class PlacedPieces:
         largest = max([n.deviation for n in self.nodes] + [s.deviation for s in self.struts])
         return largest + far * 2.0**-50
 
-    def mesh(self, chosen: Any = None) -> tuple[Floats, Integers, Floats, Integers]:
-        """Points (N, 3), triangles (T, 3), normals at their corners (T, 3, 3), and whether each is of a strut (T,).
+    def mesh(self) -> tuple[Floats, Integers, Floats, Integers]:
+        """See `MeshShare.mesh`."""
+        return self.share(np.flatnonzero(self.kinds.of >= 0), np.arange(len(self.network.edges))).mesh()
 
-        Of the nodes `chosen` (a mask) and the struts that begin there alone, if it is given; points of the nodes at the
-        other ends of these are there, too.
-        """
-        network, kinds = self.network, self.kinds
-        of = kinds.of if chosen is None else np.where(chosen, kinds.of, -1)
-        mine = np.ones(len(network.edges), dtype=bool) if chosen is None else chosen[network.edges[:, 0]]
-        needed = of >= 0
-        needed[network.edges[mine].ravel()] = True
-        sizes = np.where(needed, np.array([len(n.points) for n in self.nodes])[kinds.of], 0)
-        starts = np.cumsum(sizes) - sizes
-        points = np.empty((int(sizes.sum()), 3))
-        triangles, normals = [], []
-        for kind, piece in enumerate(self.nodes):
-            all_of = np.flatnonzero(needed & (kinds.of == kind))
-            rows = starts[all_of][:, None] + np.arange(len(piece.points))
-            points[rows] = piece.points + network.points[all_of][:, None]
-            own = np.flatnonzero(of == kind)
-            triangles.append((piece.triangles + starts[own][:, None, None]).reshape(-1, 3))
-            normals.append(np.tile(piece.normals, (len(own), 1, 1)))
-        many = sum(map(len, triangles))
-        for strut in self.struts:
-            edges = strut.edges[mine[strut.edges]]
-            rings = [self.nodes[strut.kinds[end]].rings[strut.slots[end]] for end in (0, 1)]
-            both = [starts[network.edges[edges, end]][:, None] + rings[end] for end in (0, 1)]
-            triangles.append(np.concatenate(both, axis=1)[:, strut.triangles].reshape(-1, 3))
-            normals.append(np.tile(strut.normals, (len(edges), 1, 1)))
-        found = np.concatenate(triangles)
-        return points, found, np.concatenate(normals), (np.arange(len(found)) >= many).astype(np.int64)
+    def share(self, nodes: Integers, edges: Integers) -> MeshShare:
+        """The part of the mesh that has some nodes and struts."""
+        network, of = self.network, self.kinds.of
+        nodes = nodes[of[nodes] >= 0]
+        needed = np.union1d(nodes, network.edges[edges])
+        links = np.searchsorted(needed, network.edges[edges]).astype(np.int32)
+        strips = [
+            (s.triangles, s.normals, *(self.nodes[k].rings[slot] for k, slot in zip(s.kinds, s.slots, strict=True)))
+            for s in self.struts
+        ]
+        own = np.isin(needed, nodes, assume_unique=True)
+        return MeshShare(self.nodes, strips, network.points[needed], of[needed], own, links, self._strut_kinds[edges])
+
+    @cached_property
+    def _strut_kinds(self) -> Any:
+        """The number of the piece of each strut (E,)."""
+        found = np.zeros(len(self.network.edges), dtype=np.int32)
+        for number, strut in enumerate(self.struts):
+            found[strut.edges] = number
+        return found
+
+    @cached_property
+    def digest(self) -> str:
+        """A name for the mesh, which another one does not have."""
+        found = hashlib.sha256()
+        tables = [self.network.places, self.network.edges, self.kinds.of, self.kinds.slots]
+        for array in (*tables, *(a for node in self.nodes for a in (node.points, node.triangles))):
+            found.update(array.tobytes())
+        return found.hexdigest()
 
     @cached_property
     def volume(self) -> float:
@@ -214,28 +256,42 @@ class PlacedPieces:
         return [(*body, used[of == number]) for number, body in enumerate(made)]
 
     def _body(self, kind: int, cuts: Floats) -> tuple[Floats, Integers, Floats]:
+        points, triangles, normals, rings = self.cut(kind, cuts)
+        for ring, axis in zip(rings, self._axes(kind), strict=True):
+            fan = np.stack([np.full(len(ring) - 2, ring[0]), ring[1:-1], ring[2:]], axis=1)
+            triangles.append(fan)
+            normals.append(np.broadcast_to(axis, (len(fan), 3, 3)))
+        return points, np.concatenate(triangles), np.concatenate(normals)
+
+    def _axes(self, kind: int) -> Floats:
+        """The unit vectors of a kind's arms (n, 3)."""
+        vectors = self.kinds.kinds[kind].vectors
+        return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
+
+    def cut(self, kind: int, cuts: Floats) -> tuple[Floats, list[Integers], list[Floats], list[Integers]]:
+        """A kind's mesh with its struts up to some parts of their lengths, open there: points, triangles and normals in
+        pieces, and the rings where it is open, counterclockwise about the struts."""
         piece = self.nodes[kind]
         points, triangles, normals, count = [piece.points], [piece.triangles], [piece.normals], len(piece.points)
-        one, ends = self.kinds.kinds[kind], self.kinds.ends[kind]
+        one, ends, rings = self.kinds.kinds[kind], self.kinds.ends[kind], []
         vectors = one.vectors * float(self.network.grid)
         for i, (vector, ring, cut) in enumerate(zip(vectors, piece.rings, cuts, strict=False)):
             length = float(np.linalg.norm(vector))
             axis, rise = vector / length, self._width(one, i, 1.0) - self._width(one, i)
             own = ring[np.argsort(angles_around(piece.points[ring], axis))]
             corners = piece.points[own] - (piece.points[own] @ axis)[:, None] * axis
-            out = _out(corners, axis, rise / length)
+            out = outwards(corners, axis, rise / length)
             points.append(corners * self._width(one, i, cut) / self._width(one, i, ends[i]) + cut * vector)
             here, there = np.arange(len(own)), count + np.arange(len(own))
             after = np.roll(here, -1)
             triangles += [
                 np.stack([own[here], own[after], there[here]], axis=1),
                 np.stack([own[after], there[after], there[here]], axis=1),
-                np.stack([np.full(len(own) - 2, count), there[1:-1], there[2:]], axis=1),
             ]
-            normals += [out[np.stack([here, after, here], axis=1)], out[np.stack([after, after, here], axis=1)],
-                        np.broadcast_to(axis, (len(own) - 2, 3, 3))]  # fmt: skip
+            normals += [out[np.stack([here, after, here], axis=1)], out[np.stack([after, after, here], axis=1)]]
+            rings.append(there)
             count += len(own)
-        return np.concatenate(points), np.concatenate(triangles), np.concatenate(normals)
+        return np.concatenate(points), triangles, normals, rings
 
 
 def _volume(corners: Floats, places: Floats) -> float:
@@ -244,57 +300,3 @@ def _volume(corners: Floats, places: Floats) -> float:
     own = np.einsum("ni,ni->", a, np.cross(b, c)) / 6
     across_ = np.cross(b - a, c - a).sum(axis=0) / 6
     return float(own * len(places) + places.sum(axis=0) @ across_)
-
-
-def rings_of(points: Floats, boundary: Integers, arms: Any) -> tuple[Integers, ...]:
-    """The boundary vertices on the circle of each arm (vector, end in parts of it, radius).
-
-    Raises `AssertionError` where a vertex is on none: blends end on the circles of their contacts.
-    """
-    found, seen = [], np.zeros(len(boundary), dtype=bool)
-    for vector, end, radius in arms:
-        length = float(np.linalg.norm(vector))
-        along = points[boundary] @ vector / length
-        outside = np.linalg.norm(points[boundary] - along[:, None] * vector / length, axis=1)
-        on = (np.abs(along - end * length) < 1e-6 * length) & (np.abs(outside - radius) < 1e-6 * length)
-        found.append(boundary[on])
-        seen |= on
-    assert seen.all() and sum(map(len, found)) == len(boundary)
-    return tuple(found)
-
-
-def angles_around(points: Floats, axis: Floats) -> Floats:
-    """The angles of points around an axis through the origin, from 0 to a full turn."""
-    first, second = across(axis)
-    return np.asarray(np.arctan2(points @ second, points @ first) % tau)
-
-
-def _out(points: Floats, axis: Floats, slope: float) -> Floats:
-    """The normals of a cone about an axis, which widens by so much along it, over points (N, 3) beside the axis."""
-    across_ = points - (points @ axis)[:, None] * axis
-    found = across_ / np.linalg.norm(across_, axis=1, keepdims=True) - slope * axis
-    return np.asarray(found / np.hypot(1.0, slope))
-
-
-def strip(first: Floats, second: Floats, vector: Floats, rise: float = 0.0) -> tuple[Integers, Floats, float]:
-    """The triangles between rings around the ends of a vector, over the first ring's vertices and then the second's.
-
-    With the normals at their corners of the cone, whose radius grows by `rise` along the vector, and the widest angle
-    between neighbours of a ring.
-    """
-    axis = vector / np.linalg.norm(vector)
-    angles = [angles_around(ring, axis) for ring in (first, second)]
-    orders = [np.argsort(a) for a in angles]
-    sides = np.repeat([0, 1], [len(first), len(second)])
-    sorted_ = np.argsort(np.concatenate(angles), kind="stable")
-    latest = [int(orders[0][-1]), len(first) + int(orders[1][-1])]
-    triangles = []
-    for number in sorted_.tolist():
-        side = int(sides[number])
-        a, b = latest[side], latest[1 - side]
-        triangles.append((a, number, b) if side == 0 else (number, a, b))
-        latest[side] = number
-    found = np.array(triangles)
-    normals = _out(np.concatenate([first, second]), axis, rise / float(np.linalg.norm(vector)))[found]
-    gaps = [np.diff(np.sort(a), append=np.sort(a)[0] + tau).max() for a in angles]
-    return found, normals, float(max(gaps))

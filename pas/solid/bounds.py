@@ -17,6 +17,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.scaling import scaled
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.errors import GeometryError
+from pas.limits import checkpoint
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import followed_by
 from pas.solid.tree import Bools, Node, Tree, is_contradiction, parts_of
@@ -63,11 +64,27 @@ def _branch_box(tree: Tree, seen: Floats) -> tuple[Floats, Floats] | None:
     """See `_shrunk`."""
     evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
     start = None if is_contradiction(tree) or evaluator.is_empty else _linear_box(tree)
-    return None if start is None else _shrunk(evaluator, start, seen)
+    return None if start is None else _shrunk(evaluator, _within_unions(tree, start), seen)
 
 
 def _hull(boxes: Sequence[Floats]) -> Floats:
     return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
+
+
+def _within_unions(tree: Tree, start: Floats) -> Floats:
+    """A box that planes leave open, brought within the boxes of unions among the conditions.
+
+    Of a union with something taken away the parts are bounded one by one, as without that.
+    """
+    for part in parts_of(tree, union=False):
+        if not (isinstance(part, Node) and part.union) or np.abs(start).max() < FARTHEST:
+            continue
+        try:
+            box = bounding_box(part)
+        except GeometryError:  # empty or unbounded by itself: the whole says so
+            continue
+        start = np.stack([np.maximum(start[0], box[0]), np.minimum(start[1], box[1])])
+    return start
 
 
 def _linear_box(tree: Tree) -> Floats | None:
@@ -91,6 +108,7 @@ def _linear_box(tree: Tree) -> Floats | None:
 
 def _box_of_planes(parts: Sequence[Tree]) -> Floats | None:
     """The box of the linear inequalities among conditions."""
+    checkpoint()  # of many, each of which takes a programme
     rows = []
     for part in parts:
         if isinstance(part, Node) or not isinstance(part.function, Polynomial) or part.function.degree != 1:

@@ -39,8 +39,11 @@ class WithEdges(Generic[S]):
         the fillet of planes is a circular cylinder, and that of planes, cylinders, cones and balls about one axis the
         exact torus of a ball that rolls; `print` of the solid says so.  Its face is called "fillet", or "fillet 2",
         unless `face` names it.  `within` are polynomials that are positive where a part of the edges is to be rounded.
-        The two joints are claimed, and proved.  Raises `GeometryError` where the faces do not meet with an angle, or a
-        joint is not proved, with the largest radius for which both are.
+        Where pipes (or bores) of one radius cross, or three and more meet in a point, the blend of `pas.node` is the
+        face, in the place of their crossing and of its edges: `radius` is that of a ball that touches two of them where
+        it ends, seen from the side.  So it is where axes meet and the edge has no fillet of the radius, if there is no
+        `within`.  The joints are claimed, and proved.  Raises `GeometryError` where the faces do not meet with an
+        angle, or a joint is not proved, with the largest radius for which they are.
 
             solid.box((0, 0, 0), (4, 3, 2)).fillet("box x+", "box y+", radius="1/2")
         """

@@ -18,6 +18,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import to_float
 from pas.algebra.scaling import Scaled
+from pas.limits import checkpoint
 from pas.solid.taylor import TaylorForms
 from pas.solid.tree import Atom, Bools, Columns, Function, Integers, ScalarField, Tree, atoms
 from pas.solid.truths import CompiledTree
@@ -63,6 +64,7 @@ class TreeEvaluator:
 
     def _column_of(self, atom: Atom) -> tuple[int, bool]:
         """The column of an inequality, and whether that is to be > 0."""
+        checkpoint()  # of some ten thousand in lattices of struts
         number, sign = self._numbers.of(atom.function)
         return number, atom.outside != (sign < 0)
 

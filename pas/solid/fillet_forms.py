@@ -24,12 +24,11 @@ from flint import fmpq
 
 from pas.algebra.affine import away, height, slope_at
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, dot, minus, near, square_root, to_float, to_floats, two_across
+from pas.algebra.rational import Vector, dot, minus, near, square_root, three, to_float, to_floats, two_across
 from pas.contacts.parallels import principal_axes, quadratic_terms
 from pas.contacts.torus import torus_polynomial
-from pas.solid.fillets import FaceSeam, FilletForm, short
-
-ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
+from pas.solid.face_seams import FaceSeam
+from pas.solid.fillets import FilletForm, short
 
 Axis = tuple[Vector, Vector]
 """A point and a unit vector."""
@@ -160,20 +159,14 @@ def _axis(faces: tuple[Polynomial, Polynomial]) -> Axis | None:
     it has a rational length."""
     points, ways = list[Vector](), list[Vector]()
     for face in faces:
-        slope = slope_at(face)
+        found = revolved(face)
         if face.degree == 1:
-            ways.append(slope)
-            continue
-        axes = principal_axes(quadratic_terms(face)) if face.degree == 2 else None
-        if axes is None:
+            ways.append(slope_at(face))
+        elif found is None:
             return None
-        values = [value for _, value in axes]
-        double = next((v for v in values if v != 0 and values.count(v) > 1), None)
-        if double is None:
-            return None
-        ways += [way for way, value in axes if value != double]
-        x, y, z = (-s / (2 * double) for s in slope)
-        points.append((x, y, z))
+        else:
+            points.append(found[1])
+            ways += found[2]
     if not points:
         return None
     way = ways[0] if ways else minus(points[0], points[1])
@@ -182,3 +175,14 @@ def _axis(faces: tuple[Polynomial, Polynomial]) -> Axis | None:
         return None
     x, y, z = (w / length for w in way)
     return points[0], (x, y, z)
+
+
+def revolved(face: Polynomial) -> tuple[fmpq, Vector, list[Vector]] | None:
+    """Of a quadric of revolution the eigenvalue across its axis, a point of that, and its direction, which spheres do
+    not have; None of other faces."""
+    axes = principal_axes(quadratic_terms(face)) if face.degree == 2 else None
+    values = [value for _, value in axes or ()]
+    double = next((v for v in values if v != 0 and values.count(v) > 1), None)
+    if axes is None or double is None:
+        return None
+    return double, three(-s / (2 * double) for s in slope_at(face)), [way for way, value in axes if value != double]

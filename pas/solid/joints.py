@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from pas.algebra.affine import Affine, numbered
+from pas.algebra.affine import Affine
 from pas.algebra.brief import brief
 from pas.algebra.components import Components, LostError
 from pas.algebra.curve import CurvePart, SpaceCurve, SplitError
@@ -61,10 +61,6 @@ class Joint:
     def moved(self, map_: Affine) -> Joint:
         """The claim on the image under an affine map."""
         return Joint(self.first, self.second, tuple(map(map_.polynomial, self.along)), self.order)
-
-    def copied(self, number: int) -> Joint:
-        """The claim on the faces of a copy of that number."""
-        return Joint(numbered(self.first, number), numbered(self.second, number), self.along, self.order)
 
     @property
     def claim(self) -> str:

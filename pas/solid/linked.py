@@ -12,7 +12,7 @@ so it is as sure as these are measured.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, product
@@ -294,3 +294,30 @@ def _same(one: Polynomial, other: Polynomial) -> bool:
     degree = max(one.degree, other.degree)
     a, b = (p.dense(degree) / np.abs(p.dense(degree)).max() for p in (one, other))
     return bool(np.abs(a - b).max() <= EQUAL)
+
+
+@dataclass(frozen=True, eq=False)
+class RenamedBoundary:
+    """What bounds a solid, with other names of its faces."""
+
+    body: SolidBoundary
+    names: Mapping[str, str]
+
+    @property
+    def size(self) -> float | None:
+        """That of the body."""
+        return self.body.size
+
+    @property
+    def box(self) -> Floats | None:
+        """That of the body."""
+        return self.body.box
+
+    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
+        """That of the body, in which several faces may have one name."""
+        found = self.body.mesh(tolerance, quality)
+        return found and replace(found, names=tuple(self.names.get(name, name) for name in found.names))
+
+    def moved(self, map_: Affine) -> RenamedBoundary:
+        """Its image."""
+        return replace(self, body=self.body.moved(map_))

@@ -8,7 +8,7 @@ Guaranteed: nothing.  The mesh is refined on the faces of the whole, and looked 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from itertools import combinations
@@ -29,7 +29,7 @@ from pas.mesh.quality import Quality
 from pas.mesh.rows import cross, norms
 from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.solid.field import SolidField
-from pas.solid.linked import LinkedBodies, LinkedPart, SolidBoundary, refuse_passing, united
+from pas.solid.linked import LinkedBodies, LinkedPart, RenamedBoundary, SolidBoundary, refuse_passing, united
 from pas.solid.sheets import SheetBody
 from pas.solid.tree import Atom, combined
 
@@ -67,6 +67,11 @@ def combined_boundary(first: Operand, second: Operand, operation: str) -> SolidB
     linked = united(before, new) if operation == "Add" and before and new else None
     parts = before.parts if isinstance(before, Operands) and before.operation == operation else (first,)
     return linked or Operands((*parts, second), operation)
+
+
+def renamed_boundary(body: SolidBoundary | None, names: Mapping[str, str]) -> SolidBoundary | None:
+    """What bounds a solid with other names of its faces; operands are told apart by their functions alone."""
+    return body if body is None or isinstance(body, Operands) else RenamedBoundary(body, names)
 
 
 @dataclass(frozen=True, eq=False)

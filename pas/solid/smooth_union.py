@@ -1,12 +1,12 @@
 """The union of two solids with a fillet wherever a face of one crosses a face of the other.
 
 The mesh of the union shows which faces do.  Each two of them get a fillet (`pas.solid.fillets`) in turn, until the mesh
-shows none.  Where edges of two pairs end in one point, their fillets would meet in a corner, which none can.
+shows none.  Where edges of two pairs end in one point, their fillets would meet in a corner, which none can; but pipes
+whose axes meet there are joined by a node.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import count
 from typing import Unpack
 
@@ -19,11 +19,11 @@ from pas.errors import GeometryError
 from pas.limits import WorkLimits, limited, part
 from pas.mesh.rows import Integers
 from pas.mesh.topology import twins_of
+from pas.registry import loaded
 from pas.solid.assembly import only_solids
-from pas.solid.fillets import edges_between, filled
-from pas.solid.joints import Joint
+from pas.solid.face_seams import edges_between
+from pas.solid.fillets import NODE, filled
 from pas.solid.solid import Solid
-from pas.solid.tree import mapped
 
 
 @limited("rounding a union", "a smaller radius")
@@ -45,15 +45,20 @@ def smooth_union(a: Solid, b: Solid, radius: Exact, order: int = 1, **limits: Un
     b = _told_apart(b, {*a.faces})
     made, sides = a | b, ({*a.faces}, {*b.faces})
     with part(0.3):
-        left = _crossing(made, sides)
+        left, corner = _crossing(made, sides)
     if not left:
         seen = {part for name in made.mesh().names for part in name.split(" + ")}
         why = ", as one is inside the other" if any(seen.isdisjoint(side) for side in sides) else ""
         raise GeometryError(f"the solids do not meet in an edge where a face of one crosses a face of the other{why}")
     while left:
+        pair = next(iter(left))
+        node = loaded(NODE).of(made, pair, order, None) if corner else None
+        if corner and (node is None or not node.is_needed):
+            raise GeometryError(corner)
         with part(0.4 / len(left)):
-            made = filled(made, pair := next(iter(left)), size, order, (), None)
-        if pair in (left := _crossing(made, sides)):
+            made = filled(made, pair, size, order, (), None)
+        left, corner = _crossing(made, sides)
+        if pair in left:
             place = shown_point(made.mesh().points[left[pair][0]])
             raise GeometryError(f"the fillet of {pair[0]!r} and {pair[1]!r} leaves a part of their edge near {place}")
     return made
@@ -65,16 +70,12 @@ def _told_apart(solid: Solid, taken: set[str]) -> Solid:
     for name in (face for face in solid.faces if face in taken):
         known = taken.union(solid.faces, names.values())
         names[name] = next(copy for number in count(2) if (copy := numbered(name, number)) not in known)
-    new = names.get
-    joints = tuple(Joint(new(j.first, j.first), new(j.second, j.second), j.along, j.order) for j in solid.joints)
-    tree = mapped(solid.tree, lambda atom: replace(atom, face=new(atom.face, atom.face)))
-    return replace(solid, tree=tree, joints=joints, sheets=None if names else solid.sheets)
+    return solid._called(names) if names else solid
 
 
-def _crossing(solid: Solid, sides: tuple[set[str], set[str]]) -> dict[tuple[str, str], Integers]:
-    """Each two faces, by name, of two sets that meet in an edge, with the vertices of the solid's mesh on it.
-
-    Raises `GeometryError` where a vertex is on edges of two pairs.
+def _crossing(solid: Solid, sides: tuple[set[str], set[str]]) -> tuple[dict[tuple[str, str], Integers], str]:
+    """Each two faces, by name, of two sets that meet in an edge, with the vertices of the solid's mesh on it; those in
+    a corner come first, with what is wrong with that where they cannot be rounded together.
     """
     mesh = solid.mesh()
     parts = [name.split(" + ") for name in mesh.names]
@@ -88,9 +89,9 @@ def _crossing(solid: Solid, sides: tuple[set[str], set[str]]) -> dict[tuple[str,
         found[pair] = np.unique(edges_between(mesh, [one], [other]))
         for vertex in found[pair].tolist():
             if (known := of_vertex.setdefault(vertex, pair)) != pair:
-                raise GeometryError(
+                return {known: found[known], **found}, (
                     f"the edge of {known[0]!r} and {known[1]!r} goes on as that of {pair[0]!r} and {pair[1]!r} near "
                     f"{shown_point(mesh.points[vertex])}: fillets do not meet in corners, so that only edges are "
                     f"rounded each of which stays between two faces"
                 )
-    return found
+    return found, ""

@@ -8,15 +8,16 @@ A solid is a tree of inequalities; nothing is approximated until it is meshed.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import or_
 from typing import Any, NoReturn, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pas.algebra.affine import Affine, AffineShape
+from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.algebra.brief import listed
 from pas.algebra.inputs import check_tolerance, points_of
 from pas.algebra.monomials import Floats
@@ -37,10 +38,10 @@ from pas.solid.functions import polynomials_of
 from pas.solid.joints import Joint, prove, refuse_unknown, verdict_list
 from pas.solid.linked import SolidBoundary
 from pas.solid.measures import Measures, curved_measures
-from pas.solid.operands import Operands, combined_boundary
+from pas.solid.operands import Operands, combined_boundary, renamed_boundary
 from pas.solid.sheets import face_mesh, merged
 from pas.solid.shell import shelled
-from pas.solid.tree import Atom, Function, Tree, atoms, combined, complement, copied, image, mapped
+from pas.solid.tree import Atom, Tree, atoms, combined, complement, image, mapped
 from pas.verdicts import Findings, Verdict
 
 CARRIER_OF = "pas.exchange.step.carriers:carrier_of"
@@ -86,24 +87,17 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         return Solid(tree, joints, self.special_points + other.special_points, sheets)
 
     def _moved(self, map_: Affine) -> Solid:
-        images: dict[Function, Function] = {}
-
-        def move(atom: Atom) -> Atom:
-            if atom.function not in images:
-                images[atom.function] = image(atom.function, map_)
-            return replace(atom, function=images[atom.function])
-
+        functions = dict.fromkeys(atom.function for atom in atoms(self.tree))
+        images = {function: image(function, map_) for function in functions}
+        tree = mapped(self.tree, lambda atom: replace(atom, function=images[atom.function]))
         joints = tuple(joint.moved(map_) for joint in self.joints)
         moved = map_.points(np.array(self.special_points).reshape(-1, 3))
-        points, sheets = tuple((x, y, z) for x, y, z in moved.tolist()), self.sheets and self.sheets.moved(map_)
-        return Solid(mapped(self.tree, move), joints, points, sheets)
+        points = tuple((x, y, z) for x, y, z in moved.tolist())
+        return Solid(tree, joints, points, self.sheets and self.sheets.moved(map_))
 
     def _patterned(self, maps: Sequence[Affine]) -> Solid:
-        copies = [*enumerate((self, *(self._moved(map_) for map_ in maps)), start=1)]
-        joints = tuple(joint.copied(number) for number, copy in copies for joint in copy.joints)
-        points = tuple(point for _, copy in copies for point in copy.special_points)
-        tree = combined(True, *(copied(copy.tree, number) for number, copy in copies))
-        return Solid(tree, joints, points, None if maps else self.sheets)
+        copies = enumerate((self, *map(self._moved, maps)), start=1)
+        return reduce(or_, (copy._called({f: numbered(f, n) for f in copy.faces}) for n, copy in copies))
 
     def cap(self, plane: PolynomialLike, name: str = "cap") -> Solid:
         """The part where `plane <= 0`, with a face of that name where it is cut.
@@ -142,8 +136,15 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         return replace(self, tree=shelled(self, size, open, self._tolerance(tolerance)), sheets=None)
 
     def renamed(self, name: str) -> Solid:
-        """The solid with all its faces, walls included, under one name."""
-        return Solid(mapped(self.tree, lambda atom: replace(atom, face=name)), (), self.special_points)
+        """The solid with all its faces, walls included, under one name; claimed joints stay."""
+        return self._called(dict.fromkeys((*self.faces, ""), name))
+
+    def _called(self, names: Mapping[str, str]) -> Solid:
+        """The solid with other names of some faces."""
+        new = {face: names.get(face, face) for face in (*self.faces, "")}
+        joints = (replace(j, first=new[j.first], second=new[j.second]) for j in self.joints)
+        tree = mapped(self.tree, lambda atom: replace(atom, face=new[atom.face]))
+        return Solid(tree, tuple(dict.fromkeys(joints)), self.special_points, renamed_boundary(self.sheets, new))
 
     def joined(self, first: str, second: str, along: Sequence[PolynomialLike], order: int) -> Solid:
         """The solid with the claim that two faces meet with GC^`order` along V(g, h), `along = (g, h)`.
@@ -185,9 +186,8 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     def require_joints(self) -> Solid:
         """The solid itself; raises `GeometryError` for the first joint that is not proved."""
-        for verdict in self.verdicts:
-            if not verdict.proved:
-                raise GeometryError(f"joint not there: {verdict}")
+        if wrong := [verdict for verdict in self.verdicts if not verdict.proved]:
+            raise GeometryError(f"joint not there: {wrong[0]}")
         return self
 
     @cached_property
@@ -266,12 +266,11 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> FaceMesh:
         """The mesh as the mesher makes it: labelled, in the local coordinates of `field`."""
-        quality = Quality.of(quality)
-        key = self._tolerance(tolerance), quality
+        key = self._tolerance(tolerance), Quality.of(quality)
         if key not in self._cache:
-            found = self._sheet_mesh(tolerance, quality)
+            found = self._sheet_mesh(tolerance, key[1])
             made = self._from_lattices(*key) if found is None else face_mesh(found, self.field, *key)
-            if quality is Quality.COUNT:  # long triangles may need more of them on coarse meshes
+            if key[1] is Quality.COUNT:  # long triangles may need more of them on coarse meshes
                 made = min(made, self.face_mesh(tolerance), key=lambda found: len(found.mesh.triangles))
             self._cache[key] = made
         return self._cache[key]

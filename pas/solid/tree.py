@@ -9,7 +9,7 @@ from typing import Generic, Protocol, TypeVar, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.affine import Affine, numbered
+from pas.algebra.affine import Affine
 from pas.algebra.inputs import check_coefficients
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
@@ -117,11 +117,6 @@ def mapped(tree: Tree, change: Callable[[Atom], Leaf | Node[Leaf]]) -> Leaf | No
     if isinstance(tree, Atom):
         return change(tree)
     return Node(tuple(mapped(part, change) for part in tree.parts), tree.union)
-
-
-def copied(tree: Tree, number: int) -> Tree:
-    """The tree with the faces named as those of a copy of that number."""
-    return mapped(tree, lambda atom: replace(atom, face=numbered(atom.face, number)))
 
 
 def atoms(tree: Tree) -> Iterator[Atom]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Sequence
+from itertools import cycle
 from typing import Any, cast
 
 import numpy as np
@@ -25,7 +26,8 @@ from pas.parametric.generatrix.blend import GeneratrixBlend
 from pas.piecewise import PiecewiseSurface, SurfaceMesh
 from pas.render.piecewise import sharpest_neighbour
 from pas.render.plotting import hair_length
-from pas.render.scene import scene_of
+from pas.render.scene import BLEND_COLOR, COLORS, Layer, scene_of
+from pas.settings import MeshSettings
 from pas.shape import Shape, kind_of
 from pas.studio import Message
 from pas.studio.controls import SHAPE
@@ -181,34 +183,49 @@ def _change(surface: Any, along: Floats) -> Floats:
 
 
 def _meshes(shape: Shape) -> Message:
-    """The layers of the shape's picture, with curvatures where its kind knows them."""
-    curved = kind_of(shape).curved
-    layers = scene_of(shape, Picture()).layers
-    low = np.min([layer.mesh.points.min(axis=0) for layer in layers], axis=0)
-    high = np.max([layer.mesh.points.max(axis=0) for layer in layers], axis=0)
-    origin, scale = (low + high) / 2, float((high - low).max()) / 2 or 1.0
+    """The layers of the shape's picture, with curvatures where its kind knows them; of what stands in many places, each
+    body once, with its places."""
+    kind = kind_of(shape)
+    curved = kind.curved
+    placed = [] if kind.placed is None else kind.placed(shape, MeshSettings())
+    layers = [Layer(mesh, COLORS[0]) for mesh, _ in placed] or scene_of(shape, Picture()).layers
+    shifts = [places for _, places in placed] or [np.zeros((1, 3))] * len(layers)
+    boxes = [(layer.mesh.points, places) for layer, places in zip(layers, shifts, strict=True)]
+    low = np.min([points.min(axis=0) + places.min(axis=0) for points, places in boxes], axis=0)
+    high = np.max([points.max(axis=0) + places.max(axis=0) for points, places in boxes], axis=0)
+    middle, scale = (low + high) / 2, float((high - low).max()) / 2 or 1.0
+    origin = middle if not placed else np.zeros(3)
     arrays: dict[str, Any] = {}
     for number, layer in enumerate(layers):
         points, triangles, normals = layer.mesh.shading
         arrays[f"points {number}"] = ((points - origin) / scale).astype(np.float32)
         arrays[f"normals {number}"] = normals.astype(np.float32)
         arrays[f"triangles {number}"] = np.asarray(triangles, dtype=np.uint32)
+        if placed:
+            arrays[f"places {number}"] = ((shifts[number] - middle) / scale).astype(np.float32)
         if layer.principal is not None:
             bent = layer.principal()[layer.mesh.shading_points]
             both = np.stack([bent.mean(axis=1), bent.prod(axis=1)], axis=1)
             arrays[f"bent {number}"] = np.nan_to_num(both, nan=0.0, posinf=0.0, neginf=0.0).astype(np.float32)
+    names = list(dict.fromkeys(name for mesh, _ in placed for name in mesh.names))
+    palette = (BLEND_COLOR, *COLORS)
+    colors = dict(zip(names, cycle(palette), strict=False))
     more, parts = legs(shape)
     units = [layer.unit for layer in layers if layer.unit is not None]
     head = {
         "kind": "picture",
         "how": "mesh",
-        "colors": [layer.color for layer in layers],
-        "origin": origin.tolist(),
+        "colors": [colors[mesh.names[0]] for mesh, _ in placed] or [layer.color for layer in layers],
+        "parts": [[name, colors[name]] for name in names],
+        "origin": middle.tolist(),
         "scale": scale,
         "unit": units[0] if units else _usual(arrays),
         "main": [layer.aside for layer in layers].index(False) if not all(layer.aside for layer in layers) else 0,
         "curved": curved,
-        "triangles": sum(len(layer.mesh.triangles) for layer in layers),
+        "triangles": sum(
+            len(mesh.triangles) * len(places)
+            for (mesh, places) in zip((layer.mesh for layer in layers), shifts, strict=True)
+        ),
         **more,
     }
     return Message(head, arrays | parts)

@@ -25,7 +25,7 @@ cells into flat ones first); `PiecewiseSurface.mesh` is.  Cells share no points,
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -167,7 +167,27 @@ def write_3mf(parts: Sequence[Piece], path: Path, request: Request) -> None:
     checkpoint()
     writer = model.QueryWriter("3mf")
     writer.SetDecimalPrecision(9)  # its usual six would round a part of a few units visibly
-    writer.WriteToFile(str(path))
+    save_3mf(writer, path)
+
+
+def save_3mf(writer: Any, path: Path) -> None:
+    """Write what a writer of lib3mf has by a stream of Python: on a full disk its own one ends the process."""
+    lib3mf, failed = require_lib3mf(), list[OSError]()
+    with path.open("wb") as stream:
+
+        def attempt(write: Callable[[], Any]) -> None:
+            try:
+                write()
+            except OSError as error:
+                failed.append(error)
+
+        writer.WriteToCallback(
+            lib3mf.WriteCallback(lambda data, count, _: attempt(lambda: stream.write(ctypes.string_at(data, count)))),
+            lib3mf.SeekCallback(lambda place, _: attempt(lambda: stream.seek(place))),
+            None,
+        )
+    if failed:
+        raise failed[0]
 
 
 def _records(kind: Any, rows: Any, number: str) -> Any:

@@ -91,8 +91,9 @@ export class Caster {
 		if (indices) { order = gl.createBuffer(); gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, order); gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STATIC_DRAW); }
 		return { array, buffer, order, count: indices ? indices.length : (4 * data.length) / stride };
 	}
-	drop(list) { for (const m of list) { this.gl.deleteBuffer(m.buffer); this.gl.deleteBuffer(m.order); this.gl.deleteVertexArray(m.array); } }
-	setMeshes(meshes) { // of { points, normals, triangles, tints }, tints of red, green, blue, mean and Gauss curvature
+	drop(list) { for (const m of list) { for (const b of [m.buffer, m.order, m.shifts]) this.gl.deleteBuffer(b ?? null); this.gl.deleteVertexArray(m.array); } }
+	// Of { points, normals, triangles, tints }, tints of red, green, blue, mean and Gauss curvature, and `places` of what stands in many.
+	setMeshes(meshes) {
 		this.drop(this.meshes); this.meshes = this.uploaded(meshes);
 	}
 	setSubstitute(mesh) { this.drop(this.substitute); this.substitute = this.uploaded([mesh]); } // of the cells
@@ -100,8 +101,15 @@ export class Caster {
 		return meshes.map((m) => {
 			const n = m.points.length / 3, data = new Float32Array(11 * n);
 			for (let i = 0; i < n; i++) { data.set(m.points.subarray(3 * i, 3 * i + 3), 11 * i); data.set(m.normals.subarray(3 * i, 3 * i + 3), 11 * i + 3); data.set(m.tints.subarray(5 * i, 5 * i + 5), 11 * i + 6); }
-			return this.upload(data, [["corner", 3], ["normal", 3], ["tint", 3], ["bent", 2]], m.triangles);
+			const made = this.upload(data, [["corner", 3], ["normal", 3], ["tint", 3], ["bent", 2]], m.triangles);
+			return m.places ? this.placed(made, m.places) : { ...made, many: 1 };
 		});
+	}
+	placed(made, places) { // attribute 4 is a shift for each place, and zero of what has none
+		const gl = this.gl, shifts = gl.createBuffer();
+		gl.bindVertexArray(made.array); gl.bindBuffer(gl.ARRAY_BUFFER, shifts); gl.bufferData(gl.ARRAY_BUFFER, places, gl.STATIC_DRAW);
+		gl.enableVertexAttribArray(4); gl.vertexAttribPointer(4, 3, gl.FLOAT, false, 0, 0); gl.vertexAttribDivisor(4, 1);
+		return { ...made, shifts, many: places.length / 3 };
 	}
 	setLines(sets) { // of { data: corners and colours, lift }
 		this.drop(this.lines);
@@ -177,9 +185,9 @@ export class Caster {
 	}
 	drawMeshes(f, look, meshes) {
 		if (!meshes.length) return;
-		const gl = this.gl, at = this.common(this.program(MESH_VERTEX, meshFragment(look.mode), ["corner", "normal", "tint", "bent"]), f);
+		const gl = this.gl, at = this.common(this.program(MESH_VERTEX, meshFragment(look.mode), ["corner", "normal", "tint", "bent", "place"]), f);
 		gl.uniform3fv(at.light, f.light); gl.uniform4fv(at.cut, look.section || [0, 0, 0, 1]); gl.uniform1f(at.range, look.range || 1);
-		for (const m of meshes) { gl.bindVertexArray(m.array); gl.drawElements(gl.TRIANGLES, m.count, gl.UNSIGNED_INT, 0); }
+		for (const m of meshes) { gl.bindVertexArray(m.array); gl.drawElementsInstanced(gl.TRIANGLES, m.count, gl.UNSIGNED_INT, 0, m.many); }
 	}
 	drawLines(f) {
 		if (!this.lines.length) return;

@@ -34,7 +34,7 @@ export function elements(el, on) {
 				($.help = make("div", { class: "row", hidden: true }, button("repair", "Repair", () => on.repair()), button("back", "Back to the last proved", () => on.back())))),
 			($.measured = make("section", { hidden: true }, make("h2", {}, "Fairness ", ($.measuring = make("span", { class: "told" }))), ($.fairness = make("dl", {})))),
 			($.curve = make("section", { hidden: true }, make("h2", {}, "Curvature along a curve "), ($.curves = make("select", { "aria-label": "Curve", onchange: () => on.curve() })), ($.diagram = make("div", { class: "diagram" })))),
-			section("Shape", ($.controls = make("div", {}))),
+			section("Shape", ($.parts = make("ul", { class: "parts", "aria-label": "Parts" })), ($.controls = make("div", {}))),
 			section("The same in code", row(button("python", "Copy as Python", () => on.copy("python")), button("toml", "Copy as TOML", () => on.copy("toml"))), ($.code = make("pre", { tabindex: 0, "aria-label": "Python" }))),
 			section("Save", row(($.format = make("select", { "aria-label": "Format" }, ...options([".pas.json"]))), button("export", "Export", () => on.export()), button("png", "PNG", () => on.png()), button("film", "Turntable", () => on.film(), { title: "one turn as a WebM film" }), ($.pixels = make("select", { "aria-label": "Size of the PNG" }, ...options(["1200 x 900", "1920 x 1080", "3840 x 2160", "600 x 450"]))))),
 		)),

@@ -61,10 +61,11 @@ export class Scene {
 		this.legs = arrays.legs; this.middle = [0, 0, 0]; // of the server's box around them
 		this.vertices = []; this.cells = []; this.bodies = []; this.surface = []; this.reach = 0;
 		this.meshes = head.colors.map((color, i) => {
-			const points = arrays[`points ${i}`], n = points.length / 3, tints = new Float32Array(5 * n), bent = arrays[`bent ${i}`];
-			for (let k = 0; k < n; k++) this.reach = Math.max(this.reach, Math.hypot(points[3 * k], points[3 * k + 1], points[3 * k + 2]));
+			const points = arrays[`points ${i}`], places = arrays[`places ${i}`], n = points.length / 3, tints = new Float32Array(5 * n), bent = arrays[`bent ${i}`];
+			const farthest = (p) => { let most = 0; for (let k = 0; k < p.length; k += 3) most = Math.max(most, Math.hypot(p[k], p[k + 1], p[k + 2])); return most; };
+			this.reach = Math.max(this.reach, farthest(points) + (places ? farthest(places) : 0));
 			for (let k = 0; k < n; k++) tints.set([...rgb(color), bent ? bent[2 * k] : NaN, bent ? bent[2 * k + 1] : NaN], 5 * k);
-			return { points, normals: arrays[`normals ${i}`], triangles: arrays[`triangles ${i}`], tints };
+			return { points, normals: arrays[`normals ${i}`], triangles: arrays[`triangles ${i}`], tints, places };
 		});
 		this.round = this.reach;
 	}

@@ -263,9 +263,9 @@ ${aside ? "" : SEAMS}`}
 const EYE = "uniform mat3 toEye; uniform vec3 eye; uniform vec2 tan0; uniform float near, far; uniform vec2 jitter, pixels;";
 
 export const MESH_VERTEX = `#version 300 es
-in vec3 corner, normal, tint; in vec2 bent; ${EYE}
+in vec3 corner, normal, tint, place; in vec2 bent; ${EYE}
 out vec3 at, n, c; out vec2 k;
-void main() { vec3 q=toEye*(corner-eye); at=corner-eye; n=normal; c=tint; k=bent;
+void main() { at=corner+place-eye; vec3 q=toEye*at; n=normal; c=tint; k=bent;
 	gl_Position=vec4(q.xy/tan0-q.z*2.0*jitter/pixels, 2.0*far*(q.z-near)/(far-near)-q.z, q.z); }`;
 
 export const meshFragment = (mode) => `#version 300 es

@@ -91,6 +91,7 @@ export function render({ channel, el, start = null, keep = () => {} }) {
 		s.scene = new Scene(head, arrays); s.sceneName = head.scene || ""; view.load(s.scene, keepView);
 		s.unit = head.unit; looks.again(); looks.wire(); arrived(head);
 		if (head.final) {
+			$.parts.replaceChildren(...(head.parts || []).map(([name, color]) => { const l = make("li", {}, name); l.style.borderColor = color; return l; }));
 			s.final = head; $.title.textContent = head.name; panel.show(head.controls, s.doc, head.members);
 			$.code.textContent = head.python; formats(head.formats);
 			if (head.seq === s.seq) {

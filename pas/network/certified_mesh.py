@@ -1,0 +1,69 @@
+"""Meshes of networks, and the proof that they are those of their bodies: node by node of each class, strip by strip."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from pas.algebra.rational import exact
+from pas.mesh.mesh import Mesh
+from pas.mesh.quality import manifold
+from pas.verdicts import Findings, Status, Verdict
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NetworkMesh(Mesh):
+    """The mesh of a network's body; its certificate is a proof that it is one."""
+
+    part: Any = field(default=None, kw_only=True)
+    tolerance: float = field(default=0.0, kw_only=True)
+
+    @cached_property
+    def certificate(self) -> Findings:
+        """Whether it is a closed manifold, each node's mesh has the topology of its surface, and how far it is off."""
+        sides = [self.part, *([self.part.cavity] if self.part.cavity else [])]
+        topology = Verdict(Status.PROVED, "the topology of every node", "by the meshes of their classes")
+        distances = []
+        for side in sides:
+            said, distance = self._side(side)
+            distances.append(max([distance, *(strut.deviation for strut in side.pieces(self.tolerance).struts)]))
+            topology = topology if said is None else replace(topology, status=said.status, reason=said.reason)
+        bound = max(distances) + float(np.abs(self.points).max()) * 2.0**-50
+        near = Verdict(Status.UNDECIDED, "near the surface", "of some class the distance is not proved")
+        if np.isfinite(bound):
+            reason = f"within {bound:.3g}: nodes by their classes, strips by their widest angle"
+            near = Verdict(Status.PROVED, near.claim, reason)
+        return Findings((manifold(self.triangles), topology, near, *self._apart(sum(distances))))
+
+    def _side(self, side: Any) -> tuple[Verdict | None, float]:
+        """What is not proved of the meshes of a body's nodes, outside or of its cavity, and how far off these are."""
+        failed, distance, step = None, 0.0, float(side.network.grid)
+        for one in side.classes:
+            if (blend := side.blend_of(one)) is None:
+                continue
+            found = blend.surface.mesh(self.tolerance / step).certificate
+            open_ = [verdict for verdict in found.verdicts if not (verdict.proved or verdict.measured)]
+            for verdict in open_:
+                failed = replace(verdict, reason=f"{one}: {verdict.claim}: {verdict.reason}")
+            # with the topology goes that points of both are joined along the gradient, on which the distance is bounded
+            distance = max(distance, np.inf if open_ or found.distance is None else step * found.distance)
+        return failed, distance
+
+    def _apart(self, distance: float) -> Iterator[Verdict]:
+        """Of a hollow body that the meshes of both its sides, so far off together, are apart."""
+        part = self.part
+        if part.wall is None:
+            return
+        claim, bound = "both sides of the wall are apart", exact(distance / float(part.network.grid))
+        for found in part.hollow.values() if np.isfinite(distance) else ():
+            thick = found.thicker_than(bound)
+            if not thick.proved:
+                yield replace(thick, claim=claim)
+                return
+        proved = distance < float(part.wall)
+        reason = f"the wall is thicker than {distance:.3g}, by which both are off together"
+        yield Verdict(Status.PROVED if proved else Status.UNDECIDED, claim, reason if proved else "the wall is thinner")

@@ -1,0 +1,78 @@
+"""Meshes of hollow networks: an outer and an inner network of the same kinds, the inner one turned inside out.
+
+Both have the same struts in the same order, so that each piece is one of both: rings have the vertices of the outer
+circle and then those of the inner one, and flat ends are rings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from pas.mesh.rows import Floats, Integers
+from pas.network.placing import NodePiece, PlacedPieces, StrutPiece
+from pas.network.rings import strip
+
+
+class HollowPieces(PlacedPieces):
+    """The pieces of what is between an `outer` and an `inner` network."""
+
+    def __init__(self, outer: PlacedPieces, inner: PlacedPieces) -> None:
+        super().__init__(outer.network, outer.kinds, outer.blends, outer.tolerance)
+        self.outer, self.inner = outer, inner
+
+    @cached_property
+    def nodes(self) -> list[NodePiece]:
+        """The piece of each kind."""
+        made = []
+        for kind, (outer, inner) in enumerate(zip(self.outer.nodes, self.inner.nodes, strict=True)):
+            points, count = np.concatenate([outer.points, inner.points]), len(outer.points)
+            rings = tuple(np.concatenate([a, count + b]) for a, b in zip(outer.rings, inner.rings, strict=True))
+            if len(rings) == 1:  # of an end, which is flat
+                triangles, normals = annulus(points, outer.rings[0], count + inner.rings[0], -self._axes(kind)[0])
+            else:
+                triangles = np.concatenate([outer.triangles, count + inner.triangles[:, ::-1]])
+                normals = np.concatenate([outer.normals, -inner.normals[:, ::-1]])
+            made.append(NodePiece(points, triangles, normals, rings, max(outer.deviation, inner.deviation)))
+        return made
+
+    @cached_property
+    def struts(self) -> list[StrutPiece]:
+        """The piece of each kind of strut."""
+        made = []
+        for outer, inner in zip(self.outer.struts, self.inner.struts, strict=True):
+            (a, b), (c, d) = (
+                [len(pieces.nodes[kind].rings[slot]) for kind, slot in zip(outer.kinds, outer.slots, strict=True)]
+                for pieces in (self.outer, self.inner)
+            )
+            numbers = np.concatenate([np.arange(a), np.arange(b) + a + c])
+            inside = np.concatenate([np.arange(c) + a, np.arange(d) + a + b + c])
+            triangles = np.concatenate([numbers[outer.triangles], inside[inner.triangles[:, ::-1]]])
+            normals = np.concatenate([outer.normals, -inner.normals[:, ::-1]])
+            off = max(outer.deviation, inner.deviation)
+            made.append(replace(outer, triangles=triangles, normals=normals, deviation=off))
+        return made
+
+    def _body(self, kind: int, cuts: Floats) -> tuple[Floats, Integers, Floats]:
+        (points, triangles, normals, rings), inner = self.outer.cut(kind, cuts), self.inner.cut(kind, cuts)
+        count = len(points)
+        points = np.concatenate([points, inner[0]])
+        triangles += [count + of[:, ::-1] for of in inner[1]]
+        normals += [-of[:, ::-1] for of in inner[2]]
+        if len(rings) == 1:  # the flat end of a strut
+            ends = self.outer.nodes[kind].rings[0], count + self.inner.nodes[kind].rings[0]
+            triangles[0], normals[0] = annulus(points, *ends, -self._axes(kind)[0])
+            del triangles[3], normals[3]
+        for ring, hole, axis in zip(rings, inner[3], self._axes(kind), strict=True):
+            flat, straight = annulus(points, ring, count + hole, axis)
+            triangles.append(flat)
+            normals.append(straight)
+        return points, np.concatenate(triangles), np.concatenate(normals)
+
+
+def annulus(points: Floats, outer: Integers, inner: Integers, axis: Floats) -> tuple[Integers, Floats]:
+    """The triangles between two rings in a plane, seen from where a unit vector points, and their corners' normals."""
+    found = np.concatenate([outer, inner])[strip(points[outer], points[inner], axis)[0]]
+    return found, np.broadcast_to(axis, (len(found), 3, 3))

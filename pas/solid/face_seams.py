@@ -1,0 +1,166 @@
+"""The edges in which two faces of a solid meet, as its mesh shows them, with what a fillet needs to know of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from flint import fmpq
+
+from pas.algebra.inputs import shown_point
+from pas.algebra.lengths import unit
+from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.errors import GeometryError, meant
+from pas.mesh.mesh import Mesh
+from pas.mesh.projection import distances, newton
+from pas.mesh.rows import Integers
+from pas.solid.solid import Solid
+
+
+@dataclass(frozen=True, eq=False)
+class FaceSeam:
+    """The edges in which two faces of a solid meet, as its mesh shows them, with what a fillet needs of them.
+
+    `points` (N, 3) are on both faces, evenly along the edges.  `sign` is 1 where a fillet is added, -1 where it takes
+    away.  `walls` are the polynomials, negative inside, of the faces in which the seam ends, where it leaves the solid.
+    """
+
+    faces: tuple[Polynomial, Polynomial]
+    points: Floats
+    sign: int
+    walls: tuple[Polynomial, ...]
+
+    @classmethod
+    def of(cls, solid: Solid, names: tuple[str, str]) -> FaceSeam:
+        """The seam of two faces by their names; raises `GeometryError` where there is none to be filled."""
+        faces = _polynomial(solid, names[0]), _polynomial(solid, names[1])
+        mesh = solid.mesh()
+        numbers = [[k for k, several in enumerate(mesh.names) if name in several.split(" + ")] for name in names]
+        edges = edges_between(mesh, *numbers)
+        if not len(edges):
+            raise GeometryError(f"the faces {names[0]!r} and {names[1]!r} of the solid do not meet in an edge")
+        points, reach = _along(mesh.points[edges])
+        points = newton(points, Levels(faces), _numbers(points, 0, 1), np.full(len(points), reach))
+        middles, ways = mesh.points[edges].mean(axis=1), mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
+        crossed = np.cross(faces[0].gradient(middles), faces[1].gradient(middles))
+        above = (crossed * ways).sum(axis=1) < 0
+        found = cls(
+            faces, points, 1 if above.all() else -1, tuple(_walls(solid, mesh, edges, [*numbers[0], *numbers[1]]))
+        )
+        flat = 1e-2  # sine of an angle between faces below which they are taken for tangent
+        worst = int(np.argmax(found.cosines**2))
+        if 1 - found.cosines[worst] ** 2 < flat**2:
+            raise GeometryError(
+                f"the faces {names[0]!r} and {names[1]!r} touch, or nearly so, near {shown_point(points[worst])}: a "
+                f"fillet is for faces that meet with an angle, or for pipes whose axes meet"
+            )
+        if above.any() != above.all():
+            raise GeometryError(
+                f"the faces {names[0]!r} and {names[1]!r} meet in edges that go out and such that go in; "
+                f"give the fillet of each its own solid, before they are united"
+            )
+        return found
+
+    @cached_property
+    def normals(self) -> Floats:
+        """The unit normals (2, N, 3) of both faces outwards at the points."""
+        return np.stack([unit(face.gradient(self.points)) for face in self.faces])
+
+    @cached_property
+    def cosines(self) -> Floats:
+        """Those (N,) of the angles between the normals."""
+        return np.asarray((self.normals[0] * self.normals[1]).sum(axis=1))
+
+    def centers(self, radius: float) -> Floats:
+        """Those (N, 3) of balls of a radius that touch both faces, where these are flat."""
+        reach = self.sign * radius / (1 + self.cosines)[:, None]
+        return np.asarray(self.points + reach * self.normals.sum(axis=0))
+
+    def runs_out(self, radius: float) -> float:
+        """How far beyond the ends of an edge a fillet may take away, until it leaves the solid there."""
+        return 2 * radius * (1 + float(np.sqrt((1 - self.cosines) / (1 + self.cosines)).max()))
+
+    def ends(self, heights: tuple[fmpq, fmpq], radius: float) -> Floats | None:
+        """Points (2 N, 3) of the curves on the faces in which a fillet ends; None where a face does not go that far."""
+        one, other = self.faces
+        levels = Levels((one, other, one - heights[0] * self.sign, other - heights[1] * self.sign))
+        tangents = radius * np.sqrt((1 - self.cosines) / (1 + self.cosines))[:, None]
+        found = []
+        for mine, its in ((0, 1), (1, 0)):
+            way = self.sign * unit(self.normals[its] - self.cosines[:, None] * self.normals[mine])
+            reach = np.full(len(way), radius)
+            numbers = _numbers(way, mine, 2 + its)
+            moved = newton(self.points + tangents * way, levels, numbers, reach)
+            off = [distances(levels, moved, column).max() for column in numbers.T]
+            if max(off) > 1e-6 * radius:  # beyond what rounding leaves
+                return None
+            found.append(moved)
+        return np.concatenate(found)
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """Polynomials by number, whose common zeros are looked for."""
+
+    functions: tuple[Polynomial, ...]
+
+    def jets(self, points: Floats, labels: int | Integers) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3) of the polynomial that has the number, one for all of them."""
+        function = self.functions[int(np.ravel(labels)[0])]
+        return np.concatenate([function(points)[:, None], function.gradient(points)], axis=1)
+
+
+def _along(edges: Floats) -> tuple[Floats, float]:
+    """Points (N, 3) along edges (E, 2, 3), at their ends and between, and how far these are apart at most."""
+    lengths = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1)
+    parts = np.ceil(lengths / (lengths.sum() / 64)).astype(np.intp)
+    rows = np.repeat(np.arange(len(edges)), parts)
+    shares = (np.arange(len(rows)) - np.repeat(np.cumsum(parts) - parts, parts) + 0.5) / parts[rows]
+    middles = edges[rows, 0] + shares[:, None] * (edges[rows, 1] - edges[rows, 0])
+    return np.concatenate([middles, np.unique(edges.reshape(-1, 3), axis=0)]), float((lengths / parts).max())
+
+
+def _numbers(points: Floats, *numbers: int) -> Integers:
+    """Functions by number, (N, m), which are those of each of N points."""
+    return np.tile(np.array(numbers, dtype=np.intp), (len(points), 1))
+
+
+def _polynomial(solid: Solid, name: str) -> Polynomial:
+    """The one polynomial, negative inside, of a face."""
+    if name not in solid.faces:
+        known = meant(name, solid.faces) or f"; its faces are {', '.join(map(repr, solid.faces))}"
+        raise GeometryError(f"the solid has no face {name!r}{known}")
+    found = solid.polynomials.get(name, ())
+    if len(found) != 1:
+        what = f"is on {len(found)} polynomials" if found else "is on no polynomial"
+        raise GeometryError(f"the face {name!r} {what}: a fillet needs a face that is on one")
+    return found[0]
+
+
+def edges_between(mesh: Mesh, first: Sequence[int], second: Sequence[int]) -> Integers:
+    """The edges (E, 2) between some faces of a mesh and others, with the former on their left."""
+    corners = [mesh.triangles[np.isin(mesh.faces, numbers)] for numbers in (first, second)]
+    sides = [np.concatenate([np.roll(c, -i, axis=1) for i in range(3)]) for c in corners]
+    n = len(mesh.points)
+    keys = sides[0][:, 0] * n + sides[0][:, 1], sides[1][:, 1] * n + sides[1][:, 0]
+    _, mine, _ = np.intersect1d(*keys, return_indices=True)
+    return np.asarray(sides[0][mine, :2])
+
+
+def _walls(solid: Solid, mesh: Mesh, edges: Integers, numbers: Sequence[int]) -> list[Polynomial]:
+    """The polynomials of the faces through which the seam leaves the solid at its ends."""
+    vertices, times = np.unique(edges, return_counts=True)
+    found: dict[Polynomial, None] = {}
+    for end in vertices[times == 1].tolist():
+        edge = edges[(edges == end).any(axis=1)][0]
+        way = mesh.points[end] - mesh.points[edge[edge != end][0]]
+        around = np.unique(mesh.faces[(mesh.triangles == end).any(axis=1)])
+        others = [mesh.names[number] for number in around.tolist() if number not in numbers]
+        names = [name for together in others for name in together.split(" + ")]
+        for wall in (wall for name in names for wall in solid.polynomials.get(name, ())):
+            if wall.gradient(mesh.points[end]) @ way > 0:
+                found[wall] = None
+    return [*found]
