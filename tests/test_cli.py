@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -37,7 +38,8 @@ def test_blend_writes_three_files(made):
 
 
 def test_blend_prints_a_summary_and_progress(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("pas.limits.FIRST_REPORT", 0.0)  # stages are told after the first second only
+    for name in ("FIRST_REPORT", "REPORT_EVERY"):  # stages are told after the first second only
+        monkeypatch.setattr(f"pas.limits.{name}", 0.0)
     code, out, err = run(capsys, "blend", PROBLEM, "-o", tmp_path, "--no-picture", "--tolerance", "0.01")
     assert code == 0
     for words in (
@@ -53,6 +55,8 @@ def test_blend_prints_a_summary_and_progress(tmp_path, capsys, monkeypatch):
         assert words in out
     assert str(tmp_path / "equal_gc1.stl") in out
     assert "solve (degree 3)" in err
+    shares = [int(share) for share in re.findall(r" \((\d+)%\), \d+ s$", err, re.M)]
+    assert len(set(shares)) > 5 and shares == sorted(shares) and shares[-1] < 100
     assert "mesh" in err
     assert not (tmp_path / "equal_gc1.png").exists()
 

@@ -86,7 +86,7 @@ def test_a_tutorial_prints_in_a_notebook_what_its_page_says(page):
 
 
 def test_all_tutorials_are_notebooks_and_made_again_only_if_they_change(tmp_path, monkeypatch):
-    listed = re.findall(r"^tutorials/(\w+)$", (ROOT / "docs/index.md").read_text(), re.M)
+    listed = re.findall(r"^tutorials/(\w+)$", (ROOT / "docs/index.md").read_text(encoding="utf-8"), re.M)
     assert sorted(listed) == [page.stem for page in notebooks.TUTORIALS] and len(listed) == 7
     ran = []
     monkeypatch.setattr(notebooks, "executed", lambda made: ran.append(made) or made)
@@ -101,7 +101,8 @@ def test_all_tutorials_are_notebooks_and_made_again_only_if_they_change(tmp_path
         assert sorted(shown) == sorted(kept)
         assert all(base64.b64decode(data["image/png"]).startswith(b"\x89PNG") for data in kept.values())
         assert not any(re.search(r"\]\((?!attachment:|http)", cell.source) or "```" in cell.source for cell in cells)
+    text = (ROOT / "docs/tutorials/energy.md").read_text(encoding="utf-8")
     page = tmp_path / "energy.md"
-    page.write_text((ROOT / "docs/tutorials/energy.md").read_text().replace("../../", f"{ROOT}/") + "more\n")
+    page.write_text(text.replace("../../", f"{ROOT}/") + "more\n", encoding="utf-8")
     notebooks.write(tmp_path, [page])
     assert len(ran) == 8

@@ -104,7 +104,7 @@ CLOSED = {"PROBLEMS", "FILLET_MAKERS", "DOCUMENTS", "MAKERS"}
 
 def test_every_registry_has_a_recipe():
     """By its name, which stands in the recipe's code, or in the function that registers for it."""
-    sources = "\n".join(path.read_text() for path in (ROOT / "pas").rglob("*.py"))
+    sources = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "pas").rglob("*.py"))
     found = re.findall(r"^([A-Z_]+): Registry\[", sources, flags=re.M)
     code = "\n".join(re.findall(r"^```python\n(.*?)^```", TEXT, flags=re.M | re.S))
     code = re.sub(r"pas\.register_(\w+)", lambda m: f"{m[1]}s".replace("ys", "ies").upper(), code)

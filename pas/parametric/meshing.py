@@ -224,7 +224,9 @@ class CellMesher:
     def _first(self) -> list[GridCells]:
         """The cells into which the rectangle is cut first: multiples of 2^-13, that they can be halved often."""
         fine, found = 1 << 13, list[GridCells]()
-        ends = [[round(GRID / fine * k / n) * fine for k in range(n + 1)] for n in self.parts]
+        weights = np.ones(1) if self.whole is None else np.abs(self.whole.table[0, [0, 0, -1, -1], [0, -1, 0, -1], 3])
+        more = 4 if weights.min() < 1e-6 * weights.max() else 1  # parts are scaled exactly: small weights stay exact
+        ends = [[round(GRID / fine * k / n) * fine for k in range(n + 1)] for n in (more * n for n in self.parts)]
         for first, second in pairs_of(*map(pairwise, ends)):
             cell = np.array([*first, *second])
             nets = self.whole if len(ends[0]) == len(ends[1]) == 2 else self._net(cell)
