@@ -30,9 +30,6 @@ ON_PLANE, NEAR = 1e-9, 1e-6
 """In a solid's local coordinates: heights over a plane below which points are on it, and the distance within which all
 points of a border are on the plane that it was cut by."""
 
-BESIDE = 1 / 50
-"""The distance from a plane, over its shortest edge, below which a vertex is put on it: edges bend by less."""
-
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
@@ -175,10 +172,10 @@ class Atlas:
         ends = self.triangles[:, [0, 1, 2, 1, 2, 0]].reshape(-1, 2, 3).transpose(0, 2, 1).reshape(-1, 2)
         shortest = np.full(len(self.points), np.inf)
         np.minimum.at(shortest, ends, np.linalg.norm(np.subtract(*self.points[ends].swapaxes(0, 1)), axis=1)[:, None])
-        sheet = self.sheets[chart]
+        sheet, beside = self.sheets[chart], 1 / 50  # of the shortest edge; edges bend by less
         for other in self.planes[sheet.label]:
             inner &= (other == plane) | (np.abs(other.heights(self.points)) >= ON_PLANE)
-        drawn = np.flatnonzero(inner & (np.abs(plane.heights(self.points)) < BESIDE * shortest))
+        drawn = np.flatnonzero(inner & (np.abs(plane.heights(self.points)) < beside * shortest))
         self.points = self.points.copy()
         self.points[drawn] = CommonZeros((sheet, plane)).placed(self.points[drawn])
 
