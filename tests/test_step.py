@@ -16,7 +16,8 @@ from pas.cli import main
 from pas.exchange.formats import step as module
 from pas.exchange.formats.step import write_parts
 from pas.exchange.step.borders import curve_through
-from pas.exchange.step.carriers import CarrierKind, carrier_of, reducible_planes
+from pas.exchange.step.carriers import CarrierKind, Plane, carrier_of, reducible_planes
+from pas.exchange.step.charts import Atlas
 from pas.exchange.step.model import adaptive_volume, explored, is_valid, step_part
 from pas.exchange.write import write_step
 from pas.parametric.patches import RationalPatch
@@ -498,3 +499,17 @@ def exact(curve):
         return curve(t)
 
     return placed
+
+
+@pytest.mark.parametrize("off", [1e-7, 1e-6, 1e-5])
+def test_cuts_beside_a_vertex_go_through_it(off):
+    """Else the edges that are left beside the plane bend across it, and later cuts put points on its other side."""
+    ball = solid.ball((0, 0, 0), 1)
+    atlas, normal = Atlas(ball.face_mesh(1e-2).mesh, ball.field), np.array([0.6, 0, 0.8])
+    vertex = int(np.abs(atlas.points @ normal).argmin())
+    plane = Plane.of(normal, atlas.points[vertex] @ normal + off)
+    assert len(atlas.cut(0, plane)) == 2
+    corners = atlas.points[atlas.triangles]
+    assert np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).min() > 100 * off
+    assert abs(plane.heights(atlas.points[[vertex]])[0]) < 1e-12
+    assert abs(np.linalg.norm(ball.field.world(atlas.points[[vertex]])) - 1) < 1e-12

@@ -30,6 +30,7 @@ MAY_BE_ANY = {
     "Layout.mesh": BELOW,
     "Layout.picture": FORWARDED,
     "Boundary.source": TABLE,
+    "boundary_from": TABLE,
     "Certificate.from_record": TABLE,
     "Certificate.to_record": TABLE,
     "Energy.to_record": TABLE,

@@ -154,12 +154,20 @@ def _bounded(field: FaceField, tolerance: float, quality: Quality) -> Made:
 def _from_lattices(field: FaceField, tolerance: float, quality: Quality) -> Made:
     """The mesh of a boundary from lattices: surface by surface if most of it is not one sheet in the first of these.
 
-    Where it is refused, of what is left without functions that others seem to imply, if that bounds the set.
+    Where it is refused, surface by surface, too, and then of what is left without functions that others seem to imply,
+    if that bounds the set.
     """
     octree, mesh = first_lattice(field), partial(_made, quality=quality)
-    shells = field.shells() if octree.open_share > THIN else []
-    found = mesh_apart(field, shells, tolerance, mesh) if len(shells) > 1 else None
+
+    def apart() -> Made | None:
+        shells = field.shells()
+        return mesh_apart(field, shells, tolerance, mesh) if len(shells) > 1 else None
+
+    thin = octree.open_share > THIN
+    found = apart() if thin else None
     found = mesh(field, tolerance, octree=octree) if found is None else found
+    if isinstance(found, Refusal) and not thin:
+        found = apart() or found
     if not isinstance(found, Refusal) or field.needed() is field:
         return found
     other = mesh(field.needed(), tolerance)

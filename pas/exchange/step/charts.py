@@ -147,6 +147,7 @@ class Atlas:
 
     def _cut(self, chart: int, plane: Plane) -> None:
         """A chart's triangles divided where a plane crosses them, and their neighbours with them."""
+        self._draw(chart, plane)
         mesh, heights = Labelled.of(self.points, self.triangles, self.chart), self._heights(plane)
         edges, charts = mesh.topology.edge_table
         crossed = np.flatnonzero((heights[edges].prod(axis=1) < 0) & (charts == chart).any(axis=1))
@@ -159,6 +160,24 @@ class Atlas:
         added = start + (low / (low - high))[:, None] * (end - start)
         self.points = np.concatenate([self.points, self._placed(added, edges, charts, plane)])
         self.triangles, self.chart = finer.triangles, finer.labels.copy()
+
+    def _draw(self, chart: int, plane: Plane) -> None:
+        """The inner vertices of a chart that are nearly on a plane moved onto it.
+
+        An edge beside a plane bends across it: points put on that edge later would be on the plane's other side.
+        """
+        inner = np.zeros(len(self.points), dtype=bool)
+        inner[self.triangles[self.chart == chart]] = True
+        inner[self.triangles[self.chart != chart]] = False
+        ends = self.triangles[:, [0, 1, 2, 1, 2, 0]].reshape(-1, 2, 3).transpose(0, 2, 1).reshape(-1, 2)
+        shortest = np.full(len(self.points), np.inf)
+        np.minimum.at(shortest, ends, np.linalg.norm(np.subtract(*self.points[ends].swapaxes(0, 1)), axis=1)[:, None])
+        sheet, beside = self.sheets[chart], 1 / 50  # of the shortest edge; edges bend by less
+        for other in self.planes[sheet.label]:
+            inner &= (other == plane) | (np.abs(other.heights(self.points)) >= ON_PLANE)
+        drawn = np.flatnonzero(inner & (np.abs(plane.heights(self.points)) < beside * shortest))
+        self.points = self.points.copy()
+        self.points[drawn] = CommonZeros((sheet, plane)).placed(self.points[drawn])
 
     def _placed(self, added: Floats, edges: Integers, charts: Integers, plane: Plane) -> Floats:
         """New points (K, 3) on edges (K, 2) between charts (K, 2) moved onto these, and onto a plane."""
