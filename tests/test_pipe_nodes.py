@@ -44,7 +44,7 @@ CASES = {
 
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if "unequal" in n else n for n in CASES])
 def test_the_node_is_a_part_of_the_solid_with_proved_joints(name, order):
     make, arms = CASES[name]
     made = make().fillet("run", "branch", "1/2", order)
@@ -123,6 +123,7 @@ def test_refused(name):
     assert sentence in str(caught.value) and "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_a_face_that_would_be_lost_is_told():
     """A flat part of one pipe, which the node would not have."""
     flat = run() & solid.half_space("z - 9/10", "flat")
