@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import reduce
 from math import pi, sqrt
 from operator import and_
@@ -46,7 +47,7 @@ def test_volume_area_and_topology(name):
     assert shape.area() == pytest.approx(area, rel=1e-5)
     assert mesh.volume == pytest.approx(volume, rel=6e-3)  # of vertices on the surface, as few as the tolerance allows
     has_lines = shape.field.lines(np.arange(2 * len(shape.field.evaluator.columns))).any()
-    assert mesh.smallest_angles.min() > (1 if has_lines else 15)  # triangles are long along straight lines
+    assert mesh.smallest_angles.min() > (0.5 if has_lines else 15)  # triangles are long along straight lines
 
 
 @pytest.mark.parametrize("name", ["ball", "torus", "steinmetz", "lens"])
@@ -234,9 +235,37 @@ def test_boxes_of_prisms_are_exact():
 
 
 def test_thin_solids_are_refused_in_words():
-    sheet = solid.box((0, 0, 0), (1, 1, "1/100000"))
+    sheet = solid.half_space("z - 1/100000") & solid.half_space("-z", "below") & solid.ball((0, 0, 0), 1)
     with pytest.raises(MeshError, match="too thin for its size"):
         sheet.mesh()
+
+
+@pytest.mark.parametrize("sides", [(1, 1, "1/100000"), (1000, 1000, 1), (1000, 1, 1)])
+def test_boxes_mesh_however_thin_or_long_they_are(sides):
+    box = solid.box((0, 0, 0), sides).rotate((1, 2, 2), 30).translate((1, 2, 3))
+    mesh = box.mesh()
+    assert len(mesh.triangles) == 12 and mesh.is_closed and set(mesh.names) == set(box.faces)
+    assert mesh.volume == pytest.approx(float(np.prod([float(Fraction(t)) for t in sides])), rel=1e-9)
+
+
+def test_long_pipes_and_plates_with_holes():
+    bore = solid.cylinder((-1, 0, 0), (1001, 0, 0), 4, "bore")
+    pipe = (solid.cylinder((0, 0, 0), (1000, 0, 0), 5) - bore).mesh(0.02)
+    assert pipe.is_closed and pipe.euler_characteristic == 0
+    assert pipe.volume == pytest.approx(9000 * pi, rel=5e-3)
+    plate = solid.box((0, 0, 0), (1000, 1000, 1)) - solid.cylinder((500, 1, -1), (500, 1, 2), "1/5", "hole")
+    mesh = plate.mesh(0.02)
+    assert mesh.is_closed and mesh.euler_characteristic == 0 and "hole" in mesh.names
+    assert mesh.volume == pytest.approx(1e6 - pi / 25, abs=0.02)
+
+
+@pytest.mark.parametrize("second", [solid.ball((0, 0, "3/2"), "1/2"), solid.cylinder((-1, 0, 2), (1, 0, 2), 1)])
+def test_what_touches_a_box_from_above_is_no_piece_of_its_own(second):
+    box = solid.box((-1, -1, 0), (1, 1, 1))
+    with pytest.raises(MeshError, match="touch, and the parts that they bound do not overlap"):
+        (box | second).mesh(1e-2)
+    almost = (box | second.translate((0, 0, "1/100000"))).mesh(1e-2)
+    assert almost.components == 2 and almost.is_closed
 
 
 def test_booleans_of_meshes():

@@ -11,12 +11,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from pas.mesh.cleaning import FOLD, cleaned
-from pas.mesh.diagnostics import diagnosis
+from pas.mesh.crossings import crossings
+from pas.mesh.diagnostics import PLACES, diagnosis
 from pas.mesh.face_ground import FaceGround
 from pas.mesh.field import FaceField, bounds_set, extent_of
 from pas.mesh.first import first_lattice, first_mesh, unsound
@@ -24,9 +26,9 @@ from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.hollowed import mesh_hollowed, too_thick
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.nodes import SAME, Nodes, contracted
+from pas.mesh.nodes import SAME, Nodes, contracted, flat_nodes
 from pas.mesh.octree import Octree
-from pas.mesh.projection import newton, pair_normals, project
+from pas.mesh.projection import distances, newton, pair_normals, project
 from pas.mesh.quality import Quality
 from pas.mesh.refusals import Made, Refusal, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
@@ -90,23 +92,55 @@ def triangulate_faces(
 
 
 def _from_first(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> Made | None:
-    """The mesh of a boundary from a first one that need not be good; None where it is not of all of the boundary."""
-    mesh = cleaned(_joined(first, field), field, tolerance)
-    if unsound(mesh, field, tolerance)[0]:
+    """The mesh of a boundary from a first one that need not be good; None where it is not of all of the boundary, or
+    that is no surface."""
+    joined = _joined(first, field)
+    mesh = joined and cleaned(joined, field, tolerance)
+    if mesh is None or unsound(mesh, field, tolerance)[0]:
         return None
     found = _refined(mesh, field, tolerance, quality)
-    return found if isinstance(found, tuple) and _bounding(found[0], field, tolerance) else None
+    if isinstance(found, Refusal) or not _bounding(found[0], field, tolerance):
+        return None
+    return None if _touches(found[0], field, tolerance) else found
 
 
-def _joined(mesh: Labelled, field: FaceField) -> Labelled:
-    """A mesh with vertices that their faces put in one place made one, as corners are in which more faces meet."""
+def _touches(mesh: Labelled, field: FaceField, tolerance: float) -> bool:
+    """Whether triangles cross, or pieces touch, looked for where each is nearest to faces of the others."""
+    if len(crossings(mesh.points, mesh.triangles)[0]):
+        return True
+    pieces, room = connected(mesh.topology.edges, len(mesh.points)), 4 * tolerance  # between a vertex and such a face
+    owners = pieces[mesh.triangles[:, 0]]
+    for piece, label in product(range(int(pieces.max()) + 1), np.unique(mesh.labels).tolist()):
+        if piece in owners[mesh.labels == label]:
+            continue
+        here = mesh.points[pieces == piece]
+        near = here[distances(field, here, np.full(len(here), label)) < room]
+        labels = np.full(len(near), label)
+        feet = newton(near, field, labels[:, None], np.full(len(near), room))
+        gaps = np.where(bounds_set(field, feet, labels), norms(near - feet), np.inf)
+        nearest = np.argsort(gaps)[: min(PLACES, np.isfinite(gaps).sum())]
+        found = diagnosis(field, feet[nearest], room)
+        if found is not None and found.stays:
+            return True
+    return False
+
+
+def _joined(mesh: Labelled, field: FaceField) -> Labelled | None:
+    """A mesh with vertices that their faces put in one place made one, as corners are in which more faces meet, and
+    with one where two faces touch in a point of their curve.
+
+    None where it is no surface then.
+    """
     placed = project(mesh, field, mesh.sizes / 2)
     close = SAME * extent_of(field)
     near = cKDTree(placed.points).query_pairs(close, output_type="ndarray")
     firsts = np.unique(connected(near, len(placed.points))[near[:, 0]], return_index=True)[1]
-    nodes = placed.points[near[firsts, 0]]
-    drawn = contracted(field, placed.points, mesh.triangles, mesh.labels, Nodes(nodes, np.full(len(nodes), 2 * close)))
-    return placed if isinstance(drawn, Nodes) else Labelled.of(*drawn)
+    for nodes in (Nodes(placed.points[near[firsts, 0]], np.full(len(firsts), 2 * close)), flat_nodes(field, placed)):
+        drawn = contracted(field, placed.points, placed.triangles, placed.labels, nodes)
+        if isinstance(drawn, Nodes):
+            return None
+        placed = Labelled.of(*drawn)
+    return placed
 
 
 def _bounding(mesh: Labelled, field: FaceField, tolerance: float) -> bool:

@@ -22,11 +22,12 @@ from scipy.spatial import ConvexHull, cKDTree
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
+from pas.mesh.labelled import Labelled
 from pas.mesh.projection import distances, least_norm, newton, second_derivatives
 from pas.mesh.refusals import Refusal
 from pas.mesh.rows import Floats, Integers, any_of, cross, norms
 from pas.mesh.shading import unit_rows
-from pas.mesh.topology import connected, edge_table, numbered, pinched
+from pas.mesh.topology import connected, edge_table, numbered, pinched, same_places
 
 SAME = 1e-7
 """Distance over the extent of the box between two nodes that are one."""
@@ -45,6 +46,9 @@ LINKS = (1e-2, 1e-3)
 
 PARTS = 40
 """Points of a part of a finer sphere that is certainly seen as it is."""
+
+FLAT = 0.3
+"""Sine of the angle between faces below which they are looked at for a point where they touch."""
 
 NOWHERE = np.empty((0, 3))
 
@@ -108,6 +112,19 @@ def find_nodes(
             reach.append(radius)
             done[owners[own]] = True
     return _apart(np.array(nodes).reshape(-1, 3), np.array(reach))
+
+
+def flat_nodes(field: FaceField, mesh: Labelled) -> Nodes:
+    """The nodes near edges of a labelled mesh in which two faces meet flatly: where these touch."""
+    edges, labels = mesh.topology.edge_table
+    rows = np.flatnonzero(labels[:, 0] != labels[:, 1])
+    ends, pairs = mesh.points[edges[rows]], 2 * (labels[rows] // 2)
+    middles, size = ends.mean(axis=1), norms(ends[:, 1] - ends[:, 0])
+    flat = norms(cross(*(unit_rows(field.jets(middles, column)[:, 1:]) for column in pairs.T))) < FLAT
+    found = _touching(field, middles[flat], pairs[flat], size[flat])
+    kept = np.flatnonzero(norms(found - middles[flat]) < REACH * size[flat])  # not where it is no number
+    firsts = same_places((found[kept] / (SAME * extent_of(field))).round())[0]
+    return _apart(found[kept][firsts], size[flat][kept][firsts])
 
 
 def _systems(

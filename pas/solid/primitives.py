@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.affine import Affine, away, height
+from pas.algebra.affine import Affine, away, height, translation
 from pas.algebra.lengths import across
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
 from pas.algebra.rational import (
@@ -28,6 +28,8 @@ from pas.algebra.rational import (
 )
 from pas.contacts.torus import torus_polynomial
 from pas.solid.edges import Loop, PlaneEdge
+from pas.solid.extrusion import Lean, Prism
+from pas.solid.linked import RenamedBoundary
 from pas.solid.revolution import Turned
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, combined
@@ -64,7 +66,14 @@ def box(lower: VectorLike, upper: VectorLike, face: str = "box") -> Solid:
             raise ValueError(f"lower must be below upper: they are {plain(a)} and {plain(b)} in {axis}")
     sides = zip("xyz", GENERATORS, low, high, strict=True)
     planes = {f"{face} {name}{sign}": f for name, g, a, b in sides for sign, f in (("-", a - g), ("+", g - b))}
-    return Solid(combined(False, *(Atom(Polynomial.from_raw(f), name) for name, f in planes.items())))
+    tree = combined(False, *(Atom(Polynomial.from_raw(f), name) for name, f in planes.items()))
+    left, right, near, far, bottom, top = planes
+    corners = [(x, y) for x, y in ((low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1]))]
+    edges = zip(corners, [*corners[1:], corners[0]], (near, right, far, left), strict=True)
+    loop = Loop(tuple(PlaneEdge.straight(*edge) for edge in edges))
+    up = translation((fmpq(0), fmpq(0), low[2]))
+    body = Prism(loops=(loop,), height=to_float(high[2] - low[2]), lean=Lean(fmpq(0)), place=up)
+    return Solid(tree, (), (), RenamedBoundary(body, {"bottom": bottom, "top": top}))
 
 
 def ball(center: VectorLike, radius: Exact, face: str = "ball") -> Solid:
@@ -106,7 +115,7 @@ def cone(start: VectorLike, end: VectorLike, radius: Exact, end_radius: Exact = 
     apexes = [p for p, r in ((a, r0), (b, r1)) if r == 0]
     special = tuple((to_float(x), to_float(y), to_float(z)) for x, y, z in apexes)
     tree = combined(False, Atom(Polynomial.from_raw(surface), face), *walls)
-    body = None if r0 == r1 else _turned(face, (a, b), (r0, r1))
+    body = _turned(face, (a, b), (r0, r1))
     return Solid(tree, (), special, body)
 
 
