@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,17 +19,17 @@ class Triangles(NamedTuple):
     faces: Integers
 
 
-def boolean(first: Triangles, second: Triangles, operation: str) -> Triangles:
-    """The union ("Add"), intersection ("Intersect") or difference ("Subtract") of what two meshes enclose.
+def boolean(meshes: Sequence[Triangles], operation: str) -> Triangles:
+    """The union ("Add"), intersection ("Intersect") or difference ("Subtract", of the first) of what meshes enclose.
 
     Raises `GeometryError` where one is refused or the result is empty, `MissingLibraryError` without manifold3d.
     """
     manifold3d = library("manifold3d", "booleans of meshes need manifold3d: pip install manifold3d")
-    solids = [_manifold(manifold3d, mesh) for mesh in (first, second)]
+    solids = [_manifold(manifold3d, mesh) for mesh in meshes]
     result = manifold3d.Manifold.batch_boolean(solids, getattr(manifold3d.OpType, operation))
     _check_status(result, "the result")
     if result.is_empty():
-        raise GeometryError("the boolean of the two meshes is empty")
+        raise GeometryError("the boolean of the meshes is empty")
     mesh = result.to_mesh64()
     return Triangles(
         np.asarray(mesh.vert_properties)[:, :3],

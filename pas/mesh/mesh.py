@@ -288,7 +288,7 @@ class Mesh(AffineShape["Mesh"], Shape):
         if not isinstance(other, Mesh):
             refuse_mixed(self, other)
         names = tuple(dict.fromkeys(self.names + other.names))
-        points, triangles, faces = boolean(self._named(names), other._named(names), operation)
+        points, triangles, faces = boolean([self._named(names), other._named(names)], operation)
         return Mesh(points, triangles, faces, names, flat_normals(points, triangles))
 
     def _named(self, names: tuple[str, ...]) -> Triangles:

@@ -10,9 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, reduce
-from itertools import combinations
-from operator import or_
 from typing import Any, Protocol
 
 import numpy as np
@@ -27,7 +24,7 @@ from pas.mesh.closed import FaceMesh
 from pas.mesh.labelled import Labelled
 from pas.mesh.quality import Quality
 from pas.mesh.rows import cross, norms
-from pas.mesh.topology import connected, euler_characteristic, piece_count
+from pas.mesh.topology import euler_characteristic, piece_count
 from pas.solid.field import SolidField
 from pas.solid.linked import LinkedBodies, LinkedPart, RenamedBoundary, SolidBoundary, refuse_passing, united
 from pas.solid.sheets import SheetBody
@@ -106,27 +103,12 @@ class Operands:
         same = _shape(found) == _shape(finer) and found.faces.max() < 2 * field.evaluator.used
         return Labelled.of(*found) if same and np.all(second > first / 2) else None
 
-    @cached_property
-    def _grouped(self) -> tuple[Operand, ...]:
-        """The parts, but that those after the first which sheets do not bound are one where their boxes meet.
-
-        What is theirs alone, such as two equal bores that cross, a lattice shows.
-        """
-        first, *others = self.parts
-        if self.operation == "Intersect":
-            return first, *(other if _bounded(other) else _within(other, first.box) for other in others)
-        loose = [part if _bounded(part) else _within(part, first.box) for part in others if part.sheets is None]
-        pairs = [(i, j) for (i, a), (j, b) in combinations(enumerate(loose), 2) if _meet(a.box, b.box)]
-        groups = connected(np.array(pairs, dtype=np.intp).reshape(-1, 2), len(loose))
-        joined = [reduce(or_, (loose[i] for i in np.flatnonzero(groups == g))) for g in np.unique(groups)]
-        return first, *joined, *(part for part in others if part.sheets is not None)
-
     def _cut(self, field: SolidField, tolerance: float) -> Triangles:
-        found, *others = (_cut(part, field, tolerance) for part in self._grouped)
-        for other in others:
-            turned = other._replace(faces=other.faces ^ 1) if self.operation == "Subtract" else other
-            found = boolean(found, turned, self.operation)
-        return found
+        first, *others = self.parts
+        bounded = [first, *(other if _bounded(other) else _within(other, first.box) for other in others)]
+        found, *rest = (_cut(part, field, tolerance) for part in bounded)
+        turned = 1 if self.operation == "Subtract" else 0
+        return boolean([found, *(other._replace(faces=other.faces ^ turned) for other in rest)], self.operation)
 
 
 def _bodies(known: SolidBoundary | None) -> Iterator[LinkedPart]:
@@ -147,11 +129,6 @@ def _cut(part: Operand, field: SolidField, tolerance: float) -> Triangles:
     mesh = part.face_mesh(tolerance * field.scale).mesh
     points = field.evaluator.local(part.field.world(mesh.points))
     return Triangles(points, mesh.triangles, field.labels_of(part.field, mesh.labels))
-
-
-def _meet(one: Floats, other: Floats) -> bool:
-    """Whether two boxes (2, 3) do."""
-    return bool((np.maximum(one[0], other[0]) <= np.minimum(one[1], other[1])).all())
 
 
 def _areas(cut: Triangles) -> Floats:
