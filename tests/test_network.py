@@ -513,10 +513,27 @@ def test_foams():
     assert (foam.points > -1e-9).all() and (foam.points < 1 + 1e-9).all()
     assert not {p.kind for p in foam.check()} - {"too short", "angle too small", "crossing"}
     mended, changes = foam.repair(collapse=True)
-    assert "too short" not in {p.kind for p in mended.check()}
+    assert not mended.check()
     assert len(changes) > 0
     assert len(mended.edges) < len(foam.edges)
     assert mended.pieces == 1
+
+
+def test_repair_joins_struts_that_are_too_near_at_their_ends():
+    """A strut shorter than those at its ends are thick, which cross; the shorter of two at a narrow angle; and no more:
+    diagonals of a square stay."""
+    link = [(0, 0, 0), (95, 0, 0), (-340, 940, 0), (435, 940, 0)]
+    mended, changes = network.Network(link, [(0, 1), (0, 2), (1, 3)], 50, 1).repair(collapse=True)
+    assert changes == ("strut 0, 95 long, became a point",)
+    assert mended.edges.tolist() == [[0, 1], [0, 2]]
+    narrow = network.Network([(0, 0, 0), (100, 0, 0), (0, 100, 0), (200, 10, 0)], [(0, 1), (0, 2), (0, 3)], 5, 1)
+    mended, changes = narrow.repair(collapse=True)
+    assert changes == ("strut 0, 100 long, became a point",)
+    assert len(mended.edges) == 2
+    points, edges, _ = WRONG["crossing"]
+    mended, changes = network.Network(points, edges, "1/20", "1/1000").repair(collapse=True)
+    assert changes == ()
+    assert len(mended.edges) == len(edges)
 
 
 SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
