@@ -196,8 +196,8 @@ def farthest(mesh: FramedMesh, bounds: TriangleBounds) -> Floats | None:
 
     A triangle, or each of its parts, is moved along its normal, to one side until f < 0 on it, to the other until
     f > 0: between the two places of each of its points there is a zero, as the pieces of f go on beyond the walls as
-    cones about the centre.  That is looked at where `_moves` does not say that it is so, for most as far as f and its
-    gradient say at the middle of triangles, for those that are left farther.
+    cones about the centre.  Most are moved as far as f and its gradient say in the middle of triangles, those
+    that are left farther.
     """
     local = mesh.local
     if local.center is None:
@@ -206,12 +206,12 @@ def farthest(mesh: FramedMesh, bounds: TriangleBounds) -> Floats | None:
     values, gradients = local.jets(mesh.corners.mean(axis=1))
     with np.errstate(all="ignore"):
         least = np.min(np.where(bounds.least > 0, bounds.most / bounds.least, local.beyond))
-        usual = max(float(np.nanquantile(np.abs(values) / norms(gradients.T), most_share)), float(least))
-    enough = _moves(mesh, bounds, min(4 * usual, local.beyond))
-    way, left = np.zeros(len(enough)), np.arange(len(enough))
+        near = np.nan_to_num(np.abs(values) / norms(gradients.T))
+    usual = max(float(np.quantile(near, most_share)), float(least))
+    way, left = np.zeros(len(near)), np.arange(len(near))
     for away in sorted({min(times * usual, local.beyond) for times in factors}):
         way[left] = away
-        left = _one_signed(mesh, left[enough[left] > away], away)
+        left = _one_signed(mesh, left, away)
     way[left] = np.inf
     return np.asarray(way + ROUNDINGS * UNIT_ROUNDOFF * (way + local.reach))
 
@@ -227,24 +227,6 @@ def _one_signed(mesh: FramedMesh, chosen: Integers, away: float) -> Integers:
 
     cells, limits = Parts.of(mesh.corners[chosen]), Limits(CUTS, 4096)
     return chosen[np.unique(search(cells, judge, Parts.quarters, limits, "bounding distances").open.owner)]
-
-
-def _moves(mesh: FramedMesh, bounds: TriangleBounds, longest: float) -> Floats:
-    """How far it is enough to move triangles (T,), at most so far, for both signs; infinite where that is not known.
-
-    Where f is one polynomial, with second derivatives up to b, moved by a it is a l - b a^2 / 2 larger at least, with
-    its least slope l across the triangle: that is to be more than |f|.
-    """
-    enough = np.full(len(bounds.most), np.inf)
-    if len(mesh.local.makers) > 1:
-        return enough
-    bend = mesh.local.makers[0].bend(np.abs(mesh.points).max(axis=0) + (1 + CLEAR) * longest)
-    with np.errstate(all="ignore"):
-        root = np.sqrt(bounds.least**2 - 2 * (1 + CLEAR) * bend * bounds.most)
-        found = 2 * (1 + CLEAR) * bounds.most / (bounds.least + root) + CLEAR**2
-    known = (bounds.least > 0) & (found <= longest)
-    enough[known] = found[known]
-    return enough
 
 
 def _times(rows: list[Integers], count: int) -> Integers:

@@ -148,10 +148,8 @@ def voronoi(seeds: int, radius: Exact = "1/100", size: Exact = 1, *, seed: int =
     """
     from scipy.spatial import Voronoi
 
-    most = 1_000_000
-    inside = np.random.default_rng(seed).random((whole(seeds, "seeds", 2, most), 3))
-    near = inside[(np.minimum(inside, 1 - inside) < 1).any(axis=1)]
-    mirrored = [np.where(np.arange(3) == axis, 2 * side - near, near) for axis in range(3) for side in (0, 1)]
+    inside = np.random.default_rng(seed).random((whole(seeds, "seeds", 2, 1_000_000), 3))
+    mirrored = [np.where(np.arange(3) == axis, 2 * side - inside, inside) for axis in range(3) for side in (0, 1)]
     found = Voronoi(np.concatenate([inside, *mirrored]))
     rounds = [np.array(ridge) for ridge in found.ridge_vertices]
     pairs = np.concatenate([np.stack([ridge, np.roll(ridge, -1)], axis=1) for ridge in rounds])

@@ -123,10 +123,7 @@ G = TypeVar("G", bound=StrutGraph)
 def repair(network: G, collapse: bool) -> tuple[G, tuple[str, ...]]:
     """See `Network.repair`."""
     found, changes = _mended(network)
-    while collapse and len(found.edges):
-        first = _apart(found, _unserved(found))
-        if not len(first):
-            break
+    while collapse and len(first := _apart(found, _unserved(found))):
         changes += [f"strut {n}, {found.lengths[n]:.4g} long, became a point" for n in first.tolist()]
         points = found.points.copy()
         points[found.edges[first]] = points[found.edges[first]].mean(axis=1, keepdims=True)
