@@ -443,7 +443,7 @@ def test_a_cache_is_gone_on_from(tmp_path, monkeypatch):
     assert second.certificate.proved
     assert (second.mesh().points == first.mesh().points).all()
     (tmp_path / "file").touch()
-    with pytest.raises(ValueError, match=r"cache names a folder, and .*file is a file"):
+    with pytest.raises(ValueError, match=r"a folder is needed, and .*file is a file"):
         net.blend(1, cache=tmp_path / "file")
     with pytest.raises(ValueError, match="give the folder as cache="):
         net.blend(1, map=lambda function, items: [function(item) for item in items])
@@ -536,6 +536,19 @@ def test_repair_joins_struts_that_are_too_near_at_their_ends():
     assert len(mended.edges) == len(edges)
 
 
+def test_a_network_without_struts_has_no_classes():
+    empty = network.Network([(0, 0, 0)], [], [])
+    assert empty.classes() == ()
+    assert len(empty.repair(collapse=True)[0].points) == 0
+    assert [problem.kind for problem in empty.check(whole=True)] == ["empty", "isolated"]
+
+
+def test_a_folder_that_is_a_file_is_refused(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ValueError, match=r"a folder is needed, and .*file is a file"):
+        part().write_blocks(tmp_path / "file")
+
+
 SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 WRONG = {
     "loop": (SQUARE, [(0, 1), (1, 1), (1, 2), (2, 3)], "strut 1 begins and ends at point 1"),
@@ -563,6 +576,7 @@ def test_what_is_asked_of_a_whole():
     net = network.Network([*SQUARE, (5, 5, 5), (6, 5, 5)], [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5)], "1/20")
     assert not net.check()
     assert [p.kind for p in net.check(whole=True)] == ["dangling", "dangling", "disconnected"]
+    assert "there are 2 pieces that do not meet, of the points [" in str(net.check(whole=True)[-1])
 
 
 def test_what_comes_near_is_seen():

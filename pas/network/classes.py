@@ -140,7 +140,7 @@ def kinds_of(network: StrutGraph, clips: Any = AUTO) -> Kinds:
     slots = np.empty(len(owners), dtype=np.int32)
     slots[order] = np.arange(len(owners), dtype=np.int32)
     slots -= starts[owners]
-    table = np.full((count, int(valence.max(initial=0))), -1, dtype=np.int32)
+    table = np.full((count, int(valence.max(initial=1))), -1, dtype=np.int32)
     table[owners, slots] = codes
     used = np.flatnonzero(valence)
     of, first = ranked(list(table[used].T))

@@ -26,7 +26,7 @@ from pas.contacts.endless import Cone, Pipe
 from pas.errors import PasError, ProjectFileError
 from pas.layouts.clips import with_clips
 from pas.limits import checkpoint
-from pas.network.blocks import results
+from pas.network.blocks import make_folder, results
 from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.network.problems import graph_problems
@@ -169,9 +169,7 @@ def blends(
     """
     folder = None if cache is None else Path(cache).absolute()  # workers may run in folders of their own
     if folder is not None:
-        if folder.exists() and not folder.is_dir():
-            raise ValueError(f"cache names a folder, and {folder} is a file")
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
     elif map_ is not map:
         raise ValueError("the map of another engine hands blends over in files: give the folder as cache=")
     wanted = dict(_jobs(network, kinds, order, degree, folder, wall))

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from pas.algebra.inputs import shown
 from pas.mesh.rows import Floats, Integers, Numbers
 from pas.network.classes import Kinds, kinds_of
 from pas.network.clearance import crossing
@@ -32,7 +33,9 @@ def check(network: StrutGraph, whole: bool) -> tuple[NetworkProblem, ...]:
         ends = np.flatnonzero(network.valence == 1).tolist()
         found += [NetworkProblem("dangling", (n,), f"point {n} has one strut only, which ends there") for n in ends]
         if len(network.edges) and network.pieces > 1:
-            found.append(NetworkProblem("disconnected", (), f"there are {network.pieces} pieces that do not meet"))
+            points = network.edges[np.unique(network.components[network.edges[:, 0]], return_index=True)[1], 0].tolist()
+            sentence = f"there are {len(points)} pieces that do not meet, of the points {shown(points)}"
+            found.append(NetworkProblem("disconnected", tuple(points), sentence))
     return tuple(found)
 
 
@@ -113,8 +116,8 @@ def _short(network: StrutGraph, kinds: Kinds) -> Iterator[NetworkProblem]:
 def _crossing(network: StrutGraph) -> Iterator[NetworkProblem]:
     for i, j, distance in crossing(network):
         need = network.thickness[i] + network.thickness[j]
-        sentence = f"the struts {i} and {j} pass at {distance:.4g} from one another and are {need:.4g} thick together"
-        yield NetworkProblem("crossing", (i, j), sentence)
+        passing = f"the struts {i} and {j} pass at {distance:.4g} from one another and are {need:.4g} thick together"
+        yield NetworkProblem("crossing", (i, j), f"{passing}; thinner ones fit, or a point in which both end")
 
 
 G = TypeVar("G", bound=StrutGraph)
