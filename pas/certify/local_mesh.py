@@ -43,7 +43,7 @@ ROUNDINGS = 64
 OFF = 1e-9
 """In local units: how far vertices may be from the surface, and those of the boundary from the contacts' curves."""
 
-LARGER = 2.0
+LARGER = 16.0
 """By how much the region is enlarged where the surface beyond its walls counts as well (exact in doubles)."""
 
 BESIDE = 1e-9
@@ -127,8 +127,8 @@ class FramedSurface:
 
     @property
     def beyond(self) -> float:
-        """How far beyond the walls the surface is followed: in the region enlarged by `LARGER`."""
-        return 0.0 if self.center is None else (LARGER - 1) * self.room
+        """How far beyond the walls the surface is followed: in the region enlarged by `LARGER`, or half of a unit."""
+        return 0.0 if self.center is None else min((LARGER - 1) * self.room, 0.5)
 
     def placed(self, points: Floats) -> tuple[np.ndarray, list[Integers]]:
         """Which points (N, 3) are in the region, but for rounding, and, of each plane of outer faces, which are on
