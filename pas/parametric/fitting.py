@@ -79,15 +79,16 @@ def fit_patch(
     rectangle = exact_rectangle(whole, domain)
     framed = Framed.of(whole.with_domain(rectangle))
     aim = RELATIVE_TOLERANCE * framed.size if tolerance is None else framed.inside(check_tolerance(tolerance))
-    nets = exact_net(framed.bounded, rectangle).rounded(framed.unit) if whole.is_exact else None
+    nets = exact_net(framed.bounded, rectangle).rounded(framed) if whole.is_exact else None
     spans = [_spans(framed.surface, axis, 0.4 * aim) for axis in (0, 1)]  # a share for each parameter
     while True:
         knots, points = _interpolated(framed.surface, spans)
         outer, moved = zip(*(_outer(k, e) for k, e in zip(knots, rectangle, strict=True)), strict=True)
         away = _compared(framed.surface, knots, points) if nets is None else _bound(nets, knots, points, moved)
-        deviation = framed.outside(away)
+        control, rounding = framed.points_outside(points)
+        away += rounding
+        deviation, ends = framed.outside(away), (outer[0], outer[1])
         if away <= aim:
-            control, ends = np.ldexp(points, framed.exponent), (outer[0], outer[1])
             return FittedPatch(control, np.ones(points.shape[:2]), ends, None, deviation, nets is not None)
         if max(spans) >= MOST:
             raise GeometryError(
