@@ -79,7 +79,7 @@ def fit_patch(
     rectangle = exact_rectangle(whole, domain)
     framed = Framed.of(whole.with_domain(rectangle))
     aim = RELATIVE_TOLERANCE * framed.size if tolerance is None else framed.inside(check_tolerance(tolerance))
-    nets = exact_net(framed.bounded, rectangle).rounded(framed) if whole.is_exact else None
+    nets = exact_net(framed.bounded, rectangle, framed).rounded() if whole.is_exact else None
     spans = [_spans(framed.surface, axis, 0.4 * aim) for axis in (0, 1)]  # a share for each parameter
     while True:
         knots, points = _interpolated(framed.surface, spans)

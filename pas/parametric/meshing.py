@@ -218,9 +218,9 @@ class CellMesher:
             return None
         ends = zip(self.rectangle, cell.reshape(2, 2).tolist(), strict=True)
         first, second = ([low + (high - low) * fmpq(end, GRID) for end in pair] for (low, high), pair in ends)
-        exact = exact_net(self.framed.bounded, ((first[0], first[1]), (second[0], second[1])))
+        exact = exact_net(self.framed.bounded, ((first[0], first[1]), (second[0], second[1])), self.framed)
         size = exact.weights.shape
-        return exact.rounded(self.framed) if size[0] * size[1] <= 3000 and max(size) <= 500 else None
+        return exact.rounded() if size[0] * size[1] <= 3000 and max(size) <= 500 else None
 
     def _first(self) -> list[GridCells]:
         """The cells into which the rectangle is cut first: multiples of 2^-13, that they can be halved often."""

@@ -82,7 +82,7 @@ def finite_part(interval: Interval) -> Interval:
 @dataclass(frozen=True)
 class Framed:
     """`surface` is (P(low + (high - low) u, ...) - center) / 2^exponent over [0, 1]^2, with `bounded` P and its finite
-    domain; the center (3,) is a whole multiple of 2^exponent, the origin where that is in the middle."""
+    domain, and the center (3,) a whole multiple of 2^exponent."""
 
     bounded: ParametricMap
     surface: ParametricMap
@@ -99,8 +99,8 @@ class Framed:
         first, second = bounded.domain
 
         def values(u: Any, v: Any) -> tuple[Any, ...]:
-            values = bounded.values(_moved(u, first), _moved(v, second))
-            parts = (p - c for p, c in zip(values, center, strict=True))
+            given = bounded.values(_moved(u, first), _moved(v, second))
+            parts = (p - c for p, c in zip(given, center, strict=True))
             return tuple(
                 Jet(np.ldexp(p.coefficients, -exponent)) if isinstance(p, Jet) else np.ldexp(p, -exponent)
                 for p in parts
@@ -187,21 +187,15 @@ class ExactNet:
 
     def halves(self, axis: int) -> tuple[ExactNet, ExactNet]:
         """Both halves along a parameter."""
-        low, high = self.rectangle[axis]
-        sides, (first, second) = list(self.rectangle), halves(self.table, axis)
-        sides[axis] = low, (low + high) / 2
-        lower = ExactNet(first, (sides[0], sides[1]))
-        sides[axis] = (low + high) / 2, high
-        return lower, ExactNet(second, (sides[0], sides[1]))
+        (low, high), other = self.rectangle[axis], self.rectangle[1 - axis]
+        sides = (low, (low + high) / 2), ((low + high) / 2, high)
+        first, second = ((other, side) if axis else (side, other) for side in sides)
+        lower, upper = halves(self.table, axis)
+        return ExactNet(lower, first), ExactNet(upper, second)
 
-    def rounded(self, framed: Framed | None = None) -> Nets:
-        """The net in doubles, or that in a frame, scaled exactly to weights of at most 1, as one cell."""
-        scale, table = np.abs(self.weights).max(), self.table
-        if framed is not None:
-            center = np.array([rational(c) for c in framed.center.tolist()])
-            moved = (table[..., :3] - self.weights[..., None] * center) / framed.unit
-            table = np.concatenate([moved, table[..., 3:]], axis=-1)
-        net = np.vectorize(to_float, otypes=[float])(table / scale)[None]
+    def rounded(self) -> Nets:
+        """The net in doubles, scaled exactly to weights of at most 1, as one cell."""
+        net = np.vectorize(to_float, otypes=[float])(self.table / np.abs(self.weights).max())[None]
         return Nets(net, UNIT_ROUNDOFF * np.abs(net).max(axis=3) + SMALLEST)
 
 
@@ -252,13 +246,16 @@ class PlacedNets(Nets):
         return replace(both, start=start, steps=both.steps + step)
 
 
-def exact_net(surface: ParametricMap, rectangle: Rectangle) -> ExactNet:
-    """The net of an exact surface, over the least common denominator; raises `ValueError` for any other."""
+def exact_net(surface: ParametricMap, rectangle: Rectangle, framed: Framed | None = None) -> ExactNet:
+    """The net of an exact surface, as it is or in a frame, over the least common denominator; raises `ValueError` for
+    any other."""
+    center, unit = ([0.0] * 3, fmpq(1)) if framed is None else (framed.center.tolist(), framed.unit)
     below = ONE
     for c in surface.components:
         below = lcm(below, c.denominator)
     moved = [low + (high - low) * g for g, (low, high) in zip(GENERATORS, rectangle, strict=True)]
-    whole = [*(c.numerator * (below / c.denominator) for c in surface.components), below]
+    tops = [c.numerator * (below / c.denominator) for c in surface.components]
+    whole = [*((top - rational(c) * below) / unit for top, c in zip(tops, center, strict=True)), below]
     parts = [p.compose(*moved, ctx=RING) for p in whole]
     sizes = [p.degrees() for p in parts if not p.is_zero()]
     degrees = [max(1, *(int(d[axis]) for d in sizes)) for axis in (0, 1)]

@@ -263,7 +263,7 @@ def test_points_of_cells_count_their_rounding(far):
     """Corners and middles of halved nets are within what is said of them."""
     surface = ParametricSurface(f"{far} + (t - 40)^12/10^9", "h/(1 + t^2)", "t*h", domain=((39, 42), (0, "1/3")))
     framed = Framed.of(surface)
-    net = exact_net(surface, exact_rectangle(surface)).rounded(framed)
+    net = exact_net(surface, exact_rectangle(surface), framed).rounded()
     cells = PlacedNets(net.table, net.off, np.zeros((1, 2), dtype=object), np.zeros((1, 2), dtype=int))
     for number in range(12):
         halves = cells.halves(number % 2)
