@@ -11,7 +11,6 @@ chapter 13): exact, and halved in doubles with bounds on rounding.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import comb
 from typing import Any, Self
@@ -127,14 +126,6 @@ class Framed:
         moved = np.ldexp(points, self.exponent) + self.center
         off = np.where(self.center == 0, 0.0, 2 * UNIT_ROUNDOFF * np.abs(moved))  # 2 > sqrt(3) coordinates
         return moved, float(np.ldexp(off.max(initial=0.0), -self.exponent))
-
-    def exact_parameters(self, shares: Sequence[fmpq]) -> list[fmpq]:
-        """Exact parameters of the surface from those of the unit square; the domain must be finite."""
-        found = []
-        for share, (low, high) in zip(shares, self.bounded.ends, strict=True):
-            assert low is not None and high is not None
-            found.append(rational(low) + rational(high - low) * share)
-        return found
 
     def parameters_outside(self, shares: Floats) -> Floats:
         """Parameters (..., 2) of the surface from those of the unit square."""

@@ -274,7 +274,7 @@ def test_points_of_cells_count_their_rounding(far):
         assert bound < 1e-12
         for point, share in zip(points, shares, strict=True):
             places = [Fraction(s + w) / 2**n for s, w, n in zip(start, share, steps, strict=True)]
-            at = framed.exact_parameters([rational(place) for place in places])
+            at = [rational(a + (b - a) * place) for (a, b), place in zip(surface.ends, places, strict=True)]
             true = [
                 (c.numerator(*at) / c.denominator(*at) - rational(z)) / framed.unit
                 for c, z in zip(surface.components, framed.center.tolist(), strict=True)
