@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 import pas
 from pas import Boundary, GeneratrixShape, Polynomial, ShapeFunction, Status, generatrix_blend, plane_section
 from pas.errors import GeometryError, NotProvedError
+from pas.mesh.crossings import crossings
 from pas.parametric.generatrix.align import alignment, sides
-from pas.parametric.generatrix.crossings import crossings
 from pas.parametric.generatrix.form import connectivity
 from pas.parametric.nets import bernstein_at
 
@@ -756,7 +756,7 @@ def test_bad_blends(make, error, message):
     ],
 )
 def test_injectivity(surface, injective):
-    from pas.parametric.generatrix.crossings import is_injective
+    from pas.parametric.regularity import is_injective
 
     made = pas.ParametricSurface(*surface, parameters=("s", "t"), domain=((0, 1), (0, 1)))
     assert is_injective(made) == injective
