@@ -39,9 +39,6 @@ from pas.verdicts import Status
 HALF = Fraction(1, 2)
 Place = tuple[fmpq, fmpq]
 
-WORN = 2.0**-12
-"""Coefficients are worked out afresh where they may be off by this share of a polynomial's greatest."""
-
 RENEWALS = 64
 """Rectangles that wait to be worked out afresh at most; each takes as long as some hundred halvings."""
 
@@ -128,8 +125,8 @@ class _Rectangles(PlacedNets):
     @property
     def worn(self) -> NDArray[np.bool_]:
         """Which have a polynomial whose coefficients may be off by much of their size."""
-        greatest = np.abs(self.table).max(axis=(1, 2))
-        return ((greatest > 0) & (self.off.max(axis=(1, 2))[:, None] > WORN * greatest)).any(axis=1)
+        greatest, share = np.abs(self.table).max(axis=(1, 2)), 2.0**-12
+        return ((greatest > 0) & (self.off.max(axis=(1, 2))[:, None] > share * greatest)).any(axis=1)
 
     @property
     def axes(self) -> Integers:

@@ -108,11 +108,6 @@ class Framed:
         made = ParametricMap.from_parts(values, None, bounded.parameters, ((0, 1), (0, 1)), "it is framed")
         return cls(bounded, made, center, exponent, math.ldexp(size, -exponent))
 
-    @property
-    def unit(self) -> fmpq:
-        """2^exponent."""
-        return fmpq(2) ** self.exponent
-
     def inside(self, length: float) -> float:
         """A length of the model's in this frame; at most 1e300."""
         return min(float(np.ldexp(length, -self.exponent)), 1e300)
@@ -240,13 +235,13 @@ class PlacedNets(Nets):
 def exact_net(surface: ParametricMap, rectangle: Rectangle, framed: Framed | None = None) -> ExactNet:
     """The net of an exact surface, as it is or in a frame, over the least common denominator; raises `ValueError` for
     any other."""
-    center, unit = ([0.0] * 3, fmpq(1)) if framed is None else (framed.center.tolist(), framed.unit)
+    center, exponent = ([0.0] * 3, 0) if framed is None else (framed.center.tolist(), framed.exponent)
     below = ONE
     for c in surface.components:
         below = lcm(below, c.denominator)
     moved = [low + (high - low) * g for g, (low, high) in zip(GENERATORS, rectangle, strict=True)]
     tops = [c.numerator * (below / c.denominator) for c in surface.components]
-    whole = [*((top - rational(c) * below) / unit for top, c in zip(tops, center, strict=True)), below]
+    whole = [*((top - rational(c) * below) / fmpq(2) ** exponent for top, c in zip(tops, center, strict=True)), below]
     parts = [p.compose(*moved, ctx=RING) for p in whole]
     sizes = [p.degrees() for p in parts if not p.is_zero()]
     degrees = [max(1, *(int(d[axis]) for d in sizes)) for axis in (0, 1)]

@@ -275,7 +275,7 @@ def test_points_of_cells_count_their_rounding(far):
             places = [Fraction(s + w) / 2**n for s, w, n in zip(start, share, steps, strict=True)]
             at = [rational(a + (b - a) * place) for (a, b), place in zip(surface.ends, places, strict=True)]
             true = [
-                (c.numerator(*at) / c.denominator(*at) - rational(z)) / framed.unit
+                (c.numerator(*at) / c.denominator(*at) - rational(z)) / fmpq(2) ** framed.exponent
                 for c, z in zip(surface.components, framed.center.tolist(), strict=True)
             ]
             exact = [Fraction(int(x.p), int(x.q)) for x in true]
