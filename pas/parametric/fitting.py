@@ -30,9 +30,6 @@ from pas.parametric.patches import Knots, RationalPatch
 from pas.parametric.surface import ParametricSurface
 from pas.settings import RELATIVE_TOLERANCE
 
-PRODUCT = 256 * UNIT_ROUNDOFF
-"""Relative error of the coefficients of products of nets by bicubic ones, themselves worked out from control points."""
-
 DEGREE, DENSE = 3, 6
 """Of B-splines in both parameters, and points for each span at which surfaces that are not exact are compared."""
 
@@ -181,7 +178,8 @@ def _bound(nets: Nets, knots: Knots, points: Floats, moved: Sequence[float]) -> 
         checkpoint("bounding the distance of a B-spline", number / len(strips))
         cells = _spread(strips.select(np.array([number])), 1, len(second))
         pieces = np.einsum("ai,ijx,cbj->cabx", first[number], points, second, optimize=True)
-        errors, slack = distances(cells, pieces, PRODUCT)
+        rounding = 256 * UNIT_ROUNDOFF  # of products of nets by bicubic ones, themselves made from control points
+        errors, slack = distances(cells, pieces, rounding)
         worst = max(worst, float((lengths(errors).max(axis=(1, 2)) + slack).max()))
     steps = [float(lengths(np.diff(points, axis=axis)).max()) for axis in (0, 1)]
     return worst + sum(6 * DEGREE * share * step for share, step in zip(moved, steps, strict=True))
