@@ -199,7 +199,7 @@ def test_rounding_is_bounded(degrees):
 
     for count in range(30):
         axis, side = count % 2, draw.randrange(2)
-        added = (degrees[axis] + 2) * Fraction(1, 2**53)
+        added = (degrees[axis] + 3) * Fraction(1, 2**53)
         known = zip(fractions(nets.off[0]), fractions(np.abs(nets.table[0, ..., 0])), strict=True)
         least = half([[o + added * c for o, c in zip(*rows, strict=True)] for rows in known], axis, side)
         nets = nets.halves(axis).select(np.array([side]))
