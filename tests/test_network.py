@@ -820,6 +820,6 @@ def test_blocks_of_a_thousand_nodes(name):
 def test_the_examples(tmp_path):
     script = ROOT / "examples/networks/networks.py"
     subprocess.run(
-        [sys.executable, script, "tower", "-o", tmp_path], env=os.environ | {"PYTHONPATH": str(ROOT)}, check=True
+        [sys.executable, script, "kelvin_ball", "-o", tmp_path], env=os.environ | {"PYTHONPATH": str(ROOT)}, check=True
     )
-    assert {path.name for path in tmp_path.iterdir()} == {"kept", "tower.3mf", "tower.png"}
+    assert {path.name for path in tmp_path.iterdir()} == {"kept", "kelvin_ball.3mf", "kelvin_ball.png"}
