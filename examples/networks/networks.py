@@ -1,4 +1,4 @@
-"""Networks of struts: lattices, bone and two frames, each a proved body, with files for printing and pictures.
+"""Networks of struts: lattices, a foam and two frames, each a proved body, with files for printing and pictures.
 
     python examples/networks/networks.py [-o DIR] [NAME ...]
 
@@ -32,12 +32,12 @@ def kelvin_ball() -> Network:
     return Network(block.points, kept, "1/24", block.grid).repair()[0]
 
 
-def bone() -> Network:
-    """Edges of random cells, as of spongy bone: the shortest have become points.
+def foam() -> Network:
+    """Edges of random cells, as of a sponge: the shortest have become points.
 
-    Where struts leave a node at narrow angles its blend bends sharply; here all angles are over 38 degrees.
+    Where struts leave a node at narrow angles its blend bends sharply; here all angles are over 60 degrees.
     """
-    return network.voronoi(7, "1/45", seed=24).repair(collapse=True)[0]
+    return network.voronoi(4, "1/60", seed=50).repair(collapse=True)[0]
 
 
 def bicycle() -> Network:
@@ -85,7 +85,7 @@ def space_frame() -> Network:
 
 
 EXAMPLES: dict[str, Callable[[], Network]] = {
-    "octet": octet, "kelvin_ball": kelvin_ball, "bone": bone, "bicycle": bicycle, "space_frame": space_frame,
+    "octet": octet, "kelvin_ball": kelvin_ball, "foam": foam, "bicycle": bicycle, "space_frame": space_frame,
 }  # fmt: skip
 
 
