@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from functools import cache
 from itertools import product
@@ -183,6 +184,18 @@ def test_a_cubic_lattice_of_struts_is_one_solid(count):
     struts = 3 * count**2 * (count - 1)
     assert len(whole.sheets.links) == struts and mesh.deviation <= 1e-2
     assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, 2 * (count**3 - struts))
+
+
+def test_a_lattice_less_a_ball_is_meshed_by_what_is_near():
+    """Each function of some thousand with all joints, and each wall with all pairs of faces, took minutes."""
+    node = pas.blend([pas.Pipe(axis, "1/2", 1) for axis in AXES], 1).solid(1)
+    whole = solid.union([node.translate((4 * i, 4 * j, 0)) for i, j in product(range(3), repeat=2)])
+    cut = whole - solid.ball((0, 0, 0), "3/2")
+    began = time.process_time()
+    mesh = cut.mesh(5e-2)
+    assert time.process_time() - began < 10
+    assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 5, 2 * (8 - 10) + 2 * 4)
+    assert cut.contains([[2, 0, 0], [1.4, 0, 0], [4, 4, 0]]).tolist() == [True, False, True]
 
 
 def exact(end):

@@ -15,7 +15,7 @@ from pas import solid
 from pas.algebra.ideal import Ideal
 from pas.mesh.diagnostics import _Place, diagnosis
 from pas.pipeline.blend import struts
-from pas.solid.seams import seams_of
+from pas.solid.seams import Seam, seams_of
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 
@@ -117,6 +117,23 @@ def test_planes_that_touch_cylinders_and_cones_have_a_seam():
     assert [f.primitive() for f in seams[0].functions] == [pas.Polynomial("x"), pas.Polynomial("z")]
     for across in ("x - 1/2", "x - 2/5"):  # in lines that are not rational, and in rational ones
         assert not seams_of((solid.half_space(across, "side") & tube).tree, [])
+
+
+def test_places_modulo_a_prime_exclude_no_member():
+    """Of ideals of a plane and a function all members vanish there, of other functions hardly one."""
+    plane, pipe = pas.Polynomial("3*x + 5*y - z/7 - 2"), pas.Polynomial("x^2 + 2*y^2 + z^2/3 - 5*x*z - 11")
+    seam = Seam((pipe, plane), (Ideal(pipe, plane),))
+    (mark,) = seam.marks
+    members = [
+        pipe * pas.Polynomial(a) + plane * pas.Polynomial(b)
+        for a, b in (("x^3 - 1/2", "y*z^2"), ("1", "x + z"), ("0", "y"))
+    ]
+    assert mark is not None and all(not m.residues(*mark) and seam.is_on([m]) for m in members)
+    others = [m + pas.Polynomial(c) for m in members for c in ("1", "x/13", "y^2 - z")]
+    assert all(m.residues(*mark) and not seam.is_on([m]) for m in others)
+    assert Seam((pipe, pipe + 1), (Ideal(pipe, pipe + 1),)).marks == [None]
+    flat = pas.Polynomial({(1, 0, 0): 2**31 - 1, (0, 0, 0): 1})  # a plane without slope modulo the prime
+    assert Seam((pipe, flat), (Ideal(pipe, flat),)).marks == [None]
 
 
 def test_a_name_with_a_plus_is_one_name():

@@ -14,7 +14,7 @@ from math import gcd, lcm
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, nmod_mpoly, nmod_mpoly_ctx
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import formula_repr, latex
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 VARIABLES = ("x", "y", "z")
 RING = fmpq_mpoly_ctx.get(VARIABLES, Ordering.degrevlex)
 GENERATORS: tuple[fmpq_mpoly, ...] = RING.gens()
+RESIDUES = nmod_mpoly_ctx.get(VARIABLES, modulus=2**31 - 1, ordering=Ordering.degrevlex)
 
 BOXED = "pas.piecewise:boxed"
 """What makes a surface of a polynomial, in a layer above."""
@@ -170,7 +171,17 @@ class Polynomial:
 
     def primitive(self) -> Polynomial:
         """The multiple with coprime integers as coefficients, the leading one (grevlex) positive."""
+        return self._primitive
+
+    @cached_property
+    def _primitive(self) -> Polynomial:
         return Polynomial.from_raw(primitive(self.raw))
+
+    @cached_property
+    def residues(self) -> nmod_mpoly:
+        """That multiple modulo a prime."""
+        terms = self._primitive.raw.to_dict().items()
+        return RESIDUES.from_dict({e: int(c.p) % RESIDUES.modulus() for e, c in terms})
 
     def to_sympy(self) -> sympy.Expr:
         """A sympy expression in the symbols x, y, z that is this polynomial."""

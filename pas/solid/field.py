@@ -41,8 +41,8 @@ class SolidField:
         scale = exact(2.0 ** float(np.round(np.log2(max(float(np.ptp(box, axis=0).max()) / 2, 1e-30)))))
         given = seams_of(tree, seams, box)
         self.evaluator = TreeEvaluator(tree, center, scale, tuple(f for seam in given for f in seam.functions))
-        self._seams = Seams(self.evaluator, given)
         self.box = self.evaluator.local(box)
+        self._seams = Seams(self.evaluator, given, self.box)
         self.special_points = self.evaluator.local(special_points)
         self._made_of = tree, box, tuple(seams), special_points
 

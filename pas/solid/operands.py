@@ -46,6 +46,10 @@ class Operand(Protocol):
         """Two corners (2, 3) of a box that holds it."""
 
     @property
+    def _around(self) -> Floats:
+        """Those of one in which it is meshed."""
+
+    @property
     def field(self) -> SolidField:
         """Its boundary as the mesher wants it."""
 
@@ -81,7 +85,15 @@ class Operands:
     parts: tuple[Operand, ...]
     operation: str
     size = None
-    box = None
+
+    @cached_property
+    def box(self) -> Floats | None:
+        """Two corners (2, 3) of a box that holds what is made, as the parts do; None where theirs say nothing."""
+        known = [*map(_box, self.parts[: 1 if self.operation == "Subtract" else None])]
+        boxes = np.array([box for box in known if box is not None]).reshape(-1, 2, 3)
+        if self.operation == "Add":
+            return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)]) if len(boxes) == len(known) else None
+        return np.stack([boxes[:, 0].max(axis=0), boxes[:, 1].min(axis=0)]) if len(boxes) else None
 
     def mesh(self, tolerance: float, quality: Quality) -> None:
         """None: what is cut is only a first mesh."""
@@ -114,8 +126,9 @@ class Operands:
         """
         first, *others = self.parts
         if self.operation == "Intersect":
-            return first, *(other if _bounded(other) else _within(other, first.box) for other in others)
-        loose = [part if _bounded(part) else _within(part, first.box) for part in others if part.sheets is None]
+            return first, *(_within(other, first._around) if _box(other) is None else other for other in others)
+        loose = [other for other in others if other.sheets is None]
+        loose = [_within(part, first._around) if _box(part) is None else part for part in loose]
         pairs = [(i, j) for (i, a), (j, b) in combinations(enumerate(loose), 2) if _meet(a.box, b.box)]
         groups = connected(np.array(pairs, dtype=np.intp).reshape(-1, 2), len(loose))
         joined = [reduce(or_, (loose[i] for i in np.flatnonzero(groups == g))) for g in np.unique(groups)]
@@ -174,8 +187,9 @@ def _within(part: Any, box: Floats) -> Any:
     return replace(part, tree=combined(False, part.tree, *walls), joints=(), sheets=None)
 
 
-def _bounded(part: Operand) -> bool:
+def _box(part: Operand) -> Floats | None:
+    """The box in which a solid is meshed; None of an unbounded one."""
     try:
-        return bool(np.isfinite(part.box).all())
+        return part._around
     except GeometryError:
-        return False
+        return None

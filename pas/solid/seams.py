@@ -23,12 +23,12 @@ from functools import cached_property
 from itertools import combinations, combinations_with_replacement, permutations, product
 
 import numpy as np
-from flint import fmpq, fmpq_mat, fmpq_mpoly
+from flint import fmpq, fmpq_mat, fmpq_mpoly, nmod_poly
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import Polynomial
+from pas.algebra.polynomial import RESIDUES, Polynomial
 from pas.algebra.rational import cross
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import polynomials_of
@@ -71,6 +71,11 @@ class Seam:
         heights = [-f.raw(0, 0, 0) for f in self.functions]
         return list(fmpq_mat([*rows, [*along]]).solve(fmpq_mat(3, 1, [*heights, fmpq(0)])).entries())
 
+    @cached_property
+    def marks(self) -> list[tuple[int, ...] | None]:
+        """A place modulo a prime for each curve, where members of its ideal vanish; see `_mark`."""
+        return [_mark(*curve.generators) for curve in self.curves]
+
     def crosses(self, surfaces: Sequence[Polynomial]) -> bool:
         """Whether one of some surfaces is the section."""
         return self.section is not None and self.section in [f.primitive() for f in surfaces]
@@ -79,7 +84,33 @@ class Seam:
         """Whether each of the curves is on one of some surfaces."""
         if self._place and all(surface.raw(*self._place) != 0 for surface in surfaces):
             return False
-        return all(any(map(curve.contains, surfaces)) for curve in self.curves)
+        for curve, mark in zip(self.curves, self.marks, strict=True):
+            if not any(curve.contains(f) for f in surfaces if mark is None or not f.residues(*mark)):
+                return False
+        return True
+
+
+def _mark(first: Polynomial, second: Polynomial) -> tuple[int, ...] | None:
+    """A place modulo a prime in which the residues of all members of an ideal of a plane and another function vanish.
+
+    On the plane a member is a multiple of that function, by a polynomial without the prime in its denominators (Gauss's
+    lemma), as neither the plane's slope nor the function on a line in it vanishes modulo the prime.  None where neither
+    is a plane, or no such line has a place.
+    """
+    plane, other = sorted((first, second), key=lambda f: f.degree)
+    slopes, modulus = [int(plane.residues.derivative(i)(0, 0, 0)) for i in range(3)], RESIDUES.modulus()
+    if plane.degree != 1 or not any(slopes):
+        return None
+    axis, step = next(i for i in range(3) if slopes[i]), RESIDUES.gens()[0]
+    for start in range(2, 12):  # two of three lines have one
+        line = [start**9 + step, start**8 + start**7 * step]
+        line.insert(axis, 0 * step)
+        line[axis] = plane.residues.compose(*line) * -pow(slopes[axis], -1, modulus)
+        along = {e[0]: c for e, c in other.residues.compose(*line).to_dict().items()}
+        roots = nmod_poly([along.get(i, 0) for i in range(max(along) + 1)], modulus).roots() if along else ()
+        if roots:
+            return tuple(int(part(int(roots[0][0]), 0, 0)) for part in line)
+    return None
 
 
 def seams_of(tree: Tree, claimed: Sequence[Curve], box: Floats | None = None) -> list[Seam]:
@@ -95,11 +126,12 @@ def seams_of(tree: Tree, claimed: Sequence[Curve], box: Floats | None = None) ->
     for number, curve in enumerate(curves):
         for function in curve:
             cutting.setdefault(function.primitive(), []).append(number)
-    surfaces = [polynomials_of(f) for f in dict.fromkeys(atom.function for atom in atoms(tree))]
+    surfaces = (polynomials_of(f) for f in dict.fromkeys(atom.function for atom in atoms(tree) if atom.face))
+    held = [{n for n, seam in enumerate(single) if seam.is_on(some)} for some in surfaces]
     several: dict[tuple[Polynomial, frozenset[int]], Seam] = {}
     for common, numbers in cutting.items():
         if len(numbers) > 1:
-            times = Counter(frozenset(n for n in numbers if single[n].is_on(surface)) for surface in surfaces)
+            times = Counter(frozenset(known.intersection(numbers)) for known in held)
             for first, second in combinations_with_replacement(times, 2):
                 shared = first & second if first != second or times[first] > 1 else frozenset()
                 if len(shared) > 1:
@@ -136,11 +168,11 @@ def _united(common: Polynomial, seams: Sequence[Seam]) -> Seam:
 class Seams:
     """Where faces of an evaluator meet and do not cross; its extra columns are the functions of given seams, in pairs.
 
-    What is found out about columns is kept.
+    `box` (2, 3) holds the set, in the evaluator's coordinates.  What is found out about columns is kept.
     """
 
-    def __init__(self, evaluator: TreeEvaluator, given: Sequence[Seam]) -> None:
-        self._evaluator, self._given = evaluator, tuple(given)
+    def __init__(self, evaluator: TreeEvaluator, given: Sequence[Seam], box: Floats) -> None:
+        self._evaluator, self._given, self._box = evaluator, tuple(given), box
         self._found: dict[tuple[int, int], tuple[int, ...]] = {}
         self._same: dict[tuple[int, int, int], bool] = {}
         self._on: dict[int, set[int]] = {}
@@ -159,7 +191,8 @@ class Seams:
                 return used + 2 * number, used + 2 * number + 1
         if len(first) != 1 or len(second) != 1 or first[0].degree == second[0].degree == 1:
             return ()  # planes cross
-        for number in np.flatnonzero(self._evaluator.walls).tolist():
+        near = self._near[:, self._near[a] & self._near[b]].any(axis=1)
+        for number in np.flatnonzero(self._evaluator.walls & near).tolist():
             w = columns[number].function
             for kept, p, q in ((a, *first, *second), (b, *second, *first)):
                 if isinstance(w, Polynomial) and number not in (a, b):
@@ -167,6 +200,15 @@ class Seams:
                     if ideal.contains(q) and not ideal.is_whole_ring and _touch(p, q, ideal):
                         return kept, number
         return ()
+
+    @cached_property
+    def _near(self) -> Bools:
+        """Which columns (M, N) the set depends on in each of the cubes of its box."""
+        (low, high), parts = self._box, 16  # of each side
+        halves = (high - low) / (2 * parts)
+        centers = np.stack(np.meshgrid(*np.linspace(low + halves, high - halves, parts).T), axis=-1).reshape(-1, 3)
+        below, above = self._evaluator.relevant(*self._evaluator.taylor(centers, halves[None]))
+        return np.asarray(below | above)
 
     def _of(self, column: int) -> set[int]:
         """The numbers of the seams on which a column's faces are."""

@@ -31,7 +31,7 @@ from pas.mesh.quality import Quality
 from pas.registry import loaded
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape, refuse_mixed
-from pas.solid.bounds import bounding_box
+from pas.solid.bounds import bounding_box, narrowed
 from pas.solid.edge_verbs import WithEdges
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
@@ -202,7 +202,8 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     def _around(self) -> Floats:
         """Two corners (2, 3) of a box in which it is meshed: where sheets bound it that of a coarse mesh, for speed."""
         known = None if self.sheets is None else self.sheets.box
-        return self.box if known is None else known
+        cut = known is not None and isinstance(self.sheets, Operands)
+        return self.box if known is None else narrowed(self.tree, known) if cut else known
 
     @cached_property
     def field(self) -> SolidField:
