@@ -31,7 +31,7 @@ from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.blend import node
-from pas.pipeline.bodies import chain_between, clip_plane
+from pas.pipeline.bodies import clip_plane
 from pas.solid.face_seams import edges_between
 from pas.solid.fillet_forms import revolved
 from pas.solid.fillets import short, strays, title_of
@@ -40,7 +40,7 @@ from pas.solid.joints import Joint
 from pas.solid.linked import RenamedBoundary
 from pas.solid.sheets import SheetBody, Side
 from pas.solid.solid import Solid
-from pas.solid.strips import Chain
+from pas.solid.strips import Chain, chain_between
 from pas.solid.tree import Atom, Node, Tree, atoms, combined, complement, parts_of
 
 

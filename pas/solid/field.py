@@ -14,7 +14,8 @@ from pas.algebra.affine import quadratic_form
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
-from pas.errors import GeometryError
+from pas.errors import GeometryError, MeshError
+from pas.mesh.diagnostics import touching
 from pas.mesh.field import FaceField, ShellWall
 from pas.mesh.rows import Integers
 from pas.solid.bounds import ORIGIN, bounding_box
@@ -202,6 +203,12 @@ class SolidField:
     def face_within(self, label: int, centers: Floats, halves: Floats) -> str:
         """The name of a label's face as far as it is in boxes of given half edges (N, 3)."""
         return called(self.evaluator.names_within(label // 2, label % 2 == 1, centers, halves)) or self.face(label)
+
+    def refuse_touching(self) -> None:
+        """Raise `MeshError` where a plane and a quadric touch along a line, and parts of the set there, or no wall is
+        left; see `Seams.pinched`."""
+        for point, a, b, both in self._seams.pinched():
+            raise MeshError(f"the solid could not be meshed: {touching(self, point, a, b, both)}")
 
     def refuse_coincident(self) -> None:
         """Raise `GeometryError` where two faces lie on different functions with a common surface."""

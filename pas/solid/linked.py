@@ -207,7 +207,7 @@ class LinkedBodies:
             made.add_on(End(tube, axis), strip.name, triangles, 1 if side == 0 else -1)
 
 
-def united(one: SolidBoundary, other: SolidBoundary) -> LinkedBodies | None:
+def united(one: SolidBoundary | None, other: SolidBoundary | None) -> LinkedBodies | None:
     """Both together; None where they are not found to be apart but for links."""
     if not isinstance(one, SheetBody | LinkedBodies) or not isinstance(other, SheetBody | LinkedBodies):
         return None

@@ -30,8 +30,9 @@ from pas.mesh.rows import cross, norms
 from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.solid.field import SolidField
 from pas.solid.linked import LinkedBodies, LinkedPart, RenamedBoundary, SolidBoundary, refuse_passing, united
+from pas.solid.runs import plain_run
 from pas.solid.sheets import SheetBody
-from pas.solid.tree import Atom, combined
+from pas.solid.tree import Atom, Tree, combined
 
 
 class Operand(Protocol):
@@ -40,6 +41,10 @@ class Operand(Protocol):
     @property
     def sheets(self) -> SolidBoundary | None:
         """What bounds it, where that is known."""
+
+    @property
+    def tree(self) -> Tree:
+        """The inequalities."""
 
     @property
     def box(self) -> Floats:
@@ -68,7 +73,8 @@ def combined_boundary(first: Operand, second: Operand, operation: str) -> SolidB
     before, new = first.sheets, second.sheets
     if before is None and new is None:
         return None
-    linked = united(before, new) if operation == "Add" and before and new else None
+    ends = [known or plain_run(solid.tree) for known, solid in ((before, first), (new, second))]
+    linked = united(*ends) if operation == "Add" else None
     parts = before.parts if isinstance(before, Operands) and before.operation == operation else (first,)
     return linked or Operands((*parts, second), operation)
 

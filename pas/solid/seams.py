@@ -21,6 +21,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, combinations_with_replacement, permutations, product
+from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_mpoly, nmod_poly
@@ -216,6 +217,33 @@ class Seams:
             surfaces = polynomials_of(self._evaluator.columns[column].function)
             self._on[column] = {number for number, seam in enumerate(self._given) if seam.is_on(surfaces)}
         return self._on[column]
+
+    def pinched(self) -> Iterator[tuple[Floats, int, int, bool]]:
+        """Points of lines along which two columns' faces touch, and whether beside these the set is on both sides, if
+        it is on both or on neither, and not so between them: there its parts touch, or it has no thickness."""
+        faces, middle = np.flatnonzero(~self._evaluator.walls).tolist(), self._box.mean(axis=0)
+        for number in (n for n, seam in enumerate(self._given) if seam._place):
+            values, *slopes = self._jets(np.stack([middle] * 2), self._evaluator.used + 2 * number + np.arange(2)).T
+            way = unit(np.cross(*np.transpose(slopes)))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                start = middle - np.linalg.pinv(np.transpose(slopes)) @ values
+                ends = np.sort((self._box - start) / way, axis=0)
+            points = start + np.linspace(np.nanmax(ends[0]), np.nanmin(ends[1]), 66)[1:-1, None] * way
+            for a, b in combinations([c for c in faces if number in self._of(c)], 2):
+                f, g = (unit(self._jets(points, c)[:, 1:]) for c in (a, b))
+                aside = points + 2.0**-8 * np.cross(way, f)
+                jets = [self._jets(aside, c) for c in (a, b)]
+                between = aside - sum(j[:, :1] * j[:, 1:] / (j[:, 1:] ** 2).sum(axis=1)[:, None] for j in jets) / 2
+                alike, signs, held = (f * g).sum(axis=1) > 0, self._evaluator.signs(points), []
+                for side in ((True, alike), (False, ~alike), self._evaluator.signs(between)[[a, b]]):
+                    signs[[a, b]] = np.broadcast_arrays(*side)
+                    held.append(self._evaluator.inside(signs))
+                touch = (lengths(np.cross(f, g)) < SLACK) & (held[0] == held[1]) & (held[1] != held[2])
+                if len(rows := np.flatnonzero(touch)):
+                    yield points[rows[len(rows) // 2]], a, b, bool(held[0][rows[len(rows) // 2]])
+
+    def _jets(self, points: Floats, column: Any) -> Floats:
+        return self._evaluator.jets(points, np.broadcast_to(column, len(points)))
 
     def hidden(self, yes: Bools, no: Bools, below: Bools, above: Bools) -> Bools:
         """The planes (M, N) that matter from both sides in cubes and are no boundary there: on them two faces meet.
