@@ -126,12 +126,8 @@ class TreeEvaluator:
 
     def signs(self, points: Floats) -> Bools:
         """Which columns (M, N) are <= 0 at points (N, 3)."""
-        result, size = np.empty((self.used, len(points)), dtype=bool), max(CHUNK_ENTRIES // self.used, 1)
-        for part in (slice(start, start + size) for start in range(0, len(points), size)):
-            result[self._rows, part] = self._bank.values(points[part]) <= 0
-        for number in (n for n in self._fields if n < self.used):
-            result[number] = self._fields[number].holds(self.world(points))
-        return result
+        parts = np.array_split(points, 1 + len(points) * self.used // CHUNK_ENTRIES)
+        return np.concatenate([self.values(part) <= 0 for part in parts], axis=1)
 
     def values(self, points: Floats) -> Floats:
         """Values of the tree's columns (M, N) at points (N, 3), each by a positive factor."""

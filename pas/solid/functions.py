@@ -54,10 +54,6 @@ class Distance(ABC):
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4) at points (N, 3)."""
 
-    def holds(self, points: Floats) -> Bools:
-        """Whether it is <= 0 at points (N, 3)."""
-        return self.jets(points)[:, 0] <= 0
-
     def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Whether it is certainly <= 0, and certainly > 0, in boxes: in the balls about them."""
         return self.decided_within(centers, np.sqrt((halves * halves).sum(axis=1)))
@@ -152,15 +148,11 @@ class Pieces:
         jets = self.surface.evaluator.batch(0, 1)(local, self.partition.local.location.pieces(local.T, np.inf))
         return jets * np.array([1.0, *[1 / to_float(frame.scale)] * 3])
 
-    def holds(self, points: Floats) -> Bools:
-        """Whether it is <= 0 at points (N, 3); not beyond a box around all cells."""
-        result = self._near(points, 0.0)
-        result[result] = self.jets(points[result])[:, 0] <= 0
-        return result
-
     def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Whether it is certainly <= 0, and certainly > 0, where boxes meet cells; > 0 where they meet none."""
-        near = self._near(centers, halves)
+        low, high = self.partition.points.min(axis=0), self.partition.points.max(axis=0)
+        room = halves + (high - low) * 2.0**-20  # for rounding
+        near = ((centers + room >= low) & (centers - room <= high)).all(axis=1)
         inside, outside = np.zeros(len(centers), dtype=bool), ~near
         local, half, touched = self._in_cells(centers[near], halves[near])
         yes, no = self._bank.taylor(local, half)
@@ -168,12 +160,6 @@ class Pieces:
         inside[near], outside[near] = ((side[of_cells] | ~touched).all(axis=0) for side in (yes, no))
         inside[near] &= touched.any(axis=0)
         return inside, outside
-
-    def _near(self, centers: Floats, halves: Floats | float) -> Bools:
-        """Which boxes (N,), of centres and half edges (N, 3), may meet a box around all cells."""
-        low, high = self.partition.points.min(axis=0), self.partition.points.max(axis=0)
-        room = halves + (high - low) * 2.0**-20
-        return np.asarray(((centers + room >= low) & (centers - room <= high)).all(axis=1))
 
     def slopes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
         """The middle (N, 3) of all gradients of the cells that boxes meet, and how far these are from it."""

@@ -29,7 +29,7 @@ from pas.mesh.quality import Quality
 from pas.mesh.rows import cross, norms
 from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.solid.field import SolidField
-from pas.solid.linked import LinkedBodies, LinkedPart, RenamedBoundary, SolidBoundary, refuse_passing, united
+from pas.solid.linked import LinkedBodies, LinkedPart, RenamedBoundary, SolidBoundary, box_gap, refuse_passing, united
 from pas.solid.runs import plain_run
 from pas.solid.sheets import SheetBody
 from pas.solid.tree import Atom, Tree, combined
@@ -47,12 +47,8 @@ class Operand(Protocol):
         """The inequalities."""
 
     @property
-    def box(self) -> Floats:
-        """Two corners (2, 3) of a box that holds it."""
-
-    @property
     def _around(self) -> Floats:
-        """Those of one in which it is meshed."""
+        """Two corners (2, 3) of a box that holds it."""
 
     @property
     def field(self) -> SolidField:
@@ -90,7 +86,7 @@ class Operands:
 
     parts: tuple[Operand, ...]
     operation: str
-    size = None
+    coarse = None
 
     @cached_property
     def box(self) -> Floats | None:
@@ -135,7 +131,7 @@ class Operands:
             return first, *(_within(other, first._around) if _box(other) is None else other for other in others)
         loose = [other for other in others if other.sheets is None]
         loose = [_within(part, first._around) if _box(part) is None else part for part in loose]
-        pairs = [(i, j) for (i, a), (j, b) in combinations(enumerate(loose), 2) if _meet(a.box, b.box)]
+        pairs = [(i, j) for (i, a), (j, b) in combinations(enumerate(loose), 2) if box_gap(a._around, b._around) <= 0]
         groups = connected(np.array(pairs, dtype=np.intp).reshape(-1, 2), len(loose))
         joined = [reduce(or_, (loose[i] for i in np.flatnonzero(groups == g))) for g in np.unique(groups)]
         return first, *joined, *(part for part in others if part.sheets is not None)
@@ -166,11 +162,6 @@ def _cut(part: Operand, field: SolidField, tolerance: float) -> Triangles:
     mesh = part.face_mesh(tolerance * field.scale).mesh
     points = field.evaluator.local(part.field.world(mesh.points))
     return Triangles(points, mesh.triangles, field.labels_of(part.field, mesh.labels))
-
-
-def _meet(one: Floats, other: Floats) -> bool:
-    """Whether two boxes (2, 3) do."""
-    return bool((np.maximum(one[0], other[0]) <= np.minimum(one[1], other[1])).all())
 
 
 def _areas(cut: Triangles) -> Floats:

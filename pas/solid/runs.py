@@ -27,7 +27,7 @@ from pas.mesh.sweep import between_loops
 from pas.mesh.walls import End
 from pas.solid.sheets import COARSE, ROOM, Faces, Loose, SheetBody, Side, merged
 from pas.solid.strips import Chain, chain_between
-from pas.solid.tree import Atom, Tree, complement, parts_of
+from pas.solid.tree import Atom, Node, Tree, complement, parts_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,56 +119,44 @@ class RunSide:
 
 def plain_run(tree: Tree) -> SheetBody | None:
     """What bounds a round cylinder with flat ends across it, or one less another that goes as far; None of all else."""
-    parts = parts_of(tree, union=False)
-    holes = [parts_of(complement(part), union=False) for part in parts if not isinstance(part, Atom)]
-    tubes = [_Tube.of(some) for some in ([part for part in parts if isinstance(part, Atom)], *holes)]
-    outer, sides = tubes[0], list[RunSide]()
+    parts, sides = parts_of(tree, union=False), list[RunSide]()
+    holes = [parts_of(complement(part), union=False) for part in parts if isinstance(part, Node)]
+    tubes = [tube_of(some) for some in ([part for part in parts if isinstance(part, Atom)], *holes)]
     for tube in tubes:
-        if outer is None or tube is None or not all(map(tube.reaches, outer.ends)):
+        if tube is None or tubes[0] is None or len(tubes) > 2:
             return None
-        chains = []
-        for (cap, title), (other, _) in zip(outer.ends, outer.ends[::-1], strict=True):
-            slope = slope_at(other)
-            foot = three(-other.raw(0, 0, 0) * s / dot(slope, slope) for s in slope)
-            plane = cap - Polynomial(cap.raw(*foot) / 3)
-            chain = chain_between(Contact(tube.surface, plane), plane, cap, (tube.name, title))
-            if chain is None or (sides and not sides[0].ends[len(chains)].holds(chain)):
-                return None
-            chains.append(chain)
-        sides.append(RunSide(tube.name, (chains[0], chains[1]), (), ()))
-    return SheetBody(tuple(sides)) if len(sides) <= 2 else None
-
-
-@dataclass(frozen=True)
-class _Tube:
-    """A circular cylinder, negative inside, its name, and the planes, positive outside, and names of its two ends."""
-
-    surface: Polynomial
-    name: str
-    ends: tuple[tuple[Polynomial, str], ...]
-
-    @classmethod
-    def of(cls, parts: Sequence[Tree]) -> _Tube | None:
-        """That of three conditions; None of others."""
-        given = [(p.function, p) for p in parts if isinstance(p, Atom) and isinstance(p.function, Polynomial)]
-        known = [(-f if p.outside else f, p.face) for f, p in given if p.face]
-        found = sorted(known, key=lambda some: -some[0].degree)
-        if len(parts) != 3 or [f.degree for f, _ in found] != [2, 1, 1]:
+        (surface, name, (low, high)), ends = tube, tubes[0][2]
+        slope = slope_at(ends[0][0])
+        feet = [
+            three(-cap.raw(0, 0, 0) * s / dot(slope_at(cap), slope_at(cap)) for s in slope_at(cap)) for cap, _ in ends
+        ]
+        if any(cross(slope, slope_at(low[0]))) or any(end.raw(*foot) > 0 for end, _ in (low, high) for foot in feet):
             return None
-        (surface, name), *ends = found
-        form, slope, back = quadratic_form(surface).tolist(), *(slope_at(end) for end, _ in ends)
-        size = dot(slope, slope)
-        factor = sum(form[i][i] for i in range(3)) / (2 * size)
-        round_ = all(form[i][j] == factor * (size * (i == j) - slope[i] * slope[j]) for i in range(3) for j in range(3))
-        straight = dot(slope, form[3][:3]) == 0 and not any(cross(slope, back)) and dot(slope, back) < 0
-        return cls(surface, name, tuple(ends)) if round_ and straight and factor > 0 else None
+        begins = [cap - Polynomial(cap.raw(*foot) / 3) for (cap, _), foot in zip(ends, feet[::-1], strict=True)]
+        start, stop = (
+            chain_between(Contact(surface, plane), plane, cap, (name, title))
+            for plane, (cap, title) in zip(begins, ends, strict=True)
+        )
+        if start is None or stop is None or (sides and not sides[0].ends[0].holds(start)):
+            return None
+        sides.append(RunSide(name, (start, stop), (), ()))
+    return SheetBody(tuple(sides))
 
-    def reaches(self, end: tuple[Polynomial, str]) -> bool:
-        """Whether it goes up to a plane across it, or beyond."""
-        slope = slope_at(end[0])
-        turns = [(plane.raw(0, 0, 0), slope_at(plane)) for plane, _ in self.ends]
-        ways = [(offset, dot(slope, way) / dot(way, way)) for offset, way in turns if not any(cross(slope, way))]
-        return any(way > 0 and offset * way <= end[0].raw(0, 0, 0) for offset, way in ways)
+
+def tube_of(parts: Sequence[Tree]) -> tuple[Polynomial, str, list[tuple[Polynomial, str]]] | None:
+    """Of three conditions a circular cylinder, negative inside, its name, and both ends, planes that are positive
+    outside, with their names; None of others."""
+    atoms = [(p.function, p) for p in parts if isinstance(p, Atom) and isinstance(p.function, Polynomial)]
+    known = sorted(((-f if p.outside else f, p.face) for f, p in atoms if p.face), key=lambda some: -some[0].degree)
+    if len(parts) != 3 or [f.degree for f, _ in known] != [2, 1, 1]:
+        return None
+    (surface, name), *ends = known
+    form, slope, back = quadratic_form(surface).tolist(), *(slope_at(end) for end, _ in ends)
+    size = dot(slope, slope)
+    factor = sum(form[i][i] for i in range(3)) / (2 * size)
+    round_ = all(form[i][j] == factor * (size * (i == j) - slope[i] * slope[j]) for i in range(3) for j in range(3))
+    straight = dot(slope, form[3][:3]) == 0 and not any(cross(slope, back)) and dot(slope, back) < 0
+    return (surface, name, ends) if round_ and straight and factor > 0 else None
 
 
 def gap_between(one: Floats, other: Floats) -> float:

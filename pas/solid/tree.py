@@ -29,9 +29,6 @@ class ScalarField(Protocol):
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4) at points (N, 3), scaled."""
 
-    def holds(self, points: Floats) -> Bools:
-        """Whether it is <= 0 at points (N, 3)."""
-
     def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Whether it is certainly <= 0, and certainly > 0, in boxes of given centres and half edges (N, 3)."""
 
