@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from dataclasses import replace
 from fractions import Fraction
 
@@ -209,6 +210,24 @@ def test_tangent_faces_are_named_with_the_place_and_what_would_be_right(name):
     make, place, what = TANGENT[name]
     with pytest.raises(pas.MeshError, match=f"{re.escape(place)}.*{re.escape(what)}; let them cross, "):
         make().mesh(1e-2)
+
+
+def test_a_plate_that_touches_a_run_is_refused_at_once_with_how_far_to_move_it():
+    """By which they cross as steeply as meshes need."""
+    body = pas.blend([pas.Pipe(X, 1, 2), pas.Pipe((-1, 0, 0), 1, 2), pas.Pipe(Y, "4/5", 2)], 1).hollow("1/8").solid(4)
+    plate = solid.box((3, -3, 1), (5, 3, "3/2"))
+    began = time.process_time()
+    with pytest.raises(pas.MeshError, match=r"near \([^,]*, 0, 1\).*do not overlap there.*move one by 0\.022\)"):
+        (body | plate).mesh(2e-2)
+    assert time.process_time() - began < 2
+    assert (body | plate.translate((0, 0, "-22/1000"))).mesh(2e-2).components == 1
+
+
+def test_lines_of_contact_inside_a_third_part_are_no_trouble():
+    touching = solid.cylinder((-2, 0, 0), (2, 0, 0), 1) | solid.box((-2, -2, 1), (2, 2, 2))
+    assert (touching | solid.box((-2, -1, "-1/2"), (2, 1, "3/2"))).mesh(5e-2).components == 1
+    with pytest.raises(pas.MeshError, match=r"near \(.*, 0, 1\) the faces 'cylinder' and 'box z-' touch"):
+        (touching | solid.box((-2, -1, "-1/2"), (0, 1, "3/2"))).mesh(5e-2)
 
 
 def test_a_hole_that_touches_a_side_from_outside_is_none():
