@@ -130,6 +130,16 @@ class Pieces:
         self.polynomials = tuple(polynomials)
         self.surface = PiecewiseSurface.from_polynomials(partition, (), 0, self.polynomials)
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Pieces) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self.polynomials)
+
+    @property
+    def _content(self) -> tuple[object, ...]:
+        return self.polynomials, self.partition.vertices, self.partition.cells, self.partition.pieces
+
     @property
     def cells(self) -> tuple[tuple[Polynomial, tuple[Polynomial, ...]], ...]:
         """Each cell's polynomial and the planes (`>= 0` in the cell) that bound it."""
