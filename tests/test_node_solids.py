@@ -197,6 +197,11 @@ TANGENT = {
         "near (1, 2, ",
         "the faces 'box y+' and 'boss' touch, and the parts that they bound do not overlap there",
     ),
+    "a circle inscribed in a square": (
+        lambda: (solid.rectangle(2, 2) - solid.circle((0, 0), 1)).extrude(1),
+        "near (0, -1, ",
+        "the faces 'side 1' and 'circle' touch, and the solid has no thickness between them there",
+    ),
     "two pipes": (
         lambda: solid.cylinder((0, 0, 0), (0, 0, 2), 1, "a") | solid.cylinder((2, 0, 0), (2, 0, 2), 1, "b"),
         "near (1, 0, ",
