@@ -198,8 +198,8 @@ TANGENT = {
         "the faces 'box y+' and 'boss' touch, and the parts that they bound do not overlap there",
     ),
     "a circle inscribed in a square": (
-        lambda: (solid.rectangle(2, 2) - solid.circle((0, 0), 1)).extrude(1),
-        "near (0, -1, ",
+        lambda: (solid.rectangle(2, 2) - solid.circle((1, 1), 1)).extrude(1),
+        "near (1, 0, ",
         "the faces 'side 1' and 'circle' touch, and the solid has no thickness between them there",
     ),
     "two pipes": (
