@@ -64,13 +64,11 @@ def bounding_box(tree: Tree) -> Floats:
 
 def narrowed(tree: Tree, within: Floats) -> Floats:
     """A box (2, 3) that holds a set in another one, which is kept where points of the set are near its sides."""
-    if (within[0] > within[1]).any():
-        raise GeometryError(EMPTY)
     evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
-    axes = np.linspace(within[0], within[1], PARTS + 1).T
-    points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 3)
+    points = np.stack(np.meshgrid(*np.linspace(within[0], within[1], PARTS + 1).T), axis=-1).reshape(-1, 3)
     held = points[evaluator.inside(evaluator.signs(points))]
-    found = _shrunk(evaluator, within, np.stack([held.min(axis=0, initial=np.inf), held.max(axis=0, initial=-np.inf)]))
+    seen = np.stack([held.min(axis=0, initial=np.inf), held.max(axis=0, initial=-np.inf)])
+    found = _shrunk(evaluator, within, seen) if (within[0] <= within[1]).all() else None
     if found is None:
         raise GeometryError(EMPTY)
     return found[0]

@@ -204,14 +204,8 @@ class SolidField:
         """The name of a label's face as far as it is in boxes of given half edges (N, 3)."""
         return called(self.evaluator.names_within(label // 2, label % 2 == 1, centers, halves)) or self.face(label)
 
-    def refuse_touching(self) -> None:
-        """Raise `MeshError` where a plane and a quadric touch along a line, and parts of the set there, or no wall is
-        left; see `Seams.pinched`."""
-        for point, a, b, both in self._seams.pinched():
-            raise MeshError(f"the solid could not be meshed: {touching(self, point, a, b, both)}")
-
     def refuse_coincident(self) -> None:
-        """Raise `GeometryError` where two faces lie on different functions with a common surface."""
+        """Raise `GeometryError` where functions of two faces share a surface, `MeshError` at lines of `Seams.pinched`."""
         used = enumerate(self.evaluator.columns[: self.evaluator.used])
         faces = {i: c.function for i, c in used if c.names and isinstance(c.function, Polynomial)}
         for a, b in combinations(faces, 2):
@@ -221,6 +215,8 @@ class SolidField:
                     f"the faces {self.face(2 * a)!r} and {self.face(2 * b)!r} coincide on {common} = 0; "
                     "write one of them without that factor"
                 )
+        for point, a, b, both in self._seams.pinched():
+            raise MeshError(f"the solid could not be meshed: {touching(self, point, a, b, both)}")
 
 
 def _has_lines(function: Function) -> bool:

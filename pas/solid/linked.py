@@ -156,9 +156,8 @@ class LinkedBodies:
     def coarse(self) -> Mesh:
         """Those of all of them."""
         made = Faces([], 0.0)
-        for mesh in (part.body.coarse for part in self.parts):
-            assert mesh is not None
-            made.put(mesh)
+        for part in self.parts:
+            made.put(part.body.coarse)  # type: ignore[arg-type]  # without which it is no part
         return made.mesh
 
     def moved(self, map_: Affine) -> LinkedBodies:

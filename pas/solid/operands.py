@@ -129,8 +129,7 @@ class Operands:
         first, *others = self.parts
         if self.operation == "Intersect":
             return first, *(_within(other, first._around) if _box(other) is None else other for other in others)
-        loose = [other for other in others if other.sheets is None]
-        loose = [_within(part, first._around) if _box(part) is None else part for part in loose]
+        loose = [_within(o, first._around) if _box(o) is None else o for o in others if o.sheets is None]
         pairs = [(i, j) for (i, a), (j, b) in combinations(enumerate(loose), 2) if box_gap(a._around, b._around) <= 0]
         groups = connected(np.array(pairs, dtype=np.intp).reshape(-1, 2), len(loose))
         joined = [reduce(or_, (loose[i] for i in np.flatnonzero(groups == g))) for g in np.unique(groups)]

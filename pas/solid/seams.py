@@ -24,12 +24,12 @@ from itertools import combinations, combinations_with_replacement, permutations,
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpq_mat, fmpq_mpoly, nmod_poly
+from flint import fmpq, fmpq_mat, fmpq_mpoly
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import RESIDUES, Polynomial
+from pas.algebra.polynomial import Polynomial, residue_place
 from pas.algebra.rational import cross
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import polynomials_of
@@ -74,8 +74,8 @@ class Seam:
 
     @cached_property
     def marks(self) -> list[tuple[int, ...] | None]:
-        """A place modulo a prime for each curve, where members of its ideal vanish; see `_mark`."""
-        return [_mark(*curve.generators) for curve in self.curves]
+        """A place modulo a prime for each curve, where members of its ideal vanish; see `residue_place`."""
+        return [residue_place(*curve.generators) for curve in self.curves]
 
     def crosses(self, surfaces: Sequence[Polynomial]) -> bool:
         """Whether one of some surfaces is the section."""
@@ -85,33 +85,10 @@ class Seam:
         """Whether each of the curves is on one of some surfaces."""
         if self._place and all(surface.raw(*self._place) != 0 for surface in surfaces):
             return False
-        for curve, mark in zip(self.curves, self.marks, strict=True):
-            if not any(curve.contains(f) for f in surfaces if mark is None or not f.residues(*mark)):
-                return False
-        return True
-
-
-def _mark(first: Polynomial, second: Polynomial) -> tuple[int, ...] | None:
-    """A place modulo a prime in which the residues of all members of an ideal of a plane and another function vanish.
-
-    On the plane a member is a multiple of that function, by a polynomial without the prime in its denominators (Gauss's
-    lemma), as neither the plane's slope nor the function on a line in it vanishes modulo the prime.  None where neither
-    is a plane, or no such line has a place.
-    """
-    plane, other = sorted((first, second), key=lambda f: f.degree)
-    slopes, modulus = [int(plane.residues.derivative(i)(0, 0, 0)) for i in range(3)], RESIDUES.modulus()
-    if plane.degree != 1 or not any(slopes):
-        return None
-    axis, step = next(i for i in range(3) if slopes[i]), RESIDUES.gens()[0]
-    for start in range(2, 12):  # two of three lines have one
-        line = [start**9 + step, start**8 + start**7 * step]
-        line.insert(axis, 0 * step)
-        line[axis] = plane.residues.compose(*line) * -pow(slopes[axis], -1, modulus)
-        along = {e[0]: c for e, c in other.residues.compose(*line).to_dict().items()}
-        roots = nmod_poly([along.get(i, 0) for i in range(max(along) + 1)], modulus).roots() if along else ()
-        if roots:
-            return tuple(int(part(int(roots[0][0]), 0, 0)) for part in line)
-    return None
+        return all(
+            any(curve.contains(f) for f in surfaces if mark is None or not f.residues(*mark))
+            for curve, mark in zip(self.curves, self.marks, strict=True)
+        )
 
 
 def seams_of(tree: Tree, claimed: Sequence[Curve], box: Floats | None = None) -> list[Seam]:

@@ -278,7 +278,6 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     def _from_lattices(self, tolerance: float, quality: Quality) -> FaceMesh:
         self.field.refuse_coincident()
-        self.field.refuse_touching()
         within, known = tolerance / self.field.scale, self.sheets
         first = known.first_mesh(self.field, within) if isinstance(known, Operands) else None
         return triangulate_faces(self.field, within, quality, first)
