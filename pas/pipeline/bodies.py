@@ -95,7 +95,7 @@ def body(
 def chain_beyond(surface: PiecewiseSurface, number: int, name: str, plane: Polynomial, length: fmpq) -> Chain | None:
     """What goes on from a contact by a length beyond a plane, up to a flat end; None where that is none of `strips`."""
     center = surface.partition.center
-    return chain_between(surface.contacts[number], plane, _cap(plane, length), (name, f"{name} end"), center)
+    return chain_between(surface.placed.told(number), plane, _cap(plane, length), (name, f"{name} end"), center)
 
 
 def hollow_body(
