@@ -202,7 +202,7 @@ def test_a_lattice_less_a_ball_is_meshed_by_what_is_near():
     assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 5, 2 * (8 - 10) + 2 * 4)
     assert np.linalg.norm(mesh.points, axis=1).min() == pytest.approx(1.5) and np.ptp(mesh.box, axis=0)[0] == 12
     turned = cut.rotate((1, 2, 3), 40).mesh(5e-2)  # whose parts are turned by themselves
-    assert turned.volume == pytest.approx(mesh.volume, rel=1e-3) and time.process_time() - began < 20
+    assert turned.volume == pytest.approx(mesh.volume, rel=1e-2) and time.process_time() - began < 20
 
 
 def tube(start, end, radius=1, bore=None, further=1):
