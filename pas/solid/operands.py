@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -27,8 +28,9 @@ from pas.mesh.rows import cross, norms
 from pas.mesh.topology import euler_characteristic, piece_count
 from pas.solid.field import SolidField
 from pas.solid.linked import LinkedBodies, LinkedPart, RenamedBoundary, SolidBoundary, refuse_passing, united
+from pas.solid.runs import plain_run
 from pas.solid.sheets import SheetBody
-from pas.solid.tree import Atom, combined
+from pas.solid.tree import Atom, Tree, combined
 
 
 class Operand(Protocol):
@@ -39,7 +41,11 @@ class Operand(Protocol):
         """What bounds it, where that is known."""
 
     @property
-    def box(self) -> Floats:
+    def tree(self) -> Tree:
+        """The inequalities."""
+
+    @property
+    def _around(self) -> Floats:
         """Two corners (2, 3) of a box that holds it."""
 
     @property
@@ -61,7 +67,12 @@ def combined_boundary(first: Operand, second: Operand, operation: str) -> SolidB
     before, new = first.sheets, second.sheets
     if before is None and new is None:
         return None
-    linked = united(before, new) if operation == "Add" and before and new else None
+    blends = [isinstance(known, SheetBody | LinkedBodies) for known in (before, new)]
+    if operation == "Add" and any(blends):
+        ends = zip((before, new), (first, second), blends, strict=True)
+        linked = united(*(known if blend else plain_run(solid.tree) for known, solid, blend in ends))
+    else:
+        linked = None
     parts = before.parts if isinstance(before, Operands) and before.operation == operation else (first,)
     return linked or Operands((*parts, second), operation)
 
@@ -77,8 +88,16 @@ class Operands:
 
     parts: tuple[Operand, ...]
     operation: str
-    size = None
-    box = None
+    coarse = None
+
+    @cached_property
+    def box(self) -> Floats | None:
+        """Two corners (2, 3) of a box that holds what is made, as the parts do; None where theirs say nothing."""
+        known = [*map(_box, self.parts[: 1 if self.operation == "Subtract" else None])]
+        boxes = np.array([box for box in known if box is not None]).reshape(-1, 2, 3)
+        if self.operation == "Add":
+            return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)]) if len(boxes) == len(known) else None
+        return np.stack([boxes[:, 0].max(axis=0), boxes[:, 1].min(axis=0)]) if len(boxes) else None
 
     def mesh(self, tolerance: float, quality: Quality) -> None:
         """None: what is cut is only a first mesh."""
@@ -105,7 +124,7 @@ class Operands:
 
     def _cut(self, field: SolidField, tolerance: float) -> Triangles:
         first, *others = self.parts
-        bounded = [first, *(other if _bounded(other) else _within(other, first.box) for other in others)]
+        bounded = [first, *(_within(other, first._around) if _box(other) is None else other for other in others)]
         found, *rest = (_cut(part, field, tolerance) for part in bounded)
         turned = 1 if self.operation == "Subtract" else 0
         return boolean([found, *(other._replace(faces=other.faces ^ turned) for other in rest)], self.operation)
@@ -151,8 +170,9 @@ def _within(part: Any, box: Floats) -> Any:
     return replace(part, tree=combined(False, part.tree, *walls), joints=(), sheets=None)
 
 
-def _bounded(part: Operand) -> bool:
+def _box(part: Operand) -> Floats | None:
+    """The box in which a solid is meshed; None of an unbounded one."""
     try:
-        return bool(np.isfinite(part.box).all())
+        return part._around
     except GeometryError:
-        return False
+        return None

@@ -208,11 +208,14 @@ def _vanishing(forms: Floats, halvings: int) -> tuple[int, float] | None:
     """Of curves of vectors (n, k, 3), Bernstein forms in t, the number of one that may meet the origin, and t near."""
 
     def judge(arcs: PlacedNets, _: int) -> Fates:
-        return np.where(avoids_origin(arcs.table, arcs.off), int(Fate.SETTLED), int(Fate.SPLIT))
+        return np.where(avoids_origin(arcs.table, arcs.off.max(axis=(1, 2))), int(Fate.SETTLED), int(Fate.SPLIT))
 
-    rows, off = np.arange(len(forms)), 1e-13 * np.abs(forms).max(axis=(1, 2))
+    rows, off = np.arange(len(forms)), 1e-13 * np.abs(forms).max(axis=(1, 2), keepdims=True)
     start = np.stack([0 * rows, rows], axis=1)  # the second place, never halved, tells the curve
-    whole, limits = PlacedNets(forms[:, :, None], off, start, 0 * start), Limits(halvings, 1 << 20)
+    whole, limits = (
+        PlacedNets(forms[:, :, None], off + np.zeros((*forms.shape[:2], 1)), start, 0 * start),
+        Limits(halvings, 1 << 20),
+    )
     left = search(whole, judge, lambda arcs: arcs.halves(0), limits, "looking for vanishing normals").open
     if not len(left):
         return None
