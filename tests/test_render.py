@@ -293,12 +293,13 @@ def test_wrong_options_get_a_sentence(tmp_path, options, sentence):
 
 def test_the_command_line_has_the_same_options(tmp_path, capsys):
     project = str(PLATE.save(tmp_path / "a.pas.json"))
+    plate = pas.load(project)
     words = ["--size", "80x60", "--view", "iso", "--parallel", "--transparent", "--colors", "plate*=red,hole=#00ff00"]
     for more, options in (([], {}), (["--cut"], {"cut": True}), (["--cut", "top"], {"cut": "top"})):
         assert main(["render", project, "-o", str(tmp_path / "b.png"), *words, *more]) == 0
         colors = {"plate*": "red", "hole": "#00ff00"}
         options |= {"size": (80, 60), "view": "iso", "parallel": True, "transparent": True, "colors": colors}
-        pas.draw(PLATE, tmp_path / "c.png", **options)
+        pas.draw(plate, tmp_path / "c.png", **options)
         assert (tmp_path / "b.png").read_bytes() == (tmp_path / "c.png").read_bytes()
     assert main(["render", project, "-o", str(tmp_path / "d.png"), "--view", "lft"]) == 2
     assert capsys.readouterr().err.endswith("there is no view 'lft'; is 'left' meant?\n")
