@@ -151,9 +151,8 @@ class Space(InPlace, Exported):
         """This space with a basis of short polynomials: one that is LLL-reduced of all members with whole coefficients,
         in the partition's local coordinates (see `pas.algebra.matrices`).
 
-        A tenth as many digits as in the usual basis for corners, a twentieth for nodes.  Corners take a tenth of a
-        second with GC^1 and up to two with GC^2, nodes of 60 members five to seven, more members a minute and more.
-        As nothing can stop flint's LLL, it runs in a process of its own, which ends with `pas.limit` and with Ctrl-C.
+        A tenth as many digits as in the usual basis for corners, a twentieth for nodes.  Those of 60 members take five
+        to seven seconds, others up to a minute, in a process of its own, since nothing else can stop flint's LLL.
         """
         if not self.dimension:
             return self

@@ -257,7 +257,7 @@ def tetrahedralize(points: Any, triangles: Any, options: Mapping[str, Any]) -> t
     """
     given = np.asarray(points, dtype=float), np.asarray(triangles, np.int32)
     try:
-        found, tetrahedra = elsewhere("fTetWild makes tetrahedra", "pytetwild:tetrahedralize", *given, **options)
+        return elsewhere("fTetWild makes tetrahedra", "pytetwild:tetrahedralize", *given, **options)
     except subprocess.CalledProcessError as error:
         if error.returncode < 0:
             raise GeometryError(
@@ -266,7 +266,6 @@ def tetrahedralize(points: Any, triangles: Any, options: Mapping[str, Any]) -> t
             ) from None
         lines = error.stderr.strip().splitlines() or ["no reason given"]
         raise GeometryError(f"fTetWild failed: {lines[-1]}") from None
-    return found, tetrahedra
 
 
 def _turned(points: Floats, tetrahedra: Integers, name: str) -> Integers:
