@@ -18,12 +18,11 @@ from __future__ import annotations
 import inspect
 import time
 from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cache, cached_property, wraps
 from numbers import Real
-from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, TypedDict, TypeVar
 
@@ -196,52 +195,6 @@ def checkpoint(task: str = "", done: float | None = None) -> None:
         reports.next_one = now + REPORT_EVERY
         work = f"{current.work}: {task}" if current.work not in ("", task) else task
         reports.tell(work, now - reports.started)
-
-
-WORK = """
-import pickle, pkgutil
-with open("given", "rb") as given:
-    name, arguments, options = pickle.load(given)
-found = pkgutil.resolve_name(name)(*arguments, **options)
-with open("found", "wb") as place:
-    pickle.dump(found, place)
-"""
-"""What the other process does in its folder."""
-
-
-def elsewhere(task: str, function: str, *arguments: Any, **options: Any) -> Any:
-    """What a function, named as `module:name`, returns in a process of its own, which ends with the limit.
-
-    For libraries that cannot be interrupted, that crash, or that leave files where they work.  Raises
-    `subprocess.CalledProcessError`, with what was written to the standard error stream, where the process fails.
-    """
-    import os
-    import pickle
-    import subprocess
-    import sys
-    from tempfile import TemporaryDirectory
-
-    with TemporaryDirectory(prefix="pas-") as name:
-        folder = Path(name)
-        (folder / "given").write_bytes(pickle.dumps((function, arguments, options)))
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(str(Path(p).resolve()) for p in sys.path)}
-        command, quiet = [sys.executable, "-P", "-c", WORK], subprocess.DEVNULL
-        with (
-            open(folder / "said", "wb") as said,
-            subprocess.Popen(command, cwd=folder, env=environment, stdout=quiet, stderr=said) as process,
-        ):
-            try:
-                while process.poll() is None:
-                    checkpoint(task)
-                    with suppress(subprocess.TimeoutExpired):
-                        process.wait(0.2)
-            except BaseException:
-                process.kill()
-                raise
-        if process.returncode:
-            errors = (folder / "said").read_text("utf-8", "replace")
-            raise subprocess.CalledProcessError(process.returncode, function, stderr=errors)
-        return pickle.loads((folder / "found").read_bytes())
 
 
 @contextmanager

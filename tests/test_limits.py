@@ -16,7 +16,8 @@ from conftest import ROOT
 import pas
 from pas import solid
 from pas.cli import main
-from pas.limits import WorkLimits, checkpoint, elsewhere, in_parts, limit, limited, note, part
+from pas.elsewhere import elsewhere
+from pas.limits import WorkLimits, checkpoint, in_parts, limit, limited, note, part
 
 
 class Clock:

@@ -20,10 +20,10 @@ from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, VectorLike, rational, to_fraction, vector
 from pas.algebra.systems import Exported, Rows, spanned
+from pas.elsewhere import elsewhere
 from pas.errors import NoSolutionError
 from pas.fairing.functionals import Functional, value_at
 from pas.fairing.prepared import PreparedSpace
-from pas.limits import elsewhere
 from pas.piecewise import PiecewiseSurface
 from pas.surface.placed import InPlace, PlacedContacts
 

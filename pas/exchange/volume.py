@@ -22,12 +22,13 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from pas.algebra.brief import brief
+from pas.elsewhere import elsewhere
 from pas.errors import GeometryError, library, optional
 from pas.exchange.files import target
 from pas.exchange.formats import Content, Request
 from pas.exchange.parts import Piece, counted_on, face_names, parts_of
 from pas.exchange.write import write
-from pas.limits import WorkLimits, elsewhere, limited
+from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.topology import is_closed_manifold
