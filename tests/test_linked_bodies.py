@@ -17,6 +17,7 @@ from pas import solid
 from pas.algebra.rational import rational, to_float
 from pas.solid.linked import LinkedBodies
 from pas.solid.operands import Operands
+from pas.solid.runs import plain_run
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 AXES = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
@@ -228,6 +229,7 @@ def test_what_is_no_plain_tube_is_not_linked():
     leaning = solid.cylinder((2, "1/8", 0), (10, 0, 0), "3/4", "bore")
     others = [tube(3, 9, "9/10"), pipe.scale((1, 1, "9/10")), pipe & solid.half_space("x + y/8 - 8"), pipe - leaning]
     assert all(isinstance((made() | other).sheets, Operands) for other in others)
+    assert [plain_run(one.tree) is not None for one in (pipe, *others[:2])] == [True, True, False]
     for bore in ("3/4", "9/8"):
         assert isinstance((wall | tube(3, 9, bore=bore)).sheets, Operands)
     for other in (pipe, pipe - tube(2, 8, "7/8"), pipe - tube(4, 10, "7/8")):
