@@ -285,6 +285,10 @@ def _near(points: Floats, functions: tuple[Polynomial, ...]) -> tuple[Floats, Bo
     for _ in range(20):
         values = np.stack([f(points) for f in functions], axis=1)
         slopes = np.stack([f.gradient(points) for f in functions], axis=1)
+        lost = ~(
+            np.isfinite(values).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2))
+        )  # so far away that it overflows
+        values[lost], slopes[lost] = np.nan, 0.0
         steps = np.einsum("nij,nj->ni", np.linalg.pinv(slopes), values)
         points = points - steps
     return points, np.asarray(lengths(steps) <= 1e-9 * np.maximum(lengths(points), 1.0))
