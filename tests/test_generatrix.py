@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 import pas
 from pas import Boundary, GeneratrixShape, Polynomial, ShapeFunction, Status, generatrix_blend, plane_section
 from pas.errors import GeometryError, NotProvedError
+from pas.mesh.crossings import crossings
 from pas.parametric.generatrix.align import alignment, sides
-from pas.parametric.generatrix.crossings import crossings
 from pas.parametric.generatrix.form import connectivity
 from pas.parametric.nets import bernstein_at
 
@@ -511,7 +511,8 @@ def test_largest_safe_length(number):
     blend = generatrix_blend(pipe("z", 2), pipe("x", 2))
     safe = blend.largest_safe(number, (48, 20))
     names = ("l1", "l2") if number is None else ("l1",)
-    below, above = (blend.with_shape(**dict.fromkeys(names, f * safe)) for f in (0.97, 1.1))
+    # Both at once may be 2 long, where the normal vanishes at a point; on so coarse a mesh 1.82 are found.
+    below, above = (blend.with_shape(**dict.fromkeys(names, f * safe)) for f in (0.97, 1.15))
     assert not below.certificate.failed
     assert above.certificate.simple.failed or above.certificate.regular.failed
     assert above.certificate.failed and not above.certificate.refuted
@@ -755,7 +756,7 @@ def test_bad_blends(make, error, message):
     ],
 )
 def test_injectivity(surface, injective):
-    from pas.parametric.generatrix.crossings import is_injective
+    from pas.parametric.regularity import is_injective
 
     made = pas.ParametricSurface(*surface, parameters=("s", "t"), domain=((0, 1), (0, 1)))
     assert is_injective(made) == injective

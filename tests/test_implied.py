@@ -1,4 +1,4 @@
-"""Conditions that others imply: what is proved of them, and meshes of solids whose faces meet by threes in a curve."""
+"""Conditions that others imply: which these are, and meshes of solids whose faces meet by threes in a curve."""
 
 from __future__ import annotations
 
@@ -11,6 +11,33 @@ from pas.solid.tree import atoms
 
 CUBE = solid.box((-1, -1, -1), (1, 1, 1))
 CUBIC = solid.implicit("z - x^3")
+
+
+FINE = 1e-3
+
+
+@pytest.mark.parametrize(
+    ("g", "h", "k", "expected"),
+    [
+        ("z - 1", "x - 1", "z - x^3", True),
+        ("1/2 - x", "1/8 - z", "z - x^3", True),
+        ("x + y - 1", "x - 1/2", "y - 1/2", True),
+        ("x*y - 1/4", "x - 1/2", "y - 1/2", True),
+        ("z - 99/100", "x - 1", "z - x^3", False),
+        ("1 - z", "x - 1", "z - x^3", False),
+        ("z - 9/10", "1/2 - x", "z - x^3", False),
+        ("x - 3/4", "y - 1/2", "z - x^3", False),
+        ("z - 1/8", "x - 1/2", "x^3 - z", False),
+        ("x - y", "x - 1/2", "1/4 - y", False),
+    ],
+)
+def test_what_is_implied_in_the_unit_cube(g, h, k, expected):
+    """That g <= 0 where h <= 0 and k <= 0, in the unit cube."""
+    room = np.array([[2.0 / 9] * 3, [7.0 / 9] * 3])  # 0.4 of its sides more make it the unit cube
+    for order in ((g, h, k), (k, g, h), (h, k, g)):
+        parts = [solid.implicit(text, face=text) for text in order]
+        left = without_implied(solid.intersection(*parts).tree, room, FINE)
+        assert (g not in [atom.face for atom in atoms(left)]) is expected
 
 
 SOLIDS = {
@@ -41,9 +68,8 @@ def test_three_faces_that_meet_in_a_curve_where_two_are_enough(name):
 def test_without_what_is_implied_it_is_the_same_set(name):
     shape, _ = SOLIDS[name]
     field = shape.field
-    rest = field.needed()
+    rest = field.needed(FINE)
     assert rest is not field
-    assert rest is field.needed()
     low, high = field.box
     points = np.random.default_rng(1).uniform(low - 0.2 * (high - low), high + 0.2 * (high - low), (20_000, 3))
     inside = field.inside(field.signs(points))
@@ -54,10 +80,10 @@ def test_without_what_is_implied_it_is_the_same_set(name):
 
 def test_what_is_left_out():
     shape = CUBE & CUBIC
-    names = [atom.face for atom in atoms(without_implied(shape.tree, shape.box))]
+    names = [atom.face for atom in atoms(without_implied(shape.tree, shape.box, FINE))]
     assert names == ["box x+", "box y-", "box y+", "box z-", "surface"]
     both = shape | solid.ball(("3/2", 0, 0), "1/4")
-    assert [atom.face for atom in atoms(without_implied(both.tree, both.box))] == [*names, "ball"]
+    assert [atom.face for atom in atoms(without_implied(both.tree, both.box, FINE))] == [*names, "ball"]
 
 
 @pytest.mark.parametrize(
@@ -72,15 +98,27 @@ def test_what_is_left_out():
     ids=["box", "ball", "crossing", "corner cut out", "union"],
 )
 def test_what_is_needed_is_kept(shape):
-    assert shape.field.needed() is shape.field
-    assert without_implied(shape.tree, shape.box) == shape.tree
+    assert shape.field.needed(FINE) is shape.field
+    assert without_implied(shape.tree, shape.box, FINE) == shape.tree
+
+
+def test_what_stays_undecided_is_kept():
+    """The set without the plane meets boxes along an edge, however small these are."""
+    shape = CUBE & CUBIC
+    assert without_implied(shape.tree, shape.box, 1e-9) == shape.tree
+
+
+def test_small_hollows_are_no_condition_that_others_imply():
+    """No sample need be in them: boxes that cover all of the solid are looked at."""
+    mesh = (CUBE & CUBIC - solid.ball(("0.313", "-0.217", "-0.513"), "0.02", "hollow")).mesh(1e-2)
+    assert mesh.is_closed and mesh.components == 2 and "hollow" in mesh.names
 
 
 def test_what_only_seems_to_be_implied_is_not_left_out_of_a_mesh(monkeypatch):
     """Without the plane the mesh is of a larger set, so that the first refusal stands."""
     shape = (CUBE - CUBIC) & solid.half_space("x - 1/2", "cut")
-    wrong = (CUBE - CUBIC).field.needed()
-    monkeypatch.setattr(SolidField, "needed", lambda self: wrong)
+    wrong = (CUBE - CUBIC).field.needed(FINE)
+    monkeypatch.setattr(SolidField, "needed", lambda self, within: wrong)
     with pytest.raises(MeshError, match=r"'box x.', 'box z.' and 'surface' touch, or meet in one curve"):
         shape.mesh(2e-2)
 
@@ -88,6 +126,6 @@ def test_what_only_seems_to_be_implied_is_not_left_out_of_a_mesh(monkeypatch):
 def test_a_refusal_names_all_faces_that_meet():
     """A wedge in a direction in which its edge is too sharp for a lattice: the first refusal says more."""
     shape = (CUBE & solid.half_space("z - 5*x + 4")).mirror((1, 2, 0))
-    assert shape.field.needed() is not shape.field
+    assert shape.field.needed(FINE) is not shape.field
     with pytest.raises(MeshError, match=r"the faces 'box x.', 'box z.' and 'plane' touch, or meet in one curve"):
         shape.mesh(5e-2)

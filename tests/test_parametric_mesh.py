@@ -15,7 +15,7 @@ import pas
 from pas.bernstein.simplices import halved
 from pas.mesh.mesh import Mesh
 from pas.parametric.meshing import bounded
-from pas.parametric.nets import exact_net, exact_rectangle
+from pas.parametric.nets import Framed, exact_net, exact_rectangle
 
 SPHERE = "x^2 + y^2 + z^2 - 1"
 TORUS = "(x^2 + y^2 + z^2 + 3)^2 - 16*(x^2 + y^2)"
@@ -110,6 +110,36 @@ def test_bounds_hold(numbers, kind):
     assert np.linalg.norm(flat - true, axis=-1).max() <= mesh.deviation <= 0.05
 
 
+@pytest.mark.parametrize("far", [0, 10**3, 10**6, 10**10])
+def test_far_out_meshes_are_those_near_the_origin(far):
+    """What is far out is meshed as finely as doubles there allow, and its vertices are where the bound says."""
+    surface = pas.ParametricSurface(f"{far} + t/(1 + h^2/3)", f"{far}/7 + h", "t*(1 - h)", domain=SQUARE)
+    mesh = surface.mesh(1e-3)
+    assert mesh.certified and len(mesh.triangles) == 1162 and mesh.deviation <= 1e-3
+    for point, place in zip(mesh.points[::50].tolist(), mesh.parameters[::50].tolist(), strict=True):
+        true = surface.at(*map(Fraction, place))
+        assert sum((Fraction(x) - y) ** 2 for x, y in zip(point, true, strict=True)) <= Fraction(mesh.deviation) ** 2
+    framed, points = Framed.of(surface), np.random.default_rng(1).uniform(-1, 1, (50, 3))
+    moved, off = framed.points_outside(points)
+    for before, after in zip(points.tolist(), moved.tolist(), strict=True):
+        exact = [
+            Fraction(c) + Fraction(x) * 2**framed.exponent for c, x in zip(framed.center.tolist(), before, strict=True)
+        ]
+        away = sum((Fraction(x) - y) ** 2 for x, y in zip(after, exact, strict=True))
+        assert away <= (Fraction(off) * 2**framed.exponent) ** 2
+    assert off <= 1e-15 * far
+
+
+@pytest.mark.parametrize(
+    ("x", "last", "most"), [("t/(1 + t^2)", 10**4, 100), ("t/(1 + t^8)", 30, 300)], ids=["a circle", "a leaf"]
+)
+def test_weights_that_differ_by_millions_need_no_more_triangles(x, last, most):
+    """What rounding may do to a cell is measured by the weights of that cell."""
+    below = x.split("/")[1]
+    mesh = pas.ParametricSurface(x, "h", f"t^2/{below}", domain=((0, last), (0, 1))).mesh(1e-2)
+    assert mesh.certified and len(mesh.triangles) <= most
+
+
 def test_places_that_coincide_are_one_vertex():
     """A strip turns back on itself: at t = 1/2 and t = 3/4 it is the same line, and nothing is left between them."""
     surface = pas.ParametricSurface("t - 4/5*t^2", "h", "0", domain=SQUARE)
@@ -162,8 +192,8 @@ def test_nets_are_the_surface():
         (pas.ellipsoid(), ((0, 1), (0, 2)), ValueError, "interval .* of h is not within"),
         (pas.ParametricSurface("1/(t - h)", "t", "h"), SQUARE, pas.GeometryError, "has a pole, .* near t = "),
         (pas.ParametricSurface("t*h/(t^2 + h^2)", "t", "h"), ((-1, 2), (-1, 2)), pas.GeometryError, "near t = .*e-"),
-        (  # of size 1, but so far out that bounds of rounding are larger than the tolerance
-            pas.ParametricSurface("1000000 + t", "h", "(t^2 - h^2)/(1 + t^2 + h^2)"),
+        (  # of size 1, but so far out that doubles are further apart than the tolerance
+            pas.ParametricSurface("10^14 + t", "h", "(t^2 - h^2)/(1 + t^2 + h^2)"),
             SQUARE,
             pas.MeshError,
             "finer than doubles resolve",

@@ -25,6 +25,10 @@ def third(radius="1") -> solid.Solid:
     return solid.cylinder((0, 0, 0), (0, 3, 0), radius, face="third")
 
 
+def collar(start: str) -> solid.Solid:
+    return solid.cylinder((start, 0, 0), ("12/5", 0, 0), "13/10", face="collar")
+
+
 def bored() -> solid.Solid:
     return solid.box((-2, -2, -2), (2, 2, 2)) - run() - branch()
 
@@ -111,6 +115,16 @@ REFUSED = {
     "too short": (lambda: run() | branch(), "1/20", 'leave room, and clip="auto" finds such; one of radius 0.9'),
     "a common part": (lambda: run() & branch(start=(0, 0, -3)), "1/4", "touch, or nearly so, near"),
     "axes that miss": (lambda: run() | branch().translate(0, "1/10", 0), "1/4", "no smaller one is either"),
+    "a collar over its end": (
+        lambda: run() | branch() | collar("3/2"),
+        "1/2",
+        "is not proved: fillet meets run with GC^1: the regions of the two faces do not both reach the curve",
+    ),
+    "a fillet in its place": (
+        lambda: (run() | collar("8/5")).fillet("run", "collar start", "1/5", face="ring") | branch(),
+        "1/2",
+        "is not proved: ring meets run with GC^1: the regions of the two faces do not both reach the curve",
+    ),
 }
 
 

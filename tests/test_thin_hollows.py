@@ -40,6 +40,16 @@ def test_walls_of_a_200th_of_the_size(name):
     assert len(shape.field.shells()) == pieces
 
 
+def test_a_slot_across_a_bore_is_in_no_vertex_of_either():
+    """Each passes through the other's sides, far from their corners: they are no surfaces apart."""
+    block = solid.box((0, 0, 0), (10, 1, 1)) - solid.box(("4.9", "1/5", -1), ("5.1", 2, 2), "slot")
+    shape = block - solid.box((1, "1/20", "1/20"), (9, "19/20", "19/20"), "bore")
+    assert len(shape.field.shells()) == 2
+    mesh = shape.mesh(1e-2)
+    assert is_closed_manifold(mesh.triangles) and mesh.euler_characteristic == 2
+    assert mesh.volume == pytest.approx(10 - 0.16 - 8 * 0.81 + 0.2 * 0.75 * 0.9, rel=1e-2)
+
+
 def test_pieces_that_bound_nothing_are_left_out():
     far = solid.ball((0, 0, 0), "1/2", "core")
     shape = BALL - solid.ball((0, 0, 0), "99/100") - far  # which is in the hollow
@@ -81,7 +91,7 @@ def hollowed(shape, thickness, volume, characteristic, tolerance=None):
     assert set(mesh.names) == set(hollow.faces)
     assert np.abs(hollow.value(mesh.points)).max() < 1e-9
     if volume is not None:
-        assert mesh.volume == pytest.approx(volume, rel=1e-2)
+        assert mesh.volume == pytest.approx(volume, rel=2e-2)  # both sides are off by up to a fifth of a wall
 
 
 @pytest.mark.slow

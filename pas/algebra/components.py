@@ -25,8 +25,8 @@ from pas.algebra.roots import (
     accuracies,
     between,
     bounds,
-    exact,
     hull,
+    middle_of,
     rational_root,
     real_roots,
     simplest,
@@ -189,7 +189,7 @@ class Shadow:
         """The numbers of points, no two with one value of m, by ascending values."""
         for bits in accuracies():
             values = [point.value(self.form, bits) for point in points]
-            numbers = sorted(range(len(points)), key=lambda i: exact(values[i]))
+            numbers = sorted(range(len(points)), key=lambda i: middle_of(values[i]))
             if not any(values[i].overlaps(values[j]) for i, j in pairwise(numbers)):
                 return numbers
         raise AssertionError

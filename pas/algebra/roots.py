@@ -60,7 +60,7 @@ def _balls(key: tuple[int, ...], bits: int) -> tuple[arb, ...]:
         if len(key) == 2:
             return (arb(fmpq(-key[0], key[1])),)
         pairs: Any = fmpz_poly(list(key)).complex_roots()
-        return tuple(sorted((root.real for root, _ in pairs if root.imag.is_zero()), key=exact))
+        return tuple(sorted((root.real for root, _ in pairs if root.imag.is_zero()), key=middle_of))
 
 
 def real_roots(polynomial: fmpq_poly) -> list[RealRoot]:
@@ -79,7 +79,7 @@ def rational_root(number: fmpq) -> RealRoot:
 
 def bounds(ball: arb) -> tuple[fmpq, fmpq]:
     """The ends of a ball, exact (Arb's own are rounded)."""
-    middle, radius = exact(ball), exact(ball.rad())
+    middle, radius = middle_of(ball), middle_of(ball.rad())
     return middle - radius, middle + radius
 
 
@@ -88,7 +88,7 @@ def hull(low: fmpq, high: fmpq) -> arb:
     return arb(low).union(arb(high))
 
 
-def exact(number: arb) -> fmpq:
+def middle_of(number: arb) -> fmpq:
     """The rational number in the middle of a ball."""
     mantissa, exponent = (int(part) for part in number.mid().man_exp())
     return fmpq(mantissa << exponent) if exponent >= 0 else fmpq(mantissa, 1 << -exponent)

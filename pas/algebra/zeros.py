@@ -19,7 +19,7 @@ from pas.algebra.ideal import Ideal, NormalForm, leading_exponents
 from pas.algebra.monomials import Exponents
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, three, to_float
-from pas.algebra.roots import RealRoot, accuracies, exact, real_roots
+from pas.algebra.roots import RealRoot, accuracies, middle_of, real_roots
 
 ENOUGH = 1024
 """Bits from which on a value near 0 is compared with 0 exactly."""
@@ -137,11 +137,11 @@ class RealZero:
     def point(self) -> tuple[float, float, float]:
         """The coordinates, rounded."""
         printed = 256  # bits of points that are rounded to doubles, enough for most coordinates however they cancel
-        return three(to_float(exact(ball)) for ball in self.balls(printed))
+        return three(to_float(middle_of(ball)) for ball in self.balls(printed))
 
     def near(self, bits: int) -> Vector:
         """A rational point close by."""
-        return three(exact(ball) for ball in self.balls(bits))
+        return three(middle_of(ball) for ball in self.balls(bits))
 
 
 def value_at(polynomial: Polynomial, balls: tuple[arb, ...]) -> arb:

@@ -160,7 +160,7 @@ class Net:
 
     def _across(self, triangle: Exponents, first: int, second: int, s: int) -> Iterator[Row]:
         """The conditions of order s across a face, a row for each index (i, j, k) of degree n - s."""
-        a, b = (self._opposite(cell, triangle) for cell in (first, second))
+        a, b = (next(v for v in self.partition.cells[i] if v not in triangle) for i in (first, second))
         points = [(fmpq(1), *corner) for corner in self.partition.corners((b, a, *triangle))]
         coordinates = coordinates_of(points[0], points[1:])
         yield from across(self.points, self.degree, triangle, a, b, coordinates, s)
@@ -192,9 +192,6 @@ class Net:
         """The Bernstein polynomials of the first cell of a piece, by monomials in x, y, z."""
         corners = self.partition.corners(self.partition.cells[self.partition.pieces[piece][0]])
         return bernstein_polynomials([(fmpq(1), *corner) for corner in corners], self.degree)
-
-    def _opposite(self, cell: int, triangle: Exponents) -> int:
-        return next(v for v in self.partition.cells[cell] if v not in triangle)
 
 
 Tables = tuple[fmpz_mat, ...]

@@ -87,8 +87,9 @@ class Space(InPlace, Exported):
     @cached_property
     def basis(self) -> tuple[Member, ...]:
         """A basis; each member is one exact polynomial for each piece, in the user's coordinates."""
-        frame = self.partition.frame
-        return tuple(tuple(map(frame.globalise, self._local_member(i))) for i in range(self.dimension))
+        rows, frame = [m.tolist() for m in self.patches], self.partition.frame
+        local = ([Polynomial.from_row(row[i], self.degree) for row in rows] for i in range(self.dimension))
+        return tuple(tuple(map(frame.globalise, member)) for member in local)
 
     @property
     def rows(self) -> Rows:
@@ -194,9 +195,6 @@ class Space(InPlace, Exported):
     def __repr__(self) -> str:
         what = f"GC^{self.order}, degree {self.degree}, dimension {self.dimension}, {self.partition.name}"
         return f"{type(self).__name__}({what})"
-
-    def _local_member(self, number: int) -> Member:
-        return tuple(Polynomial.from_row(m.tolist()[number], self.degree) for m in self.patches)
 
     @cached_property
     def _all_patches(self) -> fmpq_mat:

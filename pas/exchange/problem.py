@@ -330,7 +330,9 @@ def read_problem(path: str | Path, kinds: Sequence[str] | None = None) -> Proble
     file, text, data = read_toml(path)
     fitting = [kind for kind in PROBLEMS.values() if kind.fits(data)]
     if not any(kinds is None or kind.name in kinds for kind in fitting):
-        raise ProblemFileError(f"{file.name}: this is a problem of the kind {fitting[0].name!r}, not {_either(kinds)}")
+        raise ProblemFileError(
+            f"{file.name}: this is a problem of the kind {fitting[0].name!r}, not {' or '.join(map(repr, kinds or ()))}"
+        )
     kind = next(kind for kind in fitting if kinds is None or kind.name in kinds)
     return kind.read(file, text, data)
 
@@ -338,7 +340,3 @@ def read_problem(path: str | Path, kinds: Sequence[str] | None = None) -> Proble
 def read_parametric_problem(path: str | Path) -> Problem:
     """`read_problem` of a parametric blend or one by a generatrix; raises `ProblemFileError` for other problems."""
     return read_problem(path, PARAMETRIC)
-
-
-def _either(kinds: Sequence[str] | None) -> str:
-    return " or ".join(map(repr, kinds or ()))

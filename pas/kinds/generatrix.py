@@ -147,7 +147,7 @@ def _mesh(blend: GeneratrixBlend, settings: MeshSettings) -> Mesh:
     """Within a tolerance, too, where none is given: its own mesh would be a grid of which no distance is known."""
     if settings.domain is not None:
         return blend.surface.meshed(settings)
-    usual = RELATIVE_TOLERANCE * extent(blend.surface)
+    usual = RELATIVE_TOLERANCE * extent(blend.surface)[1]
     return blend.meshed(replace(settings, tolerance=settings.tolerance or usual))
 
 

@@ -23,7 +23,6 @@ from pas.algebra.rational import Vector, cross, to_floats
 from pas.contacts.contact import Contact, as_contact
 from pas.contacts.endless import Endless
 from pas.contacts.ends import ContactEnd, unusual
-from pas.contacts.rims import Rim
 from pas.errors import GeometryError, warn
 from pas.layouts.discs import Disc, rim_of
 from pas.layouts.fan import best_gaps
@@ -246,13 +245,9 @@ def _center(items: Sequence[Any]) -> Vector:
         rim_of(number, item.clipped(0) if f else as_contact(item))
         for number, (item, f) in enumerate(zip(items, free, strict=True), start=1)
     ]
-    if _in_line(rims):
+    if not any(any(cross(rims[0].normal, rim.normal)) for rim in rims):  # they are in line
         rims = [rim for rim, f in zip(rims, free, strict=True) if f]
     return center_of(rims)
-
-
-def _in_line(rims: Sequence[Rim]) -> bool:
-    return not any(any(cross(rims[0].normal, rim.normal)) for rim in rims)
 
 
 def _free(number: int, item: Endless, center: Vector) -> tuple[Arm, Callable[[float], Any]]:

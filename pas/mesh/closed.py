@@ -152,10 +152,10 @@ def _bounded(field: FaceField, tolerance: float, quality: Quality) -> Made:
 
 
 def _from_lattices(field: FaceField, tolerance: float, quality: Quality) -> Made:
-    """The mesh of a boundary from lattices: surface by surface if most of it is not one sheet in the first of these.
+    """The mesh of a boundary from lattices, by the first of three ways that serves, or why the first that tells fails.
 
-    Where it is refused, surface by surface, too, and then of what is left without functions that others seem to imply,
-    if that bounds the set.
+    These are: all of it at once, surface by surface, and without functions that others imply, if what is left bounds
+    the set.  Surface by surface comes first if most of the boundary is not one sheet in the first lattice.
     """
     octree, mesh = first_lattice(field), partial(_made, quality=quality)
 
@@ -163,18 +163,23 @@ def _from_lattices(field: FaceField, tolerance: float, quality: Quality) -> Made
         shells = field.shells()
         return mesh_apart(field, shells, tolerance, mesh) if len(shells) > 1 else None
 
-    thin = octree.open_share > THIN
-    found = apart() if thin else None
-    found = mesh(field, tolerance, octree=octree) if found is None else found
-    if isinstance(found, Refusal) and not thin:
-        found = apart() or found
-    if not isinstance(found, Refusal) or field.needed() is field:
-        return found
-    other = mesh(field.needed(), tolerance)
-    if isinstance(other, Refusal):
-        return found  # which names all faces that meet there
-    whole = together(field, [field.needed()], [other[0]])
-    return (whole, other[1]) if _bounding(whole, field, tolerance) else found
+    def needed() -> Made | None:
+        rest = field.needed(tolerance / 4)
+        found = None if rest is field else mesh(rest, tolerance)
+        if found is None or isinstance(found, Refusal):
+            return found
+        labelled = together(field, [rest], [found[0]])
+        return (labelled, found[1]) if _bounding(labelled, field, tolerance) else None
+
+    whole = partial(mesh, field, tolerance, octree=octree)
+    refusals = list[Refusal]()
+    for way in (apart, whole, needed) if octree.open_share > THIN else (whole, apart, needed):
+        found = way()
+        if isinstance(found, Refusal):
+            refusals.append(found)
+        elif found is not None:
+            return found
+    return refusals[0]
 
 
 def _made(field: FaceField, tolerance: float, quality: Quality, octree: Octree | None = None) -> Made:

@@ -140,8 +140,9 @@ class FaceField(Field, Protocol):
     def wall(self) -> ShellWall | None:
         """What this is the wall of; None if it is no shell."""
 
-    def needed(self) -> FaceField:
-        """The field without functions that others imply wherever it is looked; itself if there are none."""
+    def needed(self, within: float) -> FaceField:
+        """The field without functions that others imply, up to where the set is thinner than that; itself if there are
+        none."""
 
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
         """The labels here of labels (N,) of one of these."""

@@ -1,17 +1,19 @@
 """Meshes of boundaries that are several surfaces apart, such as both sides of a thin wall: each is meshed by itself.
 
 Of the pieces of each those count that bound the whole set.  That the surfaces are apart is looked at on the meshes: the
-cubes about points of one, three times as large as the tolerance, certainly miss the others.
+cubes about points of one, three times as large as the tolerance, certainly miss the others, and no triangle of one
+crosses a triangle of another.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import permutations
+from itertools import combinations, permutations
 
 import numpy as np
 
 from pas.limits import checkpoint
+from pas.mesh.crossings import crossings
 from pas.mesh.face_ground import inner_points
 from pas.mesh.field import FaceField, bounds_set
 from pas.mesh.labelled import Labelled
@@ -45,8 +47,17 @@ def mesh_apart(
             return None
         points = (np.concatenate([one.points, inner_points(one.points[one.triangles])]) for one, _ in pairs)
         if not any(other.crossed(here, ROOM * aim).any() for here, (_, other) in zip(points, pairs, strict=True)):
+            if any(_cross(one, other) for (_, one, _), (_, other, _) in combinations(found, 2)):
+                return None
             return together(field, shells, [mesh for _, mesh, _ in found]), max(reached for *_, reached in found)
     return None
+
+
+def _cross(first: Labelled, second: Labelled) -> bool:
+    """Whether triangles of two meshes cross each other."""
+    points = np.concatenate([first.points, second.points])
+    pairs, _ = crossings(points, np.concatenate([first.triangles, second.triangles + len(first.points)]))
+    return bool(np.diff(pairs < len(first.triangles), axis=1).any())
 
 
 def together(field: FaceField, shells: Sequence[FaceField], meshes: Sequence[Labelled]) -> Labelled:

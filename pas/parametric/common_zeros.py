@@ -39,9 +39,6 @@ from pas.verdicts import Status
 HALF = Fraction(1, 2)
 Place = tuple[fmpq, fmpq]
 
-WORN = 2.0**-12
-"""Coefficients are worked out afresh where they may be off by this share of a polynomial's greatest."""
-
 RENEWALS = 64
 """Rectangles that wait to be worked out afresh at most; each takes as long as some hundred halvings."""
 
@@ -128,8 +125,8 @@ class _Rectangles(PlacedNets):
     @property
     def worn(self) -> NDArray[np.bool_]:
         """Which have a polynomial whose coefficients may be off by much of their size."""
-        greatest = np.abs(self.table).max(axis=(1, 2))
-        return ((greatest > 0) & (self.off[:, None] > WORN * greatest)).any(axis=1)
+        greatest, share = np.abs(self.table).max(axis=(1, 2)), 2.0**-12
+        return ((greatest > 0) & (self.off.max(axis=(1, 2))[:, None] > share * greatest)).any(axis=1)
 
     @property
     def axes(self) -> Integers:
@@ -150,7 +147,7 @@ def without_common_zero(polynomials: Sequence[fmpq_mpoly], chart: RationalChart,
     degrees = [max(int(p.degrees()[a]) for p in polynomials if not p.is_zero()) for a in (0, 1)]
     seeker = _Seeker(polynomials, degrees, effort)
     table, off = seeker.net(chart)
-    whole = _Rectangles(table[None], np.array([off]), np.array([[0, 0]], dtype=object), np.zeros((1, 2), int), chart)
+    whole = _Rectangles(table[None], off[None], np.array([[0, 0]], dtype=object), np.zeros((1, 2), int), chart)
     depth = 200  # halvings in all after which a rectangle counts as undecided: it is then 2^-100 wide each way
     found = search(whole, seeker.judge, seeker.split, Limits(depth, effort), "looking for common zeros")
     if len(found.refuted):
@@ -169,12 +166,12 @@ class _Seeker:
     zero: Place | None = None
     exact: bool = True
 
-    def net(self, chart: RationalChart) -> tuple[Floats, float]:
+    def net(self, chart: RationalChart) -> tuple[Floats, Floats]:
         """The net (n+1, m+1, k) of all polynomials on a chart, each scaled exactly to at most 1 and rounded once, and
-        what it may be off by."""
+        what it may be off by (n+1, m+1)."""
         tables = [box_form(_moved(p, chart, self.degrees), self.degrees) for p in self.polynomials]
         nets = [rounded([c for row in table for c in row]).reshape(len(table), -1) for table in tables]
-        return np.stack(nets, axis=-1), UNIT_ROUNDOFF
+        return np.stack(nets, axis=-1), np.full(nets[0].shape, UNIT_ROUNDOFF)
 
     def split(self, cells: _Rectangles) -> _Rectangles:
         """Both halves of all; what is worn is worked out afresh before."""
@@ -189,7 +186,7 @@ class _Seeker:
         if self.cells + len(cells) > self.effort:
             return np.full(len(cells), int(Fate.WAIT))
         self.cells += len(cells)
-        fates = np.where(avoids_origin(cells.table, cells.off), int(Fate.SETTLED), int(Fate.SPLIT))
+        fates = np.where(avoids_origin(cells.table, cells.off.max(axis=(1, 2))), int(Fate.SETTLED), int(Fate.SPLIT))
         left = np.flatnonzero(fates)
         rest = cells.select(left)
         worn = np.flatnonzero(rest.worn)
@@ -203,7 +200,7 @@ class _Seeker:
     def _with_zero(self, cells: _Rectangles, worn: Integers) -> int | None:
         """A rectangle with a zero: at a corner, where coefficients are values, by a change of sign, or near the middle
         of one that is to be worked out afresh."""
-        ends, off = cells.table[:, [0, 0, -1, -1], [0, -1, 0, -1]], cells.off[:, None]
+        ends, off = cells.table[:, [0, 0, -1, -1], [0, -1, 0, -1]], cells.off.max(axis=(1, 2))[:, None]
         for number, corner in np.argwhere(np.abs(ends).max(axis=2) <= off).tolist():
             place = cells.place(number, divmod(corner, 2))
             if place is not None and self._vanish(place):

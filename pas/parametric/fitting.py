@@ -30,9 +30,6 @@ from pas.parametric.patches import Knots, RationalPatch
 from pas.parametric.surface import ParametricSurface
 from pas.settings import RELATIVE_TOLERANCE
 
-PRODUCT = 256 * UNIT_ROUNDOFF
-"""Relative error of the coefficients of products of nets by bicubic ones, themselves worked out from control points."""
-
 DEGREE, DENSE = 3, 6
 """Of B-splines in both parameters, and points for each span at which surfaces that are not exact are compared."""
 
@@ -79,15 +76,16 @@ def fit_patch(
     rectangle = exact_rectangle(whole, domain)
     framed = Framed.of(whole.with_domain(rectangle))
     aim = RELATIVE_TOLERANCE * framed.size if tolerance is None else framed.inside(check_tolerance(tolerance))
-    nets = exact_net(framed.bounded, rectangle).rounded(framed.unit) if whole.is_exact else None
+    nets = exact_net(framed.bounded, rectangle, framed).rounded() if whole.is_exact else None
     spans = [_spans(framed.surface, axis, 0.4 * aim) for axis in (0, 1)]  # a share for each parameter
     while True:
         knots, points = _interpolated(framed.surface, spans)
         outer, moved = zip(*(_outer(k, e) for k, e in zip(knots, rectangle, strict=True)), strict=True)
         away = _compared(framed.surface, knots, points) if nets is None else _bound(nets, knots, points, moved)
-        deviation = framed.outside(away)
+        control, rounding = framed.points_outside(points)
+        away += rounding
+        deviation, ends = framed.outside(away), (outer[0], outer[1])
         if away <= aim:
-            control, ends = np.ldexp(points, framed.exponent), (outer[0], outer[1])
             return FittedPatch(control, np.ones(points.shape[:2]), ends, None, deviation, nets is not None)
         if max(spans) >= MOST:
             raise GeometryError(
@@ -180,7 +178,8 @@ def _bound(nets: Nets, knots: Knots, points: Floats, moved: Sequence[float]) -> 
         checkpoint("bounding the distance of a B-spline", number / len(strips))
         cells = _spread(strips.select(np.array([number])), 1, len(second))
         pieces = np.einsum("ai,ijx,cbj->cabx", first[number], points, second, optimize=True)
-        errors, slack = distances(cells, pieces, PRODUCT)
+        rounding = 256 * UNIT_ROUNDOFF  # of products of nets by bicubic ones, themselves made from control points
+        errors, slack = distances(cells, pieces, rounding)
         worst = max(worst, float((lengths(errors).max(axis=(1, 2)) + slack).max()))
     steps = [float(lengths(np.diff(points, axis=axis)).max()) for axis in (0, 1)]
     return worst + sum(6 * DEGREE * share * step for share, step in zip(moved, steps, strict=True))

@@ -92,13 +92,13 @@ def distances(nets: Nets, pieces: Floats, rounding: float) -> tuple[Floats, Floa
     share `rounding`.  Both are infinite where D is not surely positive.
     """
     tops, weights = nets.table[..., :3], nets.table[..., 3:]
-    least = weights.min(axis=(1, 2, 3)) - nets.off
+    least = (weights[..., 0] - nets.off).min(axis=(1, 2))
     positive = least > 0
     least = np.where(positive, least, 1.0)
     errors = product(tops, np.ones((1, *pieces.shape[1:3], 1))) - product(weights, pieces)
     far = 1.0 + np.abs(pieces).max(axis=(1, 2, 3))
     greatest = np.abs(nets.table).max(axis=(1, 2, 3))
-    slack = 2 * far * (nets.off + rounding * greatest) / least  # 2 > sqrt(3) coordinates
+    slack = 2 * far * (nets.off.max(axis=(1, 2)) + rounding * greatest) / least  # 2 > sqrt(3) coordinates
     errors = np.where(positive[:, None, None, None], errors / least[:, None, None, None], np.inf)
     return errors, np.where(positive, slack, np.inf)
 
@@ -113,7 +113,7 @@ def bounded(nets: Nets) -> CellErrors:
         five = np.concatenate([table[:, [0, 0, -1, -1], [0, -1, 0, -1]], middles], axis=1)
         points = five[..., :3] / five[..., 3:]
         errors, slack = distances(nets, points[:, :4].reshape(-1, 2, 2, 3), rounding)
-        floors = np.where(np.isfinite(slack), 2 * nets.off / table[..., 3].max(axis=(1, 2)), 0.0)
+        floors = np.where(np.isfinite(slack), 2 * (nets.off / table[..., 3]).min(axis=(1, 2)), 0.0)
         return CellErrors(errors, points, slack, floors)
 
 
@@ -199,11 +199,12 @@ class CellMesher:
         tiles = assemble(framed.surface, leaves, points, framed.size)
         if not len(tiles.triangles):
             raise GeometryError(f"the surface is a curve as far as doubles tell, less than {SEAM:.0e} as wide as long")
-        away = tiles.away + off
+        outside, rounding = framed.points_outside(tiles.points)
+        away = tiles.away + off + rounding
         if away > self.wanted - worst:
             raise self._too_fine(self.wanted)
         return Mesh.smooth(
-            np.ldexp(tiles.points, framed.exponent),
+            outside,
             tiles.triangles,
             tiles.normals,
             parameters=framed.parameters_outside(tiles.shares),
@@ -217,20 +218,18 @@ class CellMesher:
             return None
         ends = zip(self.rectangle, cell.reshape(2, 2).tolist(), strict=True)
         first, second = ([low + (high - low) * fmpq(end, GRID) for end in pair] for (low, high), pair in ends)
-        exact = exact_net(self.framed.bounded, ((first[0], first[1]), (second[0], second[1])))
+        exact = exact_net(self.framed.bounded, ((first[0], first[1]), (second[0], second[1])), self.framed)
         size = exact.weights.shape
-        return exact.rounded(self.framed.unit) if size[0] * size[1] <= 3000 and max(size) <= 500 else None
+        return exact.rounded() if size[0] * size[1] <= 3000 and max(size) <= 500 else None
 
     def _first(self) -> list[GridCells]:
         """The cells into which the rectangle is cut first: multiples of 2^-13, that they can be halved often."""
         fine, found = 1 << 13, list[GridCells]()
-        weights = np.ones(1) if self.whole is None else np.abs(self.whole.table[0, [0, 0, -1, -1], [0, -1, 0, -1], 3])
-        more = 4 if weights.min() < 1e-6 * weights.max() else 1  # parts are scaled exactly: small weights stay exact
-        ends = [[round(GRID / fine * k / n) * fine for k in range(n + 1)] for n in (more * n for n in self.parts)]
+        ends = [[round(GRID / fine * k / n) * fine for k in range(n + 1)] for n in self.parts]
         for first, second in pairs_of(*map(pairwise, ends)):
             cell = np.array([*first, *second])
             nets = self.whole if len(ends[0]) == len(ends[1]) == 2 else self._net(cell)
-            nets = Nets(np.zeros((1, 2, 2, 1)), np.zeros(1)) if nets is None else nets
+            nets = Nets(np.zeros((1, 2, 2, 1)), np.zeros((1, 2, 2))) if nets is None else nets
             none, unseen, points = np.zeros(1, dtype=np.intp), np.zeros(1), np.zeros((1, 5, 3))
             cells = GridCells(nets.table, nets.off, cell[None], none, unseen, unseen, none, points, unseen, unseen > 0)
             found.append(self._seen(cells))
@@ -288,7 +287,8 @@ class CellMesher:
             batch = 1 << 18  # coefficients of the cells that are searched at a time
             limits = Limits(cells=batch // cells.table[0].size)
             found = search(cells, self._judge, lambda c: self._seen(c.split(c.axes)), limits, "meshing a surface")
-            leaves.append(replace(found.kept, table=np.zeros((len(found.kept), 0, 0, 0))))
+            none = np.zeros((len(found.kept), 0, 0))
+            leaves.append(replace(found.kept, table=none[..., None], off=none))
             order = np.argsort(~np.isfinite(found.open.bounds), kind="stable")
             pending += [found.open.select(rows) for rows in np.array_split(order, 4) if len(rows)]
         kept = leaves[0].joined(leaves[1:])

@@ -11,7 +11,6 @@ chapter 13): exact, and halved in doubles with bounds on rounding.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import comb
 from typing import Any, Self
@@ -81,34 +80,33 @@ def finite_part(interval: Interval) -> Interval:
 
 @dataclass(frozen=True)
 class Framed:
-    """`surface` is P(low + (high - low) u, ...) / 2^exponent over [0, 1]^2, with `bounded` P and its finite domain."""
+    """`surface` is (P(low + (high - low) u, ...) - center) / 2^exponent over [0, 1]^2, with `bounded` P and its finite
+    domain, and the center (3,) a whole multiple of 2^exponent."""
 
     bounded: ParametricMap
     surface: ParametricMap
+    center: Floats
     exponent: int
     size: float
 
     @classmethod
     def of(cls, bounded: ParametricMap) -> Framed:
         """Of a surface with a finite domain; raises as `extent` does."""
-        size = extent(bounded)
+        middle, size = extent(bounded)
         exponent = math.frexp(size)[1] - 1
+        center = np.ldexp(np.round(np.ldexp(middle, -exponent)), exponent)
         first, second = bounded.domain
 
         def values(u: Any, v: Any) -> tuple[Any, ...]:
-            parts = bounded.values(_moved(u, first), _moved(v, second))
+            given = bounded.values(_moved(u, first), _moved(v, second))
+            parts = (p - c for p, c in zip(given, center, strict=True))
             return tuple(
                 Jet(np.ldexp(p.coefficients, -exponent)) if isinstance(p, Jet) else np.ldexp(p, -exponent)
                 for p in parts
             )
 
         made = ParametricMap.from_parts(values, None, bounded.parameters, ((0, 1), (0, 1)), "it is framed")
-        return cls(bounded, made, exponent, math.ldexp(size, -exponent))
-
-    @property
-    def unit(self) -> fmpq:
-        """2^exponent."""
-        return fmpq(2) ** self.exponent
+        return cls(bounded, made, center, exponent, math.ldexp(size, -exponent))
 
     def inside(self, length: float) -> float:
         """A length of the model's in this frame; at most 1e300."""
@@ -118,13 +116,11 @@ class Framed:
         """A bound of this frame in the model's lengths, rounded upwards, points being rounded to doubles."""
         return math.nextafter(float(np.ldexp(length, self.exponent)), math.inf) + 2 * SMALLEST
 
-    def exact_parameters(self, shares: Sequence[fmpq]) -> list[fmpq]:
-        """Exact parameters of the surface from those of the unit square; the domain must be finite."""
-        found = []
-        for share, (low, high) in zip(shares, self.bounded.ends, strict=True):
-            assert low is not None and high is not None
-            found.append(rational(low) + rational(high - low) * share)
-        return found
+    def points_outside(self, points: Floats) -> tuple[Floats, float]:
+        """Points (..., 3) of this frame in the model's coordinates, and how far, in this frame, that rounds them."""
+        moved = np.ldexp(points, self.exponent) + self.center
+        off = np.where(self.center == 0, 0.0, 2 * UNIT_ROUNDOFF * np.abs(moved))  # 2 > sqrt(3) coordinates
+        return moved, float(np.ldexp(off.max(initial=0.0), -self.exponent))
 
     def parameters_outside(self, shares: Floats) -> Floats:
         """Parameters (..., 2) of the surface from those of the unit square."""
@@ -132,8 +128,8 @@ class Framed:
         return np.stack(parts, axis=-1)
 
 
-def extent(surface: ParametricMap) -> float:
-    """The longest side of the box around a few points of a surface on a finite domain.
+def extent(surface: ParametricMap) -> tuple[Floats, float]:
+    """The middle (3,) and the longest side of the box around a few points of a surface on a finite domain.
 
     Raises `GeometryError` where that is zero or infinite.
     """
@@ -144,7 +140,7 @@ def extent(surface: ParametricMap) -> float:
         size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
     if not 0 < size < math.inf:
         raise GeometryError("the surface is a single point, or has no finite points, on this domain")
-    return size
+    return (points.min(axis=0) + points.max(axis=0)) / 2, size
 
 
 def _moved(u: Any, interval: Interval) -> Any:
@@ -177,28 +173,26 @@ class ExactNet:
 
     def halves(self, axis: int) -> tuple[ExactNet, ExactNet]:
         """Both halves along a parameter."""
-        low, high = self.rectangle[axis]
-        sides, (first, second) = list(self.rectangle), halves(self.table, axis)
-        sides[axis] = low, (low + high) / 2
-        lower = ExactNet(first, (sides[0], sides[1]))
-        sides[axis] = (low + high) / 2, high
-        return lower, ExactNet(second, (sides[0], sides[1]))
+        (low, high), other = self.rectangle[axis], self.rectangle[1 - axis]
+        sides = (low, (low + high) / 2), ((low + high) / 2, high)
+        first, second = ((other, side) if axis else (side, other) for side in sides)
+        lower, upper = halves(self.table, axis)
+        return ExactNet(lower, first), ExactNet(upper, second)
 
-    def rounded(self, unit: fmpq | int = 1) -> Nets:
-        """The net in doubles, scaled exactly to weights of at most 1, lengths over `unit`, as one cell."""
-        scale = np.abs(self.weights).max()
-        net = np.vectorize(to_float, otypes=[float])(self.table / np.array([*(scale * unit,) * 3, scale]))
-        return Nets(net[None], np.array([UNIT_ROUNDOFF * np.abs(net).max() + SMALLEST]))
+    def rounded(self) -> Nets:
+        """The net in doubles, scaled exactly to weights of at most 1, as one cell."""
+        net = np.vectorize(to_float, otypes=[float])(self.table / np.abs(self.weights).max())[None]
+        return Nets(net, UNIT_ROUNDOFF * np.abs(net).max(axis=3) + SMALLEST)
 
 
 @dataclass(frozen=True)
 class Nets(Cells):
-    """Nets of cells in doubles (C, m+1, n+1, d), and what any coefficient of a cell may be off by (C,).
+    """Nets of cells in doubles (C, m+1, n+1, d), and what the coefficients may be off by (C, m+1, n+1).
 
     Of surfaces d is 4, weights last.
 
-    Coefficients err by 2^-53 of the greatest of their cell when they are rounded, and halving, a product with weights
-    of sum 1, adds (n+3) times that, n the degree (Higham 2002, section 3.1).
+    Coefficients err by 2^-53 of themselves when they are rounded.  Halving, a product with weights of sum 1, takes
+    means of these errors, and adds (n+3) 2^-53 of the mean of absolute values, n the degree (Higham 2002, section 3.1).
     """
 
     table: Floats
@@ -206,10 +200,11 @@ class Nets(Cells):
 
     def halves(self, axis: int) -> Self:
         """The first halves of all cells along a parameter, then the second ones."""
-        greatest = np.abs(self.table).max(axis=(1, 2, 3))
-        off = self.off + (self.table.shape[1 + axis] + 2) * UNIT_ROUNDOFF * greatest
+        off = self.off + (self.table.shape[1 + axis] + 2) * UNIT_ROUNDOFF * np.abs(self.table).max(axis=3)
+        off = off[..., None] * (1 + 2.0**-40)  # their own rounding
         others = {name: np.concatenate([a, a]) for name, a in self._arrays.items() if name not in ("table", "off")}
-        return replace(self, table=np.concatenate(halved(self.table, axis)), off=np.concatenate([off, off]), **others)
+        table, off = (np.concatenate(halved(nets, axis)) for nets in (self.table, off))
+        return replace(self, table=table, off=off[..., 0], **others)
 
     def split(self, axes: Integers) -> Self:
         """Both halves of all cells, each along a parameter of its own, `axes` (C,)."""
@@ -237,13 +232,16 @@ class PlacedNets(Nets):
         return replace(both, start=start, steps=both.steps + step)
 
 
-def exact_net(surface: ParametricMap, rectangle: Rectangle) -> ExactNet:
-    """The net of an exact surface, over the least common denominator; raises `ValueError` for any other."""
+def exact_net(surface: ParametricMap, rectangle: Rectangle, framed: Framed | None = None) -> ExactNet:
+    """The net of an exact surface, as it is or in a frame, over the least common denominator; raises `ValueError` for
+    any other."""
+    center, exponent = ([0.0] * 3, 0) if framed is None else (framed.center.tolist(), framed.exponent)
     below = ONE
     for c in surface.components:
         below = lcm(below, c.denominator)
     moved = [low + (high - low) * g for g, (low, high) in zip(GENERATORS, rectangle, strict=True)]
-    whole = [*(c.numerator * (below / c.denominator) for c in surface.components), below]
+    tops = [c.numerator * (below / c.denominator) for c in surface.components]
+    whole = [*((top - rational(c) * below) / fmpq(2) ** exponent for top, c in zip(tops, center, strict=True)), below]
     parts = [p.compose(*moved, ctx=RING) for p in whole]
     sizes = [p.degrees() for p in parts if not p.is_zero()]
     degrees = [max(1, *(int(d[axis]) for d in sizes)) for axis in (0, 1)]

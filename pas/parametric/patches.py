@@ -227,9 +227,7 @@ def bezier_patches(
             raise GeometryError(
                 f"the surface has, or nearly has, a pole or base point near {place}; give a domain that avoids it"
             )
-        pairs = [
-            net.halves(axis) for axis in (0, 1)
-        ]  # that is taken in which the least weight over the greatest is most
+        pairs = net.halves(0), net.halves(1)  # that is taken in which the least weight over the greatest is most
         best = max(pairs, key=lambda pair: min(half.weights.min() / np.abs(half.weights).max() for half in pair))
         pending += [(half, depth + 1) for half in reversed(best)]
     return tuple(found)

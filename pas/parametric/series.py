@@ -9,7 +9,7 @@ from flint import fmpq, fmpq_mpoly, fmpq_poly
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
 from pas.algebra.rational_function import GENERATORS, ONE, RING, RationalFunction, homogenised, lcm
-from pas.algebra.roots import exact, rational_root, real_roots
+from pas.algebra.roots import middle_of, rational_root, real_roots
 
 Components = tuple[RationalFunction, RationalFunction, RationalFunction]
 
@@ -59,14 +59,14 @@ def padded(polynomial: fmpq_poly, length: int) -> list[fmpq]:
 
 def rounded_roots(polynomial: fmpq_poly) -> list[float]:
     """The distinct real roots, in order, rounded."""
-    return [] if polynomial.degree() < 1 else [to_float(exact(r.ball())) for r in sorted(real_roots(polynomial))]
+    return [] if polynomial.degree() < 1 else [to_float(middle_of(r.ball())) for r in sorted(real_roots(polynomial))]
 
 
 def roots_and_sides(polynomial: fmpq_poly, low: fmpq, high: fmpq) -> list[tuple[float, bool]]:
     """The distinct real roots, in order, rounded, and whether low < root < high, decided exactly."""
     ends = rational_root(low), rational_root(high)
     roots = sorted(real_roots(polynomial)) if polynomial.degree() > 0 else []
-    return [(to_float(exact(root.ball())), ends[0] < root < ends[1]) for root in roots]
+    return [(to_float(middle_of(root.ball())), ends[0] < root < ends[1]) for root in roots]
 
 
 def roots_between(polynomial: fmpq_poly, low: fmpq, high: fmpq) -> list[float]:

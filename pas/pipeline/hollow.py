@@ -181,7 +181,7 @@ class HollowBlend(Shape, Generic[B]):
         join = surface.joins[number]
         if join.opening:
             return End(surface.contacts[number].scaled.clip, -join.nappe[0] / np.linalg.norm(join.nappe[0]))
-        rim = surface.contacts[number].rim
+        rim = surface.placed.told(number).rim
         plane = rim.plane if rim.plane.at(surface.partition.center or rim.center) <= 0 else -rim.plane
         normal = plane.gradient(np.zeros(3))
         return End(plane, normal / np.linalg.norm(normal))
@@ -279,7 +279,7 @@ def _inner_contacts(outer: ChosenBlend, size: fmpq | None, given: Sequence[Conta
     contacts = outer.surface.contacts
     if given is None:
         size = positive(size, "thickness")
-        there = [_with_place(outer.surface, number) for number in range(len(contacts))]
+        there = [outer.surface.placed.told(number) for number in range(len(contacts))]
         return [inner_contact(contact, size, number) for number, contact in enumerate(there, start=1)]
     found = [as_contact(item, f"inner[{i}]") for i, item in enumerate(given)]
     if len(found) != len(contacts):
@@ -291,11 +291,3 @@ def _inner_contacts(outer: ChosenBlend, size: fmpq | None, given: Sequence[Conta
                 "one cone at an opening"
             )
     return found
-
-
-def _with_place(surface: PiecewiseSurface, number: int) -> Contact:
-    """A contact that says, where it is an opening, along which nappe of its cone."""
-    contact, join = surface.contacts[number], surface.joins[number]
-    if not join.opening:
-        return contact
-    return Contact(contact.surface, contact.clip, surface.partition.frame.global_points(join.curve()[0]).tolist())

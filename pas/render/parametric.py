@@ -112,7 +112,7 @@ def _beside(strip: Mesh | None, number: int, opacity: float = 1.0) -> list[Layer
 def _layer(surface: ParametricSurface, scene: Scene, domain: Any, color: str, tint: str) -> Layer:
     def make() -> Mesh:
         bounded = surface.with_domain(finite_domain(surface, domain))
-        return bounded.mesh(scene.picture.tolerance or scene.coloring.tolerance * extent(bounded))
+        return bounded.mesh(scene.picture.tolerance or scene.coloring.tolerance * extent(bounded)[1])
 
     mesh = scene.mesh(make)
     return Layer(mesh, color, tint, lambda: principal_on(mesh, surface), outlined=True)

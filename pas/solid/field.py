@@ -14,14 +14,17 @@ from pas.algebra.affine import quadratic_form
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
-from pas.errors import GeometryError
+from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
+from pas.errors import GeometryError, MeshError
+from pas.mesh.diagnostics import touching
 from pas.mesh.field import FaceField, ShellWall
 from pas.mesh.rows import Integers
 from pas.solid.bounds import ORIGIN, bounding_box
 from pas.solid.evaluator import TreeEvaluator, called
 from pas.solid.functions import followed_by
 from pas.solid.seams import Seams, seams_of
-from pas.solid.tree import Atom, Function, Node, Tree, complement, splits_of
+from pas.solid.tree import Atom, Function, Node, Tree, combined, complement, splits_of
+from pas.verdicts import Status
 
 
 class SolidField:
@@ -41,8 +44,8 @@ class SolidField:
         scale = exact(2.0 ** float(np.round(np.log2(max(float(np.ptp(box, axis=0).max()) / 2, 1e-30)))))
         given = seams_of(tree, seams, box)
         self.evaluator = TreeEvaluator(tree, center, scale, tuple(f for seam in given for f in seam.functions))
-        self._seams = Seams(self.evaluator, given)
         self.box = self.evaluator.local(box)
+        self._seams = Seams(self.evaluator, given, self.box)
         self.special_points = self.evaluator.local(special_points)
         self._made_of = tree, box, tuple(seams), special_points
 
@@ -71,16 +74,12 @@ class SolidField:
             inner[np.repeat([c.face in follows.faces for c in solid.evaluator.columns[: len(columns)]], 2)] = 2 * number
         return ShellWall(solid, walls[0][1].thickness / self.scale, outer, inner)
 
-    def needed(self) -> SolidField:
-        """The boundary without conditions that others imply, as far as samples show; itself if there are none."""
-        return self if self._needed is None else self._needed
-
-    @cached_property
-    def _needed(self) -> SolidField | None:
+    def needed(self, within: float) -> SolidField:
+        """The boundary without conditions that others imply, or itself: see `without_implied`."""
         tree, box, seams, special = self._made_of
-        found = without_implied(tree, box)
+        found = without_implied(tree, box, within * self.scale)
         if found == tree:
-            return None
+            return self
         result = SolidField(found, box, seams, special)  # in the same local coordinates
         if _is_within(found, _around(box)):
             result.box = self.evaluator.local(bounding_box(found))
@@ -204,7 +203,7 @@ class SolidField:
         return called(self.evaluator.names_within(label // 2, label % 2 == 1, centers, halves)) or self.face(label)
 
     def refuse_coincident(self) -> None:
-        """Raise `GeometryError` where two faces lie on different functions with a common surface."""
+        """Raise `GeometryError` where two functions share a surface, `MeshError` at lines of `Seams.pinched`."""
         used = enumerate(self.evaluator.columns[: self.evaluator.used])
         faces = {i: c.function for i, c in used if c.names and isinstance(c.function, Polynomial)}
         for a, b in combinations(faces, 2):
@@ -214,6 +213,8 @@ class SolidField:
                     f"the faces {self.face(2 * a)!r} and {self.face(2 * b)!r} coincide on {common} = 0; "
                     "write one of them without that factor"
                 )
+        for point, a, b, both in self._seams.pinched():
+            raise MeshError(f"the solid could not be meshed: {touching(self, point, a, b, both)}")
 
 
 def _has_lines(function: Function) -> bool:
@@ -261,23 +262,32 @@ def _around(box: Floats) -> Floats:
     return box + 0.4 * np.ptp(box, axis=0).max() * np.array([[-1.0], [1.0]])
 
 
-def without_implied(tree: Tree, box: Floats) -> Tree:
-    """A set, which is in a box (2, 3), without conditions of intersections that two others imply at all samples.
+def without_implied(tree: Tree, box: Floats, within: float) -> Tree:
+    """A set, which is in a box (2, 3), without conditions of intersections that the others imply.
 
     Where `z <= 1` follows from `x <= 1` and `z <= x^3`, three surfaces meet in one curve, though two of them bound the
-    set there, and a lattice cannot show which.  Whether what is left is the set is for the mesh to say.
+    set there, and a lattice cannot show which.  No ball of more than twice the radius `within` is in what is left and
+    not in the set.
     """
     if isinstance(tree, Atom):
         return tree
-    kept = [without_implied(part, box) for part in tree.parts]
-    known = {p: p.function for p in kept if isinstance(p, Atom) and isinstance(p.function, Polynomial)}
-    most = 12  # conditions of one intersection, each three of which are looked at
-    if not tree.union and 3 <= len(known) <= most:
-        low, high = _around(box)
-        points = np.stack(np.meshgrid(*np.linspace(low, high, 33).T), axis=-1).reshape(-1, 3)
-        holds = {part: (function(points) <= 0) != part.outside for part, function in known.items()}
-        for atom in known:
-            others = combinations([part for part in known if part in kept and part != atom], 2)
-            if any(holds[atom][holds[h] & holds[k]].all() for h, k in others):
-                kept.remove(atom)
+    kept = [without_implied(part, box, within) for part in tree.parts]
+    if not tree.union and len(kept) > 2:
+        for atom in [part for part in kept if isinstance(part, Atom) and isinstance(part.function, Polynomial)]:
+            others = [part for part in kept if part is not atom]
+            if others and _is_thin(combined(False, complement(atom), *others), _around(box), within):
+                kept = others
     return tree if tuple(kept) == tree.parts else kept[0] if len(kept) == 1 else Node(tuple(kept), tree.union)
+
+
+def _is_thin(tree: Tree, box: Floats, within: float) -> bool:
+    """Whether no boxes in another (2, 3) that are smaller than `within` have their centres in a set; they cover it."""
+    evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
+
+    def judge(boxes: Boxes, depth: int) -> Fates:
+        open_ = ~evaluator.decided(*evaluator.taylor(boxes.centers, boxes.halves))[1]
+        fates = np.where(open_ & (boxes.halves.max(axis=1) >= within), Fate.SPLIT, Fate.SETTLED)
+        return np.where(evaluator.inside(evaluator.signs(boxes.centers)), Fate.REFUTE, fates)
+
+    most, task = Limits(cells=1 << 14), "looking for conditions that others imply"
+    return search(Boxes.of(box), judge, Boxes.eighths, most, task).status is Status.PROVED

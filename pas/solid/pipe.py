@@ -26,6 +26,7 @@ from scipy.spatial import cKDTree
 
 from pas.algebra.affine import away, height
 from pas.algebra.inputs import shown
+from pas.algebra.lengths import across
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import (
@@ -169,8 +170,7 @@ class PipeBody(FacedBody):
                 centers, radii, _ = found[end]
                 centers[end], radii[end] = cut[end][end, :3], cut[end][end, 3] ** 2 / radii[end]
             normal = found[0][2][0]
-            first = unit_rows(np.cross(normal, np.eye(3)[np.abs(normal).argmin()])[None])
-            ways = np.cos(angles)[:-1, None] * first + np.sin(angles)[:-1, None] * np.cross(normal, first)
+            ways = np.stack([np.cos(angles), np.sin(angles)], axis=1)[:-1] @ across(normal)
             rows: list[Integers] = []
             for piece, circles in zip(pieces, found, strict=True):
                 begin = max(len(rows) - 1, 0)

@@ -9,6 +9,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.affine import Affine, away, height
+from pas.algebra.lengths import across
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
 from pas.algebra.rational import (
     Exact,
@@ -26,7 +27,6 @@ from pas.algebra.rational import (
     vector,
 )
 from pas.contacts.torus import torus_polynomial
-from pas.mesh.shading import unit_rows
 from pas.solid.edges import Loop, PlaneEdge
 from pas.solid.revolution import Turned
 from pas.solid.solid import Solid, patch
@@ -122,8 +122,7 @@ def _turned(face: str, ends: tuple[Vector, Vector], radii: tuple[fmpq, fmpq]) ->
     sides = zip(corners, [*corners[1:], corners[0]], names, strict=True)
     loop = Loop(tuple(PlaneEdge.straight(a, b, name) for a, b, name in sides if a != b))
     axis = (end - start) / float(length)
-    across = unit_rows(np.cross(np.eye(3)[np.abs(axis).argmin()], axis)[None])[0]
-    first, second, third = map(exact_vector, np.stack([across, np.cross(axis, across), axis], axis=1).tolist())
+    first, second, third = map(exact_vector, np.stack([*across(axis), axis], axis=1).tolist())
     return Turned(loops=(loop,), angle=2 * np.pi, place=Affine((first, second, third), ends[0]))
 
 

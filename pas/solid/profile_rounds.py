@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import product
 from operator import sub
+from typing import Any
 
 import numpy as np
 from flint import fmpq
@@ -140,12 +141,12 @@ class RoundedPrism(SweptBody):
 def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int) -> Solid:
     """The solid with the edges of plane faces or of a profile's ends rounded; see `Solid.rounded`."""
     known = solid.sheets
-    first = known.parts[0] if isinstance(known, Operands) and known.operation == "Subtract" else solid
+    first: Any = known.parts[0] if isinstance(known, Operands) and known.operation == "Subtract" else solid
     body = first.sheets
     if isinstance(body, RoundedPrism):
         raise GeometryError("edges of the solid are rounded already: name the faces of all that are to be in one call")
     arcs = isinstance(body, Prism) and any(edge.control for loop in body.loops for edge in loop.edges)
-    if not isinstance(first, Solid) or not isinstance(body, Prism) or body.lean.slope or not arcs:
+    if not isinstance(body, Prism) or body.lean.slope or not arcs:
         return of_planes(solid, faces, radius, order)
     if check_order(order) != 1:
         raise GeometryError("edges of a profile with arcs are rounded with GC^1 only: order must be 1")

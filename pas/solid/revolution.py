@@ -113,10 +113,6 @@ def _joints(loop: Loop) -> Iterator[Joint]:
             yield Joint(one.name, other.name, circle, 1)
 
 
-def _is_on_axis(edge: PlaneEdge) -> bool:
-    return edge.control is None and edge.start[0] == edge.end[0] == 0
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Turned(SweptBody):
     """A solid that loops sweep out, turning by an angle (radians)."""
@@ -151,7 +147,7 @@ class Turned(SweptBody):
         for loop, some, count in zip(self.loops, polygons, counts, strict=True):
             borders = np.cumsum([0, *count])
             for edge, (a, b) in zip(loop.edges, pairwise(borders.tolist()), strict=True):
-                if not _is_on_axis(edge):
+                if edge.control is not None or edge.start[0] != 0 or edge.end[0] != 0:  # it is not on the axis
                     turned = [rows[first + k % len(some)] for k in range(a, b + 1)]
                     put_side(made, edge.name, turned, partial(_jets, edge.curve))
             first += len(some)

@@ -33,6 +33,7 @@ from flint import fmpq, fmpq_mat
 from numpy.polynomial import Polynomial as Series
 
 from pas.algebra.inputs import check_order, shown_point
+from pas.algebra.lengths import across, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot, plain, square_root, to_float, to_floats
@@ -328,13 +329,10 @@ class RoundedBody(FacedBody):
             put_curved(made, patch.face, [triangles], jets_of(patch.surface))
         points = made.points
         for plane, parts in outlines.items():
-            normal = np.array(to_floats(plane.normal))
-            normal /= np.linalg.norm(normal)
+            normal = unit(to_floats(plane.normal))
             numbers = np.concatenate(parts)
             away = points[numbers] - points[numbers].mean(axis=0)
-            right = np.cross(np.eye(3)[np.abs(normal).argmin()], normal)
-            right /= np.linalg.norm(right)
-            shown = np.stack([away @ right, away @ np.cross(normal, right)], axis=1)
+            shown = away @ across(normal).T
             order = np.argsort(np.arctan2(shown[:, 1], shown[:, 0]))
             found = flat([shown[order]])
             if found is None:

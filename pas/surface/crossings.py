@@ -28,8 +28,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_float
-from pas.algebra.roots import RealRoot, between, rational_root, real_roots
-from pas.algebra.roots import exact as middle_of
+from pas.algebra.roots import RealRoot, between, middle_of, rational_root, real_roots
 from pas.limits import checkpoint
 from pas.surface.rays import Found, Integers, LocalRays, RayTarget
 

@@ -99,7 +99,7 @@ class Beginnings:
         """Look for the next; the lattices are not kept, which are large."""
         cells = Subdivision(self.field)
         while len(cells.forms) and not self._ended:
-            self._ended = _finest(cells)
+            self._ended = cells.parts >= 1 << FINEST or 8 * len(cells.forms) > MANY
             if cells.parts >= max(self._parts, 1 << LEAST):
                 bent, hidden = cells.bent()
                 # Tetrahedra among which each that may hide a component is cut further; with more, some may be missed.
@@ -137,10 +137,6 @@ def _grazed(field: LocalField, error: ArithmeticError) -> str:
 def _place(field: LocalField, point: Floats) -> str:
     """A point as the user reads it, without the digits of zeros."""
     return shown_point(0.0 if abs(v) < VISIBLE * field.scale else v for v in field.world(point))
-
-
-def _finest(cells: Subdivision) -> bool:
-    return cells.parts >= 1 << FINEST or 8 * len(cells.forms) > MANY
 
 
 def _first(field: LocalField, grid: Lattice) -> Labelled:

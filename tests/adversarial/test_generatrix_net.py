@@ -19,9 +19,9 @@ from generatrix_cases import (
 )
 
 import pas
+from pas.mesh.crossings import crossings
 from pas.parametric.generatrix.blend import generatrix_blend
 from pas.parametric.generatrix.boundary import Boundary
-from pas.parametric.generatrix.crossings import crossings
 from pas.parametric.generatrix.paths import ExactCurve
 from pas.parametric.generatrix.quadric import Quadric, read_plane
 from pas.parametric.generatrix.sections import conic_section, ellipse_bounds

@@ -13,7 +13,7 @@ import pytest
 
 from pas import Polynomial
 from pas.algebra.curve import SpaceCurve
-from pas.algebra.roots import exact
+from pas.algebra.roots import middle_of
 from pas.solid import Solid, patch
 from pas.solid.arcs import AlongCurve, arcs
 from pas.solid.germs import Sheets
@@ -98,7 +98,7 @@ def check(number: int) -> int:
     count = 0
     for arc in arcs(sheets, reading, AlongCurve(reading.leaves, curve, lambda: None), NAMES):
         assert arc.unknown is None
-        z = exact(arc.point.balls(256)[2])
+        z = middle_of(arc.point.balls(256)[2])
         found = set()
         for border in arc.borders:
             q = sheets.polynomials[border.ray.sheet]

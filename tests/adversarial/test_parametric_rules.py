@@ -19,10 +19,9 @@ from pas.parametric.blends import ParametricBlend, hermite_blend
 from pas.parametric.common_zeros import UNIT_SQUARE, avoids_origin, without_common_zero
 from pas.parametric.data import BlendingData, contact_verdicts
 from pas.parametric.fitting import FittedPatch, _bound, _knots, _outer
-from pas.parametric.generatrix.crossings import is_injective
 from pas.parametric.meshing import bounded
 from pas.parametric.nets import Framed, Nets, PlacedNets, exact_net, exact_rectangle
-from pas.parametric.regularity import positive_on_unit_square, regularity
+from pas.parametric.regularity import is_injective, positive_on_unit_square, regularity
 from pas.parametric.series import roots_and_sides, roots_between
 from pas.parametric.surface import ParametricSurface
 from pas.verdicts import Status
@@ -187,18 +186,27 @@ def test_rounding_is_bounded(degrees):
     draw = Random(sum(degrees))
     n, m = degrees
     exact = [[Fraction(draw.randint(-(10**20), 10**20), 10**20) for _ in range(m + 1)] for _ in range(n + 1)]
-    nets = Nets(np.array([[float(c) for c in row] for row in exact])[None, ..., None], np.array([2.0**-53]))
+    net = np.array([[float(c) for c in row] for row in exact])[None, ..., None]
+    nets = Nets(net, np.full((1, n + 1, m + 1), 2.0**-53))
+
+    def half(rows, axis, side):
+        rows = rows if axis else [list(r) for r in zip(*rows, strict=True)]
+        rows = [halved_row(row, side) for row in rows]
+        return rows if axis else [list(r) for r in zip(*rows, strict=True)]
+
+    def fractions(array):
+        return [[Fraction(x) for x in row] for row in array.tolist()]
+
     for count in range(30):
         axis, side = count % 2, draw.randrange(2)
-        least = nets.off + (degrees[axis] + 2) * 2.0**-53 * np.abs(nets.table).max()
+        added = (degrees[axis] + 3) * Fraction(1, 2**53)
+        known = zip(fractions(nets.off[0]), fractions(np.abs(nets.table[0, ..., 0])), strict=True)
+        least = half([[o + added * c for o, c in zip(*rows, strict=True)] for rows in known], axis, side)
         nets = nets.halves(axis).select(np.array([side]))
-        assert (nets.off >= least).all()
-        rows = exact if axis else [list(r) for r in zip(*exact, strict=True)]
-        rows = [halved_row(row, side) for row in rows]
-        exact = rows if axis else [list(r) for r in zip(*rows, strict=True)]
-        net = nets.table[0, :, :, 0]
-        error = max(abs(Fraction(float(net[i, j])) - exact[i][j]) for i in range(n + 1) for j in range(m + 1))
-        assert error <= Fraction(float(nets.off[0]))
+        exact = half(exact, axis, side)
+        offs, values = fractions(nets.off[0]), fractions(nets.table[0, ..., 0])
+        for i, j in np.ndindex(n + 1, m + 1):
+            assert abs(values[i][j] - exact[i][j]) <= offs[i][j] >= least[i][j]
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -254,7 +262,7 @@ def test_points_of_cells_count_their_rounding(far):
     """Corners and middles of halved nets are within what is said of them."""
     surface = ParametricSurface(f"{far} + (t - 40)^12/10^9", "h/(1 + t^2)", "t*h", domain=((39, 42), (0, "1/3")))
     framed = Framed.of(surface)
-    net = exact_net(surface, exact_rectangle(surface)).rounded(framed.unit)
+    net = exact_net(surface, exact_rectangle(surface), framed).rounded()
     cells = PlacedNets(net.table, net.off, np.zeros((1, 2), dtype=object), np.zeros((1, 2), dtype=int))
     for number in range(12):
         halves = cells.halves(number % 2)
@@ -262,11 +270,14 @@ def test_points_of_cells_count_their_rounding(far):
     seen = bounded(cells)
     shares = [(a, b) for a in (0, 1) for b in (0, 1)] + [(Fraction(1, 2), Fraction(1, 2))]
     for start, steps, points, bound in zip(cells.start, cells.steps.tolist(), seen.points, seen.away, strict=True):
-        assert bound < (0.1 if far else 1e-7)  # errors of weights count as often as points are far
+        assert bound < 1e-12
         for point, share in zip(points, shares, strict=True):
             places = [Fraction(s + w) / 2**n for s, w, n in zip(start, share, steps, strict=True)]
-            at = framed.exact_parameters([rational(place) for place in places])
-            true = [c.numerator(*at) / c.denominator(*at) / framed.unit for c in surface.components]
+            at = [rational(a + (b - a) * place) for (a, b), place in zip(surface.ends, places, strict=True)]
+            true = [
+                (c.numerator(*at) / c.denominator(*at) - rational(z)) / fmpq(2) ** framed.exponent
+                for c, z in zip(surface.components, framed.center.tolist(), strict=True)
+            ]
             exact = [Fraction(int(x.p), int(x.q)) for x in true]
             assert square_distance([Fraction(float(x)) for x in point], exact) <= Fraction(float(bound)) ** 2
 

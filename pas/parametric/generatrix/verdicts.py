@@ -32,13 +32,14 @@ from pas.algebra.rational import dot
 from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.contacts.ends import triple
+from pas.mesh.crossings import crossings
 from pas.parametric.common_zeros import avoids_origin
 from pas.parametric.generatrix.align import alignment
-from pas.parametric.generatrix.crossings import crossings, double_point, is_injective
 from pas.parametric.generatrix.form import GeneratrixForm
 from pas.parametric.generatrix.paths import NAMES
+from pas.parametric.maps import ParametricMap
 from pas.parametric.nets import PlacedNets
-from pas.parametric.regularity import regularity
+from pas.parametric.regularity import is_injective, regularity
 from pas.verdicts import Status, Verdict, Verdicts
 
 EFFORT = 4_000
@@ -207,11 +208,14 @@ def _vanishing(forms: Floats, halvings: int) -> tuple[int, float] | None:
     """Of curves of vectors (n, k, 3), Bernstein forms in t, the number of one that may meet the origin, and t near."""
 
     def judge(arcs: PlacedNets, _: int) -> Fates:
-        return np.where(avoids_origin(arcs.table, arcs.off), int(Fate.SETTLED), int(Fate.SPLIT))
+        return np.where(avoids_origin(arcs.table, arcs.off.max(axis=(1, 2))), int(Fate.SETTLED), int(Fate.SPLIT))
 
-    rows, off = np.arange(len(forms)), 1e-13 * np.abs(forms).max(axis=(1, 2))
+    rows, off = np.arange(len(forms)), 1e-13 * np.abs(forms).max(axis=(1, 2), keepdims=True)
     start = np.stack([0 * rows, rows], axis=1)  # the second place, never halved, tells the curve
-    whole, limits = PlacedNets(forms[:, :, None], off, start, 0 * start), Limits(halvings, 1 << 20)
+    whole, limits = (
+        PlacedNets(forms[:, :, None], off + np.zeros((*forms.shape[:2], 1)), start, 0 * start),
+        Limits(halvings, 1 << 20),
+    )
     left = search(whole, judge, lambda arcs: arcs.halves(0), limits, "looking for vanishing normals").open
     if not len(left):
         return None
@@ -260,3 +264,26 @@ def simple_verdict(blend: GeneratrixForm, size: tuple[int, int] = (160, 40)) -> 
         f"{on}; shorten l1, l2 (see largest_safe), or lead the blend round by a middle curve"
     )
     return Verdict(Status.FAILS_MEASURED, claim, reason, triple(found[1]), len(pairs))
+
+
+def double_point(surface: ParametricMap, pairs: Floats, closed: bool) -> tuple[Floats, Floats, float] | None:
+    """Two places (2, 2) of one point of a surface over [0, 1]^2 near one of some pairs (k, 2, 2), the point, the gap.
+
+    By Newton's method from twelve of the pairs; None where it finds none.  Where `closed` the first parameter goes
+    round.
+    """
+    places = pairs[np.linspace(0, len(pairs) - 1, min(12, len(pairs))).astype(int)]
+    for _ in range(25):
+        points, tangents = surface(places), surface.tangents(places)
+        slopes = np.concatenate([tangents[:, 0], -tangents[:, 1]], axis=1).swapaxes(1, 2)
+        gap = (points[:, 0] - points[:, 1])[..., None]
+        places = places - (np.linalg.pinv(slopes) @ gap)[..., 0].reshape(-1, 2, 2)
+        places[..., 0] = places[..., 0] % 1.0 if closed else np.clip(places[..., 0], 0.0, 1.0)
+        places[..., 1] = np.clip(places[..., 1], 0.0, 1.0)
+    points = surface(places)
+    gaps = lengths(points[:, 0] - points[:, 1])
+    extent = float(np.ptp(points, axis=(0, 1)).max()) or 1.0
+    apart = np.abs(places[:, 0] - places[:, 1])
+    apart[:, 0] = np.minimum(apart[:, 0], 1 - apart[:, 0]) if closed else apart[:, 0]
+    good = np.flatnonzero((gaps < 1e-9 * extent) & (apart.max(axis=1) > 1e-3))
+    return (places[good[0]], points[good[0], 0], float(gaps[good[0]])) if len(good) else None

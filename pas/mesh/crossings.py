@@ -1,38 +1,20 @@
-"""Whether a surface crosses itself: where the triangles of its mesh do, double points, and a proof that there are none.
+"""Which triangles cross each other.
 
 A binary tree of boxes stands on the triangles in the order of a k-d tree; pairs of boxes that overlap are followed
 down, all of a level at once.  Two triangles without a common vertex cross iff an edge of one passes through the other
 (Moller 1997): by signs of 4-point determinants, each beyond its rounding error (Shewchuk 1997, the static filter), so
 that only clear crossings count; touching and coplanar triangles do not.  It is a statement on the mesh: a surface
 nearby may differ by as much as it is away from the mesh.
-
-The proof: if for two vectors a, b the symmetric part of the matrix
-
-    ( a . P_s   a . P_t )
-    ( b . P_s   b . P_t )
-
-is positive definite on the whole (convex) square, then for two places that differ by (u, v) the number
-(u a + v b) . (P - P') is the mean of this form at (u, v) along the way between them, hence positive: P != P'
-(the monotone case of Gale and Nikaido 1965).  With a, b dual to the mean tangents the matrix is near the unit
-matrix for surfaces that do not bend too far.  The two inequalities are proved by Bernstein branch and bound.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
-from flint import fmpq
 from numpy.typing import NDArray
 
-from pas.algebra.lengths import exponent, lengths
-from pas.algebra.monomials import Floats
-from pas.algebra.rational import exact, rational, to_float, to_fraction
-from pas.algebra.rational_function import RationalFunction, total
+from pas.algebra.lengths import exponent
 from pas.limits import checkpoint
-from pas.mesh.rows import Integers
-from pas.parametric.maps import ParametricMap
-from pas.parametric.regularity import positive_on_unit_square
+from pas.mesh.rows import Floats, Integers
 
 
 def crossings(points: Floats, triangles: Integers) -> tuple[Integers, Floats]:
@@ -102,61 +84,3 @@ def _volume(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
     bound = 96 * 2.0**-53 * sizes.prod(axis=0)
     largest = 2.0**-50 * np.abs(np.stack([a, b, c, d])).max(axis=(0, 2))
     return np.where(np.abs(value) > bound + largest * sizes.max(axis=0) ** 2, value, 0.0)
-
-
-def double_point(surface: ParametricMap, pairs: Floats, closed: bool) -> tuple[Floats, Floats, float] | None:
-    """Two places (2, 2) of one point of a surface over [0, 1]^2 near one of some pairs (k, 2, 2), the point, the gap.
-
-    By Newton's method from twelve of the pairs; None where it finds none.  Where `closed` the first parameter goes
-    round.
-    """
-    places = pairs[np.linspace(0, len(pairs) - 1, min(12, len(pairs))).astype(int)]
-    for _ in range(25):
-        points, tangents = surface(places), surface.tangents(places)
-        slopes = np.concatenate([tangents[:, 0], -tangents[:, 1]], axis=1).swapaxes(1, 2)
-        gap = (points[:, 0] - points[:, 1])[..., None]
-        places = places - (np.linalg.pinv(slopes) @ gap)[..., 0].reshape(-1, 2, 2)
-        places[..., 0] = places[..., 0] % 1.0 if closed else np.clip(places[..., 0], 0.0, 1.0)
-        places[..., 1] = np.clip(places[..., 1], 0.0, 1.0)
-    points = surface(places)
-    gaps = lengths(points[:, 0] - points[:, 1])
-    extent = float(np.ptp(points, axis=(0, 1)).max()) or 1.0
-    apart = np.abs(places[:, 0] - places[:, 1])
-    apart[:, 0] = np.minimum(apart[:, 0], 1 - apart[:, 0]) if closed else apart[:, 0]
-    good = np.flatnonzero((gaps < 1e-9 * extent) & (apart.max(axis=1) > 1e-3))
-    return (places[good[0]], points[good[0], 0], float(gaps[good[0]])) if len(good) else None
-
-
-def is_injective(surface: ParametricMap, effort: int = 4_000) -> bool:
-    """Whether it is proved that an exact surface over [0, 1]^2 takes no point twice; False says nothing.
-
-    Each coordinate is scaled exactly by the size of its mean slopes (at 5 x 5 places) first: that changes nothing.
-    """
-    along, across = ([c.diff(*order) for c in surface.components] for order in ((1, 0), (0, 1)))
-    places = [fmpq(i, 4) for i in range(5)]
-    try:
-        means = [
-            [sum((rational(f.at(u, v)) for u in places for v in places), fmpq(0)) / 25 for f in pair]
-            for pair in zip(along, across, strict=True)
-        ]
-    except ValueError:  # a pole
-        return False
-    sizes = [max(map(abs, row)) or fmpq(1) for row in means]
-    tangents = np.array([[to_float(x / size) for x in row] for row, size in zip(means, sizes, strict=True)])
-    duals = np.linalg.pinv(tangents)
-    if not np.abs(duals).max(axis=1).min() > 0:
-        return False
-    first, second = ([x / size for x, size in zip(_short(row), sizes, strict=True)] for row in duals)
-    a, d = _product(first, along), _product(second, across)
-    mixed = _product(first, across) + _product(second, along)
-    return positive_on_unit_square(a, effort) and positive_on_unit_square(4 * a * d - mixed * mixed, effort)
-
-
-def _short(vector: Floats) -> list[fmpq]:
-    """A rational vector near, with short numbers: any vectors near will do."""
-    scale = exact(2.0 ** np.round(np.log2(np.abs(vector).max())))
-    return [rational(to_fraction(exact(float(x)) / scale).limit_denominator(64)) * scale for x in vector]
-
-
-def _product(vector: Sequence[fmpq], functions: Sequence[RationalFunction]) -> RationalFunction:
-    return total([f * x for f, x in zip(functions, vector, strict=True)])
