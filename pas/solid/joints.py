@@ -198,7 +198,9 @@ class _Proof:
             g, h = self.joint.along
             reason = f"{_short(g)} and {_short(h)} touch all along a part of the curve; take two that cross there"
             return self._undecided(reason)
-        return None if self.stretches else self._refuted("the curve has no real points there, or isolated ones only")
+        where = " there" if self.joint.within else ""
+        reason = f"the curve has no real points{where}, or isolated ones only"
+        return None if self.stretches else self._refuted(reason)
 
     def _faces(self) -> Verdict | None:
         """Both faces lie on the curve, somewhere."""
