@@ -18,10 +18,12 @@ from pas.network.part import NetworkPart
 
 
 class Network(StrutGraph):
-    """A graph of struts that becomes a body of proved nodes; see `StrutGraph` for its arguments.
+    """A graph of struts that becomes a body of proved nodes.
 
-    net = pas.network.Network([(0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3)], [(0, 1), (0, 2), (0, 3)], "1/10")
-    net.blend().mesh()
+    See `StrutGraph` for its arguments.
+
+        net = pas.network.Network([(0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3)], [(0, 1), (0, 2), (0, 3)], "1/10")
+        net.blend().mesh()
     """
 
     @classmethod
@@ -63,7 +65,8 @@ class Network(StrutGraph):
 
         Struts from a point to itself go, of several between two points the thickest stays, points in one place become
         one, points without struts go.  With `collapse` struts too short for any blend at their ends become a point
-        in their middle, until there are none.
+        in their middle, until there are none; then the shortest between the ends of two at too small an angle, or of
+        two that cross and are thicker than it is long.
         """
         return problems.repair(self, collapse)
 
