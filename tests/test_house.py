@@ -16,7 +16,7 @@ from conftest import ROOT, nodes, parsed
 PACKAGE = ROOT / "pas"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 66_631, 340, 2_887, 469
+MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 66_781, 340, 2_887, 469
 
 
 def module(path: Path) -> str:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
+from fractions import Fraction
 from functools import cache
 from itertools import product
 
@@ -35,6 +37,10 @@ def row(count, thickness=None):
     return solid.union([made(thickness).translate((6 * i, 0, 0)) for i in range(count)])
 
 
+def longest_side(whole):
+    return np.ptp(whole.sheets.coarse.box, axis=0).max()
+
+
 def test_three_in_a_row_are_one():
     whole = row(3)
     assert isinstance(whole.sheets, LinkedBodies) and len(whole.sheets.links) == 2
@@ -61,8 +67,8 @@ def test_the_usual_tolerance_is_that_of_the_box(count):
     """Measured on a coarse mesh, where the box of the inequalities takes long."""
     whole = row(count)
     longest = np.ptp(whole.box, axis=0).max()
-    assert whole.sheets.size == pytest.approx(longest, rel=2e-2) == pytest.approx(6 * count, rel=2e-2)
-    assert whole.scale("1/1000").sheets.size == pytest.approx(longest / 1000, rel=2e-2)
+    assert longest_side(whole) == pytest.approx(longest, rel=2e-2) == pytest.approx(6 * count, rel=2e-2)
+    assert longest_side(whole.scale("1/1000")) == pytest.approx(longest / 1000, rel=2e-2)
     assert whole.mesh().deviation <= 1e-3 * longest and len(whole.mesh().triangles) > len(whole.mesh(3e-2).triangles)
 
 
@@ -183,6 +189,50 @@ def test_a_cubic_lattice_of_struts_is_one_solid(count):
     struts = 3 * count**2 * (count - 1)
     assert len(whole.sheets.links) == struts and mesh.deviation <= 1e-2
     assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, 2 * (count**3 - struts))
+
+
+def test_a_lattice_less_a_ball_is_meshed_by_what_is_near():
+    """Each function of some thousand with all joints, and each wall with all pairs of faces, took minutes."""
+    node = pas.blend([pas.Pipe(axis, "1/2", 1) for axis in AXES], 1).solid(1)
+    whole = solid.union([node.translate((4 * i, 4 * j, 0)) for i, j in product(range(3), repeat=2)])
+    cut = whole - solid.ball((0, 0, 0), "3/2")
+    began = time.process_time()
+    mesh = cut.mesh(5e-2)
+    assert time.process_time() - began < 10
+    assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 5, 2 * (8 - 10) + 2 * 4)
+    assert np.linalg.norm(mesh.points, axis=1).min() == pytest.approx(1.5) and np.ptp(mesh.box, axis=0)[0] == 12
+    turned = cut.rotate((1, 2, 3), 40).mesh(5e-2)  # whose parts are turned by themselves
+    assert turned.volume == pytest.approx(mesh.volume, rel=1e-2) and time.process_time() - began < 20
+
+
+def tube(start, end, radius=1, bore=None, further=1):
+    made = solid.cylinder((start, 0, 0), (end, 0, 0), radius)
+    return made if bore is None else made - solid.cylinder((start - further, 0, 0), (end + further, 0, 0), bore, "bore")
+
+
+@pytest.mark.parametrize("thickness", [None, "1/8"])
+def test_a_plain_tube_between_two_blends_is_linked_to_both(thickness):
+    one, bore = made(thickness), None if thickness is None else "7/8"
+    for further in (0, 1):
+        whole = (one | tube(3, 17, bore=bore, further=further) | one.translate((20, 0, 0))).rotate((1, 2, 3), 40)
+        assert len(whole.sheets.links) == 2
+        mesh = is_sound(whole.mesh(1e-2), whole, 1e-2, 2 if thickness is None else 2 * (2 - 4))
+        area = np.pi * (1 if thickness is None else 1 - 49 / 64)
+        assert mesh.volume == pytest.approx(2 * one.mesh(1e-2).volume + 14 * area, rel=1e-2)
+    assert len((one | tube(Fraction(5, 2), 17, bore=bore)).sheets.links) == 1  # which overlaps
+
+
+def test_what_is_no_plain_tube_is_not_linked():
+    """Of another radius, elliptic, with a leaning end or bore, one of another width or too short, full for a wall."""
+    pipe, wall = tube(3, 9), made("1/8")
+    leaning = solid.cylinder((2, "1/8", 0), (10, 0, 0), "3/4", "bore")
+    others = [tube(3, 9, "9/10"), pipe.scale((1, 1, "9/10")), pipe & solid.half_space("x + y/8 - 8"), pipe - leaning]
+    assert all(isinstance((made() | other).sheets, Operands) for other in others)
+    for bore in ("3/4", "9/8"):
+        assert isinstance((wall | tube(3, 9, bore=bore)).sheets, Operands)
+    for other in (pipe, pipe - tube(2, 8, "7/8"), pipe - tube(4, 10, "7/8")):
+        assert isinstance((wall | other).sheets, Operands)
+    assert not (made() | tube(4, 9)).sheets.links  # apart
 
 
 def exact(end):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from dataclasses import replace
 from fractions import Fraction
 
@@ -15,7 +16,7 @@ from pas import solid
 from pas.algebra.ideal import Ideal
 from pas.mesh.diagnostics import _Place, diagnosis
 from pas.pipeline.blend import struts
-from pas.solid.seams import seams_of
+from pas.solid.seams import Seam, seams_of
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 
@@ -119,6 +120,23 @@ def test_planes_that_touch_cylinders_and_cones_have_a_seam():
         assert not seams_of((solid.half_space(across, "side") & tube).tree, [])
 
 
+def test_places_modulo_a_prime_exclude_no_member():
+    """Of ideals of a plane and a function all members vanish there, of other functions hardly one."""
+    plane, pipe = pas.Polynomial("3*x + 5*y - z/7 - 2"), pas.Polynomial("x^2 + 2*y^2 + z^2/3 - 5*x*z - 11")
+    seam = Seam((pipe, plane), (Ideal(pipe, plane),))
+    (mark,) = seam.marks
+    members = [
+        pipe * pas.Polynomial(a) + plane * pas.Polynomial(b)
+        for a, b in (("x^3 - 1/2", "y*z^2"), ("1", "x + z"), ("0", "y"))
+    ]
+    assert mark is not None and all(not m.residues(*mark) and seam.is_on([m]) for m in members)
+    others = [m + pas.Polynomial(c) for m in members for c in ("1", "x/13", "y^2 - z")]
+    assert all(m.residues(*mark) and not seam.is_on([m]) for m in others)
+    assert Seam((pipe, pipe + 1), (Ideal(pipe, pipe + 1),)).marks == [None]
+    flat = pas.Polynomial({(1, 0, 0): 2**31 - 1, (0, 0, 0): 1})  # a plane without slope modulo the prime
+    assert Seam((pipe, flat), (Ideal(pipe, flat),)).marks == [None]
+
+
 def test_a_name_with_a_plus_is_one_name():
     mesh = solid.ball((0, 0, 0), 1, "a + b").mesh(0.1)
     assert mesh.names == ("a + b",)
@@ -179,6 +197,11 @@ TANGENT = {
         "near (1, 2, ",
         "the faces 'box y+' and 'boss' touch, and the parts that they bound do not overlap there",
     ),
+    "a circle inscribed in a square": (
+        lambda: (solid.rectangle(2, 2) - solid.circle((1, 1), 1)).extrude(1),
+        "near (1, 0, ",
+        "the faces 'side 1' and 'circle' touch, and the solid has no thickness between them there",
+    ),
     "two pipes": (
         lambda: solid.cylinder((0, 0, 0), (0, 0, 2), 1, "a") | solid.cylinder((2, 0, 0), (2, 0, 2), 1, "b"),
         "near (1, 0, ",
@@ -190,8 +213,26 @@ TANGENT = {
 @pytest.mark.parametrize("name", TANGENT)
 def test_tangent_faces_are_named_with_the_place_and_what_would_be_right(name):
     make, place, what = TANGENT[name]
-    with pytest.raises(pas.MeshError, match=f"{re.escape(place)}.*{re.escape(what)}; let them cross, or "):
+    with pytest.raises(pas.MeshError, match=f"{re.escape(place)}.*{re.escape(what)}; let them cross, "):
         make().mesh(1e-2)
+
+
+def test_a_plate_that_touches_a_run_is_refused_at_once_with_how_far_to_move_it():
+    """By which they cross as steeply as meshes need."""
+    body = pas.blend([pas.Pipe(X, 1, 2), pas.Pipe((-1, 0, 0), 1, 2), pas.Pipe(Y, "4/5", 2)], 1).hollow("1/8").solid(4)
+    plate = solid.box((3, -3, 1), (5, 3, "3/2"))
+    began = time.process_time()
+    with pytest.raises(pas.MeshError, match=r"near \([^,]*, 0, 1\).*do not overlap there.*move one by 0\.022\)"):
+        (body | plate).mesh(2e-2)
+    assert time.process_time() - began < 2
+    assert (body | plate.translate((0, 0, "-22/1000"))).mesh(2e-2).components == 1
+
+
+def test_lines_of_contact_inside_a_third_part_are_no_trouble():
+    touching = solid.cylinder((-2, 0, 0), (2, 0, 0), 1) | solid.box((-2, -2, 1), (2, 2, 2))
+    assert (touching | solid.box((-2, -1, "-1/2"), (2, 1, "3/2"))).mesh(5e-2).components == 1
+    with pytest.raises(pas.MeshError, match=r"near \(.*, 0, 1\) the faces 'cylinder' and 'box z-' touch"):
+        (touching | solid.box((-2, -1, "-1/2"), (0, 1, "3/2"))).mesh(5e-2)
 
 
 def test_a_hole_that_touches_a_side_from_outside_is_none():

@@ -220,7 +220,8 @@ REFUSED = {
     ),
     "cusp": (
         lambda: solid.sketch((0, 0)).line_to(2, 0).arc_to(1, 1, radius=1, clockwise=True).close(),
-        "turns back on itself at (2, 0)",
+        "turns back on itself at (2, 0): edges 'side 1' and 'side 2' leave it in one direction; let "
+        "them meet at an angle",
     ),
     "cusp of arcs": (
         lambda: solid.sketch().arc_to(0, 4, radius=2).line_to(0, 2).arc_to(0, 0, radius=1, clockwise=True).close(),

@@ -212,9 +212,9 @@ def test_a_plane_on_which_a_part_ends_stays_a_face():
     """Two halves of one curve on a plane, one inside it and one outside: the plane is a boundary everywhere."""
     base, column = solid.cylinder((0, 0, -1), (0, 0, 0), 1, "a"), solid.cylinder((0, 0, 0), (0, 0, 1), 1, "b")
     shape = base | (solid.box((-2, -2, 0), (2, 2, 1)) - column)
-    assert not Seams(shape.field.evaluator, ()).hidden(*_undecided(shape)).any()
+    assert not Seams(shape.field.evaluator, (), shape.field.box).hidden(*_undecided(shape)).any()
     cones = STACKED["cones base on base"][0]()
-    assert Seams(cones.field.evaluator, ()).hidden(*_undecided(cones)).sum() == 1
+    assert Seams(cones.field.evaluator, (), cones.field.box).hidden(*_undecided(cones)).sum() == 1
 
 
 def _undecided(shape):

@@ -14,7 +14,7 @@ from math import gcd, lcm
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, nmod_mpoly, nmod_mpoly_ctx, nmod_poly
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import formula_repr, latex
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 VARIABLES = ("x", "y", "z")
 RING = fmpq_mpoly_ctx.get(VARIABLES, Ordering.degrevlex)
 GENERATORS: tuple[fmpq_mpoly, ...] = RING.gens()
+RESIDUES = nmod_mpoly_ctx.get(VARIABLES, modulus=2**31 - 1, ordering=Ordering.degrevlex)
 
 BOXED = "pas.piecewise:boxed"
 """What makes a surface of a polynomial, in a layer above."""
@@ -170,7 +171,17 @@ class Polynomial:
 
     def primitive(self) -> Polynomial:
         """The multiple with coprime integers as coefficients, the leading one (grevlex) positive."""
+        return self._primitive
+
+    @cached_property
+    def _primitive(self) -> Polynomial:
         return Polynomial.from_raw(primitive(self.raw))
+
+    @cached_property
+    def residues(self) -> nmod_mpoly:
+        """That multiple modulo a prime."""
+        terms = self._primitive.raw.to_dict().items()
+        return RESIDUES.from_dict({e: int(c.p) % RESIDUES.modulus() for e, c in terms})
 
     def to_sympy(self) -> sympy.Expr:
         """A sympy expression in the symbols x, y, z that is this polynomial."""
@@ -261,6 +272,29 @@ def primitive(raw: fmpq_mpoly) -> fmpq_mpoly:
     denominator = lcm(*(int(c.q) for c in values))
     divisor = gcd(*(int(c.p) * (denominator // int(c.q)) for c in values))
     return raw * fmpq(denominator if values[0] > 0 else -denominator, divisor)
+
+
+def residue_place(first: Polynomial, second: Polynomial) -> tuple[int, ...] | None:
+    """A place modulo a prime in which the residues of all members of an ideal of a plane and another function vanish.
+
+    On the plane a member is a multiple of that function, by a polynomial without the prime in its denominators (Gauss's
+    lemma), as neither the plane's slope nor the function on a line in it vanishes modulo the prime.  None where neither
+    is a plane, or no such line has a place.
+    """
+    plane, other = sorted((first, second), key=lambda f: f.degree)
+    slopes, modulus = [int(plane.residues.derivative(i)(0, 0, 0)) for i in range(3)], RESIDUES.modulus()
+    if plane.degree != 1 or not any(slopes):
+        return None
+    axis, step = next(i for i in range(3) if slopes[i]), RESIDUES.gens()[0]
+    for start in range(2, 12):  # two of three lines have one
+        line = [start**9 + step, start**8 + start**7 * step]
+        line.insert(axis, 0 * step)
+        line[axis] = plane.residues.compose(*line) * -pow(slopes[axis], -1, modulus)
+        along = {e[0]: c for e, c in other.residues.compose(*line).to_dict().items()}
+        roots = nmod_poly([along.get(i, 0) for i in range(max(along) + 1)], modulus).roots() if along else ()
+        if roots:
+            return tuple(int(part(int(roots[0][0]), 0, 0)) for part in line)
+    return None
 
 
 def _rebuilt(terms: Mapping[tuple[int, int, int], Fraction]) -> Polynomial:

@@ -44,7 +44,8 @@ FLAT = 12.0
 WORDS = {
     "singular": "{} is singular",
     "thin": "{} touch, and the solid has no thickness between them there; let them cross, or leave a wall between them",
-    "gap": "{} touch, and the parts that they bound do not overlap there; let them cross, or keep them apart",
+    "gap": "{} touch, and the parts that they bound do not overlap there; let them cross, keep them apart, "
+    "or join them by a blend",
     "touch": "{} touch; claim the curve as a joint if they are to go on smoothly, let them cross, or keep them apart",
     "itself": "the solid touches itself along an edge of {}; let its parts overlap, or keep them apart",
     "curve": "{} touch, or meet in one curve; move one of them a little",
@@ -83,6 +84,14 @@ def diagnosis(field: FaceField, places: Floats, spacing: float) -> Diagnosis | N
     point = next(point for *what, point in found if what == [kind, names])
     lasting = sum(n for (other, _), n in times.items() if other not in PASSING)
     return Diagnosis(f"near {place_of(field, point)} {WORDS[kind].format(names)}", 2 * lasting > len(chosen))
+
+
+def touching(field: FaceField, point: Floats, a: int, b: int, apart: bool) -> str:
+    """What is wrong at a point (3,) where the faces of two columns touch, with parts of the set `apart` or no wall."""
+    place = _Place(field, point, extent_of(field) / 1000)
+    depth = (1 - np.cos(np.radians(FLAT))) / sum(1 / place._radii[c] for c in (a, b)) * field.scale
+    words = WORDS["gap" if apart else "thin"].format(place._names([a, b]))
+    return f"near {place_of(field, point)} {words} (to cross at {FLAT:.0f} degrees, move one by {depth:.2g})"
 
 
 Found = tuple[str, str, Floats]

@@ -15,12 +15,11 @@ from flint import fmpq
 
 from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, Vector, exact, rational, to_float, to_floats
+from pas.algebra.rational import Exact, exact, rational, to_float, to_floats
 from pas.algebra.scaling import Scaled, scaled
 from pas.contacts.contact import Contact
 from pas.contacts.ends import ContactEnd, triple
 from pas.errors import GeometryError
-from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.around_opening import AroundOpening
 from pas.pipeline.neighbours import NOTHING, separators
@@ -28,7 +27,7 @@ from pas.solid.assembly import union
 from pas.solid.functions import Pieces, region
 from pas.solid.sheets import SheetBody, Side
 from pas.solid.solid import Solid, patch
-from pas.solid.strips import Chain, Sections, SolidStrip
+from pas.solid.strips import Chain, chain_between
 from pas.solid.tree import Atom, combined
 
 Around: TypeAlias = 'Literal["edged", "endless", "surface", "run"]'
@@ -97,25 +96,6 @@ def chain_beyond(surface: PiecewiseSurface, number: int, name: str, plane: Polyn
     """What goes on from a contact by a length beyond a plane, up to a flat end; None where that is none of `strips`."""
     center = surface.partition.center
     return chain_between(surface.placed.told(number), plane, _cap(plane, length), (name, f"{name} end"), center)
-
-
-def chain_between(
-    contact: Contact, plane: Polynomial, cap: Polynomial, names: tuple[str, str], center: Vector | None = None
-) -> Chain | None:
-    """What goes on from a contact between parallel planes, with the names of its face and its end; see `Sections`."""
-    slope = scaled(plane).gradient(np.zeros(3))
-    axis, strips = slope / np.linalg.norm(slope), tuple[SolidStrip, ...]()
-    if cap != plane:
-        rows = Sections.of(contact.surface, plane, cap, center)
-        if rows is None:
-            return None
-        strips = (SolidStrip(names[0], contact.scaled.surface, rows),)
-    try:
-        curve = Contact(contact.surface, plane, contact.near).rim.points()
-    except GeometryError:  # no curve that is known to be closed
-        return None
-    begin, end = (End(scaled(side), axis) for side in (plane, cap))
-    return Chain(contact.scaled, begin, curve, strips, end, names[1])
 
 
 def hollow_body(

@@ -31,7 +31,7 @@ from pas.errors import GeometryError
 from pas.limits import WorkLimits, limited
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.around_opening import AroundOpening
-from pas.pipeline.bodies import FURTHER, INSIDE, body, chain_between, chain_beyond, clip_plane, length_of
+from pas.pipeline.bodies import FURTHER, INSIDE, body, chain_beyond, clip_plane, length_of
 from pas.pipeline.hollow import HollowBlend
 from pas.pipeline.neighbours import NOTHING
 from pas.pipeline.result import Blend
@@ -39,6 +39,7 @@ from pas.solid.assembly import union
 from pas.solid.runs import RunSide
 from pas.solid.sheets import SheetBody, Side
 from pas.solid.solid import Solid, patch
+from pas.solid.strips import chain_between
 from pas.solid.tree import Atom, combined
 
 

@@ -31,16 +31,17 @@ from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.blend import node
-from pas.pipeline.bodies import chain_between, clip_plane
+from pas.pipeline.bodies import clip_plane
 from pas.solid.face_seams import edges_between
 from pas.solid.fillet_forms import revolved
 from pas.solid.fillets import short, strays, title_of
 from pas.solid.functions import Pieces, region
 from pas.solid.joints import Joint
 from pas.solid.linked import RenamedBoundary
+from pas.solid.runs import tube_of
 from pas.solid.sheets import SheetBody, Side
 from pas.solid.solid import Solid
-from pas.solid.strips import Chain
+from pas.solid.strips import Chain, chain_between
 from pas.solid.tree import Atom, Node, Tree, atoms, combined, complement, parts_of
 
 
@@ -244,22 +245,12 @@ class PipeNode:
 
     def _end(self, arm: PipeArm, part: Tree) -> tuple[Vector, str] | None:
         """Where an arm of a part ends on the axis, and the name of that face; None where it is more than a cylinder."""
-        found = list[tuple[fmpq, str]]()
-        for atom in parts_of(part, union=False):
-            if not isinstance(atom, Atom) or not isinstance(atom.function, Polynomial):
-                return None
-            if atom.face == arm.tube.face:
-                continue
-            plane = -atom.function if atom.outside else atom.function
-            slope = slope_at(plane, self.center)
-            if plane.degree != 1 or any(cross(slope, arm.way)) or not atom.face:
-                return None
-            if (rise := dot(slope, arm.way)) > 0:
-                found.append((-plane.raw(*self.center) / rise, atom.face))
-        if not found:
-            return None
-        height, name = min(found)
-        return three(c + height * w for c, w in zip(self.center, arm.way, strict=True)), name
+        tube = tube_of(parts_of(part, union=False))
+        for plane, name in () if tube is None else tube[2]:
+            if (rise := dot(slope_at(plane), arm.way)) > 0:
+                height = -plane.raw(*self.center) / rise
+                return three(c + height * w for c, w in zip(self.center, arm.way, strict=True)), name
+        return None
 
     def _lost(self, made: Solid) -> str | None:
         """What is wrong where a face that is no end of a pipe is gone; None where none is."""

@@ -35,6 +35,8 @@ OCTAVES = 30
 SLACK = 1e-9
 """By which the boxes of planes are larger, over what they measure, for rounding."""
 
+EMPTY = "the solid is empty: no point satisfies all of its inequalities"
+
 NOTHING = np.array([[np.inf] * 3, [-np.inf] * 3])
 """The box of no points."""
 
@@ -56,8 +58,20 @@ def bounding_box(tree: Tree) -> Floats:
             boxes.append(found[0])
             seen = found[1]
     if not boxes:
-        raise GeometryError("the solid is empty: no point satisfies all of its inequalities")
+        raise GeometryError(EMPTY)
     return _hull(boxes)
+
+
+def narrowed(tree: Tree, within: Floats) -> Floats:
+    """A box (2, 3) that holds a set in another one, which is kept where points of the set are near its sides."""
+    evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
+    points = np.stack(np.meshgrid(*np.linspace(within[0], within[1], PARTS + 1).T), axis=-1).reshape(-1, 3)
+    held = points[evaluator.inside(evaluator.signs(points))]
+    seen = np.stack([held.min(axis=0, initial=np.inf), held.max(axis=0, initial=-np.inf)])
+    found = _shrunk(evaluator, within, seen) if (within[0] <= within[1]).all() else None
+    if found is None:
+        raise GeometryError(EMPTY)
+    return found[0]
 
 
 def _branch_box(tree: Tree, seen: Floats) -> tuple[Floats, Floats] | None:

@@ -238,7 +238,7 @@ class Loop:
             corner = one.end if one.end == other.start else one.start
             return GeometryError(
                 f"the profile turns back on itself at {at(corner)}: edges {one.name!r} and {other.name!r} "
-                f"leave it in one direction"
+                f"leave it in one direction; let them meet at an angle, or end in a short edge across the tip"
             )
         return GeometryError(
             f"the profile crosses or touches itself near {near(one, other)}, where edges {one.name!r} and "

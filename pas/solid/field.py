@@ -15,7 +15,8 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
-from pas.errors import GeometryError
+from pas.errors import GeometryError, MeshError
+from pas.mesh.diagnostics import touching
 from pas.mesh.field import FaceField, ShellWall
 from pas.mesh.rows import Integers
 from pas.solid.bounds import ORIGIN, bounding_box
@@ -43,8 +44,8 @@ class SolidField:
         scale = exact(2.0 ** float(np.round(np.log2(max(float(np.ptp(box, axis=0).max()) / 2, 1e-30)))))
         given = seams_of(tree, seams, box)
         self.evaluator = TreeEvaluator(tree, center, scale, tuple(f for seam in given for f in seam.functions))
-        self._seams = Seams(self.evaluator, given)
         self.box = self.evaluator.local(box)
+        self._seams = Seams(self.evaluator, given, self.box)
         self.special_points = self.evaluator.local(special_points)
         self._made_of = tree, box, tuple(seams), special_points
 
@@ -202,7 +203,7 @@ class SolidField:
         return called(self.evaluator.names_within(label // 2, label % 2 == 1, centers, halves)) or self.face(label)
 
     def refuse_coincident(self) -> None:
-        """Raise `GeometryError` where two faces lie on different functions with a common surface."""
+        """Raise `GeometryError` where two functions share a surface, `MeshError` at lines of `Seams.pinched`."""
         used = enumerate(self.evaluator.columns[: self.evaluator.used])
         faces = {i: c.function for i, c in used if c.names and isinstance(c.function, Polynomial)}
         for a, b in combinations(faces, 2):
@@ -212,6 +213,8 @@ class SolidField:
                     f"the faces {self.face(2 * a)!r} and {self.face(2 * b)!r} coincide on {common} = 0; "
                     "write one of them without that factor"
                 )
+        for point, a, b, both in self._seams.pinched():
+            raise MeshError(f"the solid could not be meshed: {touching(self, point, a, b, both)}")
 
 
 def _has_lines(function: Function) -> bool:

@@ -130,6 +130,16 @@ class Pieces:
         self.polynomials = tuple(polynomials)
         self.surface = PiecewiseSurface.from_polynomials(partition, (), 0, self.polynomials)
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Pieces) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self.polynomials)
+
+    @property
+    def _content(self) -> tuple[object, ...]:
+        return self.polynomials, self.partition.vertices, self.partition.cells, self.partition.pieces
+
     @property
     def cells(self) -> tuple[tuple[Polynomial, tuple[Polynomial, ...]], ...]:
         """Each cell's polynomial and the planes (`>= 0` in the cell) that bound it."""
@@ -150,11 +160,16 @@ class Pieces:
 
     def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Whether it is certainly <= 0, and certainly > 0, where boxes meet cells; > 0 where they meet none."""
-        local, half, touched = self._in_cells(centers, halves)
+        low, high = self.partition.points.min(axis=0), self.partition.points.max(axis=0)
+        room = halves + (high - low) * 2.0**-20  # for rounding
+        near = ((centers + room >= low) & (centers - room <= high)).all(axis=1)
+        inside, outside = np.zeros(len(centers), dtype=bool), ~near
+        local, half, touched = self._in_cells(centers[near], halves[near])
         yes, no = self._bank.taylor(local, half)
         of_cells = self.partition.piece_of
-        inside, outside = (np.asarray((side[of_cells] | ~touched).all(axis=0)) for side in (yes, no))
-        return inside & np.asarray(touched.any(axis=0)), outside
+        inside[near], outside[near] = ((side[of_cells] | ~touched).all(axis=0) for side in (yes, no))
+        inside[near] &= touched.any(axis=0)
+        return inside, outside
 
     def slopes(self, centers: Floats, halves: Floats) -> tuple[Floats, Floats]:
         """The middle (N, 3) of all gradients of the cells that boxes meet, and how far these are from it."""

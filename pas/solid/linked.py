@@ -30,7 +30,7 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, ring
 from pas.solid.runs import gap_between
-from pas.solid.sheets import ROOM, Faces, Loops, SheetBody, roomy
+from pas.solid.sheets import ROOM, Faces, Loops, SheetBody
 from pas.solid.strips import Sections, SolidStrip
 
 EQUAL = 2.0**-40
@@ -41,12 +41,8 @@ class SolidBoundary(Protocol):
     """What bounds a solid, of which it gives a mesh without a lattice."""
 
     @property
-    def size(self) -> float | None:
-        """The longest side of a box around it, as a coarse mesh shows it."""
-
-    @property
-    def box(self) -> Floats | None:
-        """Two corners (2, 3) of a box that holds it, as a coarse mesh shows with room around it."""
+    def coarse(self) -> Mesh | None:
+        """A coarse mesh of it, which shows where it is; None where it has none."""
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         """A closed mesh within a tolerance (the model's units), as measured; None where there is none."""
@@ -156,21 +152,13 @@ class LinkedBodies:
     parts: tuple[LinkedPart, ...]
     links: tuple[Link, ...] = ()
 
-    @property
-    def size(self) -> float:
-        """The longest side of a box around all of them, as coarse meshes show it."""
-        return float(np.ptp(self._box, axis=0).max())
-
-    @property
-    def box(self) -> Floats:
-        """Two corners (2, 3) of a box that holds all of them, as coarse meshes show with room around them."""
-        known = [part.body.coarse.deviation or 0.0 for part in self.parts if part.body.coarse]
-        return roomy(self._box, max(known))
-
     @cached_property
-    def _box(self) -> Floats:
-        boxes = np.array([part.box for part in self.parts])
-        return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+    def coarse(self) -> Mesh:
+        """Those of all of them."""
+        made = Faces([], 0.0)
+        for part in self.parts:
+            made.put(part.body.coarse)  # type: ignore[arg-type]  # without which it is no part
+        return made.mesh
 
     def moved(self, map_: Affine) -> LinkedBodies:
         """Its image."""
@@ -207,7 +195,7 @@ class LinkedBodies:
             made.add_on(End(tube, axis), strip.name, triangles, 1 if side == 0 else -1)
 
 
-def united(one: SolidBoundary, other: SolidBoundary) -> LinkedBodies | None:
+def united(one: SolidBoundary | None, other: SolidBoundary | None) -> LinkedBodies | None:
     """Both together; None where they are not found to be apart but for links."""
     if not isinstance(one, SheetBody | LinkedBodies) or not isinstance(other, SheetBody | LinkedBodies):
         return None
@@ -220,7 +208,7 @@ def united(one: SolidBoundary, other: SolidBoundary) -> LinkedBodies | None:
             if meshes[0] is None or meshes[1] is None:
                 return None
             room = ROOM * sum(mesh.deviation or 0.0 for mesh in meshes if mesh)
-            if _gap(mine.box, its.box) > room:
+            if box_gap(mine.box, its.box) > room:
                 continue
             found = dict(_links(i, mine, j, its))
             gone = [{name for k in found for name in part.named(k.of(n))} for n, part in ((i, mine), (j, its))]
@@ -281,10 +269,10 @@ def _parted(
     mine, its = one.beside(plane, room, gone), other.beside(-plane, room, its_gone)
     if mine is None or its is None:
         return False
-    return all(_gap(one.boxes[a], other.boxes[b]) > room for a in mine for b in its)
+    return all(box_gap(one.boxes[a], other.boxes[b]) > room for a in mine for b in its)
 
 
-def _gap(one: Floats, other: Floats) -> float:
+def box_gap(one: Floats, other: Floats) -> float:
     """How far two boxes (2, 3) are apart along an axis at least; negative where they meet."""
     return float(np.maximum(one[0] - other[1], other[0] - one[1]).max())
 
@@ -304,14 +292,9 @@ class RenamedBoundary:
     names: Mapping[str, str]
 
     @property
-    def size(self) -> float | None:
-        """That of the body."""
-        return self.body.size
-
-    @property
-    def box(self) -> Floats | None:
-        """That of the body."""
-        return self.body.box
+    def coarse(self) -> Mesh | None:
+        """That of the body, by its names."""
+        return self.body.coarse
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         """That of the body, in which several faces may have one name."""

@@ -29,9 +29,10 @@ from pas.mesh.quality import Quality
 from pas.mesh.rows import cross, norms
 from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.solid.field import SolidField
-from pas.solid.linked import LinkedBodies, LinkedPart, RenamedBoundary, SolidBoundary, refuse_passing, united
+from pas.solid.linked import LinkedBodies, LinkedPart, RenamedBoundary, SolidBoundary, box_gap, refuse_passing, united
+from pas.solid.runs import plain_run
 from pas.solid.sheets import SheetBody
-from pas.solid.tree import Atom, combined
+from pas.solid.tree import Atom, Tree, combined
 
 
 class Operand(Protocol):
@@ -42,7 +43,11 @@ class Operand(Protocol):
         """What bounds it, where that is known."""
 
     @property
-    def box(self) -> Floats:
+    def tree(self) -> Tree:
+        """The inequalities."""
+
+    @property
+    def _around(self) -> Floats:
         """Two corners (2, 3) of a box that holds it."""
 
     @property
@@ -64,7 +69,8 @@ def combined_boundary(first: Operand, second: Operand, operation: str) -> SolidB
     before, new = first.sheets, second.sheets
     if before is None and new is None:
         return None
-    linked = united(before, new) if operation == "Add" and before and new else None
+    ends = [known or plain_run(solid.tree) for known, solid in ((before, first), (new, second))]
+    linked = united(*ends) if operation == "Add" else None
     parts = before.parts if isinstance(before, Operands) and before.operation == operation else (first,)
     return linked or Operands((*parts, second), operation)
 
@@ -80,8 +86,16 @@ class Operands:
 
     parts: tuple[Operand, ...]
     operation: str
-    size = None
-    box = None
+    coarse = None
+
+    @cached_property
+    def box(self) -> Floats | None:
+        """Two corners (2, 3) of a box that holds what is made, as the parts do; None where theirs say nothing."""
+        known = [*map(_box, self.parts[: 1 if self.operation == "Subtract" else None])]
+        boxes = np.array([box for box in known if box is not None]).reshape(-1, 2, 3)
+        if self.operation == "Add":
+            return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)]) if len(boxes) == len(known) else None
+        return np.stack([boxes[:, 0].max(axis=0), boxes[:, 1].min(axis=0)]) if len(boxes) else None
 
     def mesh(self, tolerance: float, quality: Quality) -> None:
         """None: what is cut is only a first mesh."""
@@ -114,9 +128,9 @@ class Operands:
         """
         first, *others = self.parts
         if self.operation == "Intersect":
-            return first, *(other if _bounded(other) else _within(other, first.box) for other in others)
-        loose = [part if _bounded(part) else _within(part, first.box) for part in others if part.sheets is None]
-        pairs = [(i, j) for (i, a), (j, b) in combinations(enumerate(loose), 2) if _meet(a.box, b.box)]
+            return first, *(_within(other, first._around) if _box(other) is None else other for other in others)
+        loose = [_within(o, first._around) if _box(o) is None else o for o in others if o.sheets is None]
+        pairs = [(i, j) for (i, a), (j, b) in combinations(enumerate(loose), 2) if box_gap(a._around, b._around) <= 0]
         groups = connected(np.array(pairs, dtype=np.intp).reshape(-1, 2), len(loose))
         joined = [reduce(or_, (loose[i] for i in np.flatnonzero(groups == g))) for g in np.unique(groups)]
         return first, *joined, *(part for part in others if part.sheets is not None)
@@ -149,11 +163,6 @@ def _cut(part: Operand, field: SolidField, tolerance: float) -> Triangles:
     return Triangles(points, mesh.triangles, field.labels_of(part.field, mesh.labels))
 
 
-def _meet(one: Floats, other: Floats) -> bool:
-    """Whether two boxes (2, 3) do."""
-    return bool((np.maximum(one[0], other[0]) <= np.minimum(one[1], other[1])).all())
-
-
 def _areas(cut: Triangles) -> Floats:
     """The area of each label that occurs, in their order (K,)."""
     a, b, c = np.moveaxis(cut.points[cut.triangles], 1, 0)
@@ -174,8 +183,9 @@ def _within(part: Any, box: Floats) -> Any:
     return replace(part, tree=combined(False, part.tree, *walls), joints=(), sheets=None)
 
 
-def _bounded(part: Operand) -> bool:
+def _box(part: Operand) -> Floats | None:
+    """The box in which a solid is meshed; None of an unbounded one."""
     try:
-        return bool(np.isfinite(part.box).all())
+        return part._around
     except GeometryError:
-        return False
+        return None

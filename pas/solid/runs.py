@@ -9,20 +9,25 @@ meet each other alone; that a plane is between them is looked at on coarse meshe
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 
 import numpy as np
 
+from pas.algebra.affine import quadratic_form, slope_at
 from pas.algebra.monomials import Floats
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import cross, dot, three
+from pas.contacts.contact import Contact
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
 from pas.mesh.sweep import between_loops
 from pas.mesh.walls import End
-from pas.solid.sheets import COARSE, ROOM, Faces, Loose, Side, merged
-from pas.solid.strips import Chain
+from pas.solid.sheets import COARSE, ROOM, Faces, Loose, SheetBody, Side, merged
+from pas.solid.strips import Chain, chain_between
+from pas.solid.tree import Atom, Node, Tree, complement, parts_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +115,48 @@ class RunSide:
             return False
         made.add_on(End(self.ends[0].contact.surface, np.zeros(3)), self.name, triangles)
         return True
+
+
+def plain_run(tree: Tree) -> SheetBody | None:
+    """What bounds a round cylinder with flat ends across it, or one less another that goes as far; None of all else."""
+    parts, sides = parts_of(tree, union=False), list[RunSide]()
+    holes = [parts_of(complement(part), union=False) for part in parts if isinstance(part, Node)]
+    tubes = [tube_of(some) for some in ([part for part in parts if isinstance(part, Atom)], *holes)]
+    for tube in tubes:
+        if tube is None or tubes[0] is None or len(tubes) > 2:
+            return None
+        (surface, name, (low, high)), ends = tube, tubes[0][2]
+        slope = slope_at(ends[0][0])
+        feet = [
+            three(-cap.raw(0, 0, 0) * s / dot(slope_at(cap), slope_at(cap)) for s in slope_at(cap)) for cap, _ in ends
+        ]
+        if any(cross(slope, slope_at(low[0]))) or any(end.raw(*foot) > 0 for end, _ in (low, high) for foot in feet):
+            return None
+        begins = [cap - Polynomial(cap.raw(*foot) / 3) for (cap, _), foot in zip(ends, feet[::-1], strict=True)]
+        start, stop = (
+            chain_between(Contact(surface, plane), plane, cap, (name, title))
+            for plane, (cap, title) in zip(begins, ends, strict=True)
+        )
+        if start is None or stop is None or (sides and not sides[0].ends[0].holds(start)):
+            return None
+        sides.append(RunSide(name, (start, stop), (), ()))
+    return SheetBody(tuple(sides))
+
+
+def tube_of(parts: Sequence[Tree]) -> tuple[Polynomial, str, list[tuple[Polynomial, str]]] | None:
+    """Of three conditions a circular cylinder, negative inside, its name, and both ends, planes that are positive
+    outside, with their names; None of others."""
+    atoms = [(p.function, p) for p in parts if isinstance(p, Atom) and isinstance(p.function, Polynomial)]
+    known = sorted(((-f if p.outside else f, p.face) for f, p in atoms if p.face), key=lambda some: -some[0].degree)
+    if len(parts) != 3 or [f.degree for f, _ in known] != [2, 1, 1]:
+        return None
+    (surface, name), *ends = known
+    form, slope, back = quadratic_form(surface).tolist(), *(slope_at(end) for end, _ in ends)
+    size = dot(slope, slope)
+    factor = sum(form[i][i] for i in range(3)) / (2 * size)
+    round_ = all(form[i][j] == factor * (size * (i == j) - slope[i] * slope[j]) for i in range(3) for j in range(3))
+    straight = dot(slope, form[3][:3]) == 0 and not any(cross(slope, back)) and dot(slope, back) < 0
+    return (surface, name, ends) if round_ and straight and factor > 0 else None
 
 
 def gap_between(one: Floats, other: Floats) -> float:

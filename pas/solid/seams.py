@@ -21,6 +21,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, combinations_with_replacement, permutations, product
+from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_mpoly
@@ -28,7 +29,7 @@ from flint import fmpq, fmpq_mat, fmpq_mpoly
 from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import Polynomial
+from pas.algebra.polynomial import Polynomial, residue_place
 from pas.algebra.rational import cross
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import polynomials_of
@@ -71,6 +72,11 @@ class Seam:
         heights = [-f.raw(0, 0, 0) for f in self.functions]
         return list(fmpq_mat([*rows, [*along]]).solve(fmpq_mat(3, 1, [*heights, fmpq(0)])).entries())
 
+    @cached_property
+    def marks(self) -> list[tuple[int, ...] | None]:
+        """A place modulo a prime for each curve, where members of its ideal vanish; see `residue_place`."""
+        return [residue_place(*curve.generators) for curve in self.curves]
+
     def crosses(self, surfaces: Sequence[Polynomial]) -> bool:
         """Whether one of some surfaces is the section."""
         return self.section is not None and self.section in [f.primitive() for f in surfaces]
@@ -79,7 +85,10 @@ class Seam:
         """Whether each of the curves is on one of some surfaces."""
         if self._place and all(surface.raw(*self._place) != 0 for surface in surfaces):
             return False
-        return all(any(map(curve.contains, surfaces)) for curve in self.curves)
+        return all(
+            any(curve.contains(f) for f in surfaces if mark is None or not f.residues(*mark))
+            for curve, mark in zip(self.curves, self.marks, strict=True)
+        )
 
 
 def seams_of(tree: Tree, claimed: Sequence[Curve], box: Floats | None = None) -> list[Seam]:
@@ -95,11 +104,12 @@ def seams_of(tree: Tree, claimed: Sequence[Curve], box: Floats | None = None) ->
     for number, curve in enumerate(curves):
         for function in curve:
             cutting.setdefault(function.primitive(), []).append(number)
-    surfaces = [polynomials_of(f) for f in dict.fromkeys(atom.function for atom in atoms(tree))]
+    surfaces = (polynomials_of(f) for f in dict.fromkeys(atom.function for atom in atoms(tree) if atom.face))
+    held = [{n for n, seam in enumerate(single) if seam.is_on(some)} for some in surfaces]
     several: dict[tuple[Polynomial, frozenset[int]], Seam] = {}
     for common, numbers in cutting.items():
         if len(numbers) > 1:
-            times = Counter(frozenset(n for n in numbers if single[n].is_on(surface)) for surface in surfaces)
+            times = Counter(frozenset(known.intersection(numbers)) for known in held)
             for first, second in combinations_with_replacement(times, 2):
                 shared = first & second if first != second or times[first] > 1 else frozenset()
                 if len(shared) > 1:
@@ -136,11 +146,11 @@ def _united(common: Polynomial, seams: Sequence[Seam]) -> Seam:
 class Seams:
     """Where faces of an evaluator meet and do not cross; its extra columns are the functions of given seams, in pairs.
 
-    What is found out about columns is kept.
+    `box` (2, 3) holds the set, in the evaluator's coordinates.  What is found out about columns is kept.
     """
 
-    def __init__(self, evaluator: TreeEvaluator, given: Sequence[Seam]) -> None:
-        self._evaluator, self._given = evaluator, tuple(given)
+    def __init__(self, evaluator: TreeEvaluator, given: Sequence[Seam], box: Floats) -> None:
+        self._evaluator, self._given, self._box = evaluator, tuple(given), box
         self._found: dict[tuple[int, int], tuple[int, ...]] = {}
         self._same: dict[tuple[int, int, int], bool] = {}
         self._on: dict[int, set[int]] = {}
@@ -159,7 +169,8 @@ class Seams:
                 return used + 2 * number, used + 2 * number + 1
         if len(first) != 1 or len(second) != 1 or first[0].degree == second[0].degree == 1:
             return ()  # planes cross
-        for number in np.flatnonzero(self._evaluator.walls).tolist():
+        near = self._near[:, self._near[a] & self._near[b]].any(axis=1)
+        for number in np.flatnonzero(self._evaluator.walls & near).tolist():
             w = columns[number].function
             for kept, p, q in ((a, *first, *second), (b, *second, *first)):
                 if isinstance(w, Polynomial) and number not in (a, b):
@@ -168,12 +179,48 @@ class Seams:
                         return kept, number
         return ()
 
+    @cached_property
+    def _near(self) -> Bools:
+        """Which columns (M, N) the set depends on in each of the cubes of its box."""
+        (low, high), parts = self._box, 16  # of each side
+        halves = (high - low) / (2 * parts)
+        centers = np.stack(np.meshgrid(*np.linspace(low + halves, high - halves, parts).T), axis=-1).reshape(-1, 3)
+        below, above = self._evaluator.relevant(*self._evaluator.taylor(centers, halves[None]))
+        return np.asarray(below | above)
+
     def _of(self, column: int) -> set[int]:
         """The numbers of the seams on which a column's faces are."""
         if column not in self._on:
             surfaces = polynomials_of(self._evaluator.columns[column].function)
             self._on[column] = {number for number, seam in enumerate(self._given) if seam.is_on(surfaces)}
         return self._on[column]
+
+    def pinched(self) -> Iterator[tuple[Floats, int, int, bool]]:
+        """Points of lines along which two columns' faces touch, and whether beside these the set is on both sides, if
+        it is on both or on neither, and not so between them: there its parts touch, or it has no thickness."""
+        faces, middle = np.flatnonzero(~self._evaluator.walls).tolist(), self._box.mean(axis=0)
+        for number in (n for n, seam in enumerate(self._given) if seam._place):
+            values, *slopes = self._jets(np.stack([middle] * 2), self._evaluator.used + 2 * number + np.arange(2)).T
+            way = unit(np.cross(*np.transpose(slopes)))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                start = middle - np.linalg.pinv(np.transpose(slopes)) @ values
+                ends = np.sort((self._box - start) / way, axis=0)
+            points = start + np.linspace(np.nanmax(ends[0]), np.nanmin(ends[1]), 66)[1:-1, None] * way
+            for a, b in combinations([c for c in faces if number in self._of(c)], 2):
+                f, g = (unit(self._jets(points, c)[:, 1:]) for c in (a, b))
+                aside = points + 2.0**-8 * np.cross(way, f)
+                jets = [self._jets(aside, c) for c in (a, b)]
+                between = aside - sum(j[:, :1] * j[:, 1:] / (j[:, 1:] ** 2).sum(axis=1)[:, None] for j in jets) / 2
+                alike, signs, held = (f * g).sum(axis=1) > 0, self._evaluator.signs(points), []
+                for side in ((True, alike), (False, ~alike), self._evaluator.signs(between)[[a, b]]):
+                    signs[[a, b]] = np.broadcast_arrays(*side)
+                    held.append(self._evaluator.inside(signs))
+                touch = (lengths(np.cross(f, g)) < SLACK) & (held[0] == held[1]) & (held[1] != held[2])
+                if len(rows := np.flatnonzero(touch)):
+                    yield points[rows[len(rows) // 2]], a, b, bool(held[0][rows[len(rows) // 2]])
+
+    def _jets(self, points: Floats, column: Any) -> Floats:
+        return self._evaluator.jets(points, np.broadcast_to(column, len(points)))
 
     def hidden(self, yes: Bools, no: Bools, below: Bools, above: Bools) -> Bools:
         """The planes (M, N) that matter from both sides in cubes and are no boundary there: on them two faces meet.

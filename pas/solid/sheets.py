@@ -161,9 +161,9 @@ class Faces:
         return Mesh(self.points, triangles, faces, names, normals, deviation=self.deviation)
 
 
-def roomy(box: Floats, deviation: float) -> Floats:
-    """The box (2, 3) around what a mesh in another one is so far from at most."""
-    return box + ROOM * deviation * np.array([[-1.0], [1.0]])
+def roomy(mesh: Mesh) -> Floats:
+    """A box (2, 3) around what a mesh is as near to as it says."""
+    return mesh.box + ROOM * (mesh.deviation or 0.0) * np.array([[-1.0], [1.0]])
 
 
 def merged(mesh: Mesh, order: Sequence[str]) -> Mesh:
@@ -200,16 +200,6 @@ class PlacedBody(ABC):
     def stretch(self) -> float:
         """By how much lengths grow at most where it was moved."""
         return 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
-
-    @property
-    def size(self) -> float | None:
-        """The longest side of a box around it, as the coarse mesh shows it."""
-        return None if self.coarse is None else float(np.ptp(self.coarse.points, axis=0).max())
-
-    @property
-    def box(self) -> Floats | None:
-        """Two corners (2, 3) of a box that holds it, as the coarse mesh shows with room around it."""
-        return None if self.coarse is None else roomy(self.coarse.box, self.coarse.deviation or 0.0)
 
     @property
     @abstractmethod

@@ -31,7 +31,7 @@ from pas.mesh.quality import Quality
 from pas.registry import loaded
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape, refuse_mixed
-from pas.solid.bounds import bounding_box
+from pas.solid.bounds import bounding_box, narrowed
 from pas.solid.edge_verbs import WithEdges
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
@@ -39,7 +39,7 @@ from pas.solid.joints import Joint, prove, refuse_unknown, verdict_list
 from pas.solid.linked import SolidBoundary
 from pas.solid.measures import Measures, curved_measures
 from pas.solid.operands import Operands, combined_boundary, renamed_boundary
-from pas.solid.sheets import face_mesh, merged
+from pas.solid.sheets import face_mesh, merged, roomy
 from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Tree, atoms, combined, complement, image, mapped
 from pas.verdicts import Findings, Verdict
@@ -201,8 +201,9 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     @cached_property
     def _around(self) -> Floats:
         """Two corners (2, 3) of a box in which it is meshed: where sheets bound it that of a coarse mesh, for speed."""
-        known = None if self.sheets is None else self.sheets.box
-        return self.box if known is None else known
+        if isinstance(self.sheets, Operands) and self.sheets.box is not None:
+            return narrowed(self.tree, self.sheets.box)
+        return roomy(self.sheets.coarse) if self.sheets and self.sheets.coarse else self.box
 
     @cached_property
     def field(self) -> SolidField:
@@ -258,8 +259,8 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
             return None
         if tolerance is not None:
             return self.sheets.mesh(check_tolerance(tolerance), quality)
-        size = self.sheets.size  # the box takes longer
-        return None if size is None else self.sheets.mesh(RELATIVE_TOLERANCE * size, quality)
+        coarse = self.sheets.coarse  # the box takes longer
+        return coarse and self.sheets.mesh(RELATIVE_TOLERANCE * float(np.ptp(coarse.box, axis=0).max()), quality)
 
     @limited("meshing a solid", "a coarser tolerance")
     def face_mesh(

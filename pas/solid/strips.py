@@ -23,8 +23,10 @@ from pas.algebra.affine import Frame, quadratic_form
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, dot, to_float, to_floats
+from pas.algebra.scaling import scaled
 from pas.contacts.cones import first_met
 from pas.contacts.contact import Contact
+from pas.errors import GeometryError
 from pas.mesh.walls import End
 
 
@@ -196,6 +198,25 @@ class Chain:
                 return False
             here = rows[-1]
         return True
+
+
+def chain_between(
+    contact: Contact, plane: Polynomial, cap: Polynomial, names: tuple[str, str], center: Vector | None = None
+) -> Chain | None:
+    """What goes on from a contact between parallel planes, with the names of its face and its end; see `Sections`."""
+    slope = scaled(plane).gradient(np.zeros(3))
+    axis, strips = slope / np.linalg.norm(slope), tuple[SolidStrip, ...]()
+    if cap != plane:
+        rows = Sections.of(contact.surface, plane, cap, center)
+        if rows is None:
+            return None
+        strips = (SolidStrip(names[0], contact.scaled.surface, rows),)
+    try:
+        curve = Contact(contact.surface, plane, contact.near).rim.points()
+    except GeometryError:  # no curve that is known to be closed
+        return None
+    begin, end = (End(scaled(side), axis) for side in (plane, cap))
+    return Chain(contact.scaled, begin, curve, strips, end, names[1])
 
 
 def rows_within(strip: SolidStrip, begin: Floats, tolerance: float) -> list[Floats] | None:

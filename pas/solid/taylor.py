@@ -15,6 +15,7 @@ import numpy as np
 from pas.algebra.evaluation import evaluate
 from pas.algebra.monomials import Floats, derivative_matrix, exponents, positions
 from pas.algebra.polynomial import Polynomial
+from pas.limits import checkpoint
 from pas.solid.tree import Bools, Integers
 
 HELD = 1 << 22
@@ -39,6 +40,7 @@ class TaylorForms:
         yes, no = np.zeros((2, len(self), len(centers)), dtype=bool)
         for expansion in self._expansions:
             for part, values, powers in expansion.about(centers, halves):
+                checkpoint()
                 below, above = expansion.range_of(values, powers)
                 yes[expansion.rows, part] = (above <= 0).T
                 no[expansion.rows, part] = (below > 0).T

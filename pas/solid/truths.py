@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.limits import checkpoint
 from pas.solid.tree import Atom, Bools, Columns, Integers, Node, Tree, atoms, mapped
 
 Bits = NDArray[np.uint8]
@@ -101,6 +102,7 @@ class CompiledTree:
         found = np.empty((self.size, yes.shape[1]), dtype=np.uint8)
         found[: len(self.rows)] = np.concatenate([yes, no])[self.rows]
         for level in self.levels:
+            checkpoint()
             unions = np.where(level.unions, ALL, 0).astype(np.uint8)
             parts = found[level.parts] ^ unions[level.owners, None]  # a union is what not all parts fail to be
             found[level.numbers] = np.bitwise_and.reduceat(parts, level.starts, axis=0) ^ unions[:, None]
