@@ -14,8 +14,7 @@ from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.search import Fate
 from pas.bernstein.simplices import Simplices, bisection, edges, means, raised
 from pas.certify.graph_proofs import crossed
-from pas.certify.local_mesh import FramedMesh, isolated
-from pas.certify.mesh_bounds import _moves, bounds
+from pas.certify.local_mesh import isolated
 from pas.mesh import topology
 from pas.mesh.topology import Edges, is_manifold, piece_count, same_places
 from pas.surface.lattice import Subdivision, eighths, risings
@@ -310,35 +309,3 @@ def test_rays_leave_a_region_through_the_face_that_they_meet():
     leave, pieces = surface.mesher.radial_field.leaving(points)
     assert leave == pytest.approx(1 / weights.sum(axis=1)[held, np.arange(len(points))], rel=1e-12)
     assert pieces.tolist() == [surface.local.outer_faces[face].piece for face in held]
-
-
-def test_triangles_moved_so_far_have_one_sign():
-    surface = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3)
-    mesh = surface.mesh(2e-2)
-    sheet = FramedMesh(surface.framed, mesh.points, mesh.triangles)
-    found = bounds(sheet)
-    enough = _moves(sheet, found, 0.02)
-    assert np.isfinite(enough).mean() > 0.8
-    near = np.isfinite(enough)
-    assert (enough[near] >= (found.most / found.least)[near]).all()
-    weights = np.random.default_rng(8).dirichlet(np.ones(3), size=10)
-    for sign in (-1, 1):
-        moved = sheet.corners[near] + sign * (enough[near, None] * sheet.normals[near])[:, None]
-        values, _ = surface.framed.jets((weights @ moved).reshape(-1, 3))
-        assert (sign * values > 0).all()
-    tight = enough[near, None, None] * sheet.normals[near, None] * 0.2
-    assert not all(
-        (sign * surface.framed.jets((sheet.corners[near] + sign * tight).mean(axis=1))[0] > 0).all() for sign in (-1, 1)
-    )
-
-
-def test_second_derivatives_are_bounded():
-    stage = pas.Polynomial(TORUS).surface((-2,) * 3, (2,) * 3).framed
-    reach = np.array([0.5, 0.7, 0.2])
-    bound = stage.makers[0].bend(reach)
-    rng = np.random.default_rng(9)
-    points, ways = rng.uniform(-reach, reach, (400, 3)), rng.normal(size=(400, 3))
-    ways /= np.linalg.norm(ways, axis=1)[:, None]
-    slopes = [(stage.patches[0].gradient(points + s * ways) * ways).sum(axis=1) for s in (-1e-5, 1e-5)]
-    found = np.abs(slopes[1] - slopes[0]).max() / 2e-5
-    assert found <= bound <= 20 * found

@@ -443,7 +443,7 @@ def test_a_cache_is_gone_on_from(tmp_path, monkeypatch):
     assert second.certificate.proved
     assert (second.mesh().points == first.mesh().points).all()
     (tmp_path / "file").touch()
-    with pytest.raises(ValueError, match=r"cache names a folder, and .*file is a file"):
+    with pytest.raises(ValueError, match=r"a folder is needed, and .*file is a file"):
         net.blend(1, cache=tmp_path / "file")
     with pytest.raises(ValueError, match="give the folder as cache="):
         net.blend(1, map=lambda function, items: [function(item) for item in items])
@@ -513,10 +513,40 @@ def test_foams():
     assert (foam.points > -1e-9).all() and (foam.points < 1 + 1e-9).all()
     assert not {p.kind for p in foam.check()} - {"too short", "angle too small", "crossing"}
     mended, changes = foam.repair(collapse=True)
-    assert "too short" not in {p.kind for p in mended.check()}
+    assert not mended.check()
     assert len(changes) > 0
     assert len(mended.edges) < len(foam.edges)
     assert mended.pieces == 1
+
+
+def test_repair_joins_struts_that_are_too_near_at_their_ends():
+    """A strut shorter than those at its ends are thick, which cross; the shorter of two at a narrow angle; and no more:
+    diagonals of a square stay."""
+    link = [(0, 0, 0), (95, 0, 0), (-340, 940, 0), (435, 940, 0)]
+    mended, changes = network.Network(link, [(0, 1), (0, 2), (1, 3)], 50, 1).repair(collapse=True)
+    assert changes == ("strut 0, 95 long, became a point",)
+    assert mended.edges.tolist() == [[0, 1], [0, 2]]
+    narrow = network.Network([(0, 0, 0), (100, 0, 0), (0, 100, 0), (200, 10, 0)], [(0, 1), (0, 2), (0, 3)], 5, 1)
+    mended, changes = narrow.repair(collapse=True)
+    assert changes == ("strut 0, 100 long, became a point",)
+    assert len(mended.edges) == 2
+    points, edges, _ = WRONG["crossing"]
+    mended, changes = network.Network(points, edges, "1/20", "1/1000").repair(collapse=True)
+    assert changes == ()
+    assert len(mended.edges) == len(edges)
+
+
+def test_a_network_without_struts_has_no_classes():
+    empty = network.Network([(0, 0, 0)], [], [])
+    assert empty.classes() == ()
+    assert len(empty.repair(collapse=True)[0].points) == 0
+    assert [problem.kind for problem in empty.check(whole=True)] == ["empty", "isolated"]
+
+
+def test_a_folder_that_is_a_file_is_refused(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ValueError, match=r"a folder is needed, and .*file is a file"):
+        part().write_blocks(tmp_path / "file")
 
 
 SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
@@ -546,6 +576,7 @@ def test_what_is_asked_of_a_whole():
     net = network.Network([*SQUARE, (5, 5, 5), (6, 5, 5)], [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5)], "1/20")
     assert not net.check()
     assert [p.kind for p in net.check(whole=True)] == ["dangling", "dangling", "disconnected"]
+    assert "there are 2 pieces that do not meet, of the points [" in str(net.check(whole=True)[-1])
 
 
 def test_what_comes_near_is_seen():
@@ -789,6 +820,6 @@ def test_blocks_of_a_thousand_nodes(name):
 def test_the_examples(tmp_path):
     script = ROOT / "examples/networks/networks.py"
     subprocess.run(
-        [sys.executable, script, "tower", "-o", tmp_path], env=os.environ | {"PYTHONPATH": str(ROOT)}, check=True
+        [sys.executable, script, "kelvin_ball", "-o", tmp_path], env=os.environ | {"PYTHONPATH": str(ROOT)}, check=True
     )
-    assert {path.name for path in tmp_path.iterdir()} == {"kept", "tower.3mf", "tower.png"}
+    assert {path.name for path in tmp_path.iterdir()} == {"kept", "kelvin_ball.3mf", "kelvin_ball.png"}

@@ -79,6 +79,7 @@ def test_where_runs_cross_the_outer_tube_counts():
     assert waists(unequal, top) == pytest.approx([-0.02, -0.1])
     equal = runs_of(pas.struts(CROSS, 1))
     assert guided(equal, top[:1])[1][0] == pytest.approx([0.5, 0.5])
+    assert not guided(equal, np.array([[3.0, 3, 0]]))[1].any()  # beyond the ends of both
     assert waists(equal, top[:1]) == pytest.approx([-0.02])
 
 

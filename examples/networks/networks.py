@@ -1,4 +1,4 @@
-"""Networks of struts: lattices, a foam and a frame, each a proved body, with files for printing and pictures.
+"""Networks of struts: lattices, a foam and two frames, each a proved body, with files for printing and pictures.
 
     python examples/networks/networks.py [-o DIR] [NAME ...]
 
@@ -40,17 +40,53 @@ def foam() -> Network:
     return network.voronoi(4, "1/60", seed=50).repair(collapse=True)[0]
 
 
-def tower() -> Network:
-    """A small truss tower whose legs lean in, thicker than its rings and braces."""
-    points = [((3 - k) * x, (3 - k) * y, 4 * k) for k in range(3) for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
-    legs = [(n, n + 4) for n in range(8)]
-    rings = [(k + n, k + (n + 1) % 4) for k in (0, 8) for n in range(4)]
-    braces = [(4 + n, 8 + (n + 1) % 4) for n in range(4)]
-    radii = ["1/5"] * len(legs) + ["3/25"] * len(rings + braces)
-    return Network(points, legs + rings + braces, radii, grid=1)
+def bicycle() -> Network:
+    """The frame of a bicycle in millimetres: head, seat, top and down tube, bottom bracket, and stays that part.
+
+    Stays are cones, thinner at the wheel; tubes that end are flat there.
+    """
+    bracket, seat, upper, lower = (0, 0, 0), (-150, 0, 500), (390, 0, 560), (420, 0, 460)
+    chain, wish, wheel = (-220, 0, 38), (-270, 0, 306), [(-415, side * 66, 72) for side in (-1, 1)]
+    tubes = [
+        ((372, 0, 620), upper, (18, 18)),
+        (upper, lower, (18, 18)),
+        (lower, (441, 0, 390), (18, 18)),
+        (bracket, seat, (16, 16)),
+        (seat, (-165, 0, 550), (16, 16)),
+        (seat, upper, (14, 14)),
+        (bracket, lower, (18, 18)),
+        *((bracket, (0, side * 60, 0), (20, 20)) for side in (-1, 1)),
+        (bracket, chain, (12, 12)),
+        (seat, wish, (10, 10)),
+        *((chain, end, (12, 8)) for end in wheel),
+        *((wish, end, (10, 8)) for end in wheel),
+    ]
+    points = sorted({end for tube in tubes for end in tube[:2]})
+    edges = [(points.index(first), points.index(second)) for first, second, _ in tubes]
+    return Network(points, edges, [radii for *_, radii in tubes], grid=1)
 
 
-EXAMPLES: dict[str, Callable[[], Network]] = {"octet": octet, "kelvin_ball": kelvin_ball, "foam": foam, "tower": tower}
+def space_frame() -> Network:
+    """A roof of two square grids, half a bay apart, with diagonals between them, thinner than the chords."""
+    bays = 3
+    below = [(2 * x, 2 * y, 0) for x in range(bays + 1) for y in range(bays + 1)]
+    above = [(2 * x + 1, 2 * y + 1, 1.5) for x in range(bays) for y in range(bays)]
+    chords = [
+        (p, q)
+        for layer in (below, above)
+        for p in layer
+        for q in layer
+        if (q[0] - p[0], q[1] - p[1]) in ((2, 0), (0, 2))
+    ]
+    diagonals = [(p, q) for p in below for q in above if abs(p[0] - q[0]) == abs(p[1] - q[1]) == 1]
+    points = below + above
+    edges = [(points.index(p), points.index(q)) for p, q in chords + diagonals]
+    return Network(points, edges, ["1/8"] * len(chords) + ["1/10"] * len(diagonals), grid="1/2")
+
+
+EXAMPLES: dict[str, Callable[[], Network]] = {
+    "octet": octet, "kelvin_ball": kelvin_ball, "foam": foam, "bicycle": bicycle, "space_frame": space_frame,
+}  # fmt: skip
 
 
 def main() -> None:

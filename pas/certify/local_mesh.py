@@ -43,7 +43,7 @@ ROUNDINGS = 64
 OFF = 1e-9
 """In local units: how far vertices may be from the surface, and those of the boundary from the contacts' curves."""
 
-LARGER = 2.0
+LARGER = 16.0
 """By how much the region is enlarged where the surface beyond its walls counts as well (exact in doubles)."""
 
 BESIDE = 1e-9
@@ -127,8 +127,8 @@ class FramedSurface:
 
     @property
     def beyond(self) -> float:
-        """How far beyond the walls the surface is followed: in the region enlarged by `LARGER`."""
-        return 0.0 if self.center is None else (LARGER - 1) * self.room
+        """How far beyond the walls the surface is followed: in the region enlarged by `LARGER`, or half of a unit."""
+        return 0.0 if self.center is None else min((LARGER - 1) * self.room, 0.5)
 
     def placed(self, points: Floats) -> tuple[np.ndarray, list[Integers]]:
         """Which points (N, 3) are in the region, but for rounding, and, of each plane of outer faces, which are on
@@ -160,9 +160,29 @@ class FramedSurface:
             block = corners[start : start + size]
             outside = [self.cells.barycentric(block[:, i]) < -BESIDE for i in range(3)]
             apart = np.logical_and.reduce(outside).any(axis=1)
+            if self.center is not None:
+                cell, row = np.nonzero(~apart & ((~apart).sum(axis=0) > 1))
+                apart[cell, row] = self._parted(cell, block[row] - self.center)
             for piece, cells in enumerate(self.cells.pieces):
                 found[piece].append(start + np.flatnonzero(~apart[list(cells)].all(axis=0)))
         return [np.concatenate(rows) if rows else np.empty(0, dtype=np.intp) for rows in found]
+
+    def _parted(self, cells: Integers, corners: Floats) -> np.ndarray:
+        """Which triangles (K, 3, 3) relative to the centre are parted from cells (K,) by a plane through it and a side.
+
+        Corners of the cell, and so all of it, are seen from the centre behind the plane by an angle whose sine is s at
+        least; as far out as the triangle is, that is more than `BESIDE`.
+        """
+        with np.errstate(all="ignore"):  # nan, which parts nothing, where the plane holds all of the triangle
+            normals = np.cross(corners, np.roll(corners, -1, axis=1))
+            normals *= np.sign((normals * np.roll(corners, 1, axis=1)).sum(axis=2, keepdims=True))
+            normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+            ways = (self.corners - np.asarray(self.center))[cells]
+            sines = np.einsum("kni,kci->knc", normals, ways) / np.linalg.norm(ways, axis=2)[:, None]
+            behind = -np.where((ways == 0).all(axis=2)[:, None], -1.0, sines).max(axis=2)
+            middle = corners.mean(axis=1, keepdims=True)
+            out = (corners * middle).sum(axis=2).min(axis=1, keepdims=True) / np.linalg.norm(middle, axis=2)
+            return np.asarray((behind * np.maximum(out, 0) > BESIDE).any(axis=1))
 
     @cached_property
     def isolated(self) -> list[Searched[Simplices]]:

@@ -14,7 +14,7 @@ from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.certify.local_mesh import LARGER, ROUNDINGS, FramedMesh, FramedSurface
 from pas.certify.triangle_forms import on_corners
-from pas.mesh.rows import Integers, any_of, cross, dots, quarters
+from pas.mesh.rows import Integers, any_of, cross, dots, norms, quarters
 
 CUTS = 6
 """How often triangles are cut into four where bounds on them do not do."""
@@ -192,87 +192,41 @@ def _on_sides(local: FramedSurface, parts: Parts, along: Floats, loose: Floats) 
 
 
 def farthest(mesh: FramedMesh, bounds: TriangleBounds) -> Floats | None:
-    """How far triangles (T,) are from the zeros at most, in local units, infinite where that is not known; for most,
-    how far the hardest is.
+    """How far triangles (T,) are from the zeros at most, in local units, infinite where that is not known.
 
     A triangle, or each of its parts, is moved along its normal, to one side until f < 0 on it, to the other until
     f > 0: between the two places of each of its points there is a zero, as the pieces of f go on beyond the walls as
-    cones about the centre.  That is looked at where `_moves` does not say that it is so.
+    cones about the centre.  Most are moved as far as f and its gradient say in the middle of triangles, those
+    that are left farther.
     """
     local = mesh.local
     if local.center is None:
         return None
-    longest = local.beyond
-    usual_share, hardest = 0.98, 64  # triangles that need much more than others, and how many are moved first
-    factors = (0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 4.0)  # over what |f| by the least slope asks for, as that is a bound
-    enough_if_cut = 1.2  # times as far triangles in several pieces are moved, before they are cut
+    most_share, factors = 0.995, (1.05, 1.25, 1.5, 2.0, 3.0, 6.0, 30.0)
+    values, gradients = local.jets(mesh.corners.mean(axis=1))
     with np.errstate(all="ignore"):
-        need = np.where(bounds.least > 0, bounds.most / bounds.least, np.inf)
-    known = np.sort(need[need <= longest])
-    usual, most = known[[int(usual_share * (len(known) - 1)), -1]].tolist() if len(known) else (longest, longest)
-    tried = sorted({min(some * times, longest) for some in (usual, most) for times in factors})
-    enough = _moves(mesh, bounds, min(factors[-1] * usual, longest))
-    hard = need >= np.partition(need, max(len(need) - hardest, 0))[max(len(need) - hardest, 0)]
-    way, least = np.zeros(len(need)), 0.0
-    for group in (hard, ~hard):  # the hardest say what is worth trying with others
-        rows = np.flatnonzero(group & (enough > least))
-        here = [away for away in tried if away >= least]
-        way[rows] = _reached(mesh, rows, enough[rows], here, max(enough_if_cut * usual, least))
-        least = min(float(way.max(initial=0.0)), tried[-1])
+        least = np.min(np.where(bounds.least > 0, bounds.most / bounds.least, local.beyond))
+        near = np.nan_to_num(np.abs(values) / norms(gradients.T))
+    usual = max(float(np.quantile(near, most_share)), float(least))
+    way, left = np.zeros(len(near)), np.arange(len(near))
+    for away in sorted({min(times * usual, local.beyond) for times in factors}):
+        way[left] = away
+        left = _one_signed(mesh, left, away)
+    way[left] = np.inf
     return np.asarray(way + ROUNDINGS * UNIT_ROUNDOFF * (way + local.reach))
 
 
-def _reached(mesh: FramedMesh, chosen: Integers, enough: Floats, tried: list[float], within: float) -> Floats:
-    """The first of rising ways for which chosen triangles (K,) were seen to have both signs, infinite without one.
-
-    Those that touch several pieces are moved no further than `within` before they are cut.
-    """
-    local, normals, way = mesh.local, mesh.normals[chosen], np.zeros(len(chosen))
+def _one_signed(mesh: FramedMesh, chosen: Integers, away: float) -> Integers:
+    """Of some triangles those that were not seen to have both signs, they or each of their parts moved so far."""
 
     def judge(parts: Parts, depth: int) -> Fates:
-        several = _several(local, parts.corners, within * normals[parts.owner])
-        left, fates = np.arange(len(parts)), np.full(len(parts), Fate.SETTLED.value)
-        for away in tried:
-            some, owner = parts.select(left), parts.owner[left]
-            sure = enough[owner] <= away
-            rows = np.flatnonzero(~sure & (~several[left] | (away <= within) | (depth == CUTS)))
-            done = rows[_signs(local, some.corners[rows], -away * normals[owner[rows]], -1)]
-            done = done[_signs(local, some.corners[done], away * normals[owner[done]], 1)]
-            sure[done] = True
-            np.maximum.at(way, owner[sure], away)
-            left = left[~sure]
-        fates[left] = Fate.SPLIT
+        fates, ways = np.full(len(parts), Fate.SPLIT.value), away * mesh.normals[chosen[parts.owner]]
+        done = np.flatnonzero(_signs(mesh.local, parts.corners, -ways, -1))
+        fates[done[_signs(mesh.local, parts.corners[done], ways[done], 1)]] = Fate.SETTLED
         return fates
 
-    cells = Parts.of(mesh.corners[chosen])
-    way[search(cells, judge, Parts.quarters, Limits(CUTS, 4096), "bounding distances").open.owner] = np.inf
-    return way
-
-
-def _moves(mesh: FramedMesh, bounds: TriangleBounds, longest: float) -> Floats:
-    """How far it is enough to move triangles (T,), at most so far, for both signs; infinite where that is not known.
-
-    Where f is one polynomial, with second derivatives up to b, moved by a it is a l - b a^2 / 2 larger at least, with
-    its least slope l across the triangle: that is to be more than |f|.
-    """
-    enough = np.full(len(bounds.most), np.inf)
-    if len(mesh.local.makers) > 1:
-        return enough
-    bend = mesh.local.makers[0].bend(np.abs(mesh.points).max(axis=0) + (1 + CLEAR) * longest)
-    with np.errstate(all="ignore"):
-        root = np.sqrt(bounds.least**2 - 2 * (1 + CLEAR) * bend * bounds.most)
-        found = 2 * (1 + CLEAR) * bounds.most / (bounds.least + root) + CLEAR**2
-    known = (bounds.least > 0) & (found <= longest)
-    enough[known] = found[known]
-    return enough
-
-
-def _several(local: FramedSurface, corners: Floats, ways: Floats) -> np.ndarray:
-    """Which triangles (T, 3, 3) may touch several pieces when they are moved along ways (T, 3) or back."""
-    if len(local.makers) == 1:
-        return np.zeros(len(corners), dtype=bool)
-    moved = [local.touched(corners + side * ways[:, None], LARGER) for side in (-1, 1)]
-    return np.asarray(np.maximum(*(_times(rows, len(corners)) for rows in moved)) > 1)
+    cells, limits = Parts.of(mesh.corners[chosen]), Limits(CUTS, 4096)
+    return chosen[np.unique(search(cells, judge, Parts.quarters, limits, "bounding distances").open.owner)]
 
 
 def _times(rows: list[Integers], count: int) -> Integers:

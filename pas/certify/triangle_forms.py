@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache
-from itertools import combinations_with_replacement
 from math import comb, factorial, prod
 
 import numpy as np
@@ -25,7 +24,6 @@ from pas.algebra.rational import to_float
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.kernels.library import compiled
 from pas.limits import checkpoint
-from pas.mesh.rows import Integers
 
 ELEVATED = 3
 """Values are bounded by B-coefficients of a degree so many times as high, which are nearer."""
@@ -67,13 +65,6 @@ class TriangleForms:
             compiled().call("pas_slopes", *given, least[here], sizes[here])
         return least, np.sqrt(sizes)
 
-    def bend(self, reach: Floats) -> float:
-        """A bound of second derivatives along unit vectors where the coordinates' sizes are up to `reach` (3,)."""
-        sizes, total = np.abs(self._value[0]), 0.0
-        for times, factors, left in _second_derivatives(self.degree):
-            total += times * float((sizes * factors) @ np.prod(reach**left, axis=1)) ** 2
-        return (1 + 1e-9) * float(np.sqrt(total))  # more than the rounding of the sum
-
     def gradients(self, corners: Floats) -> Floats:
         """The B-coefficients (3, k, T) of its gradient on triangles (T, 3, 3)."""
         return _forms(self._gradient, self.degree - 1, corners)
@@ -102,17 +93,6 @@ def _rounding(tables: Floats, degree: int, reach: float) -> float:
     places, _, norm = lattice(degree)
     each = (2 * (degree + 3) + 2 * len(places) + 5) * size + 16 * reach * slope
     return 2 * norm * UNIT_ROUNDOFF * each  # twice, for products of roundings, which are left out
-
-
-@cache
-def _second_derivatives(degree: int) -> list[tuple[int, Integers, Integers]]:
-    """Of each pair of variables, met once or twice, what coefficients are multiplied with in the second derivative
-    (m,), and the powers (m, 3) that are left."""
-    powers, units = np.array(exponents(degree)), np.eye(3, dtype=np.intp)
-    return [
-        (1 + (i != j), powers[:, i] * (powers[:, j] - (i == j)), np.maximum(powers - units[i] - units[j], 0))
-        for i, j in combinations_with_replacement(range(3), 2)
-    ]
 
 
 @cache

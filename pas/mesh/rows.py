@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.intp]
+Numbers = NDArray[np.int32]
 
 
 def dots(u: Floats, v: Floats) -> Floats:

@@ -101,7 +101,7 @@ def _begin(folder: Path, plan: dict[str, Any]) -> None:
 
     What a process that was killed had begun to write is removed.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     for begun in folder.glob(".block-*.stl"):
         begun.unlink(missing_ok=True)
     if plan_of(folder) != plan:
@@ -109,6 +109,13 @@ def _begin(folder: Path, plan: dict[str, Any]) -> None:
             raise ValueError(f"{folder} has blocks of another mesh, or cut otherwise; give another folder, or empty it")
         with replacing(folder / PLAN) as path:
             path.write_text(json.dumps(plan))
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder where there is none; raises `ValueError` where there is a file."""
+    if folder.exists() and not folder.is_dir():
+        raise ValueError(f"a folder is needed, and {folder} is a file; give another name")
+    folder.mkdir(parents=True, exist_ok=True)
 
 
 def plan_of(folder: Path) -> dict[str, Any] | None:

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.rational import Vector, cross, dot, vector
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Floats, Integers, Numbers
 from pas.network.graph import StrutGraph
 from pas.pipeline.session import linear_maps
 
@@ -104,8 +104,8 @@ class Kinds:
     """
 
     kinds: tuple[NodeKind, ...]
-    of: Integers
-    slots: Integers
+    of: Numbers
+    slots: Numbers
     ends: Floats = field(default_factory=lambda: np.zeros((0, 0)))
 
     @cached_property
@@ -131,34 +131,48 @@ def kinds_of(network: StrutGraph, clips: Any = AUTO) -> Kinds:
     edges, count = network.edges, len(network.places)
     clips = np.broadcast_to(clips, edges.shape)
     labels = network.sizes.T.ravel(), network.sizes[:, ::-1].T.ravel(), clips.T.ravel()
-    columns = [*(np.concatenate([way, -way], dtype=np.int32) for way in network.vectors.T), *labels]
+    columns = [*(np.concatenate([way, -way]) for way in network.vectors.T), *labels]
     codes, firsts = ranked(columns)
     owners = edges.T.ravel()
     order = np.lexsort((codes, owners))
     valence = network.valence
-    starts = np.concatenate([[0], np.cumsum(valence)[:-1]])
-    places = np.arange(len(owners)) - starts[owners[order]]
-    slots = np.empty(len(owners), dtype=np.int64)
-    slots[order] = places
-    table = np.full((count, int(valence.max(initial=0))), -1, dtype=np.int64)
-    table[owners[order], places] = codes[order]
+    starts = (np.cumsum(valence) - valence).astype(np.int32)
+    slots = np.empty(len(owners), dtype=np.int32)
+    slots[order] = np.arange(len(owners), dtype=np.int32)
+    slots -= starts[owners]
+    table = np.full((count, int(valence.max(initial=1))), -1, dtype=np.int32)
+    table[owners, slots] = codes
     used = np.flatnonzero(valence)
     of, first = ranked(list(table[used].T))
     rows = np.stack([column[firsts] for column in columns], axis=1).tolist()
     arms = [[rows[code] for code in table[node] if code >= 0] for node in used[first]]
     kinds = tuple(NodeKind(tuple(((x, y, z), *labels) for x, y, z, *labels in kind)) for kind in arms)
-    kind_of = np.full(count, -1, dtype=np.int64)
+    kind_of = np.full(count, -1, dtype=np.int32)
     kind_of[used] = of
     return Kinds(kinds, kind_of, slots.reshape(2, -1).T)
 
 
-def ranked(columns: Sequence[Integers]) -> tuple[Integers, Integers]:
+def ranked(columns: Sequence[Any]) -> tuple[Numbers, Integers]:
     """A number for each row of a table, equal for equal rows and in their order, and the first row of each number."""
-    codes = np.zeros(len(columns[0]), dtype=np.int64)
+    codes = np.zeros(len(columns[0]), dtype=np.int32)
     for column in columns:
-        values, ranks = np.unique(column, return_inverse=True)
-        codes = np.unique(codes * len(values) + ranks, return_inverse=True)[1]
-    return codes, np.unique(codes, return_index=True)[1]
+        ranks = _ranks(column)
+        if several := int(ranks.max(initial=0)):
+            codes = _ranks(codes * np.int64(several + 1) + ranks)
+    firsts = np.zeros(int(codes.max(initial=-1)) + 1, dtype=np.int64)
+    firsts[codes[::-1]] = np.arange(len(codes))[::-1]  # where a number is set again, the last one stays
+    return codes, firsts
+
+
+def _ranks(values: Any) -> Numbers:
+    """Which of the different whole numbers each is, the least first: by a table of them where they are close."""
+    least = int(values.min(initial=0))
+    span = int(values.max(initial=0)) - least + 1
+    if span > 4 * len(values):
+        return np.unique(values, return_inverse=True)[1].astype(np.int32)
+    known = np.zeros(span, dtype=np.int32)
+    known[values - least] = 1
+    return np.asarray((np.cumsum(known, dtype=np.int32) - 1)[values - least])
 
 
 def _written(arms: Any, products: Any, frame: tuple[int, ...]) -> tuple[tuple[Any, ...], tuple[int, ...]]:

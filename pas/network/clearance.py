@@ -11,12 +11,13 @@ rounding.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 from pas.limits import checkpoint
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Floats, Integers, dots
 from pas.network.graph import StrutGraph
 from pas.verdicts import Status, Verdict
 
@@ -86,10 +87,18 @@ def _near_struts(network: StrutGraph) -> Iterator[tuple[Integers, Integers, Floa
         return
     middles = points[edges].mean(axis=1)
     far = float(network.lengths.max() + 2 * network.thickness.max())
+    halves: Floats = network.vectors * np.float64(network.grid / 2)
+    slack = _slack(network)
     for first, second in _near(middles, middles, far):
-        apart = (first < second) & (edges[first][:, :, None] != edges[second][:, None, :]).all(axis=(1, 2))
-        i, j = first[apart], second[apart]
-        yield i, j, segment_distances(points[edges[i]], points[edges[j]])
+        once = first < second
+        i, j = first[once], second[once]
+        way = middles[j] - middles[i]  # along which struts that come near overlap: seen before their distance is
+        square, along = dots(way, way), np.abs(dots(way, halves[i])) + np.abs(dots(way, halves[j]))
+        need = network.thickness[i] + network.thickness[j] + slack
+        close = square - along <= need * np.sqrt(square)
+        for a, b in product(edges.T, edges.T):
+            close &= a[i] != b[j]
+        yield i[close], j[close], segment_distances(points[edges[i[close]]], points[edges[j[close]]])
 
 
 def _near_nodes(network: StrutGraph, reach: Floats) -> Iterator[tuple[int, str, float]]:

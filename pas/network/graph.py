@@ -19,7 +19,7 @@ from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, positive, to_fraction
 from pas.errors import GeometryError
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Integers, Numbers
 
 LARGEST = 2**20
 """Components of a strut in the grid: their products in three factors fit into 64 bits with their sums."""
@@ -69,32 +69,25 @@ class StrutGraph:
     def __init__(self, points: Any, edges: Any, radii: Any, grid: Exact = "1/1024") -> None:
         self.grid: Fraction = to_fraction(positive(grid, "grid"))
         self.places: Integers = _places(points, self.grid)
-        self.edges: Integers = _edges(edges)
-        if len(self.edges) and not 0 <= self.edges.min() <= self.edges.max() < len(self.places):
-            least, most = self.edges.min(), self.edges.max()
-            wrong = least if least < 0 else most
-            raise ValueError(f"edges must be numbers of the {len(self.places)} points, from 0 on; {wrong} is none")
+        self.edges: Numbers = _edges(edges, len(self.places))
         self.radii, self.sizes = _radii(radii, len(self.edges))
         self.points: Floats = np.asarray(self.places * float(self.grid), dtype=np.float64)
-        longest = int(np.abs(self.vectors).max(initial=0))
+        vectors = self.places[self.edges[:, 1]] - self.places[self.edges[:, 0]]
+        self.vectors: Numbers = vectors.astype(np.int32)  # of each strut from its first point on (E, 3), in steps
+        longest = max(int(vectors.max(initial=0)), -int(vectors.min(initial=0)))
         if longest >= LARGEST:
             raise ValueError(
                 f"the grid {self.grid} is too fine: a strut is {longest} steps long, and {LARGEST} is the most"
             )
-        for array in (self.places, self.edges, self.sizes, self.points):
+        for array in (self.places, self.edges, self.sizes, self.points, self.vectors):
             array.setflags(write=False)
-
-    @cached_property
-    def vectors(self) -> Integers:
-        """Of each strut, from its first point to its second (E, 3), in steps of the grid."""
-        return np.asarray(self.places[self.edges[:, 1]] - self.places[self.edges[:, 0]])
 
     @cached_property
     def lengths(self) -> Floats:
         """Of the struts (E,), in the model's units."""
         return np.asarray(np.linalg.norm(self.vectors, axis=1) * float(self.grid))
 
-    @cached_property
+    @property
     def widths(self) -> Floats:
         """The radii of each strut at its ends (E, 2), in the model's units."""
         return np.array([float(r) for r in self.radii])[self.sizes] if len(self.edges) else np.zeros((0, 2))
@@ -102,7 +95,8 @@ class StrutGraph:
     @cached_property
     def thickness(self) -> Floats:
         """The radius of each strut (E,) where it is widest, in the model's units."""
-        return np.asarray(self.widths.max(axis=1))
+        known = np.array([float(r) for r in self.radii])
+        return known[self.sizes.max(axis=1)] if len(known) > 1 else np.broadcast_to(known, len(self.edges))
 
     @property
     def even(self) -> bool:
@@ -119,9 +113,9 @@ class StrutGraph:
         return found
 
     @cached_property
-    def valence(self) -> Integers:
+    def valence(self) -> Numbers:
         """The number of struts at each point (N,)."""
-        return np.bincount(self.edges.ravel(), minlength=len(self.places))
+        return np.bincount(self.edges.ravel(), minlength=len(self.places)).astype(np.int32)
 
     @property
     def pieces(self) -> int:
@@ -157,19 +151,23 @@ def _places(points: Any, grid: Fraction) -> Integers:
     return np.rint(steps).astype(np.int64)
 
 
-def _edges(edges: Any) -> Integers:
+def _edges(edges: Any, count: int) -> Numbers:
     given = np.asarray(edges)
     if given.size == 0:
-        return np.zeros((0, 2), dtype=np.int64)
+        return np.zeros((0, 2), dtype=np.int32)
     if given.ndim != 2 or given.shape[1] != 2 or not np.issubdtype(given.dtype, np.integer):
         raise ValueError(f"edges must be whole numbers of points (E, 2), not {given.dtype} {given.shape}")
-    return given.astype(np.int64)
+    least, most = int(given.min()), int(given.max())
+    if not 0 <= least <= most < count:
+        wrong = least if least < 0 else most
+        raise ValueError(f"edges must be numbers of the {count} points, from 0 on; {wrong} is none")
+    return given.astype(np.int32)
 
 
-def _radii(radii: Any, count: int) -> tuple[tuple[Fraction, ...], Integers]:
+def _radii(radii: Any, count: int) -> tuple[tuple[Fraction, ...], Numbers]:
     """The different radii, the least first, and which of them each strut has at its ends (E, 2)."""
     if isinstance(radii, str) or not hasattr(radii, "__len__"):
-        return (to_fraction(positive(radii, "radius")),), np.zeros((count, 2), dtype=np.int64)
+        return (to_fraction(positive(radii, "radius")),), np.broadcast_to(np.int32(0), (count, 2))
     if len(radii) != count:
         raise ValueError(f"radii must be one number, or one for each of the {count} struts, not {len(radii)}")
     pairs = [(r, r) if isinstance(r, str) or not hasattr(r, "__len__") else tuple(r) for r in radii]
@@ -182,4 +180,4 @@ def _radii(radii: Any, count: int) -> tuple[tuple[Fraction, ...], Integers]:
                 known[value] = to_fraction(positive(value, f"radii[{number}]"))
     values = tuple(sorted(set(known.values())))
     ranks = {value: number for number, value in enumerate(values)}
-    return values, np.array([[ranks[known[r]] for r in pair] for pair in pairs], dtype=np.int64).reshape(-1, 2)
+    return values, np.array([[ranks[known[r]] for r in pair] for pair in pairs], dtype=np.int32).reshape(-1, 2)

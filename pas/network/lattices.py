@@ -128,15 +128,9 @@ def _block(cell: UnitCell, counts: Any) -> tuple[Integers, Integers]:
         first = origins * cell.period + sites[a]
         second = (origins + offset) * cell.period + sites[b]
         inside = ((np.minimum(first, second) >= 0) & (np.maximum(first, second) <= sizes)).all(axis=1)
-        ends.append(np.stack([_number(first[inside], sizes), _number(second[inside], sizes)], axis=1))
+        ends.append(np.stack([np.ravel_multi_index(end[inside].T, sizes + 1) for end in (first, second)], axis=1))
     used, edges = np.unique(np.concatenate(ends), return_inverse=True)
-    spans = np.concatenate([[1], np.cumprod(sizes[::-1] + 1)])[2::-1]
-    return used[:, None] // spans % (sizes + 1), edges.reshape(-1, 2)
-
-
-def _number(places: Integers, sizes: Any) -> Integers:
-    """One number for each place of a block, in the order of coordinates."""
-    return np.asarray((places[:, 0] * (sizes[1] + 1) + places[:, 1]) * (sizes[2] + 1) + places[:, 2])
+    return np.stack(np.unravel_index(used, sizes + 1), axis=1), edges.reshape(-1, 2)
 
 
 def voronoi(seeds: int, radius: Exact = "1/100", size: Exact = 1, *, seed: int = 0, grid: Exact = "1/4096") -> Network:
@@ -148,10 +142,8 @@ def voronoi(seeds: int, radius: Exact = "1/100", size: Exact = 1, *, seed: int =
     """
     from scipy.spatial import Voronoi
 
-    most = 1_000_000
-    inside = np.random.default_rng(seed).random((whole(seeds, "seeds", 2, most), 3))
-    near = inside[(np.minimum(inside, 1 - inside) < 1).any(axis=1)]
-    mirrored = [np.where(np.arange(3) == axis, 2 * side - near, near) for axis in range(3) for side in (0, 1)]
+    inside = np.random.default_rng(seed).random((whole(seeds, "seeds", 2, 1_000_000), 3))
+    mirrored = [np.where(np.arange(3) == axis, 2 * side - inside, inside) for axis in range(3) for side in (0, 1)]
     found = Voronoi(np.concatenate([inside, *mirrored]))
     rounds = [np.array(ridge) for ridge in found.ridge_vertices]
     pairs = np.concatenate([np.stack([ridge, np.roll(ridge, -1)], axis=1) for ridge in rounds])

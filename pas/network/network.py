@@ -63,7 +63,8 @@ class Network(StrutGraph):
 
         Struts from a point to itself go, of several between two points the thickest stays, points in one place become
         one, points without struts go.  With `collapse` struts too short for any blend at their ends become a point
-        in their middle, until there are none.
+        in their middle, until there are none; then the shortest between the ends of two at too small an angle, or of
+        two that cross and are thicker than it is long.
         """
         return problems.repair(self, collapse)
 

@@ -26,7 +26,7 @@ from pas.contacts.endless import Cone, Pipe
 from pas.errors import PasError, ProjectFileError
 from pas.layouts.clips import with_clips
 from pas.limits import checkpoint
-from pas.network.blocks import results
+from pas.network.blocks import make_folder, results
 from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.network.problems import graph_problems
@@ -101,7 +101,7 @@ def placed_ends(network: StrutGraph, order: int) -> Kinds:
     check_order(order)
     if wrong := tuple(graph_problems(network)):
         raise NetworkError(wrong)
-    clips = np.zeros((len(network.edges), 2), dtype=np.int64)
+    clips = np.zeros((len(network.edges), 2), dtype=np.int32)
     known: dict[Any, tuple[float, ...]] = {}
     seen: dict[NodeKind, NodeKind] = {}  # whose forms are known from the rounds before
     while True:
@@ -112,13 +112,13 @@ def placed_ends(network: StrutGraph, order: int) -> Kinds:
         short = at.sum(axis=1) > (PARTS - STRAIGHT) / PARTS
         if not short.any():
             return replace(kinds, ends=ends)
-        shared = np.floor((PARTS - STRAIGHT) * at[short] / at[short].sum(axis=1, keepdims=True)).astype(np.int64)
+        shared = np.floor((PARTS - STRAIGHT) * at[short] / at[short].sum(axis=1, keepdims=True)).astype(np.int32)
         if (fixed := (clips[short] == shared).all(axis=1)).any():
             numbers = np.flatnonzero(short)[fixed].tolist()
             said = "strut {} from point {} to {} is too short for the blends at its ends"
             told = [(n, said.format(n, *network.edges[n].tolist())) for n in numbers]
             raise NetworkError([NetworkProblem("too short", (n,), sentence) for n, sentence in told])
-        clips[short] = np.maximum(shared, (at[short] > 0).astype(np.int64))
+        clips[short] = np.maximum(shared, at[short] > 0)
 
 
 def _ends(kinds: Kinds, network: StrutGraph, order: int, known: dict[Any, tuple[float, ...]]) -> Floats:
@@ -169,9 +169,7 @@ def blends(
     """
     folder = None if cache is None else Path(cache).absolute()  # workers may run in folders of their own
     if folder is not None:
-        if folder.exists() and not folder.is_dir():
-            raise ValueError(f"cache names a folder, and {folder} is a file")
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
     elif map_ is not map:
         raise ValueError("the map of another engine hands blends over in files: give the folder as cache=")
     wanted = dict(_jobs(network, kinds, order, degree, folder, wall))

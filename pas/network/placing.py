@@ -20,7 +20,7 @@ from pas.algebra.lengths import across
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
 from pas.errors import MeshError
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Integers, Numbers
 from pas.network.classes import Kinds, NodeKind, ranked, turn
 from pas.network.graph import StrutGraph
 from pas.network.rings import angles_around, outwards, rings_of, strip
@@ -64,7 +64,7 @@ class StrutPiece:
     triangles: Integers
     normals: Floats
     deviation: float
-    edges: Integers
+    edges: Numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ class MeshShare:
     nodes: Sequence[NodePiece]
     strips: Sequence[Any]
     places: Floats
-    of: Integers
+    of: Any
     own: Any
     links: Any
     strut_kinds: Any
@@ -164,12 +164,11 @@ class PlacedPieces:
     def struts(self) -> list[StrutPiece]:
         """The piece of each kind of strut."""
         edges, kinds, slots = self.network.edges, self.kinds.of, self.kinds.slots
-        rows = np.stack([kinds[edges[:, 0]], slots[:, 0], kinds[edges[:, 1]], slots[:, 1]], axis=1)
-        if not len(rows):
-            return []
-        different, of = np.unique(rows, axis=0, return_inverse=True)
-        order = np.argsort(of.ravel(), kind="stable")
-        groups = np.split(order, np.cumsum(np.bincount(of.ravel()))[:-1])
+        rows = kinds[edges[:, 0]], slots[:, 0], kinds[edges[:, 1]], slots[:, 1]
+        of, firsts = ranked(rows)
+        different = np.stack([row[firsts] for row in rows], axis=1)
+        order = np.argsort(of, kind="stable").astype(np.int32)
+        groups = np.split(order, np.cumsum(np.bincount(of))[:-1]) if len(of) else []
         step = float(self.network.grid)
         found = []
         for (a, i, b, j), numbers in zip(different.tolist(), groups, strict=True):
@@ -220,7 +219,7 @@ class PlacedPieces:
     def digest(self) -> str:
         """A name for the mesh, which another one does not have."""
         found = hashlib.sha256()
-        tables = [self.network.places, self.network.edges, self.kinds.of, self.kinds.slots]
+        tables: list[Any] = [self.network.places, self.network.edges, self.kinds.of, self.kinds.slots]
         for array in (*tables, *(a for node in self.nodes for a in (node.points, node.triangles))):
             found.update(array.tobytes())
         return found.hexdigest()
@@ -246,10 +245,10 @@ class PlacedPieces:
         A node has its struts up to the middle of what is straight of them, where they are cut off flat.
         """
         edges, kinds = self.network.edges, self.kinds
-        at = kinds.ends[kinds.of[edges], kinds.slots]
+        at = np.array([kinds.ends[strut.kinds, strut.slots] for strut in self.struts])
         cuts, codes = np.unique(((1 + at - at[:, ::-1]) / 2).round(9), return_inverse=True)
         table = np.zeros((len(kinds.of), kinds.ends.shape[1]), dtype=np.int32)
-        table[edges, kinds.slots] = codes.reshape(edges.shape)
+        table[edges, kinds.slots] = codes.reshape(at.shape).astype(np.int32)[self._strut_kinds]
         used = np.flatnonzero(kinds.of >= 0)
         of, firsts = ranked([kinds.of[used], *table[used].T])
         made = [self._body(int(kinds.of[node]), cuts[table[node]]) for node in used[firsts]]

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import cos, radians
-from typing import TypeVar
+from itertools import combinations
+from math import pi, radians
+from typing import Any, TypeVar
 
 import numpy as np
 
-from pas.mesh.rows import Floats, Integers
-from pas.network.classes import kinds_of
+from pas.algebra.inputs import shown
+from pas.mesh.rows import Floats, Integers, Numbers
+from pas.network.classes import Kinds, kinds_of
 from pas.network.clearance import crossing
 from pas.network.graph import NetworkProblem, StrutGraph
 
@@ -24,13 +26,16 @@ def check(network: StrutGraph, whole: bool) -> tuple[NetworkProblem, ...]:
     """See `Network.check`."""
     found = [*graph_problems(network)]
     if not found:
-        found += [*_angles(network)]
-        found += [*([] if found else _short(network)), *_crossing(network)]
+        kinds = kinds_of(network)
+        found += [*_angles(network, kinds)]
+        found += [*([] if found else _short(network, kinds)), *_crossing(network)]
     if whole:
         ends = np.flatnonzero(network.valence == 1).tolist()
         found += [NetworkProblem("dangling", (n,), f"point {n} has one strut only, which ends there") for n in ends]
         if len(network.edges) and network.pieces > 1:
-            found.append(NetworkProblem("disconnected", (), f"there are {network.pieces} pieces that do not meet"))
+            points = network.edges[np.unique(network.components[network.edges[:, 0]], return_index=True)[1], 0].tolist()
+            sentence = f"there are {len(points)} pieces that do not meet, of the points {shown(points)}"
+            found.append(NetworkProblem("disconnected", tuple(points), sentence))
     return tuple(found)
 
 
@@ -57,45 +62,46 @@ def _repeated(rows: Integers) -> list[tuple[int, int]]:
     return list(zip(before[again].tolist(), again.tolist(), strict=True))
 
 
-def _least_angles(network: StrutGraph) -> tuple[Floats, Integers]:
-    """At both ends of each strut the largest cosine of an angle with another there (E, 2), and that other."""
-    kinds, most = kinds_of(network), int(network.valence.max(initial=0))
-    largest, other = np.full((len(kinds.kinds), most), -1.0), np.zeros((len(kinds.kinds), most), dtype=np.int64)
+def _least_angles(kinds: Kinds) -> tuple[Floats, Numbers]:
+    """Of the arms of all kinds (K, most arms) the least angle with another there, in radians, and that other."""
+    most = max((len(kind.arms) for kind in kinds.kinds), default=0)
+    least, other = np.full((len(kinds.kinds), most), pi), np.zeros((len(kinds.kinds), most), dtype=np.int32)
     for number, kind in enumerate(kinds.kinds):
         units = kind.vectors / np.linalg.norm(kind.vectors, axis=1, keepdims=True)
         products = units @ units.T - 3 * np.eye(len(units))
-        largest[number, : len(units)] = products.max(axis=1).clip(min=-1)
+        least[number, : len(units)] = np.arccos(products.max(axis=1).clip(-1, 1))
         other[number, : len(units)] = products.argmax(axis=1)
-    struts, at = np.zeros((len(network.places), most), dtype=np.int32), kinds.of[network.edges]
+    return least, other
+
+
+def _narrow(network: StrutGraph, kinds: Kinds) -> Iterator[tuple[int, int, int, float]]:
+    """Struts that meet at too small an angle: two numbers, the point, and the angle in degrees."""
+    least, other = _least_angles(kinds)
+    narrow = (least < radians(LEAST_ANGLE))[at := kinds.of[network.edges], kinds.slots]
+    struts = np.zeros((len(network.places), least.shape[1]), dtype=np.int32)
     struts[network.edges, kinds.slots] = np.arange(len(network.edges))[:, None]
-    return np.asarray(largest[at, kinds.slots]), np.asarray(struts[network.edges, other[at, kinds.slots]])
+    for strut, end in np.argwhere(narrow).tolist():
+        node, kind, slot = network.edges[strut, end], at[strut, end], kinds.slots[strut, end]
+        if strut < (second := int(struts[node, other[kind, slot]])):
+            yield strut, second, int(node), float(np.degrees(least[kind, slot]))
 
 
-def _angles(network: StrutGraph) -> Iterator[NetworkProblem]:
-    largest, other = _least_angles(network)
-    for strut, end in np.argwhere(largest > cos(radians(LEAST_ANGLE))).tolist():
-        second = int(other[strut, end])
-        if strut < second:
-            angle = np.degrees(np.arccos(min(1.0, largest[strut, end])))
-            node = network.edges[strut, end]
-            sentence = (
-                f"the struts {strut} and {second} meet at point {node} at {angle:.3g} degrees; "
-                f"{LEAST_ANGLE:g} are the least"
-            )
-            yield NetworkProblem("angle too small", (strut, second), sentence)
+def _angles(network: StrutGraph, kinds: Kinds) -> Iterator[NetworkProblem]:
+    for first, second, node, angle in _narrow(network, kinds):
+        meet = f"the struts {first} and {second} meet at point {node} at {angle:.3g} degrees"
+        yield NetworkProblem("angle too small", (first, second), f"{meet}; {LEAST_ANGLE:g} are the least")
 
 
-def shortest(network: StrutGraph) -> Floats:
+def shortest(network: StrutGraph, kinds: Kinds) -> Floats:
     """The length below which no blends fit at the ends of each strut (E,), in the model's units."""
-    angles = np.arccos(np.clip(_least_angles(network)[0], -1, 1))
-    widest = radians(80)
-    free = network.valence[network.edges] > 1
-    near = network.widths / np.tan(np.minimum(NEAREST * angles, widest))
-    return np.asarray(np.where(free, near, 0.0).sum(axis=1))
+    angles = np.maximum(NEAREST * _least_angles(kinds)[0], 1e-9)
+    near = 1 / np.tan(np.minimum(angles, radians(80)))
+    near[[len(kind.arms) == 1 for kind in kinds.kinds]] = 0.0
+    return np.asarray((network.widths * near[kinds.of[network.edges], kinds.slots]).sum(axis=1))
 
 
-def _short(network: StrutGraph) -> Iterator[NetworkProblem]:
-    least = shortest(network)
+def _short(network: StrutGraph, kinds: Kinds) -> Iterator[NetworkProblem]:
+    least = shortest(network, kinds)
     for number in np.flatnonzero(network.lengths < least).tolist():
         a, b = network.edges[number].tolist()
         radius = network.thickness[number] * network.lengths[number] / least[number]
@@ -110,8 +116,8 @@ def _short(network: StrutGraph) -> Iterator[NetworkProblem]:
 def _crossing(network: StrutGraph) -> Iterator[NetworkProblem]:
     for i, j, distance in crossing(network):
         need = network.thickness[i] + network.thickness[j]
-        sentence = f"the struts {i} and {j} pass at {distance:.4g} from one another and are {need:.4g} thick together"
-        yield NetworkProblem("crossing", (i, j), sentence)
+        passing = f"the struts {i} and {j} pass at {distance:.4g} from one another and are {need:.4g} thick together"
+        yield NetworkProblem("crossing", (i, j), f"{passing}; thinner ones fit, or a point in which both end")
 
 
 G = TypeVar("G", bound=StrutGraph)
@@ -120,17 +126,32 @@ G = TypeVar("G", bound=StrutGraph)
 def repair(network: G, collapse: bool) -> tuple[G, tuple[str, ...]]:
     """See `Network.repair`."""
     found, changes = _mended(network)
-    while collapse and len(found.edges):
-        short = np.flatnonzero(found.lengths < shortest(found))
-        if not len(short):
-            break
-        first = _apart(found, short)
+    while collapse and len(first := _apart(found, _unserved(found))):
         changes += [f"strut {n}, {found.lengths[n]:.4g} long, became a point" for n in first.tolist()]
         points = found.points.copy()
         points[found.edges[first]] = points[found.edges[first]].mean(axis=1, keepdims=True)
         found, more = _mended(_changed(found, points, found.edges, np.arange(len(found.edges))))
-        changes += [line for line in more if not line.startswith("point")]
+        changes += [line for line in more if "twice" in line]
     return found, tuple(changes)
+
+
+def _unserved(network: StrutGraph) -> Integers:
+    """Struts for whose ends there are no blends: too short ones; where there are none, of those that are between the
+    ends of two the shortest, if these meet at too small an angle, or cross and are thicker together than it is long."""
+    kinds = kinds_of(network)
+    short = np.flatnonzero(network.lengths < shortest(network, kinds))
+    if len(short):
+        return short
+    numbers = {(min(edge), max(edge)): n for n, edge in enumerate(network.edges.tolist())}
+    pairs = [(i, j, np.inf) for i, j, *_ in _narrow(network, kinds)]
+    pairs += [(i, j, network.thickness[i] + network.thickness[j]) for i, j, _ in crossing(network)]
+    found = set()
+    for i, j, most in pairs:
+        ends = sorted({*network.edges[[i, j]].ravel().tolist()})
+        between = [numbers[pair] for pair in combinations(ends, 2) if pair in numbers]
+        least = min(between, key=network.lengths.__getitem__)
+        found.update([least] if network.lengths[least] <= most else [])
+    return np.array(sorted(found), dtype=np.int64)
 
 
 def _apart(network: StrutGraph, short: Integers) -> Integers:
@@ -141,10 +162,10 @@ def _apart(network: StrutGraph, short: Integers) -> Integers:
         if not taken[a] and not taken[b]:
             taken[[a, b]] = True
             chosen.append(number)
-    return np.array(chosen)
+    return np.array(chosen, dtype=np.int64)
 
 
-def _changed(network: G, points: Floats, edges: Integers, kept: Integers) -> G:
+def _changed(network: G, points: Floats, edges: Any, kept: Integers) -> G:
     """With other points and some of the struts, their radii as they were."""
     radii = [(network.radii[a], network.radii[b]) for a, b in network.sizes[kept].tolist()]
     return type(network)(points, edges[kept], radii, network.grid)

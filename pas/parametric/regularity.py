@@ -55,7 +55,7 @@ LARGEST = 600
 def regularity(surface: ParametricMap, effort: int = 20_000, **limits: Unpack[WorkLimits]) -> Verdict:
     """Whether an exact surface is regular and free of poles on its whole domain.
 
-    `effort` bounds the rectangles examined; the verdict's `measure` counts them.
+    `effort` bounds the rectangles examined, which `measure` counts; points may be double (Gale and Nikaido 1965).
     """
     claim = "regular, without poles, on its domain"
     if not surface.is_exact:

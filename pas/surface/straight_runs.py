@@ -141,8 +141,9 @@ def guided(runs: Sequence[StraightRun], points: Floats) -> tuple[Floats, Floats]
     """
     distances, cosines = _seen(runs, points)
     shares = np.stack([_eased((TOWARDS - c) / TOWARDS).prod(axis=1) for c in cosines], axis=1)
+    far = np.nan_to_num(distances)  # large beyond the ends, where both may be
     for a, b in permutations(range(len(runs)), 2):
-        ahead = np.clip(distances[:, b] - distances[:, a], -runs[b].radius, runs[b].radius)
+        ahead = np.clip(far[:, b] - far[:, a], -runs[b].radius, runs[b].radius)
         # How far one tube must be outside of another, over the other's radius, so that points there belong to it alone.
         crossing = 0.2
         shares[:, a] *= _eased(0.5 + ahead / (crossing * runs[b].radius))

@@ -75,9 +75,11 @@ def write_glb(parts: Sequence[Piece], path: Path, request: Request) -> None:
                 primitive["material"] = names.index(mesh["name"])
         nodes, places = tree["nodes"], {part.name: part.places for part in parts if part.places is not None}
         for node in [node for node in nodes if node["name"] in places]:
-            mesh, shifts = node.pop("mesh"), np.char.mod("%.9g", places[node["name"]]).astype(float).tolist()
+            values, rows = np.unique(places[node["name"]], return_inverse=True)
+            rounded = np.array([float(f"{value:.9g}") for value in values.tolist()], dtype=object)
+            mesh, shifts = node.pop("mesh"), rounded[rows.reshape(-1, 3)]
             node["children"] = list(range(len(nodes), len(nodes) + len(shifts)))
-            nodes += [{"mesh": mesh, "translation": shift} for shift in shifts]
+            nodes += [{"mesh": mesh, "translation": shift} for shift in zip(*shifts.T, strict=True)]
 
     checkpoint()
     path.write_bytes(scene.export(file_type="glb", include_normals=True, tree_postprocessor=paint))
