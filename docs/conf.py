@@ -2,7 +2,8 @@
 
 `make docs` builds it into out/docs.  Nothing is fetched while it is built or read.  When the build begins, pages that
 are made from other files (gallery, command line, file formats) are written by `generated.py`, and the tutorials'
-notebooks by `notebooks.py`, which runs them: two minutes at the first time.
+notebooks by `notebooks.py`, which runs them: two minutes at the first time.  The builder `dummy`, which
+only reads the pages, runs none.
 """
 
 from __future__ import annotations
@@ -65,6 +66,15 @@ python_maximum_signature_line_length = 90
 suppress_warnings = ["config.cache"]
 
 CODE = re.compile(r"(`+)(.+?)\1", re.S)
+ENDS = "'\")]}>-/:.,;!?\\"
+"""What may follow a literal in reStructuredText without a space."""
+
+SHORT = {
+    r"TypeAliasForwardRef\('(\w+)'\)": r"\1",
+    r"_Buffer \|.*?_NestedSequence\[complex \| bytes \| str\]": "ArrayLike",
+    r"ndarray\[tuple\[Any, \.\.\.\], dtype\[(?:\w+\.)*(\w+)\]\]": r"ndarray[\1]",
+}
+"""How types in signatures are shortened."""
 
 
 def as_rst(lines: list[str]) -> list[str]:
@@ -95,8 +105,9 @@ def inline(text: str) -> str:
     """Code in double backticks, and what reStructuredText would take for markup outside it escaped."""
     pieces, at = [], 0
     for found in CODE.finditer(text):
-        code, after = " ".join(found[2].split()), text[found.end() : found.end() + 1]
-        pieces += [escaped(text[at : found.start()]), f"``{code}``" + ("\\ " if after.isalnum() else "")]
+        code, before, after = " ".join(found[2].split()), text[: found.start()][-1:], text[found.end() :][:1]
+        starts, ends = (not c or c.isspace() or c in marks for c, marks in ((before, "'\"([{<-/:"), (after, ENDS)))
+        pieces += [escaped(text[at : found.start()]), "" if starts else "\\ ", f"``{code}``", "" if ends else "\\ "]
         at = found.end()
     return "".join([*pieces, escaped(text[at:])])
 
@@ -109,6 +120,13 @@ def escaped(text: str) -> str:
 def process(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
     """See `as_rst`."""
     lines[:] = as_rst(lines)
+
+
+def named(app: Sphinx, what: str, name: str, obj: Any, options: Any, *texts: str | None) -> tuple[str | None, ...]:
+    """Signatures with the names of aliases, for which Sphinx shows objects of its own or all that they stand for."""
+    for long, short in SHORT.items():
+        texts = tuple(text and re.sub(long, short, text) for text in texts)
+    return texts
 
 
 def relinked(app: Sphinx, page: str, source: list[str]) -> None:
@@ -157,7 +175,9 @@ def setup(app: Sphinx) -> None:
     """Connect all this."""
     app.add_html_math_renderer("mathml", (mathml, None), (mathml, None))
     app.connect("autodoc-process-docstring", process)
+    app.connect("autodoc-process-signature", named)
     app.connect("source-read", relinked)
     app.connect("builder-inited", lambda app: generated.write(HERE / "generated"))
-    app.connect("builder-inited", lambda app: notebooks.write(HERE / "generated/notebooks"))
+    place = HERE / "generated/notebooks"
+    app.connect("builder-inited", lambda app: notebooks.write(place, run=app.builder.name != "dummy"))
     app.add_post_transform(LinkedCode)

@@ -75,11 +75,16 @@ def executed(made: nbformat.NotebookNode) -> nbformat.NotebookNode:
         return NotebookClient(made, timeout=600, resources=resources, extra_arguments=quiet).execute()
 
 
-def write(folder: Path, pages: list[Path] = TUTORIALS) -> None:
-    """Write the notebooks of pages that have changed."""
+def write(folder: Path, pages: list[Path] = TUTORIALS, run: bool = True) -> None:
+    """Write the notebooks of pages that have changed; without `run`, those that are missing, not executed."""
     folder.mkdir(parents=True, exist_ok=True)
     for page in pages:
         made, place = notebook(page), folder / f"{page.stem}.ipynb"
+        if not run:
+            del made.metadata["source"]  # the next build executes it
+            if not place.exists():
+                nbformat.write(made, place)
+            continue
         if place.exists() and nbformat.read(place, as_version=4).metadata.get("source") == made.metadata["source"]:
             continue
         nbformat.write(executed(made), place)

@@ -170,6 +170,15 @@ def test_the_citation_has_the_version():
     assert f"\nversion: {pas.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 
 
+def test_docstrings_become_text_of_the_reference():
+    pytest.importorskip("sphinx")
+    import conf  # beside the pages
+
+    assert conf.inline("GC^`order`, `a`^2 (`b`) and `c`s") == "GC^\\ ``order``, ``a``\\ ^2 (``b``) and ``c``\\ s"
+    long = "(x: Sequence[TypeAliasForwardRef('Exact')], y: ndarray[tuple[Any, ...], dtype[float64]])"
+    assert conf.named(None, "", "", None, None, long, None) == ("(x: Sequence[Exact], y: ndarray[float64])", None)
+
+
 @pytest.mark.parametrize("command", [[], *([command.name] for command in COMMANDS)], ids=" ".join)
 def test_every_command_has_its_help(command, capsys):
     with pytest.raises(SystemExit) as done:

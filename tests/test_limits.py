@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import _thread
 import inspect
 import sys
+import time
 from functools import cache
+from threading import Timer
 from typing import Unpack
 
 import pytest
@@ -13,6 +16,7 @@ from conftest import ROOT
 import pas
 from pas import solid
 from pas.cli import main
+from pas.elsewhere import elsewhere
 from pas.limits import WorkLimits, checkpoint, in_parts, limit, limited, note, part
 
 
@@ -271,6 +275,18 @@ def test_what_gives_up_never_says_that_all_is_done(clock):
             clock.now += 1
             checkpoint("counting")
     assert told and max(told) < 1
+
+
+def test_what_nothing_else_stops_ends_with_the_limit_and_with_interrupts():
+    assert elsewhere("dividing", "builtins:divmod", 7, 2) == (3, 1)
+    began = time.monotonic()
+    with pytest.raises(pas.LimitError, match=r"^gave up after 0.5 s while sleeping"), limit(seconds=0.5):
+        elsewhere("sleeping", "time:sleep", 60)
+    timer = Timer(0.5, _thread.interrupt_main)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        elsewhere("sleeping", "time:sleep", 60)
+    assert time.monotonic() - began < 10
 
 
 def test_tables_tell_their_share(ticking):

@@ -28,6 +28,7 @@ from pas.network.blocks import status
 from pas.network.classes import kinds_of, turn
 from pas.network.clearance import clearance, segment_distances
 from pas.network.nodes import placed_ends
+from pas.network.problems import nearest
 from pas.settings import MeshSettings
 
 BLOCKS = {
@@ -534,6 +535,17 @@ def test_repair_joins_struts_that_are_too_near_at_their_ends():
     mended, changes = network.Network(points, edges, "1/20", "1/1000").repair(collapse=True)
     assert changes == ()
     assert len(mended.edges) == len(edges)
+
+
+@pytest.mark.parametrize("length", [24, 30, 40])
+def test_a_short_strut_leaves_both_of_its_ends_what_they_need(length):
+    """The struts at its second end are narrow and their clips far, which asks for more than there is of it."""
+    points = [(0, 0, 0), (length, 0, 0), (-60, 80, 0), (-60, -80, 0), (10, 0, 100), (400, 40, 0), (400, -40, 0)]
+    net = network.Network(points, [(0, 1), (0, 2), (0, 3), (0, 4), (1, 5), (1, 6)], 8, 1)
+    kinds = placed_ends(net, 1)
+    ends = kinds.ends[kinds.of[net.edges], kinds.slots]
+    assert (ends * net.lengths[:, None] >= nearest(net, kinds) - 1e-9).all()
+    assert ends[0].sum() <= 62 / 64
 
 
 def test_a_network_without_struts_has_no_classes():

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from test_step import ocp, read_back  # noqa: F401
 
 import pas
-from pas.bernstein.boxes import product
+from pas.parametric.nets import product
 
 SQUARE = ((0, 1), (0, 1))
 FIRST = pas.ParametricSurface("(1 - t^2)/(1 + t^2)", "2*t/(1 + t^2)", "h - 1")

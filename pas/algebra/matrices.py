@@ -14,13 +14,12 @@ import random
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate, pairwise
 from math import gcd, lcm
 from typing import Any, TypeVar
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
-
-from pas.limits import checkpoint
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,25 +97,30 @@ def whole_rows(rows: Sequence[Mapping[K, fmpq]], places: Mapping[K, int]) -> tup
     return table, common
 
 
+def short_products(rows: list[Any], tables: Sequence[list[Any]]) -> list[list[Any]]:
+    """LLL-reduced bases: of whole rows, then of the rows of their products with some tables, side by side."""
+    first = short_basis(fmpz_mat(rows))
+    products = [(first * fmpz_mat(table)).tolist() for table in tables]
+    short = short_basis(fmpz_mat([[v for row in parts for v in row] for parts in zip(*products, strict=True)])).tolist()
+    starts = accumulate((len(table[0]) for table in tables), initial=0)
+    return [[row[start:end] for row in short] for start, end in pairwise(starts)]
+
+
 def short_basis(rows: fmpz_mat) -> fmpz_mat:
     """An LLL-reduced basis (m, N) of the whole vectors in the span of independent whole rows (m, N).
 
     With the reduced echelon form `E / d`, the columns of E span a lattice that holds all multiples of d; where those of
     H are a basis of it, the rows of `H^-1 E` are one of the whole vectors, and short already where H is reduced.
     """
-    checkpoint("reducing a basis")
     echelon, denominator = _echelon(rows).numer_denom()
     d, (size, columns) = int(denominator), (rows.nrows(), rows.ncols())
     # as many random sums of columns and some more span what all columns do, but for a chance of 2^-10
     mixed = random.Random(size)
     mix = fmpz_mat(columns, size + 10, [mixed.randint(-1, 1) for _ in range(columns * (size + 10))])
     square = _triangular([[int(v) for v in column] for column in (echelon * mix).transpose().tolist()], d)
-    checkpoint()
     reduced = fmpz_mat(square).transpose().lll().transpose()
-    checkpoint()
     inverse, scale = fmpq_mat(reduced).inv().numer_denom()
     spanning, _ = (fmpq_mat(inverse * echelon) * fmpq(1, scale)).numer_denom()
-    checkpoint()
     return fmpz_mat(spanning.tolist()[::-1]).lll()  # the dual of a reduced basis is nearly reduced from its end
 
 
@@ -138,7 +142,6 @@ def _triangular(vectors: Table, modulus: int) -> Table:
     table: Any = np.array(vectors, dtype=object) % modulus
     size, basis = table.shape[1], []
     for place in range(size):
-        checkpoint("reducing a basis", place / size)
         pivot: Any = np.zeros(size, dtype=object)
         pivot[place] = modulus
         for number in np.nonzero(table[:, place])[0]:

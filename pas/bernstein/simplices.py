@@ -11,8 +11,7 @@ after m halvings a coefficient is within `2 (error + m (n+2) 2^-53)` of the true
 Halving is de Casteljau's subdivision at a middle, of forms on simplices here, and on boxes.
 A polar form one of whose arguments is the middle of an edge is the mean of those with an end of the edge in its place
 (Ramshaw 1989).  Coefficients on several parts of a simplex have many such values in common, and each is worked out
-once, with one rounding.  A coefficient on a half is some of n means one after the other at most, n the degree, so it is
-off by n 2^-53 of the greatest and does not enlarge the errors before; means of exact numbers are exact.
+once, with one rounding; means of exact numbers are exact.
 """
 
 from __future__ import annotations

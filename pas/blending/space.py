@@ -15,11 +15,12 @@ from typing import Any, Self, TypeAlias
 
 from flint import fmpq, fmpq_mat, fmpz_mat
 
-from pas.algebra.matrices import Products, leads, short_basis
+from pas.algebra.matrices import Products, leads
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, VectorLike, rational, to_fraction, vector
 from pas.algebra.systems import Exported, Rows, spanned
+from pas.elsewhere import elsewhere
 from pas.errors import NoSolutionError
 from pas.fairing.functionals import Functional, value_at
 from pas.fairing.prepared import PreparedSpace
@@ -151,20 +152,14 @@ class Space(InPlace, Exported):
         """This space with a basis of short polynomials: one that is LLL-reduced of all members with whole coefficients,
         in the partition's local coordinates (see `pas.algebra.matrices`).
 
-        A tenth as many digits as in the usual basis for corners, a twentieth for nodes.  Corners take a tenth of a
-        second with GC^1 and up to two with GC^2, nodes of 60 members five to seven.  With more than some 100 members
-        one call of flint's LLL takes a minute and more, in which nothing can stop it.
+        A tenth as many digits as in the usual basis for corners, a twentieth for nodes.  Those of 60 members take five
+        to seven seconds, others up to a minute, in a process of its own, since nothing else can stop flint's LLL.
         """
         if not self.dimension:
             return self
-        rows = short_basis(self.source.rows)
-        tables = [(rows * table).tolist() for table in self.source.tables]
-        width = len(tables[0][0])
-        short = short_basis(
-            fmpz_mat([[v for row in parts for v in row] for parts in zip(*tables, strict=True)])
-        ).tolist()
-        starts = range(0, width * len(tables), width)
-        return self._with([fmpq_mat(fmpz_mat([row[start : start + width] for row in short])) for start in starts])
+        whole = self.source.rows.tolist(), [table.tolist() for table in self.source.tables]
+        short = elsewhere("reducing a basis", "pas.algebra.matrices:short_products", *whole)
+        return self._with([fmpq_mat(fmpz_mat(table)) for table in short])
 
     def through(self, points: Sequence[VectorLike]) -> Self:
         """The members that vanish at points (three exact numbers each; floats count as written)."""

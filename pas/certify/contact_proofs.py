@@ -21,18 +21,9 @@ A unit at the points of the curve changes no ideal there, so with these `<f, h^(
 
 Openings: contacts through which the region is open.  The edge of a plate lies in the plane that a blend touches all
 along it, so no plane face of a region can end the blend there.  Seen from a centre below the plate it ends where rays
-do: the clip is a cone q of degree 2 with its apex in the centre O, the region a convex cone cut off, and in use is the
-nappe q <= 0.  With `g = alpha f + beta q^(k+1)` in each piece it is proved that
-
-- it is the only contact through which the region is open: what is in use has one cone for its border;
-- q > 0 on the sides of the region, all of them through O, and q < 0 somewhere in it: so one nappe is in the region;
-- q < 0 on the curves of all other contacts, in their clip faces.  A nappe is convex, so it holds all that such a curve
-  surrounds: the other contacts are in use, and no ray of the nappe's surface leaves through them;
-- alpha > 0 where q = 0: there g has the sign of f.
-
-With one sheet and f > 0 on the walls (see `pas.certify.proofs`) each ray of the nappe's surface meets f = 0 once, at an
-angle, since the derivative of g along it is alpha times that of f: V(f, q) is one closed regular curve, and the surface
-leaves the nappe through it alone.
+do: the clip is a cone q of degree 2 with its apex in the centre, the region a convex cone cut off, and in use is the
+nappe q <= 0.  What is proved, and why V(f, q) is then one closed regular curve through which alone the surface leaves
+the nappe, is theorem 4 of docs/theory/verdicts.md.
 """
 
 from __future__ import annotations

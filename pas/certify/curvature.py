@@ -8,10 +8,7 @@ curvatures are equal.  (The printed proof has H^2/V* = H*^2/V; what is meant is 
 Guaranteed: where all remainders are zero, points, tangent planes and Gauss curvatures agree at every point of V(I)
 where both surfaces are regular.  The converse needs an ideal I that is all that vanishes on the curve (real, not only
 prime: the real zeros of <x^2 + y^2, z> are a point).  Not guaranteed is contact of second order, although the source
-says so.  The planes z = 0 and the cylinder z = y^2 pass all three along the x-axis and their normal curvatures across
-it are 0 and 2.  Equal tangent planes and Gauss curvatures give equal second fundamental forms only where the normal
-curvature of f *along* the curve is not zero.  The real condition is membership, `g in <f, h^3>` (Garrity and Warren
-1991); it is decided too.
+says so: docs/theory/exact.md has a counterexample.  That is membership, `g in <f, h^3>`, which is decided too.
 """
 
 from __future__ import annotations

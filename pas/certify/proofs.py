@@ -14,9 +14,7 @@ for c contacts of one closed curve each, as those of degree 2 in a plane are, it
 
 A region may be open towards one contact whose clip is a cone around the centre, as to the edge of a plate (see
 `pas.certify.contact_proofs`): then the surface is in use inside that cone.  It is one disc more that the graph lacks.
-The
-sides of an open region that no contact closes are walls like others, and as they hold the centre, f < 0 on a part of
-them.
+The sides of an open region that no contact closes are walls, and f < 0 on a part of them, as they hold the centre.
 
 Any other contact whose clip passes through the region, as a curved one, leaves the surface in use on one
 side of the clip only.  One sheet is then still proved of all of the zero set in the region, and

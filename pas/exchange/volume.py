@@ -12,27 +12,23 @@ generous tolerance is worth seconds.
 
 from __future__ import annotations
 
-import json
-import os
 import signal
 import subprocess
-import sys
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
 from pas.algebra.brief import brief
+from pas.elsewhere import elsewhere
 from pas.errors import GeometryError, library, optional
 from pas.exchange.files import target
 from pas.exchange.formats import Content, Request
 from pas.exchange.parts import Piece, counted_on, face_names, parts_of
 from pas.exchange.write import write
-from pas.limits import WorkLimits, checkpoint, limited
+from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.topology import is_closed_manifold
@@ -255,51 +251,22 @@ def _tetrahedra(
     return np.asarray(found, dtype=float).reshape(-1, 3)[used], numbers.reshape(-1, 4)
 
 
-WORK = """
-import json, sys, numpy, pytetwild
-given = numpy.load("given.npz")
-points, tetrahedra = pytetwild.tetrahedralize(given["points"], given["triangles"], **json.loads(sys.argv[1]))
-numpy.savez("found.npz", points=points, tetrahedra=tetrahedra)
-"""
-"""What the other process does in its folder."""
-
-
 def tetrahedralize(points: Any, triangles: Any, options: Mapping[str, Any]) -> tuple[Any, Any]:
     """Points (N, 3) and tetrahedra (M, 4), of any orientation, in a closed mesh of about unit size.
 
     `options` are those of `pytetwild.tetrahedralize`.  Raises `GeometryError` where fTetWild fails or crashes.
     """
-    with TemporaryDirectory(prefix="pas-") as name:
-        folder = Path(name)
-        np.savez(
-            folder / "given.npz", points=np.asarray(points, dtype=float), triangles=np.asarray(triangles, np.int32)
-        )
-        command = [sys.executable, "-P", "-c", WORK, json.dumps(dict(options))]
-        paths = os.pathsep.join(str(Path(p).resolve()) for p in sys.path)
-        with (
-            open(folder / "said", "wb") as said,
-            subprocess.Popen(
-                command, cwd=folder, env={**os.environ, "PYTHONPATH": paths}, stdout=subprocess.DEVNULL, stderr=said
-            ) as process,
-        ):
-            try:
-                while process.poll() is None:
-                    checkpoint("fTetWild makes tetrahedra")
-                    with suppress(subprocess.TimeoutExpired):
-                        process.wait(0.2)
-            except BaseException:
-                process.kill()
-                raise
-        if process.returncode < 0:
+    given = np.asarray(points, dtype=float), np.asarray(triangles, np.int32)
+    try:
+        return elsewhere("fTetWild makes tetrahedra", "pytetwild:tetrahedralize", *given, **options)
+    except subprocess.CalledProcessError as error:
+        if error.returncode < 0:
             raise GeometryError(
-                f"fTetWild crashed ({signal.Signals(-process.returncode).name}): the part is thinner than the "
+                f"fTetWild crashed ({signal.Signals(-error.returncode).name}): the part is thinner than the "
                 "tolerance, or its mesh cuts itself; set a smaller tolerance"
-            )
-        if process.returncode:
-            lines = (folder / "said").read_text("utf-8", "replace").strip().splitlines() or ["no reason given"]
-            raise GeometryError(f"fTetWild failed: {lines[-1]}")
-        found = np.load(folder / "found.npz")
-        return found["points"], found["tetrahedra"]
+            ) from None
+        lines = error.stderr.strip().splitlines() or ["no reason given"]
+        raise GeometryError(f"fTetWild failed: {lines[-1]}") from None
 
 
 def _turned(points: Floats, tetrahedra: Integers, name: str) -> Integers:

@@ -18,10 +18,12 @@ from pas.network.part import NetworkPart
 
 
 class Network(StrutGraph):
-    """A graph of struts that becomes a body of proved nodes; see `StrutGraph` for its arguments.
+    """A graph of struts that becomes a body of proved nodes.
 
-    net = pas.network.Network([(0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3)], [(0, 1), (0, 2), (0, 3)], "1/10")
-    net.blend().mesh()
+    See `StrutGraph` for its arguments.
+
+        net = pas.network.Network([(0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3)], [(0, 1), (0, 2), (0, 3)], "1/10")
+        net.blend().mesh()
     """
 
     @classmethod

@@ -1,8 +1,8 @@
 """The nodes of networks by classes: where their struts begin, and one proved blend for each class.
 
 Clips are first placed as `pas.struts` does, as near as a fair blend leaves room for.  Where those at both ends leave
-less than 1/32 of a strut between them, they share the strut in their proportion, and the other clips are placed again,
-until no strut is short.  Every such round fixes two clips at least, so it ends.
+less than 1/32 of a strut between them, they share the strut in their proportion, none nearer than a blend needs, and
+the other clips are placed again, until no strut is short.  Every such round fixes two clips at least, so it ends.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from pas.limits import checkpoint
 from pas.network.blocks import make_folder, results
 from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
-from pas.network.problems import graph_problems
+from pas.network.problems import graph_problems, nearest
 from pas.pipeline.blend import blend
 from pas.pipeline.hollow import HollowBlend
 from pas.pipeline.result import Blend
@@ -112,7 +112,10 @@ def placed_ends(network: StrutGraph, order: int) -> Kinds:
         short = at.sum(axis=1) > (PARTS - STRAIGHT) / PARTS
         if not short.any():
             return replace(kinds, ends=ends)
-        shared = np.floor((PARTS - STRAIGHT) * at[short] / at[short].sum(axis=1, keepdims=True)).astype(np.int32)
+        needed = nearest(network, kinds)[short] / network.lengths[short, None]
+        least = np.ceil(PARTS * np.minimum(needed, at[short]))
+        shared = (PARTS - STRAIGHT) * at[short] / at[short].sum(axis=1, keepdims=True)
+        shared = np.floor(np.minimum(np.maximum(shared, least), PARTS - STRAIGHT - least[:, ::-1])).astype(np.int32)
         if (fixed := (clips[short] == shared).all(axis=1)).any():
             numbers = np.flatnonzero(short)[fixed].tolist()
             said = "strut {} from point {} to {} is too short for the blends at its ends"

@@ -92,16 +92,16 @@ def _angles(network: StrutGraph, kinds: Kinds) -> Iterator[NetworkProblem]:
         yield NetworkProblem("angle too small", (first, second), f"{meet}; {LEAST_ANGLE:g} are the least")
 
 
-def shortest(network: StrutGraph, kinds: Kinds) -> Floats:
-    """The length below which no blends fit at the ends of each strut (E,), in the model's units."""
+def nearest(network: StrutGraph, kinds: Kinds) -> Floats:
+    """From the ends of each strut the lengths (E, 2) below which no blends fit there, in the model's units."""
     angles = np.maximum(NEAREST * _least_angles(kinds)[0], 1e-9)
     near = 1 / np.tan(np.minimum(angles, radians(80)))
     near[[len(kind.arms) == 1 for kind in kinds.kinds]] = 0.0
-    return np.asarray((network.widths * near[kinds.of[network.edges], kinds.slots]).sum(axis=1))
+    return np.asarray(network.widths * near[kinds.of[network.edges], kinds.slots])
 
 
 def _short(network: StrutGraph, kinds: Kinds) -> Iterator[NetworkProblem]:
-    least = shortest(network, kinds)
+    least = nearest(network, kinds).sum(axis=1)
     for number in np.flatnonzero(network.lengths < least).tolist():
         a, b = network.edges[number].tolist()
         radius = network.thickness[number] * network.lengths[number] / least[number]
@@ -139,7 +139,7 @@ def _unserved(network: StrutGraph) -> Integers:
     """Struts for whose ends there are no blends: too short ones; where there are none, of those that are between the
     ends of two the shortest, if these meet at too small an angle, or cross and are thicker together than it is long."""
     kinds = kinds_of(network)
-    short = np.flatnonzero(network.lengths < shortest(network, kinds))
+    short = np.flatnonzero(network.lengths < nearest(network, kinds).sum(axis=1))
     if len(short):
         return short
     numbers = {(min(edge), max(edge)): n for n, edge in enumerate(network.edges.tolist())}

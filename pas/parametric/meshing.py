@@ -26,14 +26,13 @@ from numpy.typing import NDArray
 
 from pas.algebra.lengths import lengths
 from pas.algebra.monomials import Floats
-from pas.bernstein.boxes import product
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.errors import GeometryError, MeshError
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Integers
 from pas.parametric.maps import ParametricMap
-from pas.parametric.nets import Framed, Nets, Rectangle, bernstein_at, exact_net
+from pas.parametric.nets import Framed, Nets, Rectangle, bernstein_at, exact_net, product
 from pas.parametric.tiling import GRID, SEAM, assemble
 
 LARGEST = 1_000_000

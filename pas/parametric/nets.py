@@ -5,13 +5,15 @@ do not depend on the units of space or parameters: squares of distances neither 
 of halved rectangles are exact.  Space is scaled by a power of two, which rounds nothing.
 
 A rational surface over one denominator is a net in four coordinates, weight times point and weight (Farin 2002,
-chapter 13): exact, and halved in doubles with bounds on rounding.
+chapter 13): exact, and halved in doubles with bounds on rounding.  On [0, 1]^2 a polynomial has the coefficients b_ij =
+sum_{p<=i, q<=j} C(i,p) C(j,q) / (C(n,p) C(m,q)) a_pq, and its values lie between them (Farin 2002, chapter 6).
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import comb
 from typing import Any, Self
 
@@ -23,7 +25,6 @@ from pas.algebra.jets import Jet
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational, to_float
 from pas.algebra.rational_function import GENERATORS, ONE, RING, lcm
-from pas.bernstein.boxes import box_form
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells
 from pas.bernstein.simplices import halved, halves
@@ -32,6 +33,7 @@ from pas.mesh.rows import Integers
 from pas.parametric.maps import Domain, DomainLike, Interval, ParametricMap
 
 Rectangle = tuple[tuple[fmpq, fmpq], tuple[fmpq, fmpq]]
+Table = list[list[fmpq]]
 
 SMALLEST = math.ulp(0.0)
 """By which the smallest numbers err that doubles hold."""
@@ -264,3 +266,40 @@ def bernstein_polynomials(degree: int, generator: fmpq_mpoly, low: fmpq, high: f
     """The exact Bernstein polynomials of [low, high] in a generator of the ring."""
     ahead, behind = (generator - low) / (high - low), (high - generator) / (high - low)
     return [comb(degree, i) * ahead**i * behind ** (degree - i) for i in range(degree + 1)]
+
+
+def box_form(polynomial: fmpq_mpoly, degrees: list[int]) -> Table:
+    """The coefficients over [0, 1]^2 as a polynomial of these degrees, exact."""
+    n, m = degrees
+    table = [[fmpq(0)] * (m + 1) for _ in range(n + 1)]
+    for (p, q), c in polynomial.to_dict().items():
+        table[int(p)][int(q)] = c / (comb(n, int(p)) * comb(m, int(q)))
+    rows = [_accumulated(row) for row in table]
+    return [list(row) for row in zip(*(_accumulated(list(c)) for c in zip(*rows, strict=True)), strict=True)]
+
+
+def product(left: Floats, right: Floats) -> Floats:
+    """Products of nets (C, m+1, n+1, d) and (C, k+1, l+1, d): degrees add, C and d broadcast (Farin 2002, 5.12)."""
+    degrees = [(a - 1, b - 1) for a, b in zip(left.shape[1:3], right.shape[1:3], strict=True)]
+    (rows, more), (columns, further) = ((_binomials(a), _binomials(b)) for a, b in degrees)
+    first = left * (rows[:, None] * columns[None, :])[..., None]
+    second = right * (more[:, None] * further[None, :])[..., None]
+    count, last = max(len(left), len(right)), max(left.shape[3], right.shape[3])
+    result = np.zeros((count, degrees[0][0] + degrees[0][1] + 1, degrees[1][0] + degrees[1][1] + 1, last))
+    for i in range(right.shape[1]):
+        for j in range(right.shape[2]):
+            result[:, i : i + left.shape[1], j : j + left.shape[2]] += first * second[:, i, j][:, None, None]
+    return result / (_binomials(sum(degrees[0]))[:, None] * _binomials(sum(degrees[1]))[None, :])[..., None]
+
+
+def _binomials(degree: int) -> Floats:
+    return np.array([comb(degree, i) for i in range(degree + 1)], dtype=float)
+
+
+def _accumulated(values: list[fmpq]) -> list[fmpq]:
+    """b_i = sum_p C(i, p) a_p by repeated sums."""
+    result, row = [], list(values)
+    while row:
+        result.append(row[0])
+        row = [a + b for a, b in pairwise(row)]
+    return result

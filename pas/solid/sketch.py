@@ -128,9 +128,11 @@ def closed(edges: Sequence[PlaneEdge], whole: bool = False) -> Profile:
 
 
 def sketch(start: Sequence[Exact] = (0, 0)) -> Sketch:
-    """A sketch that begins at a point, two exact numbers; raises `TypeError` or `ValueError` for anything else.
+    """A sketch that begins at a point, two exact numbers.
 
-    solid.sketch((0, 0)).line_to(4, 0).arc_to(4, 1, radius="1/2").line_to(0, 1).close()
+    Raises `TypeError` or `ValueError` for anything else.
+
+        solid.sketch((0, 0)).line_to(4, 0).arc_to(4, 1, radius="1/2").line_to(0, 1).close()
     """
     return Sketch(plane_point(start, "start"))
 
