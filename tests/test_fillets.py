@@ -164,9 +164,9 @@ def test_the_largest_is_found():
 
 
 def test_the_largest_of_a_boss():
-    """Beyond 5/4 it passes the plate's sides."""
+    """Beyond 5/4 it ends in the plate's sides; from 2 on the boss is too short."""
     largest = boss().largest_fillet("plate z+", "boss")
-    assert 1.25 * 29 / 30 < largest <= 1.25
+    assert 2 * 29 / 30 < largest <= 2
 
 
 REFUSED = {
@@ -221,3 +221,52 @@ def test_the_rim_of_a_cone_that_is_cut_off():
     make, names = GOING_OUT["cone cut off"]
     made = make().fillet(*names, "1/20")
     assert made.proved and made.mesh().is_closed and made.volume() < make().volume()
+
+
+def near_the_edge(x: str) -> solid.Solid:
+    """A boss of radius 3/2 on a plate that begins at x = 0."""
+    peg = solid.cylinder((x, 3, 0), (x, 3, 4), "3/2", face="boss")
+    return solid.box((0, 0, 0), (8, 6, 1), face="plate") | peg
+
+
+@pytest.mark.sampled(3)
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize(("x", "lowest"), [("2", 0), ("17/10", 0), ("1", -0.5)])
+def test_a_fillet_ends_in_the_side_of_a_plate_that_is_too_small_for_it(order, x, lowest):
+    """The face beside it goes on over its end; a boss that passes the side has none beyond that."""
+    made = near_the_edge(x).fillet("plate z+", "boss", "3/4", order)
+    mesh = made.mesh(5e-3)
+    assert made.proved and mesh.is_closed and mesh.points[:, 0].min() == pytest.approx(lowest, abs=5e-3)
+    corners = mesh.points[mesh.triangles[mesh.faces == mesh.names.index("plate x-")]]
+    assert corners[..., 2].max() > 1.02 and np.abs(corners[..., 0]).max() < 1e-9
+    if order == 1 and x != "1":  # as much as a whole one, without what is at x < 0 in either of them
+        whole = near_the_edge("4").fillet("plate z+", "boss", "3/4").translate(float(Fraction(x)) - 4, 0, 0)
+        part = (whole & solid.half_space("-x")).volume(2e-3) - float(Fraction(x) + 4) * 6
+        assert made.volume(2e-3) - 48 == pytest.approx(part, rel=2e-3)
+
+
+def test_a_fillet_that_runs_into_a_face_is_hidden_there():
+    """In a pocket's corner: it goes on neither through the floor nor beyond the top."""
+    pocket = solid.box((0, 0, 0), (8, 6, 1), face="plate") - solid.box((1, 1, "1/4"), (7, 5, 2), face="pocket")
+    made = pocket.fillet("pocket x-", "pocket y-", 1)
+    mesh = made.mesh(2e-3)
+    assert made.proved and (mesh.points[:, 2].min(), mesh.points[:, 2].max()) == (0, 1)
+    assert mesh.volume - pocket.mesh().volume == pytest.approx(CORNER * 3 / 4, rel=1e-2)
+
+
+@pytest.mark.parametrize("radius", ["3/10"])
+def test_fillets_meet_in_the_corner_of_a_rib(radius):
+    parts = {"plate": ((0, 0, 0), (8, 6, 1)), "wall": ((0, 0, "4/5"), (1, 6, 4)), "rib": (("4/5", 2, "4/5"), (5, 3, 3))}
+    whole = solid.union(*(solid.box(*corners, face=name) for name, corners in parts.items()))
+    made = whole.fillet("plate z+", "wall x+", "2/5").fillet("plate z+", "rib y-", radius)
+    assert made.proved and made.mesh().is_closed and made.box[1][0] <= 8.1
+    grown = CORNER * (0.16 * 5 + float(Fraction(radius)) ** 2 * 4)
+    assert made.volume(2e-3) - whole.volume() == pytest.approx(grown, rel=0.1)
+
+
+def test_where_a_fillet_fails_is_told():
+    block = solid.rounded_rectangle(4, 3, "1/2").extrude(1) | solid.box((-2, -2, -1), (6, 5, 0), face="plate")
+    with pytest.raises(GeometryError) as caught:
+        block.fillet("plate z+", "side 1", "1/8")
+    for words in ("near (", "where 'side 1' goes on smoothly in 'side", "and a fillet does not"):
+        assert words in str(caught.value)

@@ -124,8 +124,8 @@ def test_small_hollows_are_no_condition_that_others_imply():
 
 def test_what_only_seems_to_be_implied_is_not_left_out_of_a_mesh(monkeypatch):
     """Without the plane the mesh is of a larger set, so that the first refusal stands."""
-    shape = CUBE & CUBIC & solid.half_space("y - 1/2", "cut")
-    wrong = (CUBE & CUBIC).field.needed(FINE)
+    shape = (CUBE - CUBIC) & solid.half_space("x - 1/2", "cut")
+    wrong = (CUBE - CUBIC).field.needed(FINE)
     monkeypatch.setattr(SolidField, "needed", lambda self, within: wrong)
     with pytest.raises(MeshError, match=r"'box x.', 'box z.' and 'surface' touch, or meet in one curve"):
         shape.mesh(2e-2)
@@ -133,7 +133,7 @@ def test_what_only_seems_to_be_implied_is_not_left_out_of_a_mesh(monkeypatch):
 
 def test_a_refusal_names_all_faces_that_meet():
     """A wedge in a direction in which its edge is too sharp for a lattice: the first refusal says more."""
-    shape = (CUBE & solid.half_space("z - 3*x + 2")).mirror((1, 2, 0))
+    shape = (CUBE & solid.half_space("z - 5*x + 4")).mirror((1, 2, 0))
     assert shape.field.needed(FINE) is not shape.field
     with pytest.raises(MeshError, match=r"the faces 'box x.', 'box z.' and 'plane' touch, or meet in one curve"):
         shape.mesh(5e-2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
@@ -40,6 +41,18 @@ def test_a_whole_joint(order):
         says(patch("A", BALL, CLIP) | patch("B", BALL, "1/3 - z"), PROVED, "the same surface", high)
     # what cuts out the curve need not be one of the faces
     says(UPPER | LOWER, PROVED, "contact all along the curve, exactly GC^1", order=1, along=("9*x^2 + 9*y^2 - 8", CLIP))
+
+
+def test_a_claim_of_a_part_of_a_curve(tmp_path):
+    """Of two caps one ends at x = 0: they go on in one another before that, and not all around."""
+    shape = patch("A", BALL, CLIP, "-x") | LOWER
+    walls = {("-x",): PROVED, ("-x - 1/10", "y"): PROVED, ("1/10 - x",): REFUTED, (): REFUTED, ("x - 2",): REFUTED}
+    for within, status in walls.items():
+        made = replace(shape, joints=(Joint("A", "B", (BALL, CLIP), 1, within),)).translate(1, 0, 0)
+        (found,) = made.verdicts
+        assert found.status is status, (within, str(found))
+        assert found.claim.endswith(" on a part of the curve") == bool(within)
+        assert pas.load(made.save(tmp_path / "a.pas.json")).joints == made.joints
 
 
 @pytest.mark.parametrize("wall", ["x", "-x", "y + 9/10", "1/3 - x*y", "x^2 + y/10"])

@@ -247,9 +247,14 @@ def test_known_seams_are_no_trouble_and_walls_are_not_blamed():
     known, unknown = (diagnosis(b.field, b.field.evaluator.local(place), 0.05) for b in (body, unclaimed))
     assert known is None
     assert "the faces 'blend' and 'neighbour 1' touch; claim the curve as a joint" in unknown.sentence
+    wave = (solid.half_space("z", face="flat") | solid.implicit("z - x^3", face="wave")) & solid.ball((0, 0, 0), 1)
+    known = wave.joined("flat", "wave", ("z", "x"), 2)  # they go on in one another, and no third face says where
+    place = np.array([[0, 0.3, 0]])
+    words, nothing = (diagnosis(b.field, b.field.evaluator.local(place), 0.02) for b in (wave, known))
+    assert known.proved and nothing is None and "the faces 'flat' and 'wave' touch" in words.sentence
     field = body.field
     (wall, *_), (face, other, *_) = (np.flatnonzero(field.evaluator.walls == is_wall) for is_wall in (True, False))
-    words = _Place(field, field.evaluator.local(place)[0], 0.05)._names
+    words = _Place(field, field.evaluator.local(np.array([2.0, 0, 1])), 0.05)._names
     assert words([face, wall, other]) == "the faces 'blend' and 'neighbour 1'"
     assert re.fullmatch("the face 'blend' and the wall .* = 0", words([face, wall]))
     assert re.fullmatch("the wall .* = 0", words([wall]))

@@ -68,6 +68,15 @@ def test_volume_of_a_drilled_rounded_box():
     assert made.proved
 
 
+def test_faces_of_what_is_taken_away_look_into_it():
+    """On the mesh that the parts' meshes make, each function rises out of the solid."""
+    made = soft() - solid.box((10, 10, 5), (20, 20, 20)).rounded(radius=1)
+    cut = made.sheets._cut(made.field, 0.5)
+    a, b, c = np.moveaxis(cut.points[cut.triangles], 1, 0)
+    slopes = made.field.jets((a + b + c) / 3, cut.faces)[:, 1:]
+    assert ((slopes * np.cross(b - a, c - a)).sum(axis=1) > 0).all()
+
+
 def test_rounded_twice():
     """Two edges that do not meet, each with a quarter of a circle instead of a square."""
     once = solid.box((0, 0, 0), (4, 3, 2)).rounded(["box x+", "box y+"], radius="1/4")

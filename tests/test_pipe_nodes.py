@@ -137,12 +137,17 @@ def test_refused(name):
     assert sentence in str(caught.value) and "\n" not in str(caught.value)
 
 
-@pytest.mark.slow
-def test_a_face_that_would_be_lost_is_told():
-    """A flat part of one pipe, which the node would not have."""
-    flat = run() & solid.half_space("z - 9/10", "flat")
-    with pytest.raises(GeometryError, match=r"the face 'flat' near \(.*\) would be gone|on a part of the curve"):
-        (flat | branch()).fillet("run", "branch", "1/2")
+@pytest.mark.parametrize(
+    ("cut", "face"),
+    [
+        (lambda: run() & solid.half_space("y + z/2 - 9/10", "flat"), "flat"),
+        (lambda: run() - solid.cylinder((-9, "3/10", 0), (9, "3/10", 0), "3/10", "hole"), "hole"),
+    ],
+)
+def test_a_face_that_would_be_lost_is_told(cut, face):
+    """A flat part of one pipe, and a hole along it, which the node would not have."""
+    with pytest.raises(GeometryError, match=rf"the face '{face}' near \(.*\) would end there; take it away from the"):
+        (cut() | branch()).fillet("run", "branch", "1/2")
 
 
 def test_other_names_keep_what_is_known_to_bound_a_solid():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -207,4 +209,99 @@ def test_refused(name):
     make, sentence = REFUSED[name]
     with pytest.raises((GeometryError, ValueError, TypeError)) as caught:
         make()
+    assert sentence in str(caught.value) and "\n" not in str(caught.value)
+
+
+def plate() -> solid.Solid:
+    return solid.rounded_rectangle(8, 6, 1).extrude(2)
+
+
+def spandrel(radius: float) -> tuple[float, float]:
+    """The area of what a ball does not reach in a right angle, and how far its centre of mass is from the ball's."""
+    area = (1 - np.pi / 4) * radius**2
+    return area, radius**3 / 6 / area
+
+
+PROFILES = {
+    "plate": (plate, None, "1/2", 56, 4 * [2], []),
+    "top only": (plate, ["top", *(f"side {i}" for i in range(1, 9))], "1/2", 32, 4 * [1], []),
+    "with a hole": (
+        lambda: (solid.rounded_rectangle(8, 6, 1) - solid.circle((4, 3), 1, "hole")).extrude(2),
+        None,
+        "1/2",
+        60,
+        4 * [2],
+        [2],
+    ),
+    "moved, drilled": (
+        lambda: (plate() - solid.cylinder((4, 3, -1), (4, 3, 3), 1)).rotate((1, 2, 3), 40).scale(2),
+        None,
+        1,
+        56,
+        4 * [2],
+        [],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_rounds_of_profiles_with_arcs_are_those_of_a_ball(name):
+    """By Pappus: what is cut off turns about the arcs' centres, and about the hole's."""
+    make, faces, radius, joints, corners, holes = PROFILES[name]
+    before, made = make(), make().rounded(faces, radius=radius)
+    assert len(made.joints) == joints and made.proved
+    (area, far), ends = spandrel(0.5), corners[0]
+    gone = ends * area * (2 * (6 + 4) + 2 * np.pi * (0.5 + far)) + sum(
+        n * area * 2 * np.pi * (1.5 - far) for n in holes
+    )
+    scale = 8 if "moved" in name else 1
+    assert before.volume(2e-3) - made.volume(2e-3) == pytest.approx(scale * gone, rel=2e-3)
+    mesh = made.mesh()
+    assert mesh.is_closed and {*mesh.names} == {*made.faces} - {"cylinder start", "cylinder end"}
+    assert "side 2 / top" in made.faces
+
+
+@pytest.mark.parametrize("radius", ["3/10", "1/2", "4/5", "95/100"])
+def test_tori_that_meet_themselves_cut_off_no_more_than_others(radius):
+    """The set of inequalities, not the mesh, beside the volume by Pappus."""
+    made, size = plate().rounded(radius=radius), float(Fraction(radius))
+    assert made.proved and ("4 (torus)" in made.description) == (radius == "3/10")
+    points = np.random.default_rng(0).random((200_000, 3)) * (8, 6, 2)
+    area, far = spandrel(size)
+    gone = 2 * area * (20 + 2 * np.pi * (1 - size + far)) + 2 * (4 - np.pi)
+    assert (~made.contains(points)).mean() * 96 == pytest.approx(gone, abs=0.15)
+    assert plate().volume(2e-3) - made.volume(2e-3) == pytest.approx(gone - 2 * (4 - np.pi), rel=2e-3)
+
+
+def test_rounded_profiles_go_on_as_solids():
+    made = plate().rounded(radius="1/2") | solid.cylinder((4, 3, 1), (4, 3, 4), 2, face="boss")
+    assert made.mesh().is_closed and made.fillet("top", "boss", "1/4").proved
+    half = plate().rounded(radius="1/2") - solid.half_space("x - 4 - (y - 3)/3", "cut")
+    assert 2 * half.volume(4e-3) == pytest.approx(plate().rounded(radius="1/2").volume(4e-3), rel=1e-3)
+
+
+NOT_ROUNDED = {
+    "radius must be below 1, that of the edge 'side 2', not 1": lambda: plate().rounded(radius=1),
+    "radius must be below 1/4, where the sides are used up": lambda: (
+        solid.rounded_rectangle(8, 6, 1).extrude("1/2").rounded(radius="1/4")
+    ),
+    "rounds of the profile's edges would meet on an end": lambda: (
+        (solid.rounded_rectangle(8, 6, 1) - solid.circle((7, 3), "1/2", "hole")).extrude(2).rounded(radius="1/3")
+    ),
+    "meet with an angle at (0, 2)": lambda: (
+        solid.sketch((0, 0)).line_to(2, 0).arc_to(2, 2, radius=1).line_to(0, 2).close().extrude(1).rounded(radius="1/4")
+    ),
+    "go on smoothly in one another; name both or none": lambda: plate().rounded(["top", "side 1"], radius="1/4"),
+    "has no face 'topp'; is 'top' meant?": lambda: plate().rounded(["topp"], radius="1/4"),
+    "no edge at the top or bottom": lambda: plate().rounded(["top"], radius="1/4"),
+    "order must be 1": lambda: plate().rounded(radius="1/4", order=2),
+    "are rounded already": lambda: plate().rounded(radius="1/4").rounded(radius="1/8"),
+    "is no arc of a circle of rational radius": lambda: solid.text("o", 4).extrude(1).rounded(radius="1/16"),
+}
+
+
+@pytest.mark.parametrize("sentence", NOT_ROUNDED)
+def test_what_is_no_round_of_a_profile_is_told(sentence):
+    with pytest.raises(GeometryError) as caught:
+        NOT_ROUNDED[sentence]()
     assert sentence in str(caught.value) and "\n" not in str(caught.value)

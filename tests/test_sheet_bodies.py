@@ -104,7 +104,8 @@ def test_nodes_are_bounded_by_their_sheets(name, blends):
     for share in (1e-2, 4e-3):
         mesh = is_sound(body.mesh(share * r), body, share * r, 2)
     assert mesh.names == body.faces and len(mesh.names) == 1 + 2 * size + (name in OPEN)
-    assert mesh.volume == pytest.approx(body.volume(1e-2 * r), rel=3e-3)
+    within = 2 / 3 * mesh.deviation * mesh.area  # chords are two thirds of the greatest distance off
+    assert mesh.volume == pytest.approx(body.volume(1e-2 * r), abs=within)
     assert mesh.area == pytest.approx(body.area(1e-2 * r), rel=2e-3)
 
 

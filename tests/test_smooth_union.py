@@ -124,9 +124,8 @@ REFUSED = {
         "the edge of 'plate x+' and 'peg' goes on as that of 'plate z-' and 'peg' near (2, ",
     ),
     "too large": (
-        lambda: (plate(), peg(), "3/2"),
-        "a fillet of radius 3/2 between 'plate z+' and 'peg' is not proved: fillet meets plate z+ with GC^1: on a "
-        "part of the curve plate z+ is missing: the boundary goes on without it; one of radius 1.2",
+        lambda: (plate(), peg(), "5/2"),
+        "a fillet of radius 5/2 between 'plate z+' and 'peg' is not proved: ",
     ),
     "order": (lambda: (plate(), peg(), "1/4", 0), "order must be at least 1; chamfer cuts edges off flatly"),
     "radius": (lambda: (plate(), peg(), 0), "radius must be positive, not 0"),

@@ -222,3 +222,22 @@ def _undecided(shape):
     program = shape.field.evaluator
     yes, no = program.taylor(program.local(np.array([[1.0, 0.0, 0.0]])), np.full((1, 3), 1e-3))
     return yes, no, *program.relevant(yes, no)
+
+
+@pytest.mark.parametrize("height", ["59/100", "65/100"])
+def test_a_corner_where_the_sum_of_the_normals_points_into_no_side(height):
+    """A plane cuts the rim of a cylinder, close to the bisector of its end and its side; the wedge is sharp."""
+    rod = solid.cylinder((0, 0, "-1/2"), (0, 0, "6/5"), "3/5").rotate((3, 2, 2), 63)
+    cut = solid.half_space(f"{height} - y", "cut")
+    parts = [(rod & cut).mesh(2e-3), (rod - cut).mesh(2e-3)]
+    assert all(part.is_closed for part in parts)
+    assert sum(part.volume for part in parts) == pytest.approx(rod.mesh(2e-3).volume, rel=1e-3)
+
+
+@pytest.mark.parametrize("height", ["0", "1/100", "-2/5"])
+def test_a_hole_along_one_of_two_equal_pipes_ends_in_the_other(height):
+    """It comes close to where the pipes touch, and is no part of what is drawn into that point."""
+    run, branch = solid.cylinder((-3, 0, 0), (3, 0, 0), 1, "run"), solid.cylinder((0, 0, 0), (0, 0, 3), 1, "branch")
+    hole = solid.cylinder((-4, "3/10", height), (4, "3/10", height), "3/10", "hole")
+    made, filled = ((run - hole) | branch).mesh(4e-3), ((hole & run) - branch).mesh(4e-3)
+    assert made.is_closed and made.volume + filled.volume == pytest.approx((run | branch).mesh(4e-3).volume, rel=1e-3)

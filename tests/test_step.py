@@ -338,8 +338,8 @@ def test_tubes_are_followed_to_their_flat_ends(ocp, tmp_path):
     tube = solid.tube(("cos(t)", "sin(t)", "t/5"), "1/8", (0, 1))
     (found,), kinds = read_solids(tube.write(tmp_path / "a.step"))
     length = np.hypot(1, 1 / 5)
-    assert is_valid(found) and kinds["Plane"] == 2
-    assert adaptive_volume(found) == pytest.approx(np.pi / 64 * length, rel=1e-5)
+    assert is_valid(found) and {*kinds} == {"BSplineSurface"}  # flat ends are functions near the ends, not planes
+    assert adaptive_volume(found) == pytest.approx(np.pi / 64 * length, rel=1e-6)
 
 
 def test_parts_have_their_names_colours_and_places(ocp, tmp_path):

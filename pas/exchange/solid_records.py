@@ -207,7 +207,12 @@ def _solid_entries(solid: Hollowable) -> dict[str, Any]:
     return {"functions": numbers, "tree": tree, "joints": solid.joints, "special_points": solid.special_points}
 
 
-JOINT = Table({"first": TEXT, "second": TEXT, "along": list_of(POLYNOMIAL, 2), "order": WHOLE}, make=Joint)
+JOINT = Table(
+    {"first": TEXT, "second": TEXT, "along": list_of(POLYNOMIAL, 2), "order": WHOLE},
+    {"within": list_of(POLYNOMIAL)},
+    make=Joint,
+    entries=lambda joint: {key: value for key, value in vars(joint).items() if value != ()},
+)
 RECORD: Table = Table(
     {
         "functions": list_of(FUNCTION),

@@ -255,8 +255,9 @@ def _crossed(field: FaceField, points: Floats, names: Integers, reach: Floats) -
 
     Of the eight parts of space between three bars that cross, say, four are inside, each beside two or three others.
     """
-    units = np.stack([unit_rows(field.jets(points, label)[:, 1:]) for label in names.T], axis=1)
-    towards = np.einsum("nij,kj->nki", np.linalg.pinv(units), 2.0 * _CORNERS - 1)  # on which sides of the faces
+    towards = np.einsum(
+        "nij,kj->nki", np.linalg.pinv(_normals(field, points, names)), 2.0 * _CORNERS - 1
+    )  # on which sides of the faces
     inside = field.inside(field.signs((points[:, None] + reach[:, None, None] * towards).reshape(-1, 3)))
     sides = inside.reshape(-1, 2, 2, 2)
     result = np.zeros(len(points), dtype=bool)
@@ -268,16 +269,18 @@ def _crossed(field: FaceField, points: Floats, names: Integers, reach: Floats) -
     return result
 
 
+def _normals(field: FaceField, points: Floats, names: Integers) -> Floats:
+    """Of faces (N, m) in points (N, 3) the unit normals, outside out (N, m, 3)."""
+    return np.stack([unit_rows(field.jets(points, label)[:, 1:]) for label in names.T], axis=1)
+
+
 def _on_boundary(field: FaceField, points: Floats, names: Integers, reach: Floats) -> NDArray[np.bool_]:
     """Whether points (N, 3) on faces (N, m) have the inside on one side and the outside on the other.
 
-    Of an edge the mean of its faces' normals points outwards, convex or not; about a corner the
-    corners of a small cube are looked at as well.
+    That is where all faces are on one side, and on the other: the sum of three normals may be neither.  About a corner
+    the corners of a small cube are looked at as well.
     """
-    outwards = np.zeros_like(points)
-    for label in names.T:
-        gradient = field.jets(points, label)[:, 1:]
-        outwards += gradient / np.maximum(norms(gradient)[:, None], 1e-300)
+    outwards = np.linalg.pinv(_normals(field, points, names)).sum(axis=2)
     outwards /= np.maximum(norms(outwards)[:, None], 1e-300)
     step = reach[:, None] * outwards
     inside, outside = (field.inside(field.signs(points + side * step)) for side in (-1, 1))

@@ -96,8 +96,9 @@ def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
         if found is not None and found.stays:
             return Refusal(_sentence(found, octree))
         finer = octree.refined()
-        along_curves = 0.03  # share of open cubes that, no smaller in a finer lattice, is left for a look
-        if not finer.crowded and octree.open_share < along_curves and finer.open_share >= octree.open_share:
+        # Along curves there are twice as many in the next lattice, and on surfaces that come close four times as many.
+        fewer, more = 0.7 * len(octree.open_places), 3 * len(octree.open_places)
+        if not finer.crowded and fewer <= len(finer.open_places) <= more:
             break
         octree = finer
     return CROWDED if octree.crowded else octree

@@ -103,7 +103,8 @@ def find_nodes(
         if done[owners[row]]:
             continue
         own = np.linalg.norm(found - found[row], axis=1) < SAME * extent
-        radius = float(np.linalg.norm(centers[owners[own]] - found[row], axis=1).max() + size[owners[own]].max())
+        near = own & ((owners < len(places)) | (np.arange(len(own)) == row))  # where flat, curves come out elsewhere
+        radius = float(np.linalg.norm(centers[owners[near]] - found[row], axis=1).max() + size[owners[near]].max())
         cone = _is_cone(field, found[row], float(size[owners[row]]))
         if isinstance(cone, Refusal):
             return cone

@@ -179,12 +179,15 @@ class PipeNode:
     def made(self, radius: fmpq) -> Solid | str:
         """The solid with a node for a radius, or why there is none."""
         checkpoint("making a node of pipes")
-        size, items = to_float(radius), list[tuple[Vector, fmpq, fmpq]]()
+        size, items, clips = to_float(radius), list[tuple[Vector, fmpq, fmpq]](), list[float]()
         for arm in self.arms:
             clip = max((a.clip(b, size) for a, b in self._pairs if a is arm), default=np.inf)
             if clip >= arm.reach:
                 return f"{arm.tube.face!r} ends {arm.reach:.4g} from where the axes meet, before a ball touches it"
+            clips.append(clip)
             items.append((arm.way, arm.tube.radius, short(clip / float(np.linalg.norm(to_floats(arm.way))))))
+        if lost := self._lost(clips):
+            return lost
         try:
             blend = node(items, self.order, center=self.center)
         except (GeometryError, NoSolutionError, NotProvedError) as error:
@@ -210,7 +213,7 @@ class PipeNode:
         made = replace(whole, joints=(*known, *claims), special_points=self.solid.special_points)
         wrong = next((f"{v.claim}: {v.reason}" for v in made.verdicts if not v.proved), None)
         made = replace(made, joints=(*self.solid.joints, *claims))
-        return wrong or strays(made) or self._lost(joined) or made
+        return wrong or strays(made) or made
 
     def _replaced(self, tree: Tree, joined: Solid) -> Solid:
         """What a tree is with others in the place of its tubes."""
@@ -252,16 +255,27 @@ class PipeNode:
                 return three(c + height * w for c, w in zip(self.center, arm.way, strict=True)), name
         return None
 
-    def _lost(self, made: Solid) -> str | None:
-        """What is wrong where a face that is no end of a pipe is gone; None where none is."""
-        before, kept = self.pipes.mesh(), {name for names in made.mesh().names for name in names.split(" + ")}
-        for face, names in enumerate(before.names):
-            for name in (name for name in names.split(" + ") if name not in kept):
+    def _lost(self, clips: Sequence[float]) -> str | None:
+        """What is wrong where a face that is no end of a pipe has a part between clips; None where none has."""
+        mesh, names = self.pipes.mesh(), {tube.face for tube in self.tubes}
+        ways = np.array([arm.direction for arm in self.arms])
+        heights = (mesh.points - to_floats(self.center)) @ ways.T - np.array(clips)
+        for number, face in enumerate(mesh.names):
+            starts = mesh.triangles[mesh.faces == number]
+            ends = np.stack([starts, np.roll(starts, -1, axis=1)], axis=-1).reshape(-1, 2)
+            here, there = heights[ends].transpose(1, 0, 2)
+            # Of each edge the part, from 0 to 1, in which all heights are negative.
+            share = here / np.where(here == there, np.inf, here - there)
+            low = np.where(here >= 0, np.where(here > there, share, 1.0), 0.0).max(axis=1)
+            high = np.where(here < 0, np.where(there > here, share, 1.0), 1.0).min(axis=1)
+            rows = np.flatnonzero(low < high)
+            for name in face.split(" + ") if len(rows) and names.isdisjoint(face.split(" + ")) else ():
                 (surface, *_) = self.solid.polynomials.get(name) or (self.tubes[0].surface,)
                 slope = slope_at(surface, self.center)
                 if surface.degree > 1 or all(any(cross(slope, tube.way)) for tube in self.tubes):
-                    place = shown_point(before.points[before.triangles[before.faces == face][0, 0]])
-                    return f"the face {name!r} near {place} would be gone; take it away from the solid afterwards"
+                    start, end = mesh.points[ends[rows[0]]]
+                    place = shown_point(start + (low + high)[rows[0]] / 2 * (end - start))
+                    return f"the face {name!r} near {place} would end there; take it away from the solid afterwards"
         return None
 
     def largest(self, above: fmpq) -> float | None:

@@ -55,11 +55,17 @@ class Arc:
     unknown: int | None
 
 
-def arcs(sheets: Sheets, solid: LeafTree, nearby: AlongCurve, names: Sequence[str]) -> list[Arc]:
-    """All arcs of a part of a curve, each once or in pieces that adjoin; the part must be reduced."""
+def arcs(
+    sheets: Sheets, solid: LeafTree, nearby: AlongCurve, names: Sequence[str], walls: Sequence[Polynomial] = ()
+) -> list[Arc]:
+    """All arcs of a part of a curve, each once or in pieces that adjoin; the part must be reduced.
+
+    None of them crosses one of some walls.
+    """
     part = sheets.part
     assert part.turns is not None
-    slabs = _slabs(None, {*part.turns, *sheets.cuts}, None)
+    at_walls = (root for wall in walls if not part.contains(wall) for root in part.crossings(wall))
+    slabs = _slabs(None, {*part.turns, *sheets.cuts, *at_walls}, None)
     result = []
     while slabs:
         checkpoint("looking at a solid along a curve")

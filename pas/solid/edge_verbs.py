@@ -1,5 +1,5 @@
 """What is done to edges of solids: fillets and chamfers of one (`pas.solid.fillets`), rounds of many
-(`pas.solid.rounding`)."""
+(`pas.solid.rounding`, `pas.solid.profile_rounds`)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pas.limits import WorkLimits, limited
 from pas.registry import loaded
 
 FILLETS, LARGEST_FILLET = "pas.solid.fillets:filled", "pas.solid.fillets:largest"
-ROUNDED = "pas.solid.rounding:rounded"
+ROUNDED = "pas.solid.profile_rounds:rounded"
 """What makes them, in modules above."""
 
 S = TypeVar("S")
@@ -95,8 +95,9 @@ class WithEdges(Generic[S]):
         cylinders and spheres of the `radius` (the model's units), of a higher one convex surfaces of degree 2 `order`
         that end as deep below the other faces.  They are named after the planes: "box x+ / box y+".  Their joints are
         claimed, and proved by `verdicts`.  The solid is convex with plane faces, or what other operations took away
-        from such a one; its corners at rounded edges are of three planes.  Raises `GeometryError` where it is not so,
-        and with the largest radius where an edge is used up.
+        from such a one; its corners at rounded edges are of three planes.  Or it is extruded from a profile with arcs
+        of circles that goes on smoothly: then the edges at "top" and "bottom" are rounded, of order 1, by cylinders and
+        tori.  Raises `GeometryError` where it is not so, and with the largest radius where an edge is used up.
 
             solid.box((0, 0, 0), (4, 3, 2)).rounded(radius="1/2", order=2)
         """

@@ -59,8 +59,8 @@ class Lean:
         if not self.slope:
             return edge.curve
         if edge.control is None:
-            return edge.curve + Polynomial.from_raw(Z * (self.slope * square_root(_square(edge))))
-        center, radius = _circle(edge)
+            return edge.curve + Polynomial.from_raw(Z * (self.slope * square_root(square_of(edge))))
+        center, radius = circle_of(edge)
         rest = radius - self.slope * edge.bow * Z
         return Polynomial.from_raw((X - center[0]) ** 2 + (Y - center[1]) ** 2 - rest * rest)
 
@@ -69,7 +69,7 @@ class Lean:
         chord = line(edge.start, edge.end)
         if not self.slope:
             return chord
-        center, radius = _circle(edge)
+        center, radius = circle_of(edge)
         apex = radius * edge.bow / self.slope
         return chord - Polynomial.from_raw(Z * (chord.raw(*center, 0) / apex))
 
@@ -82,7 +82,7 @@ class Lean:
                 continue
             if radius_of(edge.curve) is None:
                 raise GeometryError(f"the edge {edge.name!r} is no arc of a circle: its side cannot lean by a taper")
-            _, radius = _circle(edge)
+            _, radius = circle_of(edge)
             if radius <= self.slope * edge.bow * height:
                 raise GeometryError(
                     f"the taper is too much for the edge {edge.name!r}: its radius, {plain(radius)}, is used up at "
@@ -144,11 +144,7 @@ class Prism(SweptBody):
         if not self.lean.slope:
             return points
         by = to_float(self.lean.slope) * self.height
-        normals = []
-        for edge, begin, count in zip(loop.edges, np.cumsum([0, *counts]).tolist(), counts, strict=False):
-            slopes = edge.curve.gradient(np.pad(points[begin : begin + count], ((0, 0), (0, 1))))[:, :2]
-            normals.append(-slopes / np.linalg.norm(slopes, axis=1)[:, None] * (edge.bow or 1))
-        ways, starts = np.concatenate(normals), np.cumsum([0, *counts[:-1]])
+        ways, starts = np.concatenate(inwards(loop, points, counts)), np.cumsum([0, *counts[:-1]])
         for number, start in enumerate(starts.tolist()):
             mine, before = loop.edges[number], loop.edges[number - 1]
             if mine.control is None and before.control is None:  # at a corner both sides lean
@@ -183,13 +179,23 @@ class Prism(SweptBody):
         return [1 if loop.is_counterclockwise else -1 for loop in self.loops]
 
 
-def _square(edge: PlaneEdge) -> fmpq:
+def inwards(loop: Loop, points: Floats, counts: list[int]) -> list[Floats]:
+    """Unit normals (N, 2) of each edge inwards at the points of a loop's polygon."""
+    normals = []
+    for edge, begin, count in zip(loop.edges, np.cumsum([0, *counts]).tolist(), counts, strict=False):
+        slopes = edge.curve.gradient(np.pad(points[begin : begin + count], ((0, 0), (0, 1))))[:, :2]
+        normals.append(-slopes / np.linalg.norm(slopes, axis=1)[:, None] * (edge.bow or 1))
+    return normals
+
+
+def square_of(edge: PlaneEdge) -> fmpq:
     """The squared length of the gradient of a straight edge's polynomial."""
     u, v = gradient(edge.curve, edge.start)
     return u * u + v * v
 
 
-def _circle(edge: PlaneEdge) -> tuple[tuple[fmpq, fmpq], fmpq]:
+def circle_of(edge: PlaneEdge) -> tuple[tuple[fmpq, fmpq], fmpq]:
+    """Centre and radius of an edge that is an arc of a circle, to rounding where that is not rational."""
     found = radius_of(edge.curve)
     assert found is not None
     return found[0], square_root(found[1])

@@ -13,6 +13,7 @@ from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import near
 from pas.errors import GeometryError, meant
 from pas.mesh.mesh import Mesh
 from pas.mesh.projection import distances, newton
@@ -25,13 +26,18 @@ class FaceSeam:
     """The edges in which two faces of a solid meet, as its mesh shows them, with what a fillet needs of them.
 
     `points` (N, 3) are on both faces, evenly along the edges.  `sign` is 1 where a fillet is added, -1 where it takes
-    away.  `walls` are the polynomials, negative inside, of the faces in which the seam ends, where it leaves the solid.
+    away.  `goes_on` says in words where a face goes on smoothly at an end.  `left` are polynomials, negative along it,
+    of faces through which it leaves the solid; `entered` those of faces that it runs into, positive along it, over the
+    lengths of their gradients there.  `beside` are the faces next to the two that it is inside of.
     """
 
     faces: tuple[Polynomial, Polynomial]
     points: Floats
     sign: int
-    walls: tuple[Polynomial, ...]
+    goes_on: str
+    left: tuple[Polynomial, ...]
+    entered: tuple[Polynomial, ...]
+    beside: tuple[tuple[str, Polynomial], ...]
 
     @classmethod
     def of(cls, solid: Solid, names: tuple[str, str]) -> FaceSeam:
@@ -47,9 +53,7 @@ class FaceSeam:
         middles, ways = mesh.points[edges].mean(axis=1), mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
         crossed = np.cross(faces[0].gradient(middles), faces[1].gradient(middles))
         above = (crossed * ways).sum(axis=1) < 0
-        found = cls(
-            faces, points, 1 if above.all() else -1, tuple(_walls(solid, mesh, edges, [*numbers[0], *numbers[1]]))
-        )
+        found = cls(faces, points, 1 if above.all() else -1, *_walls(solid, mesh, edges, names, points))
         flat = 1e-2  # sine of an angle between faces below which they are taken for tangent
         worst = int(np.argmax(found.cosines**2))
         if 1 - found.cosines[worst] ** 2 < flat**2:
@@ -79,8 +83,12 @@ class FaceSeam:
         reach = self.sign * radius / (1 + self.cosines)[:, None]
         return np.asarray(self.points + reach * self.normals.sum(axis=0))
 
+    def outwards(self, ends: Floats) -> Floats:
+        """The unit normals (2 N, 3) of the faces at points of `ends`."""
+        return np.concatenate([unit(f.gradient(some)) for f, some in zip(self.faces, np.split(ends, 2), strict=True)])
+
     def runs_out(self, radius: float) -> float:
-        """How far beyond the ends of an edge a fillet may take away, until it leaves the solid there."""
+        """How far beyond the ends of an edge a fillet goes, until it leaves the solid or is inside."""
         return 2 * radius * (1 + float(np.sqrt((1 - self.cosines) / (1 + self.cosines)).max()))
 
     def ends(self, heights: tuple[fmpq, fmpq], radius: float) -> Floats | None:
@@ -150,17 +158,44 @@ def edges_between(mesh: Mesh, first: Sequence[int], second: Sequence[int]) -> In
     return np.asarray(sides[0][mine, :2])
 
 
-def _walls(solid: Solid, mesh: Mesh, edges: Integers, numbers: Sequence[int]) -> list[Polynomial]:
-    """The polynomials of the faces through which the seam leaves the solid at its ends."""
+def _walls(
+    solid: Solid, mesh: Mesh, edges: Integers, names: tuple[str, str], points: Floats
+) -> tuple[
+    str,
+    tuple[Polynomial, ...],
+    tuple[Polynomial, ...],
+    tuple[tuple[str, Polynomial], ...],
+]:
+    """What ends a seam with points (N, 3), and the faces beside it, as in `FaceSeam`."""
+    parts = [name.split(" + ") for name in mesh.names]
+    own = [number for number, some in enumerate(parts) if not {*names}.isdisjoint(some)]
     vertices, times = np.unique(edges, return_counts=True)
-    found: dict[Polynomial, None] = {}
+    size, flat = float(np.ptp(mesh.points, axis=0).max()), 1e-6  # below which a seam goes along a face
+    smooth, left, entered = dict[tuple[str, str], None](), list[Polynomial](), list[Polynomial]()
     for end in vertices[times == 1].tolist():
-        edge = edges[(edges == end).any(axis=1)][0]
-        way = mesh.points[end] - mesh.points[edge[edge != end][0]]
+        place, (edge, *_) = mesh.points[end], edges[(edges == end).any(axis=1)]
+        way = unit(place - mesh.points[edge[edge != end][0]])
         around = np.unique(mesh.faces[(mesh.triangles == end).any(axis=1)])
-        others = [mesh.names[number] for number in around.tolist() if number not in numbers]
-        names = [name for together in others for name in together.split(" + ")]
-        for wall in (wall for name in names for wall in solid.polynomials.get(name, ())):
-            if wall.gradient(mesh.points[end]) @ way > 0:
-                found[wall] = None
-    return [*found]
+        here = {name for number in around.tolist() if number not in own for name in parts[number]}
+        pairs = (pair for j in solid.joints for pair in ((j.first, j.second), (j.second, j.first)))
+        smooth |= dict.fromkeys(pair for pair in pairs if pair[0] in names and pair[1] in here)
+        for wall in (wall for name in here for wall in solid.polynomials.get(name, ())):
+            length = float(np.linalg.norm(wall.gradient(place)))
+            rise = float(wall.gradient(place) @ way) / length
+            if abs(rise) <= flat:  # what it runs into may begin tangentially
+                rise = min(0.0, float(wall(place + 1e-3 * size * way)) / (1e-3 * size * length))
+            if abs(rise) > 1e-7:
+                (left if rise > 0 else entered).append(wall if rise > 0 else wall * near(1 / length))
+
+    def ahead(wall: Polynomial) -> bool:
+        """Whether the seam is nowhere behind a wall."""
+        return bool((wall(points) <= flat * size * np.linalg.norm(wall.gradient(points), axis=1)).all())
+
+    numbers = [number for number in range(len(parts)) if number not in own and len(edges_between(mesh, own, [number]))]
+    next_to = dict.fromkeys(name for number in numbers for name in parts[number])
+    return (
+        "".join(f", where {one!r} goes on smoothly in {other!r} and a fillet does not" for one, other in [*smooth][:1]),
+        tuple(filter(ahead, dict.fromkeys(left))),
+        tuple(wall for wall in dict.fromkeys(entered) if ahead(-wall)),
+        tuple((name, w) for name in next_to for w in solid.polynomials.get(name, ()) if (w(points) < 0).all()),
+    )

@@ -29,6 +29,7 @@ from pas.solid.face_seams import FaceSeam
 from pas.solid.joints import Joint
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, combined, complement
+from pas.verdicts import Verdict
 
 NODE = "pas.pipeline.pipe_nodes:PipeNode"
 """What finds a node that can take the place of where two pipes cross, in a module above."""
@@ -94,18 +95,27 @@ class Filling:
             return "one of the faces does not go on so far from the edge"
         s, t = f * (sign / a), g * (sign / b)
         h = 1 - s - t
-        walls = [s, t, *([h] if self.order else []), *self.within]
-        walls += _box(np.concatenate([self.seam.points, ends]), size if sign > 0 else self.seam.runs_out(size))
-        walls += [-wall for wall in self.seam.walls] if sign > 0 else []
-        piece = combined(False, Atom(surface, self.face), *(Atom(-wall, "") for wall in walls))
+        ended = self.seam.left if sign > 0 else ()
+        walls = [s, t, *([h] if self.order else []), *self.within, *(-wall for wall in ended)]
+        far, trims = sign < 0 or bool(self.seam.entered or self.seam.goes_on), list[Atom]()
+        walls += _box(np.concatenate([self.seam.points, ends]), self.seam.runs_out(size) if far else size)
+        if sign > 0:
+            hidden = radius / 8  # how deep it goes on in what it runs into
+            walls += [wall + hidden for wall in self.seam.entered]
+            bare = ends[~self.solid.contains(ends - 1e-4 * size * self.seam.outwards(ends))]
+            around = [(name, w) for name, some in self.solid.polynomials.items() for w in some if far and w.degree == 1]
+            inner = (one for one in around if (one[1](np.concatenate([self.seam.points, ends])) < 0).all())
+            over = (one for one in self.seam.beside if (one[1](bare) > 0).any())
+            trims = [Atom(wall, name) for name, wall in dict.fromkeys([*over, *inner])]
+        piece = combined(False, Atom(surface, self.face), *trims, *(Atom(-wall, "") for wall in walls))
         whole = self.solid.tree
         tree = combined(True, whole, piece) if sign > 0 else combined(False, whole, complement(piece))
         claims = (
-            Joint(self.face, self.names[0], (f, g - b * sign), self.order),
-            Joint(self.face, self.names[1], (g, f - a * sign), self.order),
+            Joint(self.face, self.names[0], (f, g - b * sign), self.order, [-wall for wall in ended]),
+            Joint(self.face, self.names[1], (g, f - a * sign), self.order, [-wall for wall in ended]),
         )
         made = replace(self.solid, tree=tree, joints=claims, sheets=None)
-        wrong = next((f"{v.claim}: {v.reason}" for v in made.verdicts if not v.proved), None)
+        wrong = next((_told(v) + self.seam.goes_on for v in made.verdicts if not v.proved), None)
         made = replace(made, joints=(*self.solid.joints, *claims))
         return wrong or made
 
@@ -154,6 +164,12 @@ def strays(made: Solid) -> str | None:
                 f"where it is wanted"
             )
     return None
+
+
+def _told(verdict: Verdict) -> str:
+    """What is wrong with a joint, and where."""
+    where = "" if verdict.witness is None else f" near {shown_point(verdict.witness)}"
+    return f"{verdict.claim}: {verdict.reason}{where}"
 
 
 def ways(

@@ -35,16 +35,27 @@ from pas.verdicts import Status, Verdict
 
 @dataclass(frozen=True)
 class Joint:
-    """The claim that two faces, by name, meet with GC^`order` along the curve V(g, h)."""
+    """The claim that two faces, by name, meet with GC^`order` along the curve V(g, h).
+
+    It is of the part of that on which all polynomials `within` are positive.
+    """
 
     first: str
     second: str
     along: tuple[Polynomial, Polynomial]
     order: int
+    within: tuple[Polynomial, ...] = ()
 
     __repr__ = brief
 
-    def __init__(self, first: str, second: str, along: Sequence[PolynomialLike], order: int) -> None:
+    def __init__(
+        self,
+        first: str,
+        second: str,
+        along: Sequence[PolynomialLike],
+        order: int,
+        within: Sequence[PolynomialLike] = (),
+    ) -> None:
         if not isinstance(along, Sequence) or isinstance(along, str) or len(along) != 2:
             raise TypeError(f"along must be the two polynomials (g, h) of the joint's curve, not {along!r}")
         g, h = Polynomial(along[0]), Polynomial(along[1])
@@ -57,15 +68,18 @@ class Joint:
         object.__setattr__(self, "second", second)
         object.__setattr__(self, "along", (g, h))
         object.__setattr__(self, "order", check_order(order))
+        object.__setattr__(self, "within", tuple(map(Polynomial, within)))
 
     def moved(self, map_: Affine) -> Joint:
         """The claim on the image under an affine map."""
-        return Joint(self.first, self.second, tuple(map(map_.polynomial, self.along)), self.order)
+        along, within = (tuple(map(map_.polynomial, some)) for some in (self.along, self.within))
+        return Joint(self.first, self.second, along, self.order, within)
 
     @property
     def claim(self) -> str:
         """What is to be proved, in words."""
-        return f"{self.first} meets {self.second} with GC^{self.order}"
+        part = " on a part of the curve" if self.within else ""
+        return f"{self.first} meets {self.second} with GC^{self.order}{part}"
 
 
 def refuse_unknown(joint: Joint, faces: Sequence[str]) -> None:
@@ -148,9 +162,9 @@ class _Proof:
             self.is_reduced = False
             return
         sheets = Sheets(part, self.solid.polynomials)
-        found = arcs(sheets, self.solid, self.nearby, self.names)
+        found = arcs(sheets, self.solid, self.nearby, self.names, self.joint.within)
         self.sheets.append(sheets)
-        for arc in found:
+        for arc in (a for a in found if all(a.point.sign(wall) > 0 for wall in self.joint.within)):
             first, second = (
                 frozenset(i for i, border in enumerate(arc.borders) if name in border.names)
                 for name in (self.joint.first, self.joint.second)
@@ -184,7 +198,9 @@ class _Proof:
             g, h = self.joint.along
             reason = f"{_short(g)} and {_short(h)} touch all along a part of the curve; take two that cross there"
             return self._undecided(reason)
-        return None if self.stretches else self._refuted("the curve has no real points, or isolated ones only")
+        where = " there" if self.joint.within else ""
+        reason = f"the curve has no real points{where}, or isolated ones only"
+        return None if self.stretches else self._refuted(reason)
 
     def _faces(self) -> Verdict | None:
         """Both faces lie on the curve, somewhere."""

@@ -205,7 +205,10 @@ class Seams:
             with np.errstate(divide="ignore", invalid="ignore"):
                 start = middle - np.linalg.pinv(np.transpose(slopes)) @ values
                 ends = np.sort((self._box - start) / way, axis=0)
-            points = start + np.linspace(np.nanmax(ends[0]), np.nanmin(ends[1]), 66)[1:-1, None] * way
+            low, high = np.nanmax(ends[0]), np.nanmin(ends[1])
+            if low >= high:  # the line misses the box
+                continue
+            points = start + np.linspace(low, high, 66)[1:-1, None] * way
             for a, b in combinations([c for c in faces if number in self._of(c)], 2):
                 f, g = (unit(self._jets(points, c)[:, 1:]) for c in (a, b))
                 aside = points + 2.0**-8 * np.cross(way, f)
@@ -329,9 +332,12 @@ def _is(function: object, primitive: Polynomial) -> bool:
 
 def _near(points: Floats, functions: tuple[Polynomial, ...]) -> tuple[Floats, Bools]:
     """Common zeros (N, 3) of one function or two near points (N, 3), by the Gauss-Newton method, and which are some."""
-    for _ in range(20):
-        values = np.stack([f(points) for f in functions], axis=1)
-        slopes = np.stack([f.gradient(points) for f in functions], axis=1)
-        steps = np.einsum("nij,nj->ni", np.linalg.pinv(slopes), values)
-        points = points - steps
+    with np.errstate(all="ignore"):  # some go so far away that they overflow
+        for _ in range(20):
+            values = np.stack([f(points) for f in functions], axis=1)
+            slopes = np.stack([f.gradient(points) for f in functions], axis=1)
+            lost = ~(np.isfinite(values).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2)))
+            values[lost], slopes[lost] = np.nan, 0.0
+            steps = np.einsum("nij,nj->ni", np.linalg.pinv(slopes), values)
+            points = points - steps
     return points, np.asarray(lengths(steps) <= 1e-9 * np.maximum(lengths(points), 1.0))
