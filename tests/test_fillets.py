@@ -136,6 +136,38 @@ def test_several_fillets_have_names_of_their_own():
     assert made.mesh().is_closed
 
 
+ROUND = solid.cylinder((0, 0, 0), (0, 0, 20), 6, "rod")
+MOUTH = solid.box((-9, -9, 0), (9, 9, 4), "plate") - solid.cylinder((0, 0, -1), (0, 0, 5), 4, "hole")
+BOSS = solid.box((-9, -9, 0), (9, 9, 4), "plate") | solid.cylinder((0, 0, 2), (0, 0, 20), 3, "boss")
+POST = solid.box((-20, -20, 0), (20, 20, 4), "plate") | solid.cylinder((0, 0, 2), (0, 0, 40), 3, "post")
+
+
+@pytest.mark.parametrize(
+    "shape, names, distance, volume",
+    [
+        (ROUND, ("rod", "rod end"), 1, np.pi * (36 * 19 + (36 + 30 + 25) / 3)),
+        (ROUND, ("rod", "rod end"), 5, np.pi * (36 * 15 + 5 * (36 + 6 + 1) / 3)),
+        (ROUND.rotate((1, 2, 2), 30), ("rod", "rod end"), 2, np.pi * (36 * 18 + 2 * (36 + 24 + 16) / 3)),
+        (MOUTH, ("hole", "plate z+"), 2, 324 * 4 - np.pi * (16 * 2 + 2 * (36 + 24 + 16) / 3)),
+        (BOSS, ("boss", "plate z+"), 4, 324 * 4 + np.pi * (9 * 12 + 4 * (49 + 21 + 9) / 3)),
+        (POST, ("post", "plate z+"), 10, 1600 * 4 + np.pi * (9 * 26 + 10 * (169 + 39 + 9) / 3)),
+    ],
+)
+def test_chamfers_about_one_axis_are_cones(shape, names, distance, volume):
+    made = shape.chamfer(*names, distance)
+    assert made.polynomials["chamfer"][0].degree == 2 and all(verdict.proved for verdict in made.verdicts)
+    assert made.volume() == pytest.approx(volume, rel=1e-5)
+
+
+@pytest.mark.parametrize("verb", ["fillet", "chamfer"])
+def test_no_ball_in_a_cylinder_is_larger_than_it(verb):
+    with pytest.raises(
+        GeometryError, match=r"radius 7 .*'rod' is bent more than a ball of this radius.*; one of radius 5"
+    ):
+        getattr(ROUND, verb)("rod", "rod end", 7)
+    assert getattr(BOSS, verb)("boss", "plate z+", 4).mesh().is_closed  # from outside larger ones fit
+
+
 def test_chamfers_are_flat():
     made = box().chamfer("box x+", "box z+", "1/4")
     assert made.volume() == pytest.approx(6 - 2 / 32) and len(made.joints) == 2 and made.proved

@@ -83,6 +83,14 @@ class FaceSeam:
         reach = self.sign * radius / (1 + self.cosines)[:, None]
         return np.asarray(self.points + reach * self.normals.sum(axis=0))
 
+    def turned_back(self, radius: float) -> list[bool]:
+        """Of both faces, whether somewhere its function falls again before the depth of such a ball's centre."""
+        slopes = [
+            face.gradient(self.points + self.sign * radius * n)
+            for face, n in zip(self.faces, self.normals, strict=True)
+        ]
+        return [bool(((s * n).sum(axis=1) <= 0).any()) for s, n in zip(slopes, self.normals, strict=True)]
+
     def outwards(self, ends: Floats) -> Floats:
         """The unit normals (2 N, 3) of the faces at points of `ends`."""
         return np.concatenate([unit(f.gradient(some)) for f, some in zip(self.faces, np.split(ends, 2), strict=True)])

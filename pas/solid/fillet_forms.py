@@ -89,8 +89,9 @@ class Meridian:
 
 
 def torus(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm | None:
-    """The torus of a ball that rolls along a seam; None of another order, or where there is none."""
-    axis = _axis(seam.faces) if order == 1 else None
+    """The torus of a ball that rolls along a seam, of order 0 the cone through the circles in which it touches the
+    faces; None of another order, or where there is none."""
+    axis = _axis(seam.faces) if order < 2 else None
     if axis is None:
         return None
     f, g = (Meridian.of(face, axis) for face in seam.faces)
@@ -104,23 +105,40 @@ def torus(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm | None:
     first, second = (m.foot(square, z, depth) for m in both)
     if first is None or second is None:
         return None
-    center = [p + z * w for p, w in zip(*axis, strict=True)]
     heights = f(*second) * seam.sign, g(*first) * seam.sign
-    return -torus_polynomial(center, axis[1], square, depth**2), heights
+    if order == 0:
+        cone = _cone(axis, first, second, (square, z))
+        return cone and (*cone, heights)
+    center = [p + z * w for p, w in zip(*axis, strict=True)]
+    return -torus_polynomial(center, axis[1], square, depth**2), (), heights
+
+
+def _cone(axis: Axis, *circles: tuple[fmpq, fmpq]) -> tuple[Polynomial, tuple[Polynomial, ...]] | None:
+    """The cone through two circles by R^2 and z, positive at the third, and the plane that parts its halves,
+    positive here; None where radii are irrational."""
+    (first, low), (second, high), (square, z) = circles
+    radii = square_root(first), square_root(second)
+    if radii[0] ** 2 != first or radii[1] ** 2 != second or low == high:
+        return None
+    w, along = away(axis[0]), height(*axis)
+    radius = (along - low) * ((radii[1] - radii[0]) / (high - low)) + radii[0]
+    cone = Polynomial.from_raw(dot(w, w) - along * along - radius * radius)
+    inside = square < (radii[0] + (radii[1] - radii[0]) * (z - low) / (high - low)) ** 2
+    return -cone if inside else cone, (Polynomial.from_raw(radius),)
 
 
 def bent(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm:
-    """The polynomial mu s t - h^(k+1), or of order 0 the plane -h."""
+    """The polynomial mu s t - h^(k+1), or of order 0 -h, which is flat between planes."""
     reach = seam.sign * to_float(radius) * (1 - seam.cosines)[:, None]
     a, b = (
         short(seam.sign * float(face(seam.points + reach * normal).mean()))
         for face, normal in zip(seam.faces, seam.normals, strict=True)
     )
     if a == 0 or b == 0:
-        return seam.faces[0], (a, b)
+        return seam.faces[0], (), (a, b)
     s, t = (face * (seam.sign / height) for face, height in zip(seam.faces, (a, b), strict=True))
     bulge, h = short(2 + 2 * float(seam.cosines.mean())), 1 - s - t
-    return s * t * bulge - h ** (order + 1) if order else -h, (a, b)
+    return s * t * bulge - h ** (order + 1) if order else -h, (), (a, b)
 
 
 def _center(

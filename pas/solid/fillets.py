@@ -45,8 +45,9 @@ class Way(Protocol):
         """The largest radius found of a fillet, below one; None where there is none."""
 
 
-FilletForm = tuple[Polynomial, tuple[fmpq, fmpq]]
-"""A surface, not positive on the side of the seam, and how high over each face it touches the other."""
+FilletForm = tuple[Polynomial, tuple[Polynomial, ...], tuple[fmpq, fmpq]]
+"""A surface, not positive on the side of the seam, polynomials positive where it counts, and how high over each face it
+touches the other."""
 
 FILLET_MAKERS: Registry[Callable[[FaceSeam, fmpq, int], FilletForm | None]] = Registry(
     "maker of fillets", {"torus": "pas.solid.fillet_forms:torus", "polynomial": "pas.solid.fillet_forms:bent"}
@@ -88,15 +89,18 @@ class Filling:
         """The solid with a fillet whose joints are proved, or why there is none; not looked at on a mesh."""
         checkpoint("proving a fillet")
         sign, (f, g), size = self.seam.sign, self.seam.faces, to_float(radius)
+        for name, face, bent in zip(self.names, (f, g), self.seam.turned_back(size), strict=True):
+            if bent and face.degree > 1:
+                return f"{name!r} is bent more than a ball of this radius that touches it from there"
         forms = (maker(self.seam, radius, self.order) for maker in FILLET_MAKERS.values())
-        surface, (a, b) = next(form for form in forms if form is not None)
+        surface, sides, (a, b) = next(form for form in forms if form is not None)
         ends = self.seam.ends((a, b), size) if a > 0 and b > 0 else None
         if ends is None:
             return "one of the faces does not go on so far from the edge"
         s, t = f * (sign / a), g * (sign / b)
         h = 1 - s - t
         ended = self.seam.left if sign > 0 else ()
-        walls = [s, t, *([h] if self.order else []), *self.within, *(-wall for wall in ended)]
+        walls = [s, t, *([h] if self.order else sides), *self.within, *(-wall for wall in ended)]
         far, trims = sign < 0 or bool(self.seam.entered or self.seam.goes_on), list[Atom]()
         walls += _box(np.concatenate([self.seam.points, ends]), self.seam.runs_out(size) if far else size)
         if sign > 0:
