@@ -97,8 +97,8 @@ def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
             return Refusal(_sentence(found, octree))
         finer = octree.refined()
         # Along curves there are twice as many in the next lattice, and on surfaces that come close four times as many.
-        fewer, more = 0.7 * len(octree.open_places), 3 * len(octree.open_places)
-        if not finer.crowded and fewer <= len(finer.open_places) <= more:
+        fewer, more, few = 0.7 * len(octree.open_places), 3 * len(octree.open_places), 0.3
+        if not finer.crowded and octree.open_share < few and fewer <= len(finer.open_places) <= more:
             break
         octree = finer
     return CROWDED if octree.crowded else octree
