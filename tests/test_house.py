@@ -16,8 +16,8 @@ from conftest import ROOT, nodes, parsed
 PACKAGE = ROOT / "pas"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 67_186 2887, 341, 2_887, 470
-"""One more file than before: rounds of profiles, which fit in none that is there."""
+MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 67_186, 341, 2_887, 470
+"""Rounds of profiles with arcs brought the last file."""
 
 
 def module(path: Path) -> str:
