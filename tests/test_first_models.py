@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
 from itertools import product
@@ -150,11 +151,14 @@ def bars(size, low, high):
 @pytest.mark.parametrize("flush", [True, False])
 def test_square_bars_and_holes_that_cross_meet_in_corners_of_six_edges(flush, tolerance):
     low, high = (0, 3) if flush else (-1, 4)
-    frame = reduce(lambda made, bar: made - bar, bars(3, low, high), solid.box((0, 0, 0), (3, 3, 3))).mesh(tolerance)
-    assert frame.is_closed and frame.euler_characteristic == 2 - 2 * 5
-    assert (len(frame.points), frame.volume) == (8 + 24 + 8, pytest.approx(27 - 7))
-    cross = solid.union(bars(3, low, high)).mesh(tolerance)
-    assert (len(cross.points), cross.volume) == (24 + 8, pytest.approx(1 + 3 * (high - low - 1)))
+    frame = reduce(lambda made, bar: made - bar, bars(3, low, high), solid.box((0, 0, 0), (3, 3, 3)))
+    cross = solid.union(bars(3, low, high))
+    for known in (frame.sheets, None):  # by meshes of the parts, and by lattices
+        mesh = replace(frame, sheets=known).mesh(tolerance)
+        assert mesh.is_closed and mesh.euler_characteristic == 2 - 2 * 5
+        assert (len(mesh.points), mesh.volume) == (8 + 24 + 8, pytest.approx(27 - 7))
+        mesh = replace(cross, sheets=known and cross.sheets).mesh(tolerance)
+        assert (len(mesh.points), mesh.volume) == (24 + 8, pytest.approx(1 + 3 * (high - low - 1)))
 
 
 def bend():

@@ -14,6 +14,7 @@ import pas
 from pas import solid
 from pas.errors import MeshError
 from pas.mesh.faces import _roots
+from pas.mesh.topology import twins_of
 from pas.solid import measures
 
 CYLINDER = solid.cylinder((-2, 0, 0), (2, 0, 0), 1)
@@ -285,6 +286,8 @@ def test_booleans_of_meshes():
             solid.SolidMesh.from_triangles(a.points, triangles)
     with pytest.raises(ValueError, match="triangles must be numbers of points"):
         _ = pas.Mesh.smooth(np.zeros((3, 3)), np.array([[0, 1, -5]]), np.zeros((3, 3))).is_closed
+    with pytest.raises(ValueError, match="triangles must be numbers of points"):
+        twins_of(np.array([[0, 1, -1]]), 3)
     far = solid.ball((9, 0, 0), 1).mesh(1e-2)
     with pytest.raises(pas.GeometryError, match="empty"):
         _ = a & far

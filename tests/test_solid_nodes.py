@@ -166,6 +166,8 @@ def test_walls_through_corners_of_a_gear_do_no_harm():
     assert mesh.smallest_angles.min() > 8.9
 
 
+Z = (0, 0, 1)
+
 STACKED = {
     "cones base on base": (
         lambda: solid.cone((0, 0, 0), (0, 0, 1), 1, 0, "a") | solid.cone((0, 0, 0), (0, 0, -1), 1, 0, "b"),
@@ -186,6 +188,13 @@ STACKED = {
         lambda: solid.cylinder((0, 0, 0), (0, 0, 1), 1, "a") | solid.cylinder((0, 0, 1), (0, 0, 2), "1/2", "b"),
         5 * pi / 4,
         {"a", "b", "a start", "a end", "b end"},
+    ),
+    "one on another, turned by seven degrees": (
+        lambda: (
+            solid.cylinder((0, 0, 0), (0, 0, 1), 1, "a") | solid.cylinder((0, 0, 1), (0, 0, 2), 1, "b").rotate(Z, 7)
+        ),
+        2 * pi,
+        {"a + b", "a start", "b end"},
     ),
 }
 
