@@ -302,3 +302,15 @@ def test_where_a_fillet_fails_is_told():
         block.fillet("plate z+", "side 1", "1/8")
     for words in ("near (", "where 'side 1' goes on smoothly in 'side", "and a fillet does not"):
         assert words in str(caught.value)
+
+
+def test_fillets_that_meet_in_a_corner_are_made_in_the_order_in_which_joints_hold():
+    """Those of two bosses that cross with the plate first, then that of both bosses, which ends on them."""
+    foot = solid.box((-20, -20, 0), (20, 20, 4), "plate") | solid.cylinder((-3, 0, 2), (-3, 0, 20), 5, "a")
+    shape = foot | solid.cylinder((4, 0, 2), (4, 0, 18), 4, "b")
+    with pytest.raises(GeometryError, match="make it before another fillet, of which then fillet meets a with GC"):
+        shape.fillet("a", "b", 1).fillet("a", "plate z+", 1)
+    made = shape.fillet("a", "plate z+", 1).fillet("b", "plate z+", 1).fillet("a", "b", 1)
+    assert len(made.verdicts) == 6 and all(verdict.proved for verdict in made.verdicts)
+    mesh = made.mesh(0.05)
+    assert mesh.is_closed and mesh.euler_characteristic == 2

@@ -120,8 +120,21 @@ class Filling:
         )
         made = replace(self.solid, tree=tree, joints=claims, sheets=None)
         wrong = next((_told(v) + self.seam.goes_on for v in made.verdicts if not v.proved), None)
-        made = replace(made, joints=(*self.solid.joints, *claims))
-        return wrong or made
+        return wrong or self._broken(made) or replace(made, joints=(*self.solid.joints, *claims))
+
+    def _broken(self, made: Solid) -> str | None:
+        """What joint of the two faces, proved before, is none beside the fillet; None where there is none."""
+        own = tuple(joint for joint in self.solid.joints if {joint.first, joint.second} & {*self.names})
+        before, after = (replace(one, joints=own, sheets=None).verdicts for one in (self.solid, made))
+        pairs = zip(before, after, strict=True)
+        return next(
+            (
+                f"make it before another fillet, of which then {_told(new)}"
+                for old, new in pairs
+                if old.proved > new.proved
+            ),
+            None,
+        )
 
     def largest(self, above: fmpq) -> float | None:
         """The largest radius found below one, to a thirtieth, of a fillet that there is; None where there is none.
