@@ -756,7 +756,7 @@ def test_bad_blends(make, error, message):
     ],
 )
 def test_injectivity(surface, injective):
-    from pas.parametric.regularity import is_injective
+    from pas.parametric.generatrix.verdicts import is_injective
 
     made = pas.ParametricSurface(*surface, parameters=("s", "t"), domain=((0, 1), (0, 1)))
     assert is_injective(made) == injective

@@ -71,7 +71,7 @@ def test_volume_of_a_drilled_rounded_box():
 def test_faces_of_what_is_taken_away_look_into_it():
     """On the mesh that the parts' meshes make, each function rises out of the solid."""
     made = soft() - solid.box((10, 10, 5), (20, 20, 20)).rounded(radius=1)
-    cut = made.sheets._cut(made.field, 0.5)
+    cut = made.sheets._cut(made.field, 0.5, 1)
     a, b, c = np.moveaxis(cut.points[cut.triangles], 1, 0)
     slopes = made.field.jets((a + b + c) / 3, cut.faces)[:, 1:]
     assert ((slopes * np.cross(b - a, c - a)).sum(axis=1) > 0).all()

@@ -13,6 +13,7 @@ import pytest
 import pas
 from pas import solid
 from pas.errors import MeshError
+from pas.mesh import closed
 from pas.mesh.faces import _roots
 from pas.mesh.topology import twins_of
 from pas.solid import measures
@@ -267,6 +268,48 @@ def test_what_touches_a_box_from_above_is_no_piece_of_its_own(second):
         (box | second).mesh(1e-2)
     almost = (box | second.translate((0, 0, "1/100000"))).mesh(1e-2)
     assert almost.components == 2 and almost.is_closed
+
+
+SLAB = solid.box((-2, -2, 0), (2, 2, 1))
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        SLAB | solid.cone((0, 0, 2), (0, 0, 1), 1, 0),
+        SLAB | solid.box((0, 0, 0), (1, 1, 1), "corner").rotate((1, -1, 0), 45).translate((0, 0, 1)),
+        SLAB | solid.torus((0, 0, "5/4"), (0, 0, 1), 1, "1/4"),
+        (SLAB - solid.cylinder((0, 0, -1), (0, 0, 2), 1, "bore")) | solid.ball((0, 0, "1/2"), 1),
+    ],
+    ids=["apex", "corner", "torus", "ball in a bore"],
+)
+def test_pieces_that_touch_in_a_vertex_or_along_a_curve_are_no_surface(shape):
+    with pytest.raises(MeshError, match=r"touch|meet in one point"):
+        shape.mesh(1e-2)
+
+
+def test_faces_that_lie_in_one_plane_are_no_contact():
+    """Of two boxes a little apart: each has vertices in the planes of the other's sides."""
+    near = SLAB | solid.box(("2001/1000", -2, 0), (3, 2, 1), "other")
+    assert near.mesh(1e-2).components == 2
+
+
+def test_first_meshes_are_no_finer_than_they_must_be():
+    """Cuts of fine meshes would take many times as long as all the rest."""
+    shape, tolerances = SLAB - solid.ball((0, 0, 1), "1/2"), list[float]()
+    ball = shape.sheets.parts[1]
+    known = ball.face_mesh
+    ball.__dict__["face_mesh"] = lambda within: (tolerances.append(within), known(within))[1]
+    assert shape.mesh(2e-4).deviation <= 2e-4
+    assert 4e-4 < min(tolerances) < max(tolerances) < 1e-2
+
+
+def test_a_face_that_first_meshes_show_is_not_lost_by_a_lattice(monkeypatch):
+    shape = solid.box((0, 0, 0), (1000, 1000, 1)) - solid.cylinder((500, 1, -1), (500, 1, 2), "1/5", "hole")
+    monkeypatch.setattr(closed, "_from_first", lambda *_: None)
+    monkeypatch.setattr(closed, "_bounded", lambda *_: (shape.sheets.parts[0].face_mesh(1).mesh, 0.0))
+    with pytest.raises(MeshError, match="hole did not come out"):
+        shape.mesh(0.02)
 
 
 def test_booleans_of_meshes():

@@ -88,7 +88,12 @@ def triangulate_faces(
     triangles.
     """
     made = None if first is None else _from_first(first, field, tolerance, quality)
-    return _finished(_bounded(field, tolerance, quality) if made is None else made)
+    found = _bounded(field, tolerance, quality) if made is None else made
+    if first is not None and isinstance(found, tuple):
+        lost = sorted(field.face(label) for label in {*first.labels.tolist()} - {*found[0].labels.tolist()})
+        if lost:
+            found = Refusal(f"the solid could not be meshed: {', '.join(lost)} did not come out; set another tolerance")
+    return _finished(found)
 
 
 def _from_first(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> Made | None:
@@ -105,19 +110,29 @@ def _from_first(first: Labelled, field: FaceField, tolerance: float, quality: Qu
 
 
 def _touches(mesh: Labelled, field: FaceField, tolerance: float) -> bool:
-    """Whether triangles cross, or pieces touch, looked for where each is nearest to faces of the others."""
-    if len(crossings(mesh.points, mesh.triangles)[0]):
+    """Whether triangles cross, or pieces touch: in a vertex of one, or near where it is nearest to faces of others."""
+    labels, close_by = np.unique(mesh.labels).tolist(), np.zeros(len(mesh.triangles), dtype=bool)
+    for label in labels:  # triangles that are no farther from another face than they are large
+        near = distances(field, mesh.points, np.full(len(mesh.points), label)) < 2 * mesh.sizes
+        close_by |= near[mesh.triangles].any(axis=1) & (mesh.labels != label)
+    if len(crossings(mesh.points, mesh.triangles[close_by])[0]):
         return True
     pieces, room = connected(mesh.topology.edges, len(mesh.points)), 4 * tolerance  # between a vertex and such a face
-    owners = pieces[mesh.triangles[:, 0]]
-    for piece, label in product(range(int(pieces.max()) + 1), np.unique(mesh.labels).tolist()):
+    owners, close = pieces[mesh.triangles[:, 0]], SAME * extent_of(field)
+    beside = 10 * close * np.concatenate([np.eye(3), -np.eye(3)])
+    for piece, label in product(range(int(pieces.max()) + 1), labels):
         if piece in owners[mesh.labels == label]:
             continue
         here = mesh.points[pieces == piece]
-        near = here[distances(field, here, np.full(len(here), label)) < room]
-        labels = np.full(len(near), label)
-        feet = newton(near, field, labels[:, None], np.full(len(near), room))
-        gaps = np.where(bounds_set(field, feet, labels), norms(near - feet), np.inf)
+        off = distances(field, here, np.full(len(here), label))
+        on, near = here[off < close], here[off < room]
+        around = (on[:, None] + beside).reshape(-1, 3)
+        around = newton(around, field, np.full((len(around), 1), label), np.full(len(around), 10 * close))
+        if bounds_set(field, around, np.full(len(around), label)).any():
+            return True
+        column = np.full(len(near), label)
+        feet = newton(near, field, column[:, None], np.full(len(near), room))
+        gaps = np.where(bounds_set(field, feet, column), norms(near - feet), np.inf)
         nearest = np.argsort(gaps)[: min(PLACES, np.isfinite(gaps).sum())]
         found = diagnosis(field, feet[nearest], room)
         if found is not None and found.stays:

@@ -255,9 +255,8 @@ def _crossed(field: FaceField, points: Floats, names: Integers, reach: Floats) -
 
     Of the eight parts of space between three bars that cross, say, four are inside, each beside two or three others.
     """
-    towards = np.einsum(
-        "nij,kj->nki", np.linalg.pinv(_normals(field, points, names)), 2.0 * _CORNERS - 1
-    )  # on which sides of the faces
+    inverse = np.linalg.pinv(_normals(field, points, names))
+    towards = np.einsum("nij,kj->nki", inverse, 2.0 * _CORNERS - 1)  # on which sides of the faces
     inside = field.inside(field.signs((points[:, None] + reach[:, None, None] * towards).reshape(-1, 3)))
     sides = inside.reshape(-1, 2, 2, 2)
     result = np.zeros(len(points), dtype=bool)

@@ -13,32 +13,20 @@ Base points are isolated parameters at which a component is 0/0, numerator and d
 give the candidates for each parameter; real roots are isolated exactly, and a pair of them is kept unless interval
 arithmetic shows that one of the two polynomials is not zero there.  Guaranteed: no base point is missed.  Not
 guaranteed: that a pair at which both vanish to the precision of 256 bits is one.
-
-A surface is proved to take no point twice as follows: if for two vectors a, b the symmetric part of the matrix
-
-    ( a . P_s   a . P_t )
-    ( b . P_s   b . P_t )
-
-is positive definite on the whole (convex) square, then for two places that differ by (u, v) the number
-(u a + v b) . (P - P') is the mean of this form at (u, v) along the way between them, hence positive: P != P'
-(the monotone case of Gale and Nikaido 1965).  With a, b dual to the mean tangents the matrix is near the unit
-matrix for surfaces that do not bend too far.  The two inequalities are proved by Bernstein branch and bound.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Unpack
 
 import numpy as np
-from flint import arb, ctx, fmpq, fmpq_mpoly
+from flint import arb, ctx, fmpq_mpoly
 
 from pas.algebra.lengths import lengths, scaled
-from pas.algebra.monomials import Floats
-from pas.algebra.rational import cross, exact, plain, rational, to_float, to_fraction
-from pas.algebra.rational_function import ONE, PARAMETERS, RationalFunction, total
+from pas.algebra.rational import cross, plain, to_float
+from pas.algebra.rational_function import ONE, PARAMETERS, RationalFunction
 from pas.algebra.roots import middle_of, real_roots
 from pas.limits import WorkLimits, limited
 from pas.parametric.common_zeros import UNIT_SQUARE, ZeroSearch, charts_of, without_common_zero
@@ -55,7 +43,7 @@ LARGEST = 600
 def regularity(surface: ParametricMap, effort: int = 20_000, **limits: Unpack[WorkLimits]) -> Verdict:
     """Whether an exact surface is regular and free of poles on its whole domain.
 
-    `effort` bounds the rectangles examined, which `measure` counts; points may be double (Gale and Nikaido 1965).
+    `effort` bounds the rectangles examined; the verdict's `measure` counts them.
     """
     claim = "regular, without poles, on its domain"
     if not surface.is_exact:
@@ -195,38 +183,3 @@ def _roots(above: fmpq_mpoly, below: fmpq_mpoly, kept: int) -> list[arb]:
 def _may_vanish(polynomial: fmpq_mpoly, t: arb, h: arb) -> bool:
     terms = polynomial.to_dict().items()
     return bool(sum((arb(c) * t ** int(a) * h ** int(b) for (a, b), c in terms), arb(0)).contains(0))
-
-
-def is_injective(surface: ParametricMap, effort: int = 4_000) -> bool:
-    """Whether it is proved that an exact surface over [0, 1]^2 takes no point twice; False says nothing.
-
-    Each coordinate is scaled exactly by the size of its mean slopes (at 5 x 5 places) first: that changes nothing.
-    """
-    along, across = ([c.diff(*order) for c in surface.components] for order in ((1, 0), (0, 1)))
-    places = [fmpq(i, 4) for i in range(5)]
-    try:
-        means = [
-            [sum((rational(f.at(u, v)) for u in places for v in places), fmpq(0)) / 25 for f in pair]
-            for pair in zip(along, across, strict=True)
-        ]
-    except ValueError:  # a pole
-        return False
-    sizes = [max(map(abs, row)) or fmpq(1) for row in means]
-    tangents = np.array([[to_float(x / size) for x in row] for row, size in zip(means, sizes, strict=True)])
-    duals = np.linalg.pinv(tangents)
-    if not np.abs(duals).max(axis=1).min() > 0:
-        return False
-    first, second = ([x / size for x, size in zip(_short(row), sizes, strict=True)] for row in duals)
-    a, d = _product(first, along), _product(second, across)
-    mixed = _product(first, across) + _product(second, along)
-    return positive_on_unit_square(a, effort) and positive_on_unit_square(4 * a * d - mixed * mixed, effort)
-
-
-def _short(vector: Floats) -> list[fmpq]:
-    """A rational vector near, with short numbers: any vectors near will do."""
-    scale = exact(2.0 ** np.round(np.log2(np.abs(vector).max())))
-    return [rational(to_fraction(exact(float(x)) / scale).limit_denominator(64)) * scale for x in vector]
-
-
-def _product(vector: Sequence[fmpq], functions: Sequence[RationalFunction]) -> RationalFunction:
-    return total([f * x for f, x in zip(functions, vector, strict=True)])

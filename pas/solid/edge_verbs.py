@@ -61,8 +61,10 @@ class WithEdges(Generic[S]):
         face: str | None = None,
         **limits: Unpack[WorkLimits],
     ) -> S:
-        """The solid with the edges between two faces cut off flatly, or filled where they go in.
+        """The solid with the edges between two faces cut off, or filled where they go in.
 
+        By a plane between planes, by a cone about an axis of rational length that the faces have in common, and by the
+        polynomial that is linear in theirs between others.
         `distance` is the radius (the model's units) of the fillet that would end in the same curves; at a right angle
         that is how far they are from the edge.  Raises `GeometryError` as `fillet` does.
         """

@@ -85,11 +85,8 @@ class FaceSeam:
 
     def turned_back(self, radius: float) -> list[bool]:
         """Of both faces, whether somewhere its function falls again before the depth of such a ball's centre."""
-        slopes = [
-            face.gradient(self.points + self.sign * radius * n)
-            for face, n in zip(self.faces, self.normals, strict=True)
-        ]
-        return [bool(((s * n).sum(axis=1) <= 0).any()) for s, n in zip(slopes, self.normals, strict=True)]
+        known = zip(self.faces, self.points + self.sign * radius * self.normals, self.normals, strict=True)
+        return [bool(((face.gradient(deep) * n).sum(axis=1) <= 0).any()) for face, deep, n in known]
 
     def outwards(self, ends: Floats) -> Floats:
         """The unit normals (2 N, 3) of the faces at points of `ends`."""
@@ -166,14 +163,12 @@ def edges_between(mesh: Mesh, first: Sequence[int], second: Sequence[int]) -> In
     return np.asarray(sides[0][mine, :2])
 
 
+Walls = tuple[Polynomial, ...]
+
+
 def _walls(
     solid: Solid, mesh: Mesh, edges: Integers, names: tuple[str, str], points: Floats
-) -> tuple[
-    str,
-    tuple[Polynomial, ...],
-    tuple[Polynomial, ...],
-    tuple[tuple[str, Polynomial], ...],
-]:
+) -> tuple[str, Walls, Walls, tuple[tuple[str, Polynomial], ...]]:
     """What ends a seam with points (N, 3), and the faces beside it, as in `FaceSeam`."""
     parts = [name.split(" + ") for name in mesh.names]
     own = [number for number, some in enumerate(parts) if not {*names}.isdisjoint(some)]

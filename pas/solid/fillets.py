@@ -89,9 +89,8 @@ class Filling:
         """The solid with a fillet whose joints are proved, or why there is none; not looked at on a mesh."""
         checkpoint("proving a fillet")
         sign, (f, g), size = self.seam.sign, self.seam.faces, to_float(radius)
-        for name, face, bent in zip(self.names, (f, g), self.seam.turned_back(size), strict=True):
-            if bent and face.degree > 1:
-                return f"{name!r} is bent more than a ball of this radius that touches it from there"
+        if True in (bent := self.seam.turned_back(size)):
+            return f"{self.names[bent.index(True)]!r} is bent more than a ball of this radius that touches it there"
         forms = (maker(self.seam, radius, self.order) for maker in FILLET_MAKERS.values())
         surface, sides, (a, b) = next(form for form in forms if form is not None)
         ends = self.seam.ends((a, b), size) if a > 0 and b > 0 else None
@@ -126,15 +125,8 @@ class Filling:
         """What joint of the two faces, proved before, is none beside the fillet; None where there is none."""
         own = tuple(joint for joint in self.solid.joints if {joint.first, joint.second} & {*self.names})
         before, after = (replace(one, joints=own, sheets=None).verdicts for one in (self.solid, made))
-        pairs = zip(before, after, strict=True)
-        return next(
-            (
-                f"make it before another fillet, of which then {_told(new)}"
-                for old, new in pairs
-                if old.proved > new.proved
-            ),
-            None,
-        )
+        lost = (new for old, new in zip(before, after, strict=True) if old.proved and not new.proved)
+        return next((f"make it before another fillet, of which then {_told(verdict)}" for verdict in lost), None)
 
     def largest(self, above: fmpq) -> float | None:
         """The largest radius found below one, to a thirtieth, of a fillet that there is; None where there is none.

@@ -67,12 +67,9 @@ def combined_boundary(first: Operand, second: Operand, operation: str) -> SolidB
     before, new = first.sheets, second.sheets
     if before is None and new is None:
         return None
-    blends = [isinstance(known, SheetBody | LinkedBodies) for known in (before, new)]
-    if operation == "Add" and any(blends):
-        ends = zip((before, new), (first, second), blends, strict=True)
-        linked = united(*(known if blend else plain_run(solid.tree) for known, solid, blend in ends))
-    else:
-        linked = None
+    blends = [known if isinstance(known, SheetBody | LinkedBodies) else None for known in (before, new)]
+    ends = (blend or plain_run(solid.tree) for blend, solid in zip(blends, (first, second), strict=True))
+    linked = united(*ends) if operation == "Add" and any(blends) else None
     parts = before.parts if isinstance(before, Operands) and before.operation == operation else (first,)
     return linked or Operands((*parts, second), operation)
 
@@ -115,17 +112,17 @@ class Operands:
         """
         refuse_passing([*_bodies(self)])
         try:
-            found, finer = (self._cut(field, tolerance / parts) for parts in (4, 16))
+            found, finer = (self._cut(field, tolerance, parts) for parts in (4, 16))
         except (GeometryError, MeshError):  # of a part: what is wrong with the whole, if anything is, that says
             return None
         first, second = map(_areas, (found, finer))
         same = _shape(found) == _shape(finer) and found.faces.max() < 2 * field.evaluator.used
         return Labelled.of(*found) if same and np.all(second > first / 2) else None
 
-    def _cut(self, field: SolidField, tolerance: float) -> Triangles:
+    def _cut(self, field: SolidField, tolerance: float, parts: int) -> Triangles:
         first, *others = self.parts
         bounded = [first, *(_within(other, first._around) if _box(other) is None else other for other in others)]
-        found, *rest = (_cut(part, field, tolerance) for part in bounded)
+        found, *rest = (_cut(part, field, tolerance, parts) for part in bounded)
         turned = 1 if self.operation == "Subtract" else 0
         return boolean([found, *(other._replace(faces=other.faces ^ turned) for other in rest)], self.operation)
 
@@ -141,11 +138,15 @@ def _bodies(known: SolidBoundary | None) -> Iterator[LinkedPart]:
         yield from known.parts
 
 
-def _cut(part: Operand, field: SolidField, tolerance: float) -> Triangles:
-    """The mesh of a solid with the labels and in the coordinates of a field that has its functions."""
+def _cut(part: Operand, field: SolidField, tolerance: float, parts: int) -> Triangles:
+    """The mesh of a solid with the labels and in the coordinates of a field that has its functions, so many times as
+    fine as a tolerance; that of a lattice no finer than shows it, as all is refined once it is cut."""
     if isinstance(part.sheets, Operands):
-        return part.sheets._cut(field, tolerance)
-    mesh = part.face_mesh(tolerance * field.scale).mesh
+        return part.sheets._cut(field, tolerance, parts)
+    within = tolerance * field.scale
+    if part.sheets is None:
+        within = max(within, float(np.ptp(part._around, axis=0).max()) / 128)
+    mesh = part.face_mesh(within / parts).mesh
     points = field.evaluator.local(part.field.world(mesh.points))
     return Triangles(points, mesh.triangles, field.labels_of(part.field, mesh.labels))
 

@@ -184,17 +184,12 @@ def rounded_prism(solid: Solid, body: Prism, faces: Sequence[str] | None, radius
     if made.coarse is None:
         raise GeometryError(f"radius {plain(radius)} is too large: rounds of the profile's edges would meet on an end")
     every = [one for some in rounds.values() for one in some]
-    claims = [
-        c
-        for some in rounds.values()
-        for a, b in zip(some, some[1:] + some[:1], strict=True)
-        for c in a.claims(b, radius)
-    ]
+    pairs = (pair for some in rounds.values() for pair in zip(some, some[1:] + some[:1], strict=True))
+    claims = [claim for one, after in pairs for claim in one.claims(after, radius)]
     cut = Solid(combined(False, *(one.rest for one in every)), tuple(claims))
     moved = cut if body.place is None else cut._moved(body.place)
-    return replace(
-        solid, tree=combined(False, solid.tree, moved.tree), joints=(*solid.joints, *moved.joints), sheets=made
-    )
+    joints = (*solid.joints, *moved.joints)
+    return replace(solid, tree=combined(False, solid.tree, moved.tree), joints=joints, sheets=made)
 
 
 def _stretch(body: Prism) -> fmpq:

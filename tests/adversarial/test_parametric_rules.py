@@ -19,9 +19,9 @@ from pas.parametric.blends import ParametricBlend, hermite_blend
 from pas.parametric.common_zeros import UNIT_SQUARE, avoids_origin, without_common_zero
 from pas.parametric.data import BlendingData, contact_verdicts
 from pas.parametric.fitting import FittedPatch, _bound, _knots, _outer
+from pas.parametric.generatrix.verdicts import is_injective, positive_on_unit_square, regularity
 from pas.parametric.meshing import bounded
 from pas.parametric.nets import Framed, Nets, PlacedNets, exact_net, exact_rectangle
-from pas.parametric.regularity import is_injective, positive_on_unit_square, regularity
 from pas.parametric.series import roots_and_sides, roots_between
 from pas.parametric.surface import ParametricSurface
 from pas.verdicts import Status
