@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
@@ -35,6 +36,9 @@ by which rays differ that are not each other's mirror images: of such, all are f
 
 CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
 """Points at which a class's own slopes are held against differences, how far they may be off, and at how many."""
+
+
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -120,7 +124,7 @@ class ObjectiveValue:
     @cached_property
     def beyond(self) -> float:
         """The sum of the squares of what is beyond limits."""
-        return sum(float((e.values * e.values).sum()) for found in self.excesses for e in found)
+        return sum(float((np.maximum(e.values, 0) ** 2).sum()) for found in self.excesses for e in found)
 
     @property
     def total(self) -> float:
@@ -146,15 +150,12 @@ class ObjectiveValue:
     def linearised(self) -> tuple[Floats, Floats]:
         """`J^T J` (m, m) and `J^T r` (m,) for the residuals r, whose squares add up to the objective, and their
         derivatives J by the member."""
-        size = len(self.sampled.member)
-        normal, gradient = np.zeros((size, size)), np.zeros(size)
-        for geometry, found in zip(self.geometries, self.excesses, strict=True):
-            residuals = (self._weighted(), *found) if geometry is self.sampled else found
-            if residuals:
-                jacobian = geometry.jacobian()
-                parts = [jacobian.normal_equations(one) for one in residuals]
-                normal, gradient = normal + sum(p[0] for p in parts), gradient + sum(p[1] for p in parts)
-        return normal, gradient
+        return LocalModel(self).linearised
+
+    @property
+    def passed(self) -> list[list[Mask]]:
+        """At which points each limit is passed."""
+        return [[one.values[:, 0] > 0 for one in found] for found in self.excesses]
 
     def _weighted(self) -> Residuals:
         """The energy's residuals, with the roots of the areas for weights."""
@@ -185,6 +186,43 @@ class ObjectiveValue:
         term = Term(added, (curvature,))
         objective = replace(self.objective, terms=(*self.objective.terms, term))
         return ObjectiveValue(objective, self.residuals, (*self.geometries, own), (*self.excesses, term.beyond(own)))
+
+
+class LocalModel:
+    """An objective next to a member q to first order in its residuals: |r + J x|^2 + sum max(0, v + A x)^2 at q + x.
+
+    `normal` and `slope` are J^T J and J^T r of the energy; `values` v and `rows` A of the limits, at points where the
+    member passes them or one that was tried does: at others they count only if they are passed.
+    """
+
+    def __init__(self, value: ObjectiveValue) -> None:
+        self._value, self._known = value, value.passed
+        self._jacobians = [geometry.jacobian() for geometry in value.geometries]
+        self.normal, self.slope = self._jacobians[0].normal_equations(value._weighted())
+        self.values, self.rows = np.empty(0), np.empty((0, len(self.slope)))
+        self._add(self._known)
+
+    @property
+    def linearised(self) -> tuple[Floats, Floats]:
+        """The matrix and slope of half of the objective at the member itself."""
+        rows, values = self.rows[self.values > 0], self.values[self.values > 0]
+        return self.normal + rows.T @ rows, self.slope + rows.T @ values
+
+    def joined(self, tried: ObjectiveValue) -> bool:
+        """Look from now on where a member that was tried passes limits too; whether that is anywhere new."""
+        new = [[a & ~b for a, b in zip(*pair, strict=True)] for pair in zip(tried.passed, self._known, strict=True)]
+        self._known = [[a | b for a, b in zip(*pair, strict=True)] for pair in zip(new, self._known, strict=True)]
+        return self._add(new)
+
+    def _add(self, masks: list[list[Mask]]) -> bool:
+        before = len(self.values)
+        for jacobian, found, own in zip(self._jacobians, self._value.excesses, masks, strict=True):
+            for one, mask in zip(found, own, strict=True):
+                if mask.any():
+                    some = one.some(mask)
+                    self.values = np.concatenate([self.values, some.values.ravel()])
+                    self.rows = np.concatenate([self.rows, jacobian.rows(some)])
+        return len(self.values) > before
 
 
 def check_energy(energy: Energy, points: SurfacePoints, sizes: Sizes) -> None:

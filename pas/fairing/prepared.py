@@ -120,7 +120,7 @@ class FitSettings:
     lattices: tuple[int, ...] = (32, 64)
     """Subdivisions of the outer faces on whose rays members are asked; a finer one where a member is not proved."""
 
-    margins: tuple[float, ...] = (1.0, 0.1)
+    margins: tuple[float, ...] = (0.1,)
     """Shares of the usual margins, in turn: members with a tenth of them exist in lower degrees."""
 
     rounds: int = 16
@@ -131,6 +131,9 @@ class FitSettings:
 
     trials: int = 16
     """Programmes for one step, half of which may add constraints."""
+
+    sets: int = 12
+    """Programmes for one trial until it is known where limits are passed; most need 2 to 4."""
 
     damping: float = 1e-4
     least: float = 1e-9

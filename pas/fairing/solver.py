@@ -27,7 +27,7 @@ from pas.algebra.monomials import Floats, monomial_values
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
 from pas.fairing.constraints import Inequalities
-from pas.fairing.objective import ObjectiveValue, SurfaceObjective
+from pas.fairing.objective import LocalModel, ObjectiveValue, SurfaceObjective
 from pas.fairing.prepared import SETTINGS, FitSettings, PreparedSpace, SampledConditions
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.wishes import UnitCoefficients, Wishes
@@ -138,9 +138,14 @@ class FitSolver:
             found, start = self.furthest(way, share)
             if found is not None and (best is None or found.energy <= best.energy):
                 best = found
-            if start is way[-1]:
+            hopeless = start is not None and start.value is not None and self.hopeless(start.value)
+            if start is way[-1] or (found is not None and hopeless):
                 break
         return best
+
+    def hopeless(self, value: ObjectiveValue) -> bool:
+        """Whether so much is beyond limits that looking closer is in vain."""
+        return value.beyond > self.settings.hopeless * value.energy
 
     def furthest(self, way: list[Iterate], share: float) -> tuple[FittedMember | None, Iterate | None]:
         """The last member that is proved, by longer and longer steps back: where one is not proved its neighbours
@@ -180,7 +185,7 @@ class FitSolver:
     def closer(self, at: Iterate, conditions: SampledConditions) -> Iterator[Iterate]:
         """The way on, with rays where curvature is beyond the limits between those that there are."""
         for _ in range(self.settings.closer):
-            if at.value is None or at.value.beyond > self.settings.hopeless * at.value.energy:
+            if at.value is None or self.hopeless(at.value):
                 return
             finer = at.value.closer()
             if finer is None:
@@ -217,25 +222,26 @@ class FitSolver:
         s, now = self.settings, self.phi(at.member, at.value)
         most = now if self.programme.holds(at.member) else np.inf
         met = most == now and not len(at.rows.missed(at.member, 1 - self.settings.met))
-        normal, slope = self.linearised(at)
-        unit = np.trace(normal) / len(normal) * np.eye(len(normal))
+        model = None if at.value is None else LocalModel(at.value)
+        unit = np.trace(self.linearised(at, model)[0]) / len(at.member) * np.eye(len(at.member))
         rows, damping, cuts = at.rows, at.damping, 0
         for _ in range(s.trials):
-            matrix = normal + damping * unit
             try:
-                new = self.programme.step(matrix, slope - matrix @ at.member, rows)
+                new, expected = self.least(at, model, damping * unit, rows)
             except NotSolvedError:  # rounding spoils the optimum: a shorter step is better conditioned
                 rows, damping = at.rows, damping * s.slower
                 continue
             if new is None:
                 return None
-            step = new - at.member
-            expected = -float(2 * slope @ step + step @ normal @ step)
             if met and damping <= s.damping and expected < (s.enough - s.loss * (cuts > 0)) * now:
-                return None
+                if not cuts:
+                    return None
+                rows, cuts, damping = at.rows, 0, damping * s.slower  # the margins that were lost cost more
+                continue
             value = at.value and at.value.moved(new)
             if (value is None and at.value is not None) or not self.phi(new, value) < most:
-                rows, damping = at.rows, damping * s.slower
+                further = value is not None and model is not None and model.joined(value)
+                rows, damping = at.rows, damping * (1 if further else s.slower)
                 continue
             missed = conditions.missed(new)
             if not len(missed):
@@ -250,17 +256,39 @@ class FitSolver:
                 return None
         return None
 
+    def least(
+        self, at: Iterate, model: LocalModel | None, damping: Floats, rows: Inequalities
+    ) -> tuple[Floats | None, float]:
+        """The member of least linearised Phi with a matrix added that damps, under inequalities, and by how much that
+        is less; what is beyond limits counts where it is so there, which is found by Newton's method."""
+        half, start = self.programme.quadratic_part / 2, at.member
+        normal, slope = (half, half @ start) if model is None else (half + model.normal, half @ start + model.slope)
+        values, limits = (np.empty(0), np.empty((0, len(start)))) if model is None else (model.values, model.rows)
+        passed, new, step = values > 0, None, np.zeros(len(start))
+        for _ in range(self.settings.sets):
+            active = limits[passed]
+            matrix = normal + damping + active.T @ active
+            new = self.programme.step(matrix, slope + active.T @ values[passed] - matrix @ start, rows)
+            if new is None:
+                return None, 0.0
+            step = new - start
+            before, passed = passed, values + limits @ step > 0
+            if (before == passed).all():
+                break
+        lost = (np.maximum(values, 0) ** 2).sum() - (np.maximum(values + limits @ step, 0) ** 2).sum()
+        return new, float(lost - 2 * slope @ step - step @ normal @ step)
+
     def phi(self, member: Floats, value: ObjectiveValue | None) -> float:
         """What is minimised."""
         of_surface = 0.0 if value is None else value.total
         return of_surface + float(member @ self.programme.quadratic_part @ member) / 2
 
-    def linearised(self, at: Iterate) -> tuple[Floats, Floats]:
+    def linearised(self, at: Iterate, model: LocalModel | None = None) -> tuple[Floats, Floats]:
         """The matrix `J^T J` (m, m) and the slope `J^T r` (m,) of half of Phi at a member."""
         half = self.programme.quadratic_part / 2
         if at.value is None:
             return half, half @ at.member
-        normal, slope = at.value.linearised()
+        normal, slope = (model or LocalModel(at.value)).linearised
         return normal + half, slope + half @ at.member
 
     # --- back to exact numbers
