@@ -28,7 +28,7 @@ from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
 from pas.fairing.constraints import Inequalities
 from pas.fairing.objective import LocalModel, ObjectiveValue, SurfaceObjective
-from pas.fairing.prepared import SETTINGS, FitSettings, PreparedSpace, SampledConditions
+from pas.fairing.prepared import SETTINGS, SLIM, FitSettings, PreparedSpace, SampledConditions
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.wishes import UnitCoefficients, Wishes
 from pas.limits import checkpoint, part
@@ -99,22 +99,14 @@ class FitSolver:
                 raise self.programme.conflict(nothing)
             return self.rounded(Iterate(member, nothing, 0.0), 0.0)
         failed: Inequalities | None = None
-        fitted: FittedMember | None = None
-        for share in self.settings.margins:
+        for share in (SLIM,) if self.energy.on_surface else self.settings.margins:
             try:
                 found = self.best(share)
             except _ContradictionError as error:
                 failed = error.rows
                 continue
-            if found is None:
-                continue
-            if fitted is None or found.energy + found.beyond < fitted.energy + fitted.beyond:
-                fitted = found
-            stiff = self.space.basis.size < self.settings.stiff * len(self.space.partition.pieces)
-            if stiff or found.beyond <= self.settings.hopeless * found.energy:
-                break  # else few members have such margins, and the first of them was a poor one to begin with
-        if fitted is not None:
-            return fitted
+            if found is not None:
+                return found
         if failed is not None:
             raise self.programme.conflict(failed)
         raise InfeasibleError(f"no member of degree {self.space.degree} that was found passed the proofs")
