@@ -31,7 +31,7 @@ from pas.network import nodes
 from pas.pipeline.blend import blend
 
 CASES = {"cubic": (10, "1/5"), "BCC": (8, "1/8"), "octet": (6, "7/100"), "Kelvin": (5, "1/16"), "diamond": (5, "1/12")}
-SLIVER, GROUP = 5.0, 20
+SLIVER, GROUP = 5.0, 10
 
 
 def slivers(points: np.ndarray, triangles: np.ndarray) -> float:

@@ -17,7 +17,7 @@ from pas.algebra.rational import to_floats
 from pas.fairing.energy import NAMES, Energy, Sizes, SurfacePoints, differences, terms_of
 from pas.fairing.excess import BulgeExcess, CurvatureExcess, Limit, SectionExcess
 from pas.fairing.prepared import PreparedSpace
-from pas.fairing.ray_samples import AREA, RaySamples, Residuals, SampledGeometry
+from pas.fairing.ray_samples import AREA, Jacobian, RaySamples, Residuals, SampledGeometry
 from pas.surface.directions import Directions
 from pas.surface.fairness_limits import FairnessLimits, neighbour
 from pas.surface.placed import PlacedContacts
@@ -147,17 +147,12 @@ class ObjectiveValue:
             return self
         return replace(self.objective, energy=energy).value(self.geometries)
 
-    def linearised(self) -> tuple[Floats, Floats]:
-        """`J^T J` (m, m) and `J^T r` (m,) for the residuals r, whose squares add up to the objective, and their
-        derivatives J by the member."""
-        return LocalModel(self).linearised
-
     @property
-    def passed(self) -> list[list[Mask]]:
+    def passed(self) -> list[Mask]:
         """At which points each limit is passed."""
-        return [[one.values[:, 0] > 0 for one in found] for found in self.excesses]
+        return [one.values[:, 0] > 0 for found in self.excesses for one in found]
 
-    def _weighted(self) -> Residuals:
+    def weighted(self) -> Residuals:
         """The energy's residuals, with the roots of the areas for weights."""
         r, root = self.residuals, np.sqrt(self.sampled.areas)[:, None]
         slopes = np.empty((*r.shape, AREA + 1))
@@ -189,40 +184,41 @@ class ObjectiveValue:
 
 
 class LocalModel:
-    """An objective next to a member q to first order in its residuals: |r + J x|^2 + sum max(0, v + A x)^2 at q + x.
+    """Half of Phi next to a member q to first order in residuals: of x' N x / 2 + s' x + sum max(0, v + A x)^2 / 2.
 
-    `normal` and `slope` are J^T J and J^T r of the energy; `values` v and `rows` A of the limits, at points where the
-    member passes them or one that was tried does: at others they count only if they are passed.
+    `normal` N and `slope` s are those of the energy, the quadratic `form` included; `values` v and `rows` A of limits,
+    at points where the member passes them or one that was tried does: at others they count only once they are passed.
     """
 
-    def __init__(self, value: ObjectiveValue) -> None:
-        self._value, self._known = value, value.passed
-        self._jacobians = [geometry.jacobian() for geometry in value.geometries]
-        self.normal, self.slope = self._jacobians[0].normal_equations(value._weighted())
-        self.values, self.rows = np.empty(0), np.empty((0, len(self.slope)))
-        self._add(self._known)
-
-    @property
-    def linearised(self) -> tuple[Floats, Floats]:
-        """The matrix and slope of half of the objective at the member itself."""
-        rows, values = self.rows[self.values > 0], self.values[self.values > 0]
-        return self.normal + rows.T @ rows, self.slope + rows.T @ values
+    def __init__(self, value: ObjectiveValue | None, form: Floats, member: Floats) -> None:
+        self._value, self._known, self._jacobians = value, [] if value is None else value.passed, list[Jacobian]()
+        self.normal, self.slope = form / 2, form @ member / 2
+        self.values, self.rows = np.empty(0), np.empty((0, len(member)))
+        if value is not None:
+            self._jacobians = [geometry.jacobian() for geometry in value.geometries]
+            normal, slope = self._jacobians[0].normal_equations(value.weighted())
+            self.normal, self.slope = self.normal + normal, self.slope + slope
+            self._add(value, self._known)
 
     def joined(self, tried: ObjectiveValue) -> bool:
         """Look from now on where a member that was tried passes limits too; whether that is anywhere new."""
-        new = [[a & ~b for a, b in zip(*pair, strict=True)] for pair in zip(tried.passed, self._known, strict=True)]
-        self._known = [[a | b for a, b in zip(*pair, strict=True)] for pair in zip(new, self._known, strict=True)]
-        return self._add(new)
+        new = [passed & ~known for passed, known in zip(tried.passed, self._known, strict=True)]
+        self._known = [known | passed for passed, known in zip(new, self._known, strict=True)]
+        return any(mask.any() for mask in new) and self._value is not None and self._add(self._value, new)
 
-    def _add(self, masks: list[list[Mask]]) -> bool:
-        before = len(self.values)
-        for jacobian, found, own in zip(self._jacobians, self._value.excesses, masks, strict=True):
-            for one, mask in zip(found, own, strict=True):
-                if mask.any():
-                    some = one.some(mask)
-                    self.values = np.concatenate([self.values, some.values.ravel()])
-                    self.rows = np.concatenate([self.rows, jacobian.rows(some)])
-        return len(self.values) > before
+    def _add(self, value: ObjectiveValue, masks: list[Mask]) -> bool:
+        limits = [(j, one) for j, found in zip(self._jacobians, value.excesses, strict=True) for one in found]
+        for (jacobian, one), mask in zip(limits, masks, strict=True):
+            some = one.some(mask)
+            self.values = np.concatenate([self.values, some.values.ravel()])
+            self.rows = np.concatenate([self.rows, jacobian.rows(some)])
+        return True
+
+    def matrices(self, passed: Mask | None = None) -> tuple[Floats, Floats]:
+        """Second derivatives and slope of half of Phi at the member, with those limits; by default what it passes."""
+        passed = self.values > 0 if passed is None else passed
+        rows = self.rows[passed]
+        return self.normal + rows.T @ rows, self.slope + rows.T @ self.values[passed]
 
 
 def check_energy(energy: Energy, points: SurfacePoints, sizes: Sizes) -> None:

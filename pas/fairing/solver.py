@@ -8,8 +8,8 @@
 r are the residuals of the energy along rays, c the measures of fairness and l their limits, H the quadratic form of
 the energy.  The condition of one sheet is linear in q at each point, but its points move with the surface: so it is
 asked where the last member failed it, and the programme is solved again (constraint generation; Hettich and Kortanek
-1993).  Each step minimises the linearised residuals with a damping (Levenberg 1944, Marquardt 1963), which follows the
-gain ratio (Nielsen 1999).
+1993).  Each step minimises the linearised residuals and measures, of which those count that are beyond their limits at
+its end, with a damping (Levenberg 1944, Marquardt 1963), which follows the gain ratio (Nielsen 1999).
 
 Each step follows from the member before it by an optimum that is unique and by comparisons in which no rounding can
 decide: no order of points, no witness of a proof, no choice among the worst.
@@ -51,8 +51,7 @@ class Iterate:
 @dataclass(frozen=True)
 class FittedMember:
     """A member: its exact surface, its working coefficients (1, m), its energy, the inequalities whose optimum it is,
-    at a share of the usual margins, what is kept for the next step of a slider, and the part of Phi for what is beyond
-    limits."""
+    at a share of the usual margins, and what is kept for the next step of a slider."""
 
     surface: PiecewiseSurface
     working: fmpq_mat
@@ -60,7 +59,6 @@ class FittedMember:
     rows: Inequalities
     share: float
     iterate: Iterate | None = None
-    beyond: float = 0.0
 
 
 class _ContradictionError(Exception):
@@ -130,14 +128,13 @@ class FitSolver:
             found, start = self.furthest(way, share)
             if found is not None and (best is None or found.energy <= best.energy):
                 best = found
-            hopeless = start is not None and start.value is not None and self.hopeless(start.value)
-            if start is way[-1] or (found is not None and hopeless):
+            if start is way[-1] or (found is not None and start is not None and self.hopeless(start)):
                 break
         return best
 
-    def hopeless(self, value: ObjectiveValue) -> bool:
+    def hopeless(self, at: Iterate) -> bool:
         """Whether so much is beyond limits that looking closer is in vain."""
-        return value.beyond > self.settings.hopeless * value.energy
+        return at.value is not None and at.value.beyond > self.settings.hopeless * at.value.energy
 
     def furthest(self, way: list[Iterate], share: float) -> tuple[FittedMember | None, Iterate | None]:
         """The last member that is proved, by longer and longer steps back: where one is not proved its neighbours
@@ -177,7 +174,7 @@ class FitSolver:
     def closer(self, at: Iterate, conditions: SampledConditions) -> Iterator[Iterate]:
         """The way on, with rays where curvature is beyond the limits between those that there are."""
         for _ in range(self.settings.closer):
-            if at.value is None or self.hopeless(at.value):
+            if at.value is None or self.hopeless(at):
                 return
             finer = at.value.closer()
             if finer is None:
@@ -214,8 +211,8 @@ class FitSolver:
         s, now = self.settings, self.phi(at.member, at.value)
         most = now if self.programme.holds(at.member) else np.inf
         met = most == now and not len(at.rows.missed(at.member, 1 - self.settings.met))
-        model = None if at.value is None else LocalModel(at.value)
-        unit = np.trace(self.linearised(at, model)[0]) / len(at.member) * np.eye(len(at.member))
+        model = self.model(at)
+        unit = np.trace(model.matrices()[0]) / len(at.member) * np.eye(len(at.member))
         rows, damping, cuts = at.rows, at.damping, 0
         for _ in range(s.trials):
             try:
@@ -232,8 +229,7 @@ class FitSolver:
                 continue
             value = at.value and at.value.moved(new)
             if (value is None and at.value is not None) or not self.phi(new, value) < most:
-                further = value is not None and model is not None and model.joined(value)
-                rows, damping = at.rows, damping * (1 if further else s.slower)
+                rows, damping = at.rows, damping * (1 if value is not None and model.joined(value) else s.slower)
                 continue
             missed = conditions.missed(new)
             if not len(missed):
@@ -248,40 +244,31 @@ class FitSolver:
                 return None
         return None
 
-    def least(
-        self, at: Iterate, model: LocalModel | None, damping: Floats, rows: Inequalities
-    ) -> tuple[Floats | None, float]:
+    def least(self, at: Iterate, model: LocalModel, damping: Floats, rows: Inequalities) -> tuple[Floats | None, float]:
         """The member of least linearised Phi with a matrix added that damps, under inequalities, and by how much that
-        is less; what is beyond limits counts where it is so there, which is found by Newton's method."""
-        half, start = self.programme.quadratic_part / 2, at.member
-        normal, slope = (half, half @ start) if model is None else (half + model.normal, half @ start + model.slope)
-        values, limits = (np.empty(0), np.empty((0, len(start)))) if model is None else (model.values, model.rows)
-        passed, new, step = values > 0, None, np.zeros(len(start))
+        is less; which limits are passed there is found by Newton's method (Qi and Sun 1993)."""
+        passed, new, step = model.values > 0, None, np.zeros(len(at.member))
         for _ in range(self.settings.sets):
-            active = limits[passed]
-            matrix = normal + damping + active.T @ active
-            new = self.programme.step(matrix, slope + active.T @ values[passed] - matrix @ start, rows)
+            matrix, slope = model.matrices(passed)
+            new = self.programme.step(matrix + damping, slope - (matrix + damping) @ at.member, rows)
             if new is None:
                 return None, 0.0
-            step = new - start
-            before, passed = passed, values + limits @ step > 0
+            step = new - at.member
+            before, passed = passed, model.values + model.rows @ step > 0
             if (before == passed).all():
                 break
-        lost = (np.maximum(values, 0) ** 2).sum() - (np.maximum(values + limits @ step, 0) ** 2).sum()
-        return new, float(lost - 2 * slope @ step - step @ normal @ step)
+        over = (np.maximum(values, 0) for values in (model.values, model.values + model.rows @ step))
+        was, now = (float(values @ values) for values in over)
+        return new, was - now - float(2 * model.slope @ step + step @ model.normal @ step)
 
     def phi(self, member: Floats, value: ObjectiveValue | None) -> float:
         """What is minimised."""
         of_surface = 0.0 if value is None else value.total
         return of_surface + float(member @ self.programme.quadratic_part @ member) / 2
 
-    def linearised(self, at: Iterate, model: LocalModel | None = None) -> tuple[Floats, Floats]:
-        """The matrix `J^T J` (m, m) and the slope `J^T r` (m,) of half of Phi at a member."""
-        half = self.programme.quadratic_part / 2
-        if at.value is None:
-            return half, half @ at.member
-        normal, slope = (model or LocalModel(at.value)).linearised
-        return normal + half, slope + half @ at.member
+    def model(self, at: Iterate) -> LocalModel:
+        """Half of Phi next to a member."""
+        return LocalModel(at.value, self.programme.quadratic_part, at.member)
 
     # --- back to exact numbers
 
@@ -289,8 +276,7 @@ class FitSolver:
         """The member in rational numbers; raises `InfeasibleError` where a user's point is missed by rounding."""
         working = self.programme.rounded(at.member)
         energy = self._energy(to_doubles(working)[0], at.value)
-        beyond = 0.0 if at.value is None else at.value.beyond
-        return FittedMember(self.space.surface(working), working, energy, at.rows, share, beyond=beyond)
+        return FittedMember(self.space.surface(working), working, energy, at.rows, share)
 
     def energy_of(self, surface: PiecewiseSurface) -> float:
         """The energy of a surface of the space; infinite where rays from the centre miss or graze it."""
