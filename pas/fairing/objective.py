@@ -17,7 +17,7 @@ from pas.algebra.rational import to_floats
 from pas.fairing.energy import NAMES, Energy, Sizes, SurfacePoints, differences, terms_of
 from pas.fairing.excess import BulgeExcess, CurvatureExcess, Limit, SectionExcess
 from pas.fairing.prepared import PreparedSpace
-from pas.fairing.ray_samples import AREA, Jacobian, RaySamples, Residuals, SampledGeometry
+from pas.fairing.ray_samples import AREA, RaySamples, Residuals, SampledGeometry
 from pas.surface.directions import Directions
 from pas.surface.fairness_limits import FairnessLimits, neighbour
 from pas.surface.placed import PlacedContacts
@@ -191,28 +191,24 @@ class LocalModel:
     """
 
     def __init__(self, value: ObjectiveValue | None, form: Floats, member: Floats) -> None:
-        self._value, self._known, self._jacobians = value, [] if value is None else value.passed, list[Jacobian]()
         self.normal, self.slope = form / 2, form @ member / 2
         self.values, self.rows = np.empty(0), np.empty((0, len(member)))
         if value is not None:
-            self._jacobians = [geometry.jacobian() for geometry in value.geometries]
-            normal, slope = self._jacobians[0].normal_equations(value.weighted())
+            jacobians = [geometry.jacobian() for geometry in value.geometries]
+            normal, slope = jacobians[0].normal_equations(value.weighted())
             self.normal, self.slope = self.normal + normal, self.slope + slope
-            self._add(value, self._known)
+            self._limits = [(j, one) for j, own in zip(jacobians, value.excesses, strict=True) for one in own]
+            self._known = [np.zeros_like(mask) for mask in value.passed]
+            self.joined(value)
 
     def joined(self, tried: ObjectiveValue) -> bool:
         """Look from now on where a member that was tried passes limits too; whether that is anywhere new."""
         new = [passed & ~known for passed, known in zip(tried.passed, self._known, strict=True)]
         self._known = [known | passed for passed, known in zip(new, self._known, strict=True)]
-        return any(mask.any() for mask in new) and self._value is not None and self._add(self._value, new)
-
-    def _add(self, value: ObjectiveValue, masks: list[Mask]) -> bool:
-        limits = [(j, one) for j, found in zip(self._jacobians, value.excesses, strict=True) for one in found]
-        for (jacobian, one), mask in zip(limits, masks, strict=True):
-            some = one.some(mask)
-            self.values = np.concatenate([self.values, some.values.ravel()])
-            self.rows = np.concatenate([self.rows, jacobian.rows(some)])
-        return True
+        for (jacobian, limit), mask in zip(self._limits, new, strict=True):
+            self.values = np.concatenate([self.values, limit.values[mask].ravel()])
+            self.rows = np.concatenate([self.rows, jacobian.rows(limit, mask)])
+        return any(mask.any() for mask in new)
 
     def matrices(self, passed: Mask | None = None) -> tuple[Floats, Floats]:
         """Second derivatives and slope of half of Phi at the member, with those limits; by default what it passes."""

@@ -121,9 +121,8 @@ class FitSettings:
     """Subdivisions of the outer faces on whose rays members are asked; a finer one where a member is not proved."""
 
     margins: tuple[float, ...] = (1.0, SLIM)
-    """Shares of the usual margins, in turn, where a quadratic form is all that keeps a member clear of them: members
-    with a tenth exist in lower degrees.  An energy of the surface is given `SLIM` alone: under all margins around four
-    pipes it had 350 where it has 87 under these."""
+    """Shares of the usual margins, in turn, of which members with a tenth exist in lower degrees; of an energy of the
+    surface the last alone: around four pipes 87 was reached under these, 350 under all, from which no way led on."""
 
     rounds: int = 16
     """Programmes until a first member is clean; successes took 1 to 6."""

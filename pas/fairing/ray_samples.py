@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement, pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -212,10 +211,6 @@ class Residuals:
     values: Floats
     slopes: Floats
 
-    def some(self, which: Any) -> Residuals:
-        """Those at some of the points."""
-        return Residuals(self.chosen[which], self.values[which], self.slopes[which])
-
 
 @dataclass(frozen=True)
 class Jacobian:
@@ -241,9 +236,10 @@ class Jacobian:
             gradient += by_member @ residuals.values[here].ravel()
         return (gram + gram.T) / 2, gradient
 
-    def rows(self, residuals: Residuals) -> Floats:
-        """J (K R, m) for residuals (K, R)."""
-        found = [by_member.T for _, by_member in self._by_member(residuals)]
+    def rows(self, residuals: Residuals, which: NDArray[np.bool_]) -> Floats:
+        """J (K R, m) for residuals (K, R) at some of the points."""
+        some = Residuals(residuals.chosen[which], residuals.values[which], residuals.slopes[which])
+        found = [by_member.T for _, by_member in self._by_member(some)]
         return np.concatenate([np.empty((0, self.samples.basis.size)), *found])
 
     def _by_member(self, residuals: Residuals) -> Iterator[tuple[slice, Floats]]:

@@ -28,7 +28,7 @@ from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
 from pas.fairing.constraints import Inequalities
 from pas.fairing.objective import LocalModel, ObjectiveValue, SurfaceObjective
-from pas.fairing.prepared import SETTINGS, SLIM, FitSettings, PreparedSpace, SampledConditions
+from pas.fairing.prepared import SETTINGS, FitSettings, PreparedSpace, SampledConditions
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.wishes import UnitCoefficients, Wishes
 from pas.limits import checkpoint, part
@@ -97,7 +97,7 @@ class FitSolver:
                 raise self.programme.conflict(nothing)
             return self.rounded(Iterate(member, nothing, 0.0), 0.0)
         failed: Inequalities | None = None
-        for share in (SLIM,) if self.energy.on_surface else self.settings.margins:
+        for share in self.settings.margins[-1:] if self.energy.on_surface else self.settings.margins:
             try:
                 found = self.best(share)
             except _ContradictionError as error:
