@@ -128,13 +128,9 @@ class FitSolver:
             found, start = self.furthest(way, share)
             if found is not None and (best is None or found.energy <= best.energy):
                 best = found
-            if start is way[-1] or (found is not None and start is not None and self.hopeless(start)):
+            if start is way[-1]:
                 break
         return best
-
-    def hopeless(self, at: Iterate) -> bool:
-        """Whether so much is beyond limits that looking closer is in vain."""
-        return at.value is not None and at.value.beyond > self.settings.hopeless * at.value.energy
 
     def furthest(self, way: list[Iterate], share: float) -> tuple[FittedMember | None, Iterate | None]:
         """The last member that is proved, by longer and longer steps back: where one is not proved its neighbours
@@ -174,7 +170,7 @@ class FitSolver:
     def closer(self, at: Iterate, conditions: SampledConditions) -> Iterator[Iterate]:
         """The way on, with rays where curvature is beyond the limits between those that there are."""
         for _ in range(self.settings.closer):
-            if at.value is None or self.hopeless(at):
+            if at.value is None or at.value.beyond > self.settings.hopeless * at.value.energy:
                 return
             finer = at.value.closer()
             if finer is None:
