@@ -52,14 +52,10 @@ ASIDE = (0.01, 0.03)
 
 @dataclass(frozen=True)
 class Seam:
-    """Two functions, and the ideals of the curves that are their common zeros.
-
-    The `section` is a plane that all faces cross that touch there: where it is a face itself, this is no seam of it.
-    """
+    """Two functions, and the ideals of the curves that are their common zeros."""
 
     functions: Curve
     curves: tuple[Ideal, ...]
-    section: Polynomial | None = None
 
     @cached_property
     def _place(self) -> list[fmpq] | None:
@@ -77,9 +73,9 @@ class Seam:
         """A place modulo a prime for each curve, where members of its ideal vanish; see `residue_place`."""
         return [residue_place(*curve.generators) for curve in self.curves]
 
-    def crosses(self, surfaces: Sequence[Polynomial]) -> bool:
-        """Whether one of some surfaces is the section."""
-        return self.section is not None and self.section in [f.primitive() for f in surfaces]
+    def joins(self, first: Sequence[Polynomial], second: Sequence[Polynomial]) -> bool:
+        """Whether surfaces touch along each of the curves, which are on both; where they cross they may cross again."""
+        return all(any(_touch(f, g, curve) for f, g in product(first, second)) for curve in self.curves)
 
     def is_on(self, surfaces: Sequence[Polynomial]) -> bool:
         """Whether each of the curves is on one of some surfaces."""
@@ -98,7 +94,7 @@ def seams_of(tree: Tree, claimed: Sequence[Curve], box: Floats | None = None) ->
     """
     curves = [*claimed, *_lines(tree)]
     cut = () if box is None else _smooth_sections(tree, box)
-    sections = [Seam((plane, curve), (Ideal(plane, curve),), plane) for plane, curve in cut]
+    sections = [Seam((plane, curve), (Ideal(plane, curve),)) for plane, curve in cut]
     single = [Seam(curve, (Ideal(*curve),)) for curve in curves]
     cutting: dict[Polynomial, list[int]] = {}
     for number, curve in enumerate(curves):
@@ -165,7 +161,7 @@ class Seams:
         columns, used = self._evaluator.columns, self._evaluator.used
         first, second = (polynomials_of(columns[c].function) for c in (a, b))
         for number in sorted(self._of(a) & self._of(b)):
-            if not self._given[number].crosses((*first, *second)):
+            if self._evaluator.walls[[a, b]].any() or self._given[number].joins(first, second):
                 return used + 2 * number, used + 2 * number + 1
         if len(first) != 1 or len(second) != 1 or first[0].degree == second[0].degree == 1:
             return ()  # planes cross
