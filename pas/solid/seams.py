@@ -17,7 +17,7 @@ Not guaranteed: of curves that have no function in common only the first is a se
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, combinations_with_replacement, permutations, product
@@ -52,10 +52,11 @@ ASIDE = (0.01, 0.03)
 
 @dataclass(frozen=True)
 class Seam:
-    """Two functions, and the ideals of the curves that are their common zeros."""
+    """Two functions, and the ideals of the curves that are their common zeros; the order is 0 where faces cross."""
 
     functions: Curve
     curves: tuple[Ideal, ...]
+    order: int = 1
 
     @cached_property
     def _place(self) -> list[fmpq] | None:
@@ -74,8 +75,9 @@ class Seam:
         return [residue_place(*curve.generators) for curve in self.curves]
 
     def joins(self, first: Sequence[Polynomial], second: Sequence[Polynomial]) -> bool:
-        """Whether surfaces touch along each of the curves, which are on both; where they cross they may cross again."""
-        return all(any(_touch(f, g, curve) for f, g in product(first, second)) for curve in self.curves)
+        """Whether surfaces that hold the curves touch along each, or may cross; else they may cross elsewhere, too."""
+        pairs = [*product(first, second)]
+        return self.order == 0 or all(any(_touch(*pair, curve) for pair in pairs) for curve in self.curves)
 
     def is_on(self, surfaces: Sequence[Polynomial]) -> bool:
         """Whether each of the curves is on one of some surfaces."""
@@ -87,15 +89,16 @@ class Seam:
         )
 
 
-def seams_of(tree: Tree, claimed: Sequence[Curve], box: Floats | None = None) -> list[Seam]:
+def seams_of(tree: Tree, claimed: Mapping[Curve, int], box: Floats | None = None) -> list[Seam]:
     """The seams of claimed curves and of those along which faces of a tree touch, those of several curves first.
 
+    Claimed are orders of continuity by curves.
     Plane sections are among them where the solid's `box` (2, 3) is given.
     """
-    curves = [*claimed, *_lines(tree)]
+    curves = {**claimed, **dict.fromkeys(_lines(tree), 1)}
     cut = () if box is None else _smooth_sections(tree, box)
     sections = [Seam((plane, curve), (Ideal(plane, curve),)) for plane, curve in cut]
-    single = [Seam(curve, (Ideal(*curve),)) for curve in curves]
+    single = [Seam(curve, (Ideal(*curve),), order) for curve, order in curves.items()]
     cutting: dict[Polynomial, list[int]] = {}
     for number, curve in enumerate(curves):
         for function in curve:
@@ -136,7 +139,7 @@ def _united(common: Polynomial, seams: Sequence[Seam]) -> Seam:
             other = second if first.primitive() == common else first
             curves += seam.curves
             others = Polynomial.from_raw(others.raw * other.raw / others.raw.gcd(other.raw))
-    return Seam((common, others), tuple(curves))
+    return Seam((common, others), tuple(curves), min(seam.order for seam in seams))
 
 
 class Seams:
