@@ -229,8 +229,7 @@ class Jacobian:
 
     def normal_equations(self, residuals: Residuals) -> tuple[Floats, Floats]:
         """`J^T J` (m, m) and `J^T r` (m,) for residuals r."""
-        size = self.samples.basis.size
-        gram, gradient = np.zeros((size, size)), np.zeros(size)
+        gram, gradient = np.zeros((self.samples.basis.size,) * 2), np.zeros(self.samples.basis.size)
         for here, by_member in self._by_member(residuals):
             gram += by_member @ by_member.T
             gradient += by_member @ residuals.values[here].ravel()
