@@ -82,15 +82,13 @@ class Shape(ABC):
         Its points and triangles cannot be written to, so that nobody changes those of another.
         """
         if wanted in self._last_mesh:
-            kept: S = self._last_mesh[wanted]
-            return kept
+            return self._last_mesh[wanted]
         made: Any = make()
         for array in (made.points, made.triangles):
             array.setflags(write=False)
         self._last_mesh.clear()
         self._last_mesh[wanted] = made
-        found: S = made
-        return found
+        return made
 
     @abstractmethod
     def __str__(self) -> str:

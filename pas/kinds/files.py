@@ -60,8 +60,7 @@ def _made(content: dict[str, Any], name: str) -> Shape:
     kind = KINDS[title]
     with understood(name):
         Table(kind.schema.needs, {**kind.schema.may, "kind": TEXT}).check(content, "content")
-        shape: Shape = kind.read(content)
-        return shape
+        return kind.read(content)
 
 
 save_solid = save_parametric = save

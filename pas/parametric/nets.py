@@ -227,7 +227,6 @@ class PlacedNets(Nets):
     steps: Integers
 
     def halves(self, axis: int) -> Self:
-        """The first halves of all cells along a parameter, then the second ones."""
         step, count, both = (np.arange(2) == axis).astype(int), len(self), super().halves(axis)
         start = both.start * (1 + step)
         start[count:] += step
