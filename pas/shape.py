@@ -126,18 +126,15 @@ class Shape(ABC):
 
     def save(self, path: str | Path, **options: Any) -> Path:
         """Write the exact project file (`.pas.json`); returns its path.  See `pas.save`."""
-        path = loaded(VERBS["save"])(self, path, **options)
-        return Path(path)
+        return loaded(VERBS["save"])(self, path, **options)
 
     def write(self, path: str | Path, **options: Any) -> Path:
         """Write a file of another format, which the suffix says; returns its path.  See `pas.write`."""
-        path = loaded(VERBS["write"])(self, path, **options)
-        return Path(path)
+        return loaded(VERBS["write"])(self, path, **options)
 
     def draw(self, path: str | Path, **options: Any) -> Path:
         """Draw a picture (`.png`); returns its path.  See `pas.draw`."""
-        path = loaded(VERBS["draw"])(self, path, **options)
-        return Path(path)
+        return loaded(VERBS["draw"])(self, path, **options)
 
     def show(self, **options: Any) -> None:
         """Show it in a window.  See `pas.show`."""
