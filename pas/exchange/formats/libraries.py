@@ -45,6 +45,7 @@ from pas.exchange.parts import (
     in_unit,
     is_closed,
     repeated_colors,
+    triangles_of,
 )
 from pas.exchange.volume import TETRAHEDRA, VolumeMesh, is_filled, tetrahedra_of
 from pas.limits import checkpoint
@@ -108,9 +109,8 @@ def write_vtp(parts: Sequence[Piece], path: Path, request: Request) -> None:
         data.point_data["parameters"] = np.concatenate(parameters)
     numbers, names = face_numbers(parts)
     data.cell_data["face"] = numbers
-    times = [len(s[1]) for s in shading]
-    data.cell_data["part"] = np.repeat(np.arange(len(parts)), times)
-    data.cell_data["color"] = repeated_colors(parts, times)
+    data.cell_data["part"] = np.repeat(np.arange(len(parts)), [len(s[1]) for s in shading])
+    data.cell_data["color"] = repeated_colors(parts, triangles_of)
     data.field_data["face names"] = np.array(names)
     data.field_data["part names"] = np.array([p.name for p in parts])
     data.field_data["unit"] = np.array([request.told_unit])
