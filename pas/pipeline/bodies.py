@@ -121,6 +121,17 @@ def hollow_body(
     return replace(solid, sheets=_wall_sheets(outer, inner, titles, reaches, length is None, floors[0]))
 
 
+def up_to_cones(inner: PiecewiseSurface, outer: PiecewiseSurface) -> PiecewiseSurface:
+    """The inner surface of a wall, at openings up to the cone of the outer one, where it is a contact of itself."""
+    contacts = [
+        Contact(inner.polynomials[0], theirs.clip) if join.opening and ours.clip != theirs.clip else ours
+        for ours, theirs, join in zip(inner.contacts, outer.contacts, outer.joins, strict=True)
+    ]
+    if tuple(contacts) == inner.contacts:
+        return inner
+    return PiecewiseSurface(inner.partition, contacts, inner.order, inner.patches, inner.degree)
+
+
 def _wall_sheets(
     outer: PiecewiseSurface,
     inner: PiecewiseSurface,
@@ -130,6 +141,8 @@ def _wall_sheets(
     floor: fmpq | None,
 ) -> SheetBody | None:
     """The sheets of a wall: what goes on inside ends in the planes, edges and cones in which the outer side does."""
+    goes_on = any(reach > 0 for reach, join in zip(reaches, outer.joins, strict=True) if join.opening)
+    inner = inner if goes_on else up_to_cones(inner, outer)
     pairs: list[tuple[Chain | None, Chain | None]] = []
     for number, (name, reach) in enumerate(zip(titles, reaches, strict=True)):
         if not outer.joins[number].opening:
@@ -143,11 +156,13 @@ def _wall_sheets(
             continue
         around, within = (AroundOpening.of(surface, number) for surface in (outer, inner))
         works = around.fitting(reach, shorter) if reach > 0 else reach
-        edge, wide = around.edge(works), around.wide(works)
-        if around.center != within.center or not (within.flat or works == 0 or within.leave(wide)):
+        edge = around.edge(works)
+        if around.center != within.center or not (within.flat or works == 0 or within.leave(around.wide(works))):
+            return None
+        if works > 0 and not within.inside(edge):  # the inner side begins beyond it
             return None
         assert floor is not None
-        side = around.walled(name, works, edge), within.walled(f"{INSIDE} {name}", within.radius * (wide - 1), edge)
+        side = around.walled(name, works, edge), within.walled(f"{INSIDE} {name}", works, edge)
         pairs.append((side[0], replace(side[1], floor=scaled(around.at(floor)))))
     sides = [
         Side(surface, face, tuple(chain for chain in chains if chain is not None))

@@ -30,6 +30,7 @@ from pas.fairing.solver import FitSolver
 from pas.fairing.wishes import Wishes
 from pas.layouts.discs import power_of_two
 from pas.layouts.nodes import ContactNode
+from pas.layouts.opened import open_region
 from pas.partition.cells import Partition, Region
 from pas.partition.layout import Layout
 from pas.piecewise import PiecewiseSurface
@@ -85,7 +86,7 @@ class Cavity:
         if not join.opening:
             return contact.rim.points()
         frame = self.outer.surface.partition.frame
-        inner = Join(Contact(frame.localise(contact.surface), join.contact.clip), (), join.partition)
+        inner = Join(Contact(frame.localise(contact.surface), frame.localise(contact.clip)), (), join.partition)
         return frame.global_points(inner.curve())
 
     @property
@@ -122,9 +123,13 @@ class Cavity:
 
     @cached_property
     def _regions(self) -> list[Partition]:
-        """The outer blend's region, and before it one around a deeper centre where its own is not deep enough."""
-        own = self.outer.surface.partition
-        return [own] if own.open or self._deep_enough else [*self._deeper(), own]
+        """The outer blend's region, and before it one around a deeper centre where its own is not deep enough; around an
+        inner opening along another cone one of its own."""
+        own, theirs = self.outer.surface.partition, self.outer.surface.contacts
+        if own.open:
+            same = all(a.clip == b.clip for a, b in zip(self.contacts, theirs, strict=True))
+            return [own if same else open_region(self.contacts)]
+        return [own] if self._deep_enough else [*self._deeper(), own]
 
     def trials(self) -> Iterator[Trial]:
         """What to try, the likeliest first: the outer degree on each region, and the next; the outer layout with walls

@@ -25,6 +25,7 @@ from pas.algebra.inputs import shown_point
 from pas.algebra.rational import Exact, plain, positive, rational, three
 from pas.certify.nesting import nesting
 from pas.certify.thickness import thicker_than
+from pas.contacts.cones import apex
 from pas.contacts.contact import Contact, ContactLike, as_contact
 from pas.contacts.ends import ContactEnd
 from pas.contacts.parallels import inner_contact
@@ -33,9 +34,10 @@ from pas.limits import WorkLimits, limited
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
 from pas.mesh.topology import Edges
-from pas.mesh.walls import End, least_distance
+from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of
+from pas.pipeline.around_opening import AroundOpening
+from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of, up_to_cones
 from pas.pipeline.cavity import Cavity
 from pas.pipeline.chosen import B, ChosenBlend, Stages
 from pas.pipeline.search import excess, find
@@ -44,6 +46,7 @@ from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
+from pas.surface.depth import Depth
 from pas.verdicts import Findings, Status, Verdict
 
 Rank: TypeAlias = "tuple[bool, float, float]"
@@ -52,18 +55,21 @@ Rank: TypeAlias = "tuple[bool, float, float]"
 
 @dataclass(frozen=True, eq=False)
 class Wall:
-    """The least distance between both sides of a wall as measured between meshes, and a vertex where it is.
+    """The least distance of the inner side from the outer one, as measured at the vertices of a mesh, the vertex where it
+    is, and the `largest` one.
 
-    `within` is how far the meshes are from the surfaces, as measured: the distance may be off by about twice that.
+    `within` is how far that mesh is from the surface, as measured: between vertices distances may be off by as much.
     All in the model's units.
     """
 
     distance: float
     point: tuple[float, float, float]
     within: float
+    largest: float
 
     def __str__(self) -> str:
-        return f"{self.distance:.4g} at {shown_point(self.point)} (measured, within {2 * self.within:.2g})"
+        where = shown_point(self.point)
+        return f"{self.distance:.4g} at {where}, at most {self.largest:.4g} (measured, within {self.within:.2g})"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,10 +104,11 @@ class HollowBlend(Shape, Generic[B]):
 
     @cached_property
     def wall(self) -> Wall:
-        """How thick the wall is where it is thinnest, measured."""
-        meshes = self.outer.mesh(self._tolerance), self.inner.mesh(self._tolerance)
-        distance, place = least_distance(*meshes)
-        return Wall(distance, three(place.tolist()), max(mesh.deviation or 0.0 for mesh in meshes))
+        """How thick the wall is where it is thinnest, and where it is thickest, measured."""
+        mesh = self.inner.mesh(self._tolerance)
+        depths = Depth(self.outer.surface)(mesh.points)[0]
+        thinnest = three(mesh.points[depths.argmin()].tolist())
+        return Wall(float(depths.min()), thinnest, mesh.deviation or 0.0, float(depths.max()))
 
     @limited("bounding the thickness of a wall", "a smaller bound")
     def thicker_than(self, bound: Exact, **limits: Unpack[WorkLimits]) -> Verdict:
@@ -155,7 +162,7 @@ class HollowBlend(Shape, Generic[B]):
         `MeshError` as `PiecewiseSurface.mesh` does, and where an end is no ring.
         """
         tolerance = self._tolerance if tolerance is None else tolerance
-        sheets = self.outer.surface, self.inner.surface
+        sheets = self.outer.surface, up_to_cones(self.inner.surface, self.outer.surface)
         ends = [self._end(number) for number in range(len(self.outer.surface.contacts))]
         made, loops = Faces([], 0.0), list[list[Integers]]()
         for sheet, name in zip(sheets, ("blend", "inside of blend"), strict=True):
@@ -237,13 +244,22 @@ def check_sides(outer: ChosenBlend, inner: ChosenBlend, thickness: fmpq | None) 
 
 
 def _same(one: Contact, other: Contact) -> bool:
-    """Whether two contacts have one surface, to the rounding of irrational radii, and one clip."""
+    """Whether two contacts have one surface, to the rounding of irrational radii, and one clip or cones from one point."""
     # By how much coefficients of an inner surface may be another machine's, over the largest: radii that are
     # irrational are rounded to 32 binary digits (see `pas.contacts.parallels`).
     rounding = 2.0**-29
     a, b = (c.surface.dense(max(one.surface.degree, other.surface.degree)) for c in (one, other))
     rounded = float(np.abs(a - b).max()) <= rounding * float(np.abs(a).max())
-    return rounded and one.clip.primitive() in (other.clip.primitive(), (-other.clip).primitive())
+    tip = apex(one.clip)
+    same = one.clip.primitive() in (other.clip.primitive(), (-other.clip).primitive())
+    return rounded and (same or (tip is not None and tip == apex(other.clip)))
+
+
+def _widened(outer: PiecewiseSurface, number: int, inner: Contact, thickness: fmpq) -> Contact:
+    """The contact of an inner side: at an opening of one piece along a cone that makes the wall even."""
+    open_here = outer.joins[number].opening and len(outer.partition.pieces) == 1
+    clip = AroundOpening.of(outer, number).even(thickness) if open_here else None
+    return inner if clip is None else Contact(inner.surface, clip, inner.near)
 
 
 def _best(outer: B, cavity: Cavity) -> HollowBlend[B]:
@@ -280,14 +296,15 @@ def _inner_contacts(outer: ChosenBlend, size: fmpq | None, given: Sequence[Conta
     if given is None:
         size = positive(size, "thickness")
         there = [outer.surface.placed.told(number) for number in range(len(contacts))]
-        return [inner_contact(contact, size, number) for number, contact in enumerate(there, start=1)]
+        inside = [inner_contact(contact, size, number) for number, contact in enumerate(there, start=1)]
+        return [_widened(outer.surface, number, contact, size) for number, contact in enumerate(inside)]
     found = [as_contact(item, f"inner[{i}]") for i, item in enumerate(given)]
     if len(found) != len(contacts):
         raise ValueError(f"inner must be {len(contacts)} contacts, one for each of the outer ones, not {len(found)}")
     for i, join in enumerate(outer.surface.joins):
-        if join.opening and found[i].clip.primitive() != contacts[i].clip.primitive():
+        if join.opening and apex(found[i].clip) != outer.surface.partition.center:
             raise GeometryError(
-                f"inner[{i}] must have the clip of contact {i + 1}, {contacts[i].clip}: both sides of a wall end on "
-                "one cone at an opening"
+                f"inner[{i}] must have the clip of contact {i + 1}, {contacts[i].clip}, or a cone around it from the "
+                "same point: both sides of a wall open from there"
             )
     return found

@@ -109,20 +109,20 @@ class Straight:
 
 @dataclass(frozen=True, eq=False)
 class Outwards:
-    """Rows of a surface where rays from the centre first meet it, up to `wide` times as far from those along `axis`.
+    """Rows of a surface where rays from the centre first meet it, straight away from `axis` up to a cone `edge`.
 
-    The surface, and the axis (3,), are in the local coordinates of a frame, whose centre is 0.
+    The surface, the axis (3,) and the edge are in the local coordinates of a frame, whose centre is 0.
     """
 
     surface: Polynomial
     frame: Frame
     axis: Floats
-    wide: float
+    edge: Polynomial
 
     def __call__(self, points: Floats, share: float) -> Floats:
         local = self.frame.local_points(points)
-        middle = self.axis / (self.axis @ self.axis)
-        rays = middle + (1 + share * (self.wide - 1)) * (local / (local @ self.axis)[:, None] - middle)
+        pole = np.array([*self.axis / (self.axis @ self.axis), 1.0])
+        rays = Straight(self.edge, pole, towards=False)(local / (local @ self.axis)[:, None], share)
         rays /= np.linalg.norm(rays, axis=1)[:, None]
         return self.frame.global_points(rays * first_met(self.surface, rays)[:, None])
 
