@@ -12,10 +12,10 @@ cone of its opening is in use, and nothing is claimed of the rest (see `pas.cert
 is inside both cones.
 
 End: at each contact both clips are the same plane, and on the inner clip faces the outer contact's surface is negative
-wherever the inner one's is not positive: the wall ends in what is between two curves without a common point.  At an
-opening both are cones from one point, the same or the inner one around the outer one; outside of the outer and inside of
-the inner one, and on both, the outer contact's surface is negative wherever g <= 0.  So there, where the outer solid goes
-on as its contact does, the inner body is in its interior as well.
+wherever the inner one's is not positive.  At an opening both are cones from one point, the same one or the inner one
+around the outer one, and that holds all over the inner cone in the inner region; between the two, where g <= 0, the outer
+contact's surface is negative.  So the wall ends in what is between two curves without a common point, and where the outer
+solid already goes on as its contact does, the inner body is in its interior as well.
 
 All inequalities are proved by Bernstein branch and bound with rounding accounted for (see `pas.bernstein.signs`).  What
 is not promised: a thickness of the wall (see `pas.certify.thickness`).
@@ -124,35 +124,46 @@ def _end(inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) ->
         return claim.refuted("the two surfaces end in different planes")
     local = in_frame_of(inner.partition, outer.partition)
     corners = [local.corners(face.vertices) for face in ours.faces]
-    narrow = alike(frame.localise(inner.contacts[number].surface).raw, corners)
-    return _nested(claim, number, corners, [narrow], "one plane, the inner section in the interior of the outer one")
+    return _nested(claim, inner, number, corners, (), "one plane, the inner section in the interior of the outer one")
 
 
 def _open_end(claim: Proposition, inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) -> Verdict:
-    """The wall ends at an opening in one cone, or in two one around the other, between which the contact is around it."""
+    """The wall ends at an opening between two nested curves, on one cone or on two, one around the other."""
     if not _one_nappe(inner, outer, number):
         return claim.refuted("the two surfaces do not end in nappes of cones from one point")
     frame, local = outer.partition.frame, in_frame_of(inner.partition, outer.partition)
     clips = [s.contacts[number].clip for s in (outer, inner)]
-    (narrow, wide), words = (frame.localise(clip).raw for clip in clips), "one cone"
+    narrow, wide = (frame.localise(clip).raw for clip in clips)
+    corners, words = [local.corners(cell) for cell in local.cells], "one cone"
     if clips[0].primitive() != clips[1].primitive():
-        words = "cones from one point, the inner one around the outer one"
+        words = "two cones, the inner one around the outer one"
         faces = [local.corners(face.vertices) for face in local.outer_faces]
         around = prove_inside(faces, alike(-wide, faces), [alike(narrow, faces)])
-        failed = claim.failed(around, "the cone of the inner surface is not around that of the outer one")
-        if failed is not None:
-            return failed
-    corners = [local.corners(cell) for cell in local.cells]
-    below = [frame.localise(inner.polynomials[piece]).raw for piece in local.piece_of.tolist()], inner.degree
-    inside = [below, alike(wide, corners), alike(-narrow, corners)]
-    return _nested(claim, number, corners, inside, f"{words}, the inner side inside the outer contact there")
+        below = [frame.localise(inner.polynomials[piece]).raw for piece in local.piece_of.tolist()], inner.degree
+        beside = [below, alike(wide, corners), alike(-narrow, corners)]
+        between = prove_inside(corners, alike(-outer.joins[number].contact.surface.raw, corners), beside)
+        for found, wrong in (
+            (around, "the cone of the inner surface is not around that of the outer one"),
+            (between, "between the cones the inner surface is not inside the outer contact"),
+        ):
+            if (failed := claim.failed(found, wrong)) is not None:
+                return failed
+    return _nested(claim, inner, number, corners, (wide, -wide), f"{words}, the inner curve inside the outer surface")
 
 
 def _nested(
-    claim: Proposition, number: int, corners: Sequence[Sequence[Vector]], inside: Sequence[Exact], words: str
+    claim: Proposition,
+    inner: PiecewisePolynomial,
+    number: int,
+    corners: Sequence[Sequence[Vector]],
+    walls: Sequence[fmpq_mpoly],
+    words: str,
 ) -> Verdict:
-    """That on simplices a contact's outer surface is negative where none of some polynomials is positive."""
-    wide = -claim.surface.joins[number].contact.surface.raw
+    """That on simplices, where no wall is positive, a contact's inner surface is inside its outer one."""
+    outer = claim.surface
+    narrow = outer.partition.frame.localise(inner.contacts[number].surface).raw
+    wide = -outer.joins[number].contact.surface.raw
+    inside = [alike(p, corners) for p in (narrow, *walls)]
     found = prove_inside(corners, alike(wide, corners), inside)
     return claim.settled(found, "the inner contact is not inside the outer one", f"both end in {words}")
 

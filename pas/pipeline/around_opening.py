@@ -17,7 +17,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, exact, exact_vector, minus, moved, to_float, to_floats
 from pas.algebra.scaling import scaled
-from pas.contacts.cones import FARTHEST, first_met, nappe
+from pas.contacts.cones import FARTHEST, first_met, nappe, nappe_rays
 from pas.contacts.contact import Contact
 from pas.contacts.joins import Join
 from pas.errors import GeometryError
@@ -254,9 +254,20 @@ class AroundOpening:
         beyond = np.geomspace(1, FARTHEST, ALONG)[1:, None, None] * met
         return bool(cosines.min() > GRAZING and (surface(beyond) > 0).all())
 
+    @property
+    def slope(self) -> float:
+        """How wide its cone is at a distance of 1 along the axis, in one direction across it."""
+        along, across, _ = np.linalg.norm(self.join.nappe, axis=1)
+        return float(across / along)
+
     def inside(self, edge: Polynomial) -> bool:
         """Whether its curve is inside an edge."""
         return bool((scaled(edge)(self._curve) < 0).all())
+
+    def holds(self, edge: Polynomial) -> bool:
+        """Whether an edge, a cone with the same apex, is inside its own."""
+        rays = nappe_rays(nappe(scaled(edge), self.join.nappe[0]), AROUND)
+        return bool((self.join.contact.clip(rays) < 0).all())
 
     def wide(self, reach: fmpq) -> fmpq:
         """How wide the edge at a distance is over the opening."""

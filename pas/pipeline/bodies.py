@@ -7,7 +7,8 @@ clip and ends in a flat cap.  The claims of contact become joints, which the sol
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -108,27 +109,73 @@ def hollow_body(
     """
     reaches = lengths_of(length, outer)
     titles = _names(names, len(outer.contacts))
-    low = next((AroundOpening.of(inner, number).low for number, join in enumerate(inner.joins) if join.opening), None)
-    floors = (None, None) if low is None else (low / 2, low / 4)
-    goes_on = any(reach > 0 for reach, join in zip(reaches, outer.joins, strict=True) if join.opening)
-    around: Around = "endless" if goes_on else "surface"
+    given = ((n, reach) for n, (join, reach) in enumerate(zip(outer.joins, reaches, strict=True)) if join.opening)
+    mouth = next((Mouth.of(outer, inner, number, reach, length is None) for number, reach in given), None)
+    floors = (None, None) if mouth is None else (mouth.within.low / 2, mouth.within.low / 4)
+    around: Around = "endless" if mouth is not None and not mouth.ends else "surface"
     inside, beyond = [f"{INSIDE} {t}" for t in titles], outer.partition.frame.scale / FURTHER
     face = f"{INSIDE} blend"
     cavity = body(inner, reaches, inside, face, floors[1], around, beyond)
     ended = [name for name, reach in zip(inside, reaches, strict=True) if reach == 0]
+    if mouth is not None:
+        reaches[mouth.around.number - 1] = mouth.works
+        ended += [] if mouth.goes_on else [inside[mouth.around.number - 1]]
     joints = tuple(joint for joint in cavity.joints if joint.second not in ended)
-    solid = body(outer, length, names, floor=floors[0]) - replace(cavity, joints=joints)
-    return replace(solid, sheets=_wall_sheets(outer, inner, titles, reaches, length is None, floors[0]))
+    solid = body(outer, reaches, names, floor=floors[0]) - replace(cavity, joints=joints)
+    return replace(solid, sheets=_wall_sheets(outer, inner, titles, reaches, mouth))
 
 
-def up_to_cones(inner: PiecewiseSurface, outer: PiecewiseSurface) -> PiecewiseSurface:
-    """The inner surface of a wall, at openings up to the cone of the outer one, where it is a contact of itself."""
-    contacts = [
-        Contact(inner.polynomials[0], theirs.clip) if join.opening and ours.clip != theirs.clip else ours
-        for ours, theirs, join in zip(inner.contacts, outer.contacts, outer.joins, strict=True)
-    ]
-    if tuple(contacts) == inner.contacts:
+@dataclass(frozen=True, eq=False)
+class Mouth:
+    """A wall at an opening: `around` its outer side and `within` its inner one, up to an `edge`, which is as far around
+    the outer one as `works`."""
+
+    around: AroundOpening
+    within: AroundOpening
+    works: fmpq
+    edge: Polynomial
+
+    @classmethod
+    def of(cls, outer: PiecewiseSurface, inner: PiecewiseSurface, number: int, reach: fmpq, shorter: bool) -> Mouth:
+        """That of contact `number`; raises what `AroundOpening.fitting` raises.
+
+        If it may be `shorter`, the edge of a curved surface is all around the inner side's curve or all inside of it.
+        """
+        around, within = (AroundOpening.of(surface, number) for surface in (outer, inner))
+        works = around.fitting(reach, shorter) if reach > 0 else reach
+        found = cls(around, within, works, around.edge(works) if works > 0 else around.contact.clip)
+        while shorter and not (around.flat or found.goes_on or found.ends):
+            found = replace(found, works=found.works / 2, edge=around.edge(found.works / 2))
+        return found
+
+    @cached_property
+    def goes_on(self) -> bool:
+        """Whether the inner side's curve is inside the edge, so that its contact goes on from there."""
+        return self.works > 0 and self.within.inside(self.edge)
+
+    @cached_property
+    def ends(self) -> bool:
+        """Whether the inner surface goes on to the edge itself."""
+        return self.works == 0 or (not self.around.flat and self.within.holds(self.edge))
+
+    def chains(self, name: str, inner: PiecewiseSurface, floor: Polynomial) -> tuple[Chain, Chain] | None:
+        """What goes on from both sides; None where the inner contact does not, or is not seen to go on so far."""
+        around, within, works = self.around, self.within, self.works
+        if around.center != within.center or not (self.goes_on or self.ends):
+            return None
+        if self.ends:
+            within, works = AroundOpening.of(inner, within.number - 1), NOTHING
+        elif not within.flat and not within.leave(around.wide(works) * exact(around.slope / within.slope)):
+            return None
+        return around.walled(name, self.works, self.edge), within.walled(f"{INSIDE} {name}", works, self.edge, floor)
+
+
+def up_to(inner: PiecewiseSurface, number: int, cone: Polynomial) -> PiecewiseSurface:
+    """An inner surface up to a cone inside that of its opening `number`, on which it is a contact of itself."""
+    contacts = [*inner.contacts]
+    if contacts[number].clip.primitive() == cone.primitive():
         return inner
+    contacts[number] = Contact(inner.polynomials[0], cone)
     return PiecewiseSurface(inner.partition, contacts, inner.order, inner.patches, inner.degree)
 
 
@@ -137,33 +184,24 @@ def _wall_sheets(
     inner: PiecewiseSurface,
     titles: Sequence[str],
     reaches: Sequence[fmpq],
-    shorter: bool,
-    floor: fmpq | None,
+    mouth: Mouth | None,
 ) -> SheetBody | None:
     """The sheets of a wall: what goes on inside ends in the planes, edges and cones in which the outer side does."""
-    goes_on = any(reach > 0 for reach, join in zip(reaches, outer.joins, strict=True) if join.opening)
-    inner = inner if goes_on else up_to_cones(inner, outer)
+    if mouth is not None and mouth.ends:
+        inner = up_to(inner, mouth.within.number - 1, mouth.edge)
     pairs: list[tuple[Chain | None, Chain | None]] = []
     for number, (name, reach) in enumerate(zip(titles, reaches, strict=True)):
         if not outer.joins[number].opening:
-            plane = clip_plane(outer, number)
-            pairs.append(
-                (
-                    chain_beyond(outer, number, name, plane, reach),
-                    chain_beyond(inner, number, f"{INSIDE} {name}", plane, reach),
-                )
-            )
+            plane, names = clip_plane(outer, number), (name, f"{INSIDE} {name}")
+            both = zip((outer, inner), names, strict=True)
+            first, second = (chain_beyond(surface, number, title, plane, reach) for surface, title in both)
+            pairs.append((first, second))
             continue
-        around, within = (AroundOpening.of(surface, number) for surface in (outer, inner))
-        works = around.fitting(reach, shorter) if reach > 0 else reach
-        edge = around.edge(works)
-        if around.center != within.center or not (within.flat or works == 0 or within.leave(around.wide(works))):
+        assert mouth is not None
+        side = mouth.chains(name, inner, scaled(mouth.around.at(mouth.within.low / 2)))
+        if side is None:
             return None
-        if works > 0 and not within.inside(edge):  # the inner side begins beyond it
-            return None
-        assert floor is not None
-        side = around.walled(name, works, edge), within.walled(f"{INSIDE} {name}", works, edge)
-        pairs.append((side[0], replace(side[1], floor=scaled(around.at(floor)))))
+        pairs.append(side)
     sides = [
         Side(surface, face, tuple(chain for chain in chains if chain is not None))
         for surface, face, chains in zip(

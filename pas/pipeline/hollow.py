@@ -37,7 +37,7 @@ from pas.mesh.topology import Edges
 from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.around_opening import AroundOpening
-from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of, up_to_cones
+from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of, up_to
 from pas.pipeline.cavity import Cavity
 from pas.pipeline.chosen import B, ChosenBlend, Stages
 from pas.pipeline.search import excess, find
@@ -162,8 +162,10 @@ class HollowBlend(Shape, Generic[B]):
         `MeshError` as `PiecewiseSurface.mesh` does, and where an end is no ring.
         """
         tolerance = self._tolerance if tolerance is None else tolerance
-        sheets = self.outer.surface, up_to_cones(self.inner.surface, self.outer.surface)
-        ends = [self._end(number) for number in range(len(self.outer.surface.contacts))]
+        outer, inner = self.sides
+        for number, join in enumerate(outer.joins):
+            inner = up_to(inner, number, outer.contacts[number].clip) if join.opening else inner
+        sheets, ends = (outer, inner), [self._end(number) for number in range(len(outer.contacts))]
         made, loops = Faces([], 0.0), list[list[Integers]]()
         for sheet, name in zip(sheets, ("blend", "inside of blend"), strict=True):
             mesh = sheet.mesh(tolerance, quality=quality)
