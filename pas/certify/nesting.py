@@ -81,7 +81,7 @@ def _inside(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> Verdict:
     if not all(join.confined for surface in (inner, outer) for join in surface.joins):
         return claim.undecided("a clip passes through a region, so that a part of it only is in use")
     if not all(_one_nappe(inner, outer, number) for number, join in enumerate(outer.joins) if join.opening):
-        return claim.undecided("the outer region is open, and the inner one not from the same point")
+        return claim.undecided("the outer region is open, and the inner one not in its direction from its centre")
     frame = outer.partition.frame
     parts = common_parts(in_frame_of(inner.partition, outer.partition), outer.local)
     below = [frame.localise(p).raw for p in inner.polynomials]

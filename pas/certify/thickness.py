@@ -15,9 +15,9 @@ and both slices' corners on them are nearer to one another than the bound.  Look
 of the other surface, before other pairs, and of those only such as hold one that is not to be halved already.
 
 Guaranteed for all zeros of both functions in their regions, up to the clips of contacts.  Where the cone of an inner
-opening is around the outer one's, the contact of the outer one goes on outside of its cone, as far out as twice the inner
-region, and counts as well.  Not promised: anything else beyond the clips, where pipes go on, and bounds as near to the
-least distance as what rounding counts.
+opening is around the outer one's, the outer contact counts as well between the two, as far out as twice the inner region.
+Not promised: anything else beyond the clips, where pipes go on, and bounds as near to the least distance as what rounding
+counts.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ by some hundred 2^-53 of it."""
 Pairs: TypeAlias = "tuple[NDArray[np.intp], NDArray[np.intp]]"
 """The numbers (P,) of slices of the inner surface, and of one of the outer surface's for each."""
 
-LIMITS = Limits(depth=60, cells=400_000)
+LIMITS = Limits(depth=120, cells=400_000)
 """Slices a quarter as large as the wall is thick are some ten thousand."""
 
 LARGE = 2
@@ -167,8 +167,7 @@ def _tetrahedra(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple
     """The cells of both regions in the outer one's local coordinates with the forms of their functions, then those of
     the clips of openings, negative where a surface is in use; and how many are the inner region's.
 
-    Around an outer opening whose cone is another than the inner one's, also the inner cells twice as large with the
-    outer contact, in use outside of its cone.
+    Where openings have two cones, also the inner cells twice as large with the outer contact, in use between these.
     """
     frame, degree = outer.partition.frame, max(inner.degree, outer.degree, 1)
     below = [frame.localise(p).raw for p in inner.polynomials]
@@ -185,13 +184,13 @@ def _tetrahedra(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple
         open_at = [
             frame.localise(c.clip).raw for c, j in zip(surface.contacts, surface.joins, strict=True) if j.opening
         ]
-        clips += [open_at] * len(local.cells)
+        clips += [2 * open_at] * len(local.cells)
     for ours, theirs, join in zip(inner.contacts, outer.contacts, outer.joins, strict=True):
         if join.opening and ours.clip != theirs.clip:
             local = sides[0][2]
             cells += [tuple(three(2 * c for c in v) for v in local.corners(cell)) for cell in local.cells]
             raws += [join.contact.surface.raw] * len(local.cells)
-            clips += [[-join.contact.clip.raw]] * len(local.cells)
+            clips += [[-join.contact.clip.raw, frame.localise(ours.clip).raw]] * len(local.cells)
     found = [nearby_forms(raws, cells, degree)]
     for column in zip(*clips, strict=True):
         found.append(nearby_forms(column, cells, max(1, *(int(p.total_degree()) for p in column))))
