@@ -16,7 +16,7 @@ from flint import fmpq
 
 from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, exact, rational, to_float, to_floats
+from pas.algebra.rational import Exact, dot, exact, rational, to_float, to_floats
 from pas.algebra.scaling import Scaled, scaled
 from pas.contacts.contact import Contact
 from pas.contacts.ends import ContactEnd, triple
@@ -111,7 +111,7 @@ def hollow_body(
     titles = _names(names, len(outer.contacts))
     given = ((n, reach) for n, (join, reach) in enumerate(zip(outer.joins, reaches, strict=True)) if join.opening)
     mouth = next((Mouth.of(outer, inner, number, reach, length is None) for number, reach in given), None)
-    floors = (None, None) if mouth is None else (mouth.within.low / 2, mouth.within.low / 4)
+    floors = (None, None) if mouth is None else (mouth.floor, mouth.within.low / 4)
     around: Around = "endless" if mouth is not None and not mouth.ends else "surface"
     inside, beyond = [f"{INSIDE} {t}" for t in titles], outer.partition.frame.scale / FURTHER
     face = f"{INSIDE} blend"
@@ -147,6 +147,12 @@ class Mouth:
         while shorter and not (around.flat or found.goes_on or found.ends):
             found = replace(found, works=found.works / 2, edge=around.edge(found.works / 2))
         return found
+
+    @property
+    def floor(self) -> fmpq:
+        """Half the height of the inner opening over the centre, in units of the outer one's axis."""
+        axis = self.around.axis
+        return self.within.low / 2 * dot(axis, axis) / dot(axis, self.within.axis)
 
     @cached_property
     def goes_on(self) -> bool:
@@ -198,7 +204,7 @@ def _wall_sheets(
             pairs.append((first, second))
             continue
         assert mouth is not None
-        side = mouth.chains(name, inner, scaled(mouth.around.at(mouth.within.low / 2)))
+        side = mouth.chains(name, inner, scaled(mouth.around.at(mouth.floor)))
         if side is None:
             return None
         pairs.append(side)
