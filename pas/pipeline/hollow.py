@@ -1,6 +1,8 @@
 """Hollow nodes: an outer and an inner blend, the inner one proved inside the outer one.
 
 Both are blends of the same order with the same clips, mostly around one centre; between their contacts is a thickness.
+At an opening the inner clip is a wider cone from the same point, so that its curve is below the outer one, along the
+normals: on one cone the inner side would begin to rise earlier than the outer one, and the wall be up to twice as thick.
 That the one is inside the other is proved of their polynomials (see `pas.certify.nesting`); how thick the wall is
 between the ends is measured, and proved to be more than a bound (see `pas.certify.thickness`).
 
@@ -22,7 +24,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import shown_point
-from pas.algebra.rational import Exact, plain, positive, rational, three
+from pas.algebra.rational import Exact, plain, positive, rational, three, to_float
 from pas.certify.nesting import nesting
 from pas.certify.thickness import thicker_than
 from pas.contacts.cones import apex
@@ -38,7 +40,7 @@ from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.around_opening import AroundOpening
 from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of, up_to
-from pas.pipeline.cavity import Cavity
+from pas.pipeline.cavity import EVEN, Cavity
 from pas.pipeline.chosen import B, ChosenBlend, Stages
 from pas.pipeline.search import excess, find
 from pas.pipeline.wall_mesh import WallMesh
@@ -156,9 +158,9 @@ class HollowBlend(Shape, Generic[B]):
     def mesh(
         self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> WallMesh:
-        """The closed mesh of the wall up to its ends: both surfaces within `tolerance`, and rings in the clips.
+        """The closed mesh of the wall up to its ends: both surfaces within `tolerance`, and rings in the outer clips.
 
-        These are planes, or the cones of openings.  Its faces are "blend", "inside of blend", "end 1", ...  Raises
+        These are planes, or the cones of openings, in which an inner side with a wider one ends before.  Its faces are "blend", "inside of blend", "end 1", ...  Raises
         `MeshError` as `PiecewiseSurface.mesh` does, and where an end is no ring.
         """
         tolerance = self._tolerance if tolerance is None else tolerance
@@ -204,6 +206,10 @@ class HollowBlend(Shape, Generic[B]):
             surface = part.surface
             parts.append(f"{name}: GC^{surface.order}, degree {surface.degree}, {surface.partition.title}, {fair}")
         parts.append(f"wall at its thinnest: {self.wall}")
+        if self.thickness is not None:
+            shares = [size / to_float(self.thickness) for size in (self.wall.distance, self.wall.largest)]
+            even = "even" if EVEN[0] <= shares[0] and shares[1] <= EVEN[1] else "uneven"
+            parts[-1] += f"; {even}, {shares[0]:.2f} to {shares[1]:.2f} of the thickness"
         parts.append(f"verdicts: {self.certificate.counts}")
         return "\n".join(parts)
 
