@@ -12,10 +12,10 @@ cone of its opening is in use, and nothing is claimed of the rest (see `pas.cert
 is inside both cones.
 
 End: at each contact both clips are the same plane, and on the inner clip faces the outer contact's surface is negative
-wherever the inner one's is not positive.  At an opening both are cones from one point, the same one or the inner one
-around the outer one, and that holds all over the inner cone in the inner region; between the two, where g <= 0, the outer
-contact's surface is negative.  So the wall ends in what is between two curves without a common point, and where the outer
-solid already goes on as its contact does, the inner body is in its interior as well.
+wherever the inner one's is not positive.  At an opening both are cones from one point, the same or the inner one around
+the outer one, and that holds all over the inner cone in the inner region; where g <= 0 between them, the contact's outer
+surface is negative.  So the wall ends in what is between two curves without a common point, and the inner body is in
+what the outer one goes on as.
 
 All inequalities are proved by Bernstein branch and bound with rounding accounted for (see `pas.bernstein.signs`).  What
 is not promised: a thickness of the wall (see `pas.certify.thickness`).
@@ -85,7 +85,8 @@ def _inside(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> Verdict:
     frame = outer.partition.frame
     parts = common_parts(in_frame_of(inner.partition, outer.partition), outer.local)
     below = [frame.localise(p).raw for p in inner.polynomials]
-    cones = dict.fromkeys(frame.localise(clip) for s in (inner, outer) for clip in _cones(s))
+    opened = ((s, number) for s in (inner, outer) for number, join in enumerate(s.joins) if join.opening)
+    cones = dict.fromkeys(frame.localise(s.contacts[number].clip) for s, number in opened)
     above = [-p.raw for p in outer.patches]
 
     def proved(some: Sequence[Common], values: Sequence[fmpq_mpoly], degree: int) -> SignResult:
@@ -142,12 +143,12 @@ def _open_end(claim: Proposition, inner: PiecewisePolynomial, outer: PiecewisePo
         below = [frame.localise(inner.polynomials[piece]).raw for piece in local.piece_of.tolist()], inner.degree
         beside = [below, alike(wide, corners), alike(-narrow, corners)]
         between = prove_inside(corners, alike(-outer.joins[number].contact.surface.raw, corners), beside)
-        for found, wrong in (
-            (around, "the cone of the inner surface is not around that of the outer one"),
-            (between, "between the cones the inner surface is not inside the outer contact"),
-        ):
-            if (failed := claim.failed(found, wrong)) is not None:
-                return failed
+        wrong = "the cone of the inner surface is not around that of the outer one"
+        if (failed := claim.failed(around, wrong)) is not None:
+            return failed
+        wrong = "between the cones the inner surface is not inside the outer contact"
+        if (failed := claim.failed(between, wrong)) is not None:
+            return failed
     return _nested(claim, inner, number, corners, (wide, -wide), f"{words}, the inner curve inside the outer surface")
 
 
@@ -166,11 +167,6 @@ def _nested(
     inside = [alike(p, corners) for p in (narrow, *walls)]
     found = prove_inside(corners, alike(wide, corners), inside)
     return claim.settled(found, "the inner contact is not inside the outer one", f"both end in {words}")
-
-
-def _cones(surface: PiecewisePolynomial) -> list[Polynomial]:
-    """The clips of the contacts through which a surface's region is open."""
-    return [c.clip for c, join in zip(surface.contacts, surface.joins, strict=True) if join.opening]
 
 
 def _one_nappe(inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) -> bool:

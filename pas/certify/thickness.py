@@ -14,10 +14,9 @@ The bound is refuted where two edges, one of each surface's, each hold a zero, a
 and both slices' corners on them are nearer to one another than the bound.  Looked at are each slice and the nearest one
 of the other surface, before other pairs, and of those only such as hold one that is not to be halved already.
 
-Guaranteed for all zeros of both functions in their regions, up to the clips of contacts.  Where the cone of an inner
-opening is around the outer one's, the outer contact counts as well between the two, as far out as twice the inner region.
-Not promised: anything else beyond the clips, where pipes go on, and bounds as near to the least distance as what rounding
-counts.
+Guaranteed for all zeros of both functions in their regions, up to the clips of contacts, and where an opening has two
+cones between these for the outer contact, as far out as twice the inner region.  Not promised: anything else beyond the
+clips, where pipes go on, and bounds as near to the least distance as what rounding counts.
 """
 
 from __future__ import annotations

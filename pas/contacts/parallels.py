@@ -52,8 +52,7 @@ Axes = tuple[tuple[Vector, fmpq], ...]
 
 
 def inner_contact(contact: Contact, thickness: fmpq, number: int = 1) -> Contact:
-    """The contact a `thickness` (the model's units) inside another, with the same clip; at an opening a wider one may
-    make the wall more even (see `pas.pipeline.around_opening`).
+    """The contact a `thickness` (the model's units) inside another, with the same clip.
 
     Raises `GeometryError`, naming contact `number`, where the thickness is not below its radius, where the point from
     which a cone opens is not deeper inside, and where its surface is none of those that have an inner one.

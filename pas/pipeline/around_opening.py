@@ -71,18 +71,8 @@ class AroundOpening:
         join, scale = surface.joins[number], surface.partition.frame.scale
         assert center is not None
         if contact.surface.degree == 1:
-            low, rim = -contact.surface.raw(*center), contact.rim
-            return cls(
-                number + 1,
-                contact,
-                center,
-                slope_at(contact.surface),
-                low,
-                rim.center,
-                exact(rim.radii[0]),
-                join,
-                scale,
-            )
+            low, rim, axis = -contact.surface.raw(*center), contact.rim, slope_at(contact.surface)
+            return cls(number + 1, contact, center, axis, low, rim.center, exact(rim.radii[0]), join, scale)
         length, *widths = np.linalg.norm(join.nappe, axis=1).tolist()
         heights = join.curve() @ (join.nappe[0] / length)
         low, high = (round(float(h) * FINE) * scale / FINE for h in (heights.min(), heights.max()))
@@ -90,11 +80,8 @@ class AroundOpening:
         return cls(number + 1, contact, center, (x, y, z), low, center, high * exact(min(widths) / length), join, scale)
 
     def even(self, thickness: fmpq) -> Polynomial | None:
-        """The cone of the inner side of a wall, wider than this one's so that the wall is even; None where it is the same.
-
-        That is where the normals of the surface along the opening go, a thickness inside, or half way between the
-        directions in which the least and the most wide of these are seen from the centre; never narrower.
-        """
+        """The cone of the inner side of an even wall, None where it is the same: half way between the narrowest and the
+        widest one through points that are a thickness inside along normals of the opening, but never narrower."""
         surface, center = self.contact.surface, np.array(to_floats(self.center))
         slopes = surface.gradient(self._curve)
         deep = self._curve - to_float(thickness) * slopes / np.linalg.norm(slopes, axis=1)[:, None] - center
@@ -253,12 +240,6 @@ class AroundOpening:
         cosines = (slopes * rays).sum(axis=1) / np.linalg.norm(slopes, axis=1)
         beyond = np.geomspace(1, FARTHEST, ALONG)[1:, None, None] * met
         return bool(cosines.min() > GRAZING and (surface(beyond) > 0).all())
-
-    @property
-    def slope(self) -> float:
-        """How wide its cone is at a distance of 1 along the axis, in one direction across it."""
-        along, across, _ = np.linalg.norm(self.join.nappe, axis=1)
-        return float(across / along)
 
     def inside(self, edge: Polynomial) -> bool:
         """Whether its curve is inside an edge."""

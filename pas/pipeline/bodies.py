@@ -164,16 +164,16 @@ class Mouth:
         """Whether the inner surface goes on to the edge itself."""
         return self.works == 0 or (not self.around.flat and self.within.holds(self.edge))
 
-    def chains(self, name: str, inner: PiecewiseSurface, floor: Polynomial) -> tuple[Chain, Chain] | None:
+    def chains(self, name: str, inner: PiecewiseSurface) -> tuple[Chain | None, ...]:
         """What goes on from both sides; None where the inner contact does not, or is not seen to go on so far."""
         around, within, works = self.around, self.within, self.works
-        if around.center != within.center or not (self.goes_on or self.ends):
-            return None
         if self.ends:
             within, works = AroundOpening.of(inner, within.number - 1), NOTHING
-        elif not within.flat and not within.leave(around.wide(works) * exact(around.slope / within.slope)):
-            return None
-        return around.walled(name, self.works, self.edge), within.walled(f"{INSIDE} {name}", works, self.edge, floor)
+        seen = self.ends or (self.goes_on and (within.flat or within.leave(around.wide(works))))
+        if around.center != within.center or not seen:
+            return None, None
+        walled = within.walled(f"{INSIDE} {name}", works, self.edge, scaled(around.at(self.floor)))
+        return around.walled(name, self.works, self.edge), walled
 
 
 def up_to(inner: PiecewiseSurface, number: int, cone: Polynomial) -> PiecewiseSurface:
@@ -186,35 +186,23 @@ def up_to(inner: PiecewiseSurface, number: int, cone: Polynomial) -> PiecewiseSu
 
 
 def _wall_sheets(
-    outer: PiecewiseSurface,
-    inner: PiecewiseSurface,
-    titles: Sequence[str],
-    reaches: Sequence[fmpq],
-    mouth: Mouth | None,
+    outer: PiecewiseSurface, inner: PiecewiseSurface, names: Sequence[str], reaches: Sequence[fmpq], mouth: Mouth | None
 ) -> SheetBody | None:
     """The sheets of a wall: what goes on inside ends in the planes, edges and cones in which the outer side does."""
     if mouth is not None and mouth.ends:
         inner = up_to(inner, mouth.within.number - 1, mouth.edge)
-    pairs: list[tuple[Chain | None, Chain | None]] = []
-    for number, (name, reach) in enumerate(zip(titles, reaches, strict=True)):
-        if not outer.joins[number].opening:
-            plane, names = clip_plane(outer, number), (name, f"{INSIDE} {name}")
-            both = zip((outer, inner), names, strict=True)
-            first, second = (chain_beyond(surface, number, title, plane, reach) for surface, title in both)
-            pairs.append((first, second))
+    pairs: list[tuple[Chain | None, ...]] = []
+    for number, (name, reach) in enumerate(zip(names, reaches, strict=True)):
+        if mouth is not None and outer.joins[number].opening:
+            pairs.append(mouth.chains(name, inner))
             continue
-        assert mouth is not None
-        side = mouth.chains(name, inner, scaled(mouth.around.at(mouth.floor)))
-        if side is None:
-            return None
-        pairs.append(side)
+        plane, both = clip_plane(outer, number), ((outer, name), (inner, f"{INSIDE} {name}"))
+        pairs.append(tuple(chain_beyond(surface, number, title, plane, reach) for surface, title in both))
     sides = [
         Side(surface, face, tuple(chain for chain in chains if chain is not None))
-        for surface, face, chains in zip(
-            (outer, inner), ("blend", f"{INSIDE} blend"), zip(*pairs, strict=True), strict=True
-        )
+        for surface, face, *chains in zip((outer, inner), ("blend", f"{INSIDE} blend"), *pairs, strict=True)
     ]
-    return SheetBody.of(sides) if all(len(side.chains) == len(titles) for side in sides) else None
+    return SheetBody.of(sides) if all(len(side.chains) == len(names) for side in sides) else None
 
 
 def contact_ends(surface: PiecewiseSurface, length: Length = 0) -> tuple[ContactEnd, ...]:

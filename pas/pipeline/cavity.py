@@ -123,12 +123,11 @@ class Cavity:
 
     @cached_property
     def _regions(self) -> list[Partition]:
-        """The outer blend's region, and before it one around a deeper centre where its own is not deep enough; around an
-        inner opening along another cone one of its own."""
-        own, theirs = self.outer.surface.partition, self.outer.surface.contacts
+        """The outer blend's region, and before it one around a deeper centre where its own is not deep enough; at an
+        opening one for its cone."""
+        own = self.outer.surface.partition
         if own.open:
-            same = all(a.clip == b.clip for a, b in zip(self.contacts, theirs, strict=True))
-            return [own if same else open_region(self.contacts)]
+            return [open_region(self.contacts) if len(own.pieces) == 1 else own]
         return [own] if self._deep_enough else [*self._deeper(), own]
 
     def trials(self) -> Iterator[Trial]:

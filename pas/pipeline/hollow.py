@@ -1,8 +1,8 @@
 """Hollow nodes: an outer and an inner blend, the inner one proved inside the outer one.
 
 Both are blends of the same order with the same clips, mostly around one centre; between their contacts is a thickness.
-At an opening the inner clip is a wider cone from the same point, so that its curve is below the outer one, along the
-normals: on one cone the inner side would begin to rise earlier than the outer one, and the wall be up to twice as thick.
+At an opening the inner clip is a wider cone from the same point, with its curve below the outer one along normals: on
+one cone the inner side would begin to rise earlier than the outer one, and the wall be up to twice as thick there.
 That the one is inside the other is proved of their polynomials (see `pas.certify.nesting`); how thick the wall is
 between the ends is measured, and proved to be more than a bound (see `pas.certify.thickness`).
 
@@ -57,11 +57,10 @@ Rank: TypeAlias = "tuple[bool, float, float]"
 
 @dataclass(frozen=True, eq=False)
 class Wall:
-    """The least distance of the inner side from the outer one, as measured at the vertices of a mesh, the vertex where it
-    is, and the `largest` one.
+    """The least and the `largest` distance of vertices of the inner side's mesh from the outer side, as measured.
 
-    `within` is how far that mesh is from the surface, as measured: between vertices distances may be off by as much.
-    All in the model's units.
+    `within` is how far the mesh is from its surface: between vertices distances may be off by as much.  `point` is the
+    vertex that is nearest.  All in the model's units.
     """
 
     distance: float
@@ -160,7 +159,7 @@ class HollowBlend(Shape, Generic[B]):
     ) -> WallMesh:
         """The closed mesh of the wall up to its ends: both surfaces within `tolerance`, and rings in the outer clips.
 
-        These are planes, or the cones of openings, in which an inner side with a wider one ends before.  Its faces are "blend", "inside of blend", "end 1", ...  Raises
+        These are planes, or the cones of openings.  Its faces are "blend", "inside of blend", "end 1", ...  Raises
         `MeshError` as `PiecewiseSurface.mesh` does, and where an end is no ring.
         """
         tolerance = self._tolerance if tolerance is None else tolerance
@@ -207,9 +206,9 @@ class HollowBlend(Shape, Generic[B]):
             parts.append(f"{name}: GC^{surface.order}, degree {surface.degree}, {surface.partition.title}, {fair}")
         parts.append(f"wall at its thinnest: {self.wall}")
         if self.thickness is not None:
-            shares = [size / to_float(self.thickness) for size in (self.wall.distance, self.wall.largest)]
-            even = "even" if EVEN[0] <= shares[0] and shares[1] <= EVEN[1] else "uneven"
-            parts[-1] += f"; {even}, {shares[0]:.2f} to {shares[1]:.2f} of the thickness"
+            low, high = (size / to_float(self.thickness) for size in (self.wall.distance, self.wall.largest))
+            even = "even" if EVEN[0] <= low and high <= EVEN[1] else "uneven"
+            parts[-1] += f"; {even}, {low:.2f} to {high:.2f} of the thickness"
         parts.append(f"verdicts: {self.certificate.counts}")
         return "\n".join(parts)
 
@@ -252,7 +251,7 @@ def check_sides(outer: ChosenBlend, inner: ChosenBlend, thickness: fmpq | None) 
 
 
 def _same(one: Contact, other: Contact) -> bool:
-    """Whether two contacts have one surface, to the rounding of irrational radii, and one clip or cones from one point."""
+    """Whether two contacts have one surface, to the rounding of irrational radii, and one clip or one apex of clips."""
     # By how much coefficients of an inner surface may be another machine's, over the largest: radii that are
     # irrational are rounded to 32 binary digits (see `pas.contacts.parallels`).
     rounding = 2.0**-29
@@ -261,13 +260,6 @@ def _same(one: Contact, other: Contact) -> bool:
     tip = apex(one.clip)
     same = one.clip.primitive() in (other.clip.primitive(), (-other.clip).primitive())
     return rounded and (same or (tip is not None and tip == apex(other.clip)))
-
-
-def _widened(outer: PiecewiseSurface, number: int, inner: Contact, thickness: fmpq) -> Contact:
-    """The contact of an inner side: at an opening of one piece along a cone that makes the wall even."""
-    open_here = outer.joins[number].opening and len(outer.partition.pieces) == 1
-    clip = AroundOpening.of(outer, number).even(thickness) if open_here else None
-    return inner if clip is None else Contact(inner.surface, clip, inner.near)
 
 
 def _best(outer: B, cavity: Cavity) -> HollowBlend[B]:
@@ -304,15 +296,20 @@ def _inner_contacts(outer: ChosenBlend, size: fmpq | None, given: Sequence[Conta
     if given is None:
         size = positive(size, "thickness")
         there = [outer.surface.placed.told(number) for number in range(len(contacts))]
-        inside = [inner_contact(contact, size, number) for number, contact in enumerate(there, start=1)]
-        return [_widened(outer.surface, number, contact, size) for number, contact in enumerate(inside)]
+        found = [inner_contact(contact, size, number) for number, contact in enumerate(there, start=1)]
+        for i, join in enumerate(outer.surface.joins if len(outer.surface.patches) == 1 else ()):
+            clip = AroundOpening.of(outer.surface, i).even(size) if join.opening else None
+            found[i] = Contact(found[i].surface, clip or found[i].clip, found[i].near)
+        return found
     found = [as_contact(item, f"inner[{i}]") for i, item in enumerate(given)]
     if len(found) != len(contacts):
         raise ValueError(f"inner must be {len(contacts)} contacts, one for each of the outer ones, not {len(found)}")
     for i, join in enumerate(outer.surface.joins):
-        if join.opening and apex(found[i].clip) != outer.surface.partition.center:
+        one, other = (contact.clip.primitive() for contact in (found[i], contacts[i]))
+        wider = len(outer.surface.patches) == 1 and apex(one) == outer.surface.partition.center
+        if join.opening and one != other and not wider:
             raise GeometryError(
-                f"inner[{i}] must have the clip of contact {i + 1}, {contacts[i].clip}, or a cone around it from the "
-                "same point: both sides of a wall open from there"
+                f"inner[{i}] must have the clip of contact {i + 1}, {contacts[i].clip}, or, of a blend that is one "
+                "piece, a cone around it from the same point: both sides of a wall open from there"
             )
     return found
