@@ -13,9 +13,9 @@ is inside both cones.
 
 End: at each contact both clips are the same plane, and on the inner clip faces the outer contact's surface is negative
 wherever the inner one's is not positive.  At an opening both are cones from one point, the same or the inner one around
-the outer one, and that holds all over the inner cone in the inner region; where g <= 0 between them, the contact's outer
-surface is negative.  So the wall ends in what is between two curves without a common point, and the inner body is in
-what the outer one goes on as.
+the outer one, and that holds all over the inner cone in the inner region; where g <= 0 between them, the surface of the
+outer contact is negative.  So the wall ends in what is between two curves without a common point, and the inner body is
+in what the outer one goes on as.
 
 All inequalities are proved by Bernstein branch and bound with rounding accounted for (see `pas.bernstein.signs`).  What
 is not promised: a thickness of the wall (see `pas.certify.thickness`).
@@ -143,11 +143,9 @@ def _open_end(claim: Proposition, inner: PiecewisePolynomial, outer: PiecewisePo
         below = [frame.localise(inner.polynomials[piece]).raw for piece in local.piece_of.tolist()], inner.degree
         beside = [below, alike(wide, corners), alike(-narrow, corners)]
         between = prove_inside(corners, alike(-outer.joins[number].contact.surface.raw, corners), beside)
-        wrong = "the cone of the inner surface is not around that of the outer one"
-        if (failed := claim.failed(around, wrong)) is not None:
+        if (failed := claim.failed(around, "the inner cone is not around that of the outer one")) is not None:
             return failed
-        wrong = "between the cones the inner surface is not inside the outer contact"
-        if (failed := claim.failed(between, wrong)) is not None:
+        if (failed := claim.failed(between, "between the cones the inner surface is not inside")) is not None:
             return failed
     return _nested(claim, inner, number, corners, (wide, -wide), f"{words}, the inner curve inside the outer surface")
 
