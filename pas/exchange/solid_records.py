@@ -1,23 +1,33 @@
 """Solids in project files (`.pas.json`): the exact trees, functions and joints.
 
 Guaranteed: what is read back is what was written, term by term: trees with their order and walls, polynomials with
-their rational coefficients, joints, special points.  Verdicts are not kept: they are proved anew when asked for.
+their rational coefficients, joints, special points, and what bounds a solid, so that it is meshed as before; a tree
+that was edited is bounded by nothing known.  Verdicts are not kept: they are proved anew when asked for.
 Functions that are no polynomials are kept where their class says how, by `to_record()` and a class method
 `from_record(record)`: classes of `pas.solid` are found by their names, others once they are named to `storable`.
+What bounds solids are dataclasses of `pas.solid`, kept by their annotated fields.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
+from functools import cache, partial
 from importlib import import_module
-from typing import Any, TypeVar
+from types import NoneType
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+
+import numpy as np
+from flint import fmpq
 
 from pas.algebra.affine import Affine
 from pas.algebra.inputs import whole
+from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import vector
-from pas.exchange.records import PARAMETRIC, PARTITION
+from pas.algebra.rational import rational, vector
+from pas.exchange.files import checksum
+from pas.exchange.records import PARAMETRIC, PARTITION, SURFACE
 from pas.exchange.schema import (
     ANYTHING,
     FLAG,
@@ -27,19 +37,25 @@ from pas.exchange.schema import (
     REAL,
     TEXT,
     WHOLE,
+    Form,
     Table,
     Value,
     choice,
     itself,
     later,
     list_of,
+    maybe,
     read_by,
+    row,
 )
 from pas.parametric.solids import FlatEnd, SurfaceDistance
 from pas.parametric.surface import ParametricSurface
+from pas.piecewise import PiecewiseSurface
 from pas.solid.functions import Distance, Moved, Pieces
 from pas.solid.joints import Joint
-from pas.solid.shell import FaceDistance, Hollowable
+from pas.solid.linked import SolidBoundary
+from pas.solid.operands import Operand, Operands
+from pas.solid.shell import FaceDistance
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Function, Node, Tree, atoms
 
@@ -135,7 +151,7 @@ def _of_class(**entries: Any) -> Function:
     """A function of a class that says how it is read; raises `ValueError` for one that is not known."""
     name, data = entries["class"], entries["data"]
     kind: Any = _class_named(name)
-    if kind is None:
+    if not callable(getattr(kind, "from_record", None)):
         raise ValueError(f"functions of class {name!r} are not known; name the class to `storable` first")
     _DATA.get(name, ANYTHING).check(data, "data")
     function: Function = kind.from_record(data)
@@ -193,18 +209,117 @@ FUNCTION: Value = choice(
 )
 
 
-def _solid(functions: list[Function], tree: dict[str, Any], joints: list[Joint], special_points: Any) -> Solid:
+def _array(value: Any) -> Floats:
+    found = np.array(value)
+    if found.dtype.kind not in "if":
+        raise ValueError("an array must be of numbers")
+    return found.astype(np.float64)
+
+
+_KNOWN: dict[Any, Form] = {
+    str: TEXT,
+    bool: FLAG,
+    int: WHOLE,
+    float: replace(REAL, read=float),
+    fmpq: replace(NUMBER, read=rational),
+    Floats: Value("an array", lambda value: isinstance(value, list), read=_array, write=np.ndarray.tolist),
+    Polynomial: POLYNOMIAL,
+    PiecewiseSurface: SURFACE,
+    Operand: WHOLE,
+}
+"""The forms of fields of what bounds solids; operands are kept by their numbers."""
+
+
+@cache
+def _form_of(kind: Any) -> Form:
+    """The form of the values of an annotated type: of a dataclass its fields, of a protocol a class and its fields."""
+    origin, inner = get_origin(kind), get_args(kind)
+    if kind in _KNOWN:
+        return _KNOWN[kind]
+    if NoneType in inner:
+        return maybe(_form_of(inner[0]))
+    if origin in (dict, Mapping):
+        pairs = list_of(row(*map(_form_of, inner)))
+        return read_by(pairs, lambda value: dict(pairs.read(value)), lambda table: pairs.write([*table.items()]))
+    if origin in (tuple, list):
+        form = (
+            row(*map(_form_of, inner)) if inner[-1] is not Ellipsis and origin is tuple else list_of(_form_of(inner[0]))
+        )
+        return read_by(form, lambda value: origin(form.read(value)), form.write)
+    if hasattr(kind, "from_record"):
+        return FUNCTION
+    if not is_dataclass(kind):
+        return Table({"class": TEXT, "data": ANYTHING}, make=_body_of_class, entries=_body_entries)
+    types = get_type_hints(kind)
+    return Table({f.name: later(partial(_form_of, types[f.name])) for f in fields(kind) if f.init}, make=kind)
+
+
+def _body_of_class(**entries: Any) -> Any:
+    """What is of a dataclass of `pas.solid`; raises `ValueError` for others."""
+    kind = _class_named(entries["class"])
+    if not is_dataclass(kind):
+        raise ValueError(f"what bounds a solid is of no class {entries['class']!r}")
+    form = _form_of(kind)
+    form.check(entries["data"], "data")
+    return form.read(entries["data"])
+
+
+def _body_entries(body: Any) -> dict[str, Any]:
+    return {"class": _name(type(body)), "data": _form_of(type(body)).write(body)}
+
+
+def _alone(functions: list[Function], tree: Any, joints: Any, special_points: Any, sheets: Any = None) -> Solid:
+    """A solid with numbers in the place of its operands."""
     points = tuple((float(x), float(y), float(z)) for x, y, z in special_points)
-    return Solid(_read_tree(tree, functions), tuple(joints), points)
+    body = sheets["body"] if sheets and sheets["of"] == _sum_of(functions, tree) else None
+    return Solid(_read_tree(tree, functions), tuple(joints), points, body)
 
 
-def _solid_entries(solid: Hollowable) -> dict[str, Any]:
-    """Everything that defines a solid, exact; each function is written once."""
+def _solid(operands: Sequence[Solid] = (), **entries: Any) -> Solid:
+    known: list[Solid] = []
+    for read in (*operands, _alone(**entries)):
+        bound: Any = read.sheets
+        if isinstance(bound, Operands):
+            numbers: Any = bound.parts
+            if not all(0 <= number < len(known) for number in numbers):
+                raise ValueError(f"there are {len(known)} operands before the one that is made of {[*numbers]}")
+            bound = replace(bound, parts=tuple(known[number] for number in numbers))
+        known.append(replace(read, sheets=bound))
+    return known[-1]
+
+
+def _sum_of(functions: Sequence[Function], tree: dict[str, Any]) -> str:
+    """What tells whether inequalities are those that something bounded when it was written."""
+    return checksum({"functions": [FUNCTION.write(function) for function in functions], "tree": tree})
+
+
+def _numbered(solid: Any, known: list[Any]) -> Any:
+    """A solid with numbers in the place of its operands, which are added to those known, each after its own: within
+    one another they would be nested too deeply."""
+    if not isinstance(solid.sheets, Operands):
+        return solid
+    numbers: list[Any] = []
+    for part in solid.sheets.parts:
+        known.append(_numbered(part, known))
+        numbers.append(len(known) - 1)
+    return replace(solid, sheets=replace(solid.sheets, parts=tuple(numbers)))
+
+
+def _entries_alone(solid: Solid) -> dict[str, Any]:
+    """Everything that defines a solid but for its operands, exact; each function is written once."""
     numbers: dict[Function, int] = {}
     for atom in atoms(solid.tree):
         numbers.setdefault(atom.function, len(numbers))
     tree = _tree_record(solid.tree, numbers)
-    return {"functions": numbers, "tree": tree, "joints": solid.joints, "special_points": solid.special_points}
+    sheets = {"sheets": {"of": _sum_of([*numbers], tree), "body": solid.sheets}} if solid.sheets else {}
+    own = {"functions": numbers, "tree": tree, "joints": solid.joints, "special_points": solid.special_points}
+    return own | sheets
+
+
+def _solid_entries(solid: Solid) -> dict[str, Any]:
+    operands: list[Solid] = []
+    entries = _entries_alone(_numbered(solid, operands))
+    return {**entries, "operands": operands} if operands else entries
 
 
 JOINT = Table(
@@ -213,16 +328,18 @@ JOINT = Table(
     make=Joint,
     entries=lambda joint: {key: value for key, value in vars(joint).items() if value != ()},
 )
-RECORD: Table = Table(
+_ALONE = Table(
     {
         "functions": list_of(FUNCTION),
         "tree": read_by(TREE, itself, itself),
         "joints": list_of(JOINT),
         "special_points": list_of(list_of(REAL, 3)),
     },
-    make=_solid,
-    entries=_solid_entries,
+    {"sheets": Table({"of": TEXT, "body": _form_of(SolidBoundary)})},
+    make=_alone,
+    entries=_entries_alone,
 )
+RECORD: Table = replace(_ALONE, may={**_ALONE.may, "operands": list_of(_ALONE)}, make=_solid, entries=_solid_entries)
 
 
 def _name(kind: type) -> str:
@@ -242,4 +359,4 @@ def _class_named(name: str) -> type | None:
         kind = getattr(import_module(module), title, None)
     except ImportError:
         return None
-    return kind if isinstance(kind, type) and callable(getattr(kind, "from_record", None)) else None
+    return kind if isinstance(kind, type) else None

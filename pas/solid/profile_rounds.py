@@ -123,7 +123,7 @@ class RoundedPrism(SweptBody):
             parts = (("top", 0, len(top)), ("", len(top) - 1, len(top) + 1), ("bottom", len(top), len(rows)))
             for (end, low, high), (k, edge) in product(parts, enumerate(loop.edges)):
                 found_rounds = self.rounds.get((number, end), [])
-                some = next((r for r in found_rounds if r.edge is edge or len(found_rounds) == 1), None)
+                some = next((r for r in found_rounds if r.edge == edge or len(found_rounds) == 1), None)
                 name, surface = (some.face, some.surface) if some else (edge.name, edge.curve)
                 if high - low > 1:
                     across = numbers[low:high, np.arange(borders[k], borders[k + 1] + 1) % n]

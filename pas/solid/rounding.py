@@ -190,26 +190,24 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
             hint = meant(name, known) or "; edges are rounded between planes of a convex solid, or of one with holes"
             raise GeometryError(f"the solid has no plane face {name!r} that bounds all of it{hint}")
     chosen = {plane for plane in planes if plane.name and (faces is None or plane.name in faces)}
-    edges = tuple(_edges(planes, chosen))
-    among = [edge for edge in edges if chosen.issuperset(edge.planes)]
-    if not among:
+    body = RoundedBody(planes=tuple(planes), chosen=tuple(p in chosen for p in planes), radius=radius, order=order)
+    edges, patches = body.edges, body.patches
+    rounds = {some for some in patches if len(some) == 2}
+    if not rounds:
         raise GeometryError("no two of the faces are planes that meet in an edge of a convex solid, or one with holes")
-    rounds = dict.fromkeys(frozenset(edge.planes) for edge in among)
-    most = min((limit for edge in edges if (limit := edge.largest(rounds.keys(), order)) is not None), default=None)
+    most = min((limit for edge in edges if (limit := edge.largest(rounds, order)) is not None), default=None)
     if most is not None and radius >= most:
         raise GeometryError(f"radius must be below {to_float(most):.6g}, where an edge is used up, not {plain(radius)}")
-    meeting = rounds | dict.fromkeys(vertex for edge in among for vertex in edge.vertices if chosen.issuperset(vertex))
-    patches = {some: RoundPatch.of([plane for plane in planes if plane in some], radius, order) for some in meeting}
     if again := {*solid.faces}.intersection(patch.face for patch in patches.values()):
         raise GeometryError(f"the edge {min(again)!r} is rounded already")
     rests = [patch.rest for patch in patches.values()]
     simple = {*Counter(vertex for edge in edges for vertex in edge.vertices).values()} == {3}
-    body: SolidBoundary | None = RoundedBody(edges=edges, patches=patches, radius=to_float(radius)) if simple else None
-    if body and (others := [part for part in parts if PlaneFace.of(part) is None]):
+    known: SolidBoundary | None = body if simple else None
+    if known and (others := [part for part in parts if PlaneFace.of(part) is None]):
         whole = Solid(combined(False, *(p for p in parts if p not in others), *rests), sheets=body)
-        body = Operands((whole, *(Solid(complement(part)) for part in others)), "Subtract")
+        known = Operands((whole, *(Solid(complement(part)) for part in others)), "Subtract")
     joints = *solid.joints, *_claims(patches)
-    return replace(solid, tree=combined(False, solid.tree, *rests), joints=joints, sheets=body)
+    return replace(solid, tree=combined(False, solid.tree, *rests), joints=joints, sheets=known)
 
 
 def _edges(planes: Sequence[PlaneFace], chosen: set[PlaneFace]) -> Iterator[StraightEdge]:
@@ -272,9 +270,30 @@ def _claims(patches: Mapping[frozenset[PlaneFace], RoundPatch]) -> Iterator[Join
 class RoundedBody(FacedBody):
     """What bounds a rounded polyhedron three edges of which meet at each vertex."""
 
-    edges: tuple[StraightEdge, ...]
-    patches: Mapping[frozenset[PlaneFace], RoundPatch]
-    radius: float
+    planes: tuple[PlaneFace, ...]
+    chosen: tuple[bool, ...]
+    radius: fmpq
+    order: int
+
+    @cached_property
+    def edges(self) -> tuple[StraightEdge, ...]:
+        """Those of the polyhedron."""
+        return tuple(_edges(self.planes, self._rounded))
+
+    @cached_property
+    def patches(self) -> dict[frozenset[PlaneFace], RoundPatch]:
+        """The rounds of edges between chosen planes, and of corners of three, by their planes."""
+        among = [edge for edge in self.edges if self._rounded.issuperset(edge.planes)]
+        vertices = (vertex for edge in among for vertex in edge.vertices if self._rounded.issuperset(vertex))
+        meeting = dict.fromkeys([*(frozenset(edge.planes) for edge in among), *vertices])
+        return {
+            some: RoundPatch.of([plane for plane in self.planes if plane in some], self.radius, self.order)
+            for some in meeting
+        }
+
+    @cached_property
+    def _rounded(self) -> set[PlaneFace]:
+        return {plane for plane, chosen in zip(self.planes, self.chosen, strict=True) if chosen}
 
     @property
     def extent(self) -> float:
@@ -294,20 +313,21 @@ class RoundedBody(FacedBody):
     def _in_parts(self, n: int) -> Faces | None:
         made, arcs = Faces([], 0.0), dict[tuple[frozenset[PlaneFace], frozenset[PlaneFace]], Integers]()
         outlines: dict[PlaneFace, list[Integers]] = {}
-        curved: list[tuple[RoundPatch, Integers]] = []
+        curved, radius = list[tuple[RoundPatch, Integers]](), to_float(self.radius)
         for vertex in dict.fromkeys(vertex for edge in self.edges for vertex in edge.vertices):
             pairs = [some for some in self.patches if len(some) == 2 and some < vertex]
             patch = self.patches.get(vertex) or (self.patches[pairs[0]] if pairs else None)
             if patch is None:
-                here = made.added(_corner(tuple(vertex), np.ones((1, 3)), self.radius))
-                for plane in vertex:
+                sharp = tuple(plane for plane in self.planes if plane in vertex)
+                here = made.added(_corner(sharp, np.ones((1, 3)), radius))
+                for plane in sharp:
                     outlines.setdefault(plane, []).append(here)
                 continue
             planes = (*patch.planes, *(vertex - {*patch.planes}))
             weights, triangles = weights_and_triangles(n, len(patch.planes))
             q = np.ones((len(weights), 3))
             q[:, : len(patch.planes)] = patch.heights(weights / n)
-            numbers = made.added(_corner(planes, q, self.radius))
+            numbers = made.added(_corner(planes, q, radius))
             for number, plane in enumerate(patch.planes):
                 outlines.setdefault(plane, []).append(numbers[weights[:, number] == n])
             for pair in pairs:
