@@ -16,7 +16,7 @@ from dataclasses import fields, is_dataclass, replace
 from functools import cache, partial
 from importlib import import_module
 from types import NoneType
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 from flint import fmpq
@@ -242,22 +242,21 @@ def _form_of(kind: Any) -> Form:
         pairs = list_of(row(*map(_form_of, inner)))
         return read_by(pairs, lambda value: dict(pairs.read(value)), lambda table: pairs.write([*table.items()]))
     if origin in (tuple, list):
-        form = (
-            row(*map(_form_of, inner)) if inner[-1] is not Ellipsis and origin is tuple else list_of(_form_of(inner[0]))
-        )
+        even = origin is list or inner[-1] is Ellipsis
+        form = list_of(_form_of(inner[0])) if even else row(*map(_form_of, inner))
         return read_by(form, lambda value: origin(form.read(value)), form.write)
     if hasattr(kind, "from_record"):
         return FUNCTION
     if not is_dataclass(kind):
         return Table({"class": TEXT, "data": ANYTHING}, make=_body_of_class, entries=_body_entries)
-    types = get_type_hints(kind)
-    return Table({f.name: later(partial(_form_of, types[f.name])) for f in fields(kind) if f.init}, make=kind)
+    types, made = get_type_hints(kind), cast("Callable[..., Any]", kind)
+    return Table({f.name: later(partial(_form_of, types[f.name])) for f in fields(kind) if f.init}, make=made)
 
 
 def _body_of_class(**entries: Any) -> Any:
     """What is of a dataclass of `pas.solid`; raises `ValueError` for others."""
     kind = _class_named(entries["class"])
-    if not is_dataclass(kind):
+    if kind is None or not is_dataclass(kind):
         raise ValueError(f"what bounds a solid is of no class {entries['class']!r}")
     form = _form_of(kind)
     form.check(entries["data"], "data")
@@ -265,7 +264,8 @@ def _body_of_class(**entries: Any) -> Any:
 
 
 def _body_entries(body: Any) -> dict[str, Any]:
-    return {"class": _name(type(body)), "data": _form_of(type(body)).write(body)}
+    kind: Any = type(body)
+    return {"class": _name(kind), "data": _form_of(kind).write(body)}
 
 
 def _alone(functions: list[Function], tree: Any, joints: Any, special_points: Any, sheets: Any = None) -> Solid:

@@ -11,28 +11,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from itertools import product
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from pas.mesh.cleaning import FOLD, cleaned
-from pas.mesh.crossings import crossings
+from pas.mesh.crossings import crossings, near_pairs
 from pas.mesh.diagnostics import PLACES, diagnosis
 from pas.mesh.face_ground import FaceGround
-from pas.mesh.field import FaceField, bounds_set, extent_of
+from pas.mesh.field import FaceField, bounds_set, extent_of, place_of
 from pas.mesh.first import first_lattice, first_mesh, unsound
 from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.hollowed import mesh_hollowed, too_thick
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.nodes import SAME, Nodes, contracted, flat_nodes
+from pas.mesh.nodes import SAME, Nodes, contracted, flat_nodes, pinched_at, where_edges_cross
 from pas.mesh.octree import Octree
 from pas.mesh.projection import distances, newton, pair_normals, project
 from pas.mesh.quality import Quality
 from pas.mesh.refusals import Made, Refusal, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
-from pas.mesh.rows import norms
+from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.surfaces import mesh_apart, together
 from pas.mesh.topology import connected
 
@@ -93,6 +92,8 @@ def triangulate_faces(
         lost = sorted(field.face(label) for label in {*first.labels.tolist()} - {*found[0].labels.tolist()})
         if lost:
             found = Refusal(f"the solid could not be meshed: {', '.join(lost)} did not come out; set another tolerance")
+    if made is None and isinstance(found, tuple):
+        found = _crossing(found[0], field) or _touching(found[0], field, tolerance) or found
     return _finished(found)
 
 
@@ -104,40 +105,66 @@ def _from_first(first: Labelled, field: FaceField, tolerance: float, quality: Qu
     if mesh is None or unsound(mesh, field, tolerance)[0]:
         return None
     found = _refined(mesh, field, tolerance, quality)
-    if isinstance(found, Refusal) or not _bounding(found[0], field, tolerance):
+    if isinstance(found, Refusal) or not _bounding(found[0], field, tolerance) or _crossing(found[0], field):
         return None
-    return None if _touches(found[0], field, tolerance) else found
+    return _touching(found[0], field, tolerance) or found
 
 
-def _touches(mesh: Labelled, field: FaceField, tolerance: float) -> bool:
-    """Whether triangles cross, or pieces touch: in a vertex of one, or near where it is nearest to faces of others."""
-    labels, close_by = np.unique(mesh.labels).tolist(), np.zeros(len(mesh.triangles), dtype=bool)
-    for label in labels:  # triangles that are no farther from another face than they are large
-        near = distances(field, mesh.points, np.full(len(mesh.points), label)) < 2 * mesh.sizes
-        close_by |= near[mesh.triangles].any(axis=1) & (mesh.labels != label)
-    if len(crossings(mesh.points, mesh.triangles[close_by])[0]):
-        return True
+def _crossing(mesh: Labelled, field: FaceField) -> Refusal | None:
+    """That triangles cross."""
+    pairs, places = crossings(mesh.points, mesh.triangles)
+    if not len(pairs):
+        return None
+    names = " and ".join(sorted({repr(field.face(label)) for label in mesh.labels[pairs[0]].tolist()}))
+    return Refusal(
+        f"the solid could not be meshed: near {place_of(field, places[0])} triangles of {names} cross, as parts are no "
+        "thicker there than the tolerance; take a finer one"
+    )
+
+
+def _touching(mesh: Labelled, field: FaceField, tolerance: float) -> Refusal | None:
+    """That pieces touch: in a vertex of one, near where one is nearest to faces of others, or where edges cross."""
     pieces, room = connected(mesh.topology.edges, len(mesh.points)), 4 * tolerance  # between a vertex and such a face
     owners, close = pieces[mesh.triangles[:, 0]], SAME * extent_of(field)
+    if pieces.max() == 0:
+        return None
+    labels, numbers = np.unique(mesh.labels, return_inverse=True)
+    corners = mesh.points[mesh.triangles]
+    (low, high), (lowest, highest) = (_boxes(corners, rows) for rows in (owners, numbers))
+    apart = np.maximum(low[:, None] - highest, lowest - high[:, None]).max(axis=2) > room
+    apart[owners, numbers] = True
     beside = 10 * close * np.concatenate([np.eye(3), -np.eye(3)])
-    for piece, label in product(range(int(pieces.max()) + 1), labels):
-        if piece in owners[mesh.labels == label]:
-            continue
-        here = mesh.points[pieces == piece]
+    for piece, number in np.argwhere(~apart).tolist():
+        label, here = labels[number], mesh.points[pieces == piece]
         off = distances(field, here, np.full(len(here), label))
         on, near = here[off < close], here[off < room]
         around = (on[:, None] + beside).reshape(-1, 3)
         around = newton(around, field, np.full((len(around), 1), label), np.full(len(around), 10 * close))
-        if bounds_set(field, around, np.full(len(around), label)).any():
-            return True
+        begins = bounds_set(field, around, np.full(len(around), label))
+        if begins.any():
+            return pinched_at(field, around[begins][0])
         column = np.full(len(near), label)
         feet = newton(near, field, column[:, None], np.full(len(near), room))
         gaps = np.where(bounds_set(field, feet, column), norms(near - feet), np.inf)
         nearest = np.argsort(gaps)[: min(PLACES, np.isfinite(gaps).sum())]
-        found = diagnosis(field, feet[nearest], room)
-        if found is not None and found.stays:
-            return True
-    return False
+        trouble = diagnosis(field, feet[nearest], room)
+        if trouble is not None and trouble.stays:
+            return Refusal(f"the solid could not be meshed: {trouble.sentence}")
+    edges, sides = mesh.topology.edge_table
+    rows = np.flatnonzero(sides[:, 0] != sides[:, 1])
+    ends = mesh.points[edges[rows]]
+    pairs = near_pairs(np.concatenate([ends - room, ends + room], axis=1))
+    pairs = pairs[pieces[edges[rows[pairs], 0]] @ (1, -1) != 0]
+    reach = norms(np.diff(ends, axis=1)[:, 0])[pairs].min(axis=1)
+    return where_edges_cross(field, ends[pairs], sides[rows[pairs]].reshape(-1, 4), reach, room)
+
+
+def _boxes(corners: Floats, rows: Integers) -> tuple[Floats, Floats]:
+    """The lower and upper corners (N, 3) of boxes around triangles (T, 3, 3) of each number (T,)."""
+    low, high = np.full((2, int(rows.max()) + 1, 3), np.inf)
+    np.minimum.at(low, rows, corners.min(axis=1))
+    np.minimum.at(high, rows, -corners.max(axis=1))
+    return low, -high
 
 
 def _joined(mesh: Labelled, field: FaceField) -> Labelled | None:

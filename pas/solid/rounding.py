@@ -202,12 +202,12 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
         raise GeometryError(f"the edge {min(again)!r} is rounded already")
     rests = [patch.rest for patch in patches.values()]
     simple = {*Counter(vertex for edge in edges for vertex in edge.vertices).values()} == {3}
-    known: SolidBoundary | None = body if simple else None
-    if known and (others := [part for part in parts if PlaneFace.of(part) is None]):
+    sheets: SolidBoundary | None = body if simple else None
+    if sheets and (others := [part for part in parts if PlaneFace.of(part) is None]):
         whole = Solid(combined(False, *(p for p in parts if p not in others), *rests), sheets=body)
-        known = Operands((whole, *(Solid(complement(part)) for part in others)), "Subtract")
+        sheets = Operands((whole, *(Solid(complement(part)) for part in others)), "Subtract")
     joints = *solid.joints, *_claims(patches)
-    return replace(solid, tree=combined(False, solid.tree, *rests), joints=joints, sheets=known)
+    return replace(solid, tree=combined(False, solid.tree, *rests), joints=joints, sheets=sheets)
 
 
 def _edges(planes: Sequence[PlaneFace], chosen: set[PlaneFace]) -> Iterator[StraightEdge]:
