@@ -127,12 +127,16 @@ def test_thin_plates_that_are_read_are_meshed_at_once(tmp_path):
     assert pas.load(made).mesh().volume == pytest.approx(1e6, rel=1e-12)
 
 
-def test_many_operations_in_turn_are_saved(tmp_path):
+@pytest.mark.parametrize(("turns", "kept"), [(29, True), (60, False)])
+def test_many_operations_in_turn_are_saved(turns, kept, tmp_path):
+    """Operands within operands nest a file, which is read down to some depth."""
     made = block()
-    for k in range(40):
+    for k in range(turns):
         small = solid.ball((4, 3, 1 + k / 64), "1/8") if k % 2 else solid.box((k / 16, 0, 0), ((k + 1) / 16, 1, 1))
         made = made | small if k % 2 else made - small
-    assert len(pas.load(made.save(tmp_path / "a.pas.json")).sheets.parts) == len(made.sheets.parts)
+    read = pas.load(made.save(tmp_path / "a.pas.json"))
+    assert read.tree == made.tree
+    assert len(read.sheets.parts) == len(made.sheets.parts) if kept else read.sheets is None
 
 
 def test_nothing_known_bounds_what_was_edited(tmp_path):
@@ -291,10 +295,12 @@ def test_edited_solids_are_not_believed(tmp_path):
         lambda c: c["solid"].update(joints=[{"first": "a", "second": "b", "along": [], "order": 1}]),
         lambda c: c["solid"]["sheets"]["body"].update({"class": "pas.solid.solid.Solid"}),
         lambda c: c["solid"]["sheets"]["body"].update({"class": "pas.cli.main"}),
+        lambda c: c["solid"]["sheets"]["body"].update({"class": "pas.solid.tree.Atom"}),
         lambda c: c["solid"]["sheets"]["body"]["data"].update(parts=[0, 3]),
-        lambda c: c["solid"]["sheets"]["body"]["data"].update(parts=["0"]),
-        lambda c: c["solid"]["operands"].clear(),
-        lambda c: c["solid"]["operands"][0]["sheets"]["body"]["data"]["body"]["data"].update(height="high"),
+        lambda c: c["solid"]["sheets"]["body"]["data"]["parts"][0]["tree"].clear(),
+        lambda c: box_of(c)["data"].update(height="high"),
+        lambda c: box_of(c)["data"]["loops"][0]["edges"][0]["start"].append("1"),
+        lambda c: box_of(c).update({"class": "pas.solid.strips.Sections"}),
         lambda c: c.update(kind="assembly"),
     ],
 )
@@ -315,6 +321,11 @@ def test_the_command_line_reads_solids(tmp_path, capsys):
     assert cli.main(["check", str(ball)]) == cli.FAILED
     assert cli.main(["render", str(ball), "-o", str(tmp_path / "ball.png"), "--curvature"]) == cli.WRONG
     assert "curvature colours exist for blends" in capsys.readouterr().err
+
+
+def box_of(content):
+    """What bounds the box of the difference."""
+    return content["solid"]["sheets"]["body"]["data"]["parts"][0]["sheets"]["body"]["data"]["body"]
 
 
 def rewrite(path, change):

@@ -130,10 +130,6 @@ def _moved(moved: Function, matrix: Any, shift: Any) -> Moved:
     return Moved(moved, place, place.similarity())
 
 
-def _face_distance(near: Solid, faces: Any, thickness: float, tolerance: float) -> FaceDistance:
-    return FaceDistance(near, faces, float(thickness), float(tolerance))
-
-
 def _bounded(inside: ParametricSurface, end: int | None = None) -> Distance:
     """The distance from a surface that bounds a body, or the height above the plane of one of its ends."""
     distance = SurfaceDistance(inside, inside.mesh())
@@ -194,7 +190,7 @@ FUNCTION: Value = choice(
     ),
     Table(
         {"near": later(lambda: RECORD), "faces": list_of(TEXT), "thickness": REAL, "tolerance": REAL},
-        make=_face_distance,
+        make=lambda near, faces, thickness, tolerance: FaceDistance(near, faces, float(thickness), float(tolerance)),
         entries=lambda f: {"near": f.solid, "faces": f.faces, "thickness": f.thickness, "tolerance": f.tolerance},
         of=lambda function: isinstance(function, FaceDistance),
     ),
@@ -209,54 +205,41 @@ FUNCTION: Value = choice(
 )
 
 
-def _array(value: Any) -> Floats:
-    found = np.array(value)
-    if found.dtype.kind not in "if":
-        raise ValueError("an array must be of numbers")
-    return found.astype(np.float64)
-
-
-_KNOWN: dict[Any, Form] = {
-    str: TEXT,
-    bool: FLAG,
-    int: WHOLE,
-    float: replace(REAL, read=float),
-    fmpq: replace(NUMBER, read=rational),
-    Floats: Value("an array", lambda value: isinstance(value, list), read=_array, write=np.ndarray.tolist),
-    Polynomial: POLYNOMIAL,
-    PiecewiseSurface: SURFACE,
-    Operand: WHOLE,
-}
-"""The forms of fields of what bounds solids; operands are kept by their numbers."""
+_FORMS: dict[Any, Form] = {str: TEXT, bool: FLAG, int: WHOLE, Polynomial: POLYNOMIAL, PiecewiseSurface: SURFACE}
+_FORMS |= {float: replace(REAL, read=float), fmpq: replace(NUMBER, read=rational), Operand: later(lambda: RECORD)}
+_FORMS[Floats] = Value(
+    "an array", lambda v: isinstance(v, list), read=partial(np.array, dtype=float), write=np.ndarray.tolist
+)
+"""Of fields of what bounds solids, by their types."""
 
 
 @cache
 def _form_of(kind: Any) -> Form:
     """The form of the values of an annotated type: of a dataclass its fields, of a protocol a class and its fields."""
     origin, inner = get_origin(kind), get_args(kind)
-    if kind in _KNOWN:
-        return _KNOWN[kind]
+    if kind in _FORMS:
+        return _FORMS[kind]
     if NoneType in inner:
         return maybe(_form_of(inner[0]))
-    if origin in (dict, Mapping):
+    if origin is Mapping:
         pairs = list_of(row(*map(_form_of, inner)))
         return read_by(pairs, lambda value: dict(pairs.read(value)), lambda table: pairs.write([*table.items()]))
-    if origin in (tuple, list):
-        even = origin is list or inner[-1] is Ellipsis
-        form = list_of(_form_of(inner[0])) if even else row(*map(_form_of, inner))
-        return read_by(form, lambda value: origin(form.read(value)), form.write)
+    if origin is tuple:
+        form = list_of(_form_of(inner[0])) if inner[-1] is Ellipsis else row(*map(_form_of, inner))
+        return read_by(form, lambda value: tuple(form.read(value)), form.write)
     if hasattr(kind, "from_record"):
         return FUNCTION
     if not is_dataclass(kind):
-        return Table({"class": TEXT, "data": ANYTHING}, make=_body_of_class, entries=_body_entries)
+        return Table({"class": TEXT, "data": ANYTHING}, make=partial(_body, kind), entries=_body_entries)
     types, made = get_type_hints(kind), cast("Callable[..., Any]", kind)
     return Table({f.name: later(partial(_form_of, types[f.name])) for f in fields(kind) if f.init}, make=made)
 
 
-def _body_of_class(**entries: Any) -> Any:
-    """What is of a dataclass of `pas.solid`; raises `ValueError` for others."""
+def _body(protocol: type, **entries: Any) -> Any:
+    """What is of a dataclass of `pas.solid` that a protocol stands for; raises `ValueError` for others."""
     kind = _class_named(entries["class"])
-    if kind is None or not is_dataclass(kind):
+    asked = {name for name in vars(protocol) if not name.startswith("_")}
+    if kind is None or not is_dataclass(kind) or not asked <= {*dir(kind), *kind.__dataclass_fields__}:
         raise ValueError(f"what bounds a solid is of no class {entries['class']!r}")
     form = _form_of(kind)
     form.check(entries["data"], "data")
@@ -268,58 +251,31 @@ def _body_entries(body: Any) -> dict[str, Any]:
     return {"class": _name(kind), "data": _form_of(kind).write(body)}
 
 
-def _alone(functions: list[Function], tree: Any, joints: Any, special_points: Any, sheets: Any = None) -> Solid:
-    """A solid with numbers in the place of its operands."""
-    points = tuple((float(x), float(y), float(z)) for x, y, z in special_points)
-    body = sheets["body"] if sheets and sheets["of"] == _sum_of(functions, tree) else None
-    return Solid(_read_tree(tree, functions), tuple(joints), points, body)
-
-
-def _solid(operands: Sequence[Solid] = (), **entries: Any) -> Solid:
-    known: list[Solid] = []
-    for read in (*operands, _alone(**entries)):
-        bound: Any = read.sheets
-        if isinstance(bound, Operands):
-            numbers: Any = bound.parts
-            if not all(0 <= number < len(known) for number in numbers):
-                raise ValueError(f"there are {len(known)} operands before the one that is made of {[*numbers]}")
-            bound = replace(bound, parts=tuple(known[number] for number in numbers))
-        known.append(replace(read, sheets=bound))
-    return known[-1]
-
-
 def _sum_of(functions: Sequence[Function], tree: dict[str, Any]) -> str:
     """What tells whether inequalities are those that something bounded when it was written."""
     return checksum({"functions": [FUNCTION.write(function) for function in functions], "tree": tree})
 
 
-def _numbered(solid: Any, known: list[Any]) -> Any:
-    """A solid with numbers in the place of its operands, which are added to those known, each after its own: within
-    one another they would be nested too deeply."""
-    if not isinstance(solid.sheets, Operands):
-        return solid
-    numbers: list[Any] = []
-    for part in solid.sheets.parts:
-        known.append(_numbered(part, known))
-        numbers.append(len(known) - 1)
-    return replace(solid, sheets=replace(solid.sheets, parts=tuple(numbers)))
-
-
-def _entries_alone(solid: Solid) -> dict[str, Any]:
-    """Everything that defines a solid but for its operands, exact; each function is written once."""
-    numbers: dict[Function, int] = {}
-    for atom in atoms(solid.tree):
-        numbers.setdefault(atom.function, len(numbers))
-    tree = _tree_record(solid.tree, numbers)
-    sheets = {"sheets": {"of": _sum_of([*numbers], tree), "body": solid.sheets}} if solid.sheets else {}
-    own = {"functions": numbers, "tree": tree, "joints": solid.joints, "special_points": solid.special_points}
-    return own | sheets
+def _solid(functions: list[Function], tree: Any, joints: Any, special_points: Any, sheets: Any = None) -> Solid:
+    points = tuple((float(x), float(y), float(z)) for x, y, z in special_points)
+    body = sheets["body"] if sheets and sheets["of"] == _sum_of(functions, tree) else None
+    return Solid(_read_tree(tree, functions), tuple(joints), points, body)
 
 
 def _solid_entries(solid: Solid) -> dict[str, Any]:
-    operands: list[Solid] = []
-    entries = _entries_alone(_numbered(solid, operands))
-    return {**entries, "operands": operands} if operands else entries
+    """Everything that defines a solid, exact; each function is written once."""
+    numbers: dict[Function, int] = {}
+    for atom in atoms(solid.tree):
+        numbers.setdefault(atom.function, len(numbers))
+    tree, most = _tree_record(solid.tree, numbers), 30  # operations in turn, which nest: files are read to some depth
+    entries = {"functions": numbers, "tree": tree, "joints": solid.joints, "special_points": solid.special_points}
+    known = solid.sheets is not None and _turns(solid) <= most
+    return entries | ({"sheets": {"of": _sum_of([*numbers], tree), "body": solid.sheets}} if known else {})
+
+
+def _turns(solid: Any) -> int:
+    """How many operations of different kinds made a solid, one of what another one made."""
+    return 1 + max(map(_turns, solid.sheets.parts)) if isinstance(solid.sheets, Operands) else 0
 
 
 JOINT = Table(
@@ -328,7 +284,7 @@ JOINT = Table(
     make=Joint,
     entries=lambda joint: {key: value for key, value in vars(joint).items() if value != ()},
 )
-_ALONE = Table(
+RECORD: Table = Table(
     {
         "functions": list_of(FUNCTION),
         "tree": read_by(TREE, itself, itself),
@@ -336,10 +292,9 @@ _ALONE = Table(
         "special_points": list_of(list_of(REAL, 3)),
     },
     {"sheets": Table({"of": TEXT, "body": _form_of(SolidBoundary)})},
-    make=_alone,
-    entries=_entries_alone,
+    make=_solid,
+    entries=_solid_entries,
 )
-RECORD: Table = replace(_ALONE, may={**_ALONE.may, "operands": list_of(_ALONE)}, make=_solid, entries=_solid_entries)
 
 
 def _name(kind: type) -> str:

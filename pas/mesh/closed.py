@@ -31,7 +31,7 @@ from pas.mesh.projection import distances, newton, pair_normals, project
 from pas.mesh.quality import Quality
 from pas.mesh.refusals import Made, Refusal, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
-from pas.mesh.rows import Floats, Integers, norms
+from pas.mesh.rows import norms
 from pas.mesh.surfaces import mesh_apart, together
 from pas.mesh.topology import connected
 
@@ -93,7 +93,7 @@ def triangulate_faces(
         if lost:
             found = Refusal(f"the solid could not be meshed: {', '.join(lost)} did not come out; set another tolerance")
     if made is None and isinstance(found, tuple):
-        found = _crossing(found[0], field) or _touching(found[0], field, tolerance) or found
+        found = _touching(found[0], field, tolerance) or found
     return _finished(found)
 
 
@@ -105,21 +105,9 @@ def _from_first(first: Labelled, field: FaceField, tolerance: float, quality: Qu
     if mesh is None or unsound(mesh, field, tolerance)[0]:
         return None
     found = _refined(mesh, field, tolerance, quality)
-    if isinstance(found, Refusal) or not _bounding(found[0], field, tolerance) or _crossing(found[0], field):
+    if isinstance(found, Refusal) or not _bounding(found[0], field, tolerance):
         return None
     return _touching(found[0], field, tolerance) or found
-
-
-def _crossing(mesh: Labelled, field: FaceField) -> Refusal | None:
-    """That triangles cross."""
-    pairs, places = crossings(mesh.points, mesh.triangles)
-    if not len(pairs):
-        return None
-    names = " and ".join(sorted({repr(field.face(label)) for label in mesh.labels[pairs[0]].tolist()}))
-    return Refusal(
-        f"the solid could not be meshed: near {place_of(field, places[0])} triangles of {names} cross, as parts are no "
-        "thicker there than the tolerance; take a finer one"
-    )
 
 
 def _touching(mesh: Labelled, field: FaceField, tolerance: float) -> Refusal | None:
@@ -128,14 +116,15 @@ def _touching(mesh: Labelled, field: FaceField, tolerance: float) -> Refusal | N
     owners, close = pieces[mesh.triangles[:, 0]], SAME * extent_of(field)
     if pieces.max() == 0:
         return None
-    labels, numbers = np.unique(mesh.labels, return_inverse=True)
-    corners = mesh.points[mesh.triangles]
-    (low, high), (lowest, highest) = (_boxes(corners, rows) for rows in (owners, numbers))
-    apart = np.maximum(low[:, None] - highest, lowest - high[:, None]).max(axis=2) > room
-    apart[owners, numbers] = True
+    corners, labels = mesh.points[mesh.triangles], mesh.labels
+    close_by = near_pairs(np.concatenate([corners - room, corners + room], axis=1))
+    close_by = close_by[owners[close_by] @ (1, -1) != 0]
+    sides = np.stack([owners[close_by].ravel(), labels[close_by[:, ::-1]].ravel()], axis=1)
     beside = 10 * close * np.concatenate([np.eye(3), -np.eye(3)])
-    for piece, number in np.argwhere(~apart).tolist():
-        label, here = labels[number], mesh.points[pieces == piece]
+    for piece, label in np.unique(sides, axis=0).tolist():
+        if piece in owners[labels == label]:
+            continue
+        here = mesh.points[pieces == piece]
         off = distances(field, here, np.full(len(here), label))
         on, near = here[off < close], here[off < room]
         around = (on[:, None] + beside).reshape(-1, 3)
@@ -151,20 +140,12 @@ def _touching(mesh: Labelled, field: FaceField, tolerance: float) -> Refusal | N
         if trouble is not None and trouble.stays:
             return Refusal(f"the solid could not be meshed: {trouble.sentence}")
     edges, sides = mesh.topology.edge_table
-    rows = np.flatnonzero(sides[:, 0] != sides[:, 1])
+    rows = np.flatnonzero((sides[:, 0] != sides[:, 1]) & np.isin(pieces[edges[:, 0]], owners[close_by]))
     ends = mesh.points[edges[rows]]
-    pairs = near_pairs(np.concatenate([ends - room, ends + room], axis=1))
+    pairs = near_pairs(np.concatenate([ends - room, ends + room], axis=1)) if len(rows) else close_by
     pairs = pairs[pieces[edges[rows[pairs], 0]] @ (1, -1) != 0]
     reach = norms(np.diff(ends, axis=1)[:, 0])[pairs].min(axis=1)
     return where_edges_cross(field, ends[pairs], sides[rows[pairs]].reshape(-1, 4), reach, room)
-
-
-def _boxes(corners: Floats, rows: Integers) -> tuple[Floats, Floats]:
-    """The lower and upper corners (N, 3) of boxes around triangles (T, 3, 3) of each number (T,)."""
-    low, high = np.full((2, int(rows.max()) + 1, 3), np.inf)
-    np.minimum.at(low, rows, corners.min(axis=1))
-    np.minimum.at(high, rows, -corners.max(axis=1))
-    return low, -high
 
 
 def _joined(mesh: Labelled, field: FaceField) -> Labelled | None:
@@ -284,4 +265,9 @@ def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quali
     reason, _ = unsound(found.mesh, field, tolerance)
     if reason:
         return Refusal(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
+    pairs, places = crossings(found.mesh.points, found.mesh.triangles)
+    if len(pairs):
+        names = " and ".join(sorted({repr(field.face(label)) for label in found.mesh.labels[pairs[0]].tolist()}))
+        where = f"near {place_of(field, places[0])} triangles of {names} cross, as it is no thicker there"
+        return Refusal(f"the tolerance {tolerance * field.scale:.3g} was not reached: {where}; take a finer one")
     return found.mesh, found.deviation

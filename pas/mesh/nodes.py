@@ -129,10 +129,8 @@ def where_edges_cross(
     """That the boundary is no surface where two edges (N, 2, 2, 3) cross, within `room` of both, on curves of functions
     (N, 4); None where none do."""
     found = _solved(field, ends.mean(axis=(1, 2)), [*map(tuple, functions.tolist())], reach)
-    ways = np.diff(ends, axis=2)[:, :, 0]
-    shares = ((found[:, None] - ends[:, :, 0]) * ways).sum(axis=2) / (ways**2).sum(axis=2)
-    off = np.linalg.norm(ends[:, :, 0] + np.clip(shares, 0, 1)[..., None] * ways - found[:, None], axis=2)
-    for row in np.flatnonzero((off < room).all(axis=1)):
+    inside = (found[:, None] >= ends.min(axis=2) - room) & (found[:, None] <= ends.max(axis=2) + room)
+    for row in np.flatnonzero(inside.all(axis=(1, 2))):
         if isinstance(cone := _is_cone(field, found[row], float(reach[row])), Refusal):
             return cone
     return None

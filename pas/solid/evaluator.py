@@ -54,8 +54,7 @@ class TreeEvaluator:
     def __init__(self, tree: Tree, center: tuple[fmpq, fmpq, fmpq], scale: fmpq, extra: tuple[Function, ...] = ()):
         self.center, self.scale = center, scale
         # Planes through points that are doubles are one up to their rounding, unless that is far from the origin.
-        equal = 2.0**-48 if max(map(abs, center)) < 2**16 * scale else 0.0
-        self._tree, self._numbers = tree, Columns(equal)
+        self._tree, self._numbers = tree, Columns(rounded=max(map(abs, center)) < 2**8 * scale)
         self._compiled = CompiledTree(tree, self._column_of)
         names: list[dict[str, None]] = [{} for _ in self._numbers.functions]
         for atom in atoms(tree):

@@ -21,7 +21,6 @@ from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import rational
 from pas.errors import GeometryError, MeshError
 from pas.mesh.booleans import Triangles, boolean
-from pas.mesh.closed import FaceMesh
 from pas.mesh.labelled import Labelled
 from pas.mesh.quality import Quality
 from pas.mesh.rows import cross, norms
@@ -30,10 +29,11 @@ from pas.solid.field import SolidField
 from pas.solid.linked import LinkedBodies, LinkedPart, RenamedBoundary, SolidBoundary, refuse_passing, united
 from pas.solid.runs import plain_run
 from pas.solid.sheets import SheetBody
-from pas.solid.tree import Atom, Tree, combined
+from pas.solid.shell import Hollowable
+from pas.solid.tree import Atom, combined
 
 
-class Operand(Protocol):
+class Operand(Hollowable, Protocol):
     """What is asked of a solid that is united with another one, or cut by it."""
 
     @property
@@ -41,19 +41,8 @@ class Operand(Protocol):
         """What bounds it, where that is known."""
 
     @property
-    def tree(self) -> Tree:
-        """The inequalities."""
-
-    @property
     def _around(self) -> Floats:
         """Two corners (2, 3) of a box that holds it."""
-
-    @property
-    def field(self) -> SolidField:
-        """Its boundary as the mesher wants it."""
-
-    def face_mesh(self, tolerance: float | None = None) -> FaceMesh:
-        """Its mesh within a tolerance, with labels."""
 
     def __or__(self, other: Any) -> Any:
         """Both together."""

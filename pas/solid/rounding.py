@@ -25,7 +25,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, compress
 from math import ceil, comb, sqrt
 
 import numpy as np
@@ -278,22 +278,17 @@ class RoundedBody(FacedBody):
     @cached_property
     def edges(self) -> tuple[StraightEdge, ...]:
         """Those of the polyhedron."""
-        return tuple(_edges(self.planes, self._rounded))
+        return tuple(_edges(self.planes, {*compress(self.planes, self.chosen)}))
 
     @cached_property
     def patches(self) -> dict[frozenset[PlaneFace], RoundPatch]:
         """The rounds of edges between chosen planes, and of corners of three, by their planes."""
-        among = [edge for edge in self.edges if self._rounded.issuperset(edge.planes)]
-        vertices = (vertex for edge in among for vertex in edge.vertices if self._rounded.issuperset(vertex))
-        meeting = dict.fromkeys([*(frozenset(edge.planes) for edge in among), *vertices])
-        return {
-            some: RoundPatch.of([plane for plane in self.planes if plane in some], self.radius, self.order)
-            for some in meeting
-        }
-
-    @cached_property
-    def _rounded(self) -> set[PlaneFace]:
-        return {plane for plane, chosen in zip(self.planes, self.chosen, strict=True) if chosen}
+        chosen = {*compress(self.planes, self.chosen)}
+        among = [edge for edge in self.edges if chosen.issuperset(edge.planes)]
+        corners = (vertex for edge in among for vertex in edge.vertices if chosen.issuperset(vertex))
+        meeting = dict.fromkeys([*(frozenset(edge.planes) for edge in among), *corners])
+        planes = {some: [plane for plane in self.planes if plane in some] for some in meeting}
+        return {some: RoundPatch.of(own, self.radius, self.order) for some, own in planes.items()}
 
     @property
     def extent(self) -> float:
@@ -318,9 +313,8 @@ class RoundedBody(FacedBody):
             pairs = [some for some in self.patches if len(some) == 2 and some < vertex]
             patch = self.patches.get(vertex) or (self.patches[pairs[0]] if pairs else None)
             if patch is None:
-                sharp = tuple(plane for plane in self.planes if plane in vertex)
-                here = made.added(_corner(sharp, np.ones((1, 3)), radius))
-                for plane in sharp:
+                here = made.added(_corner(tuple(vertex), np.ones((1, 3)), radius))
+                for plane in (plane for plane in self.planes if plane in vertex):
                     outlines.setdefault(plane, []).append(here)
                 continue
             planes = (*patch.planes, *(vertex - {*patch.planes}))

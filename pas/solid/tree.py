@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left, insort
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Generic, Protocol, TypeVar, runtime_checkable
@@ -132,38 +131,25 @@ def atoms(tree: Tree) -> Iterator[Atom]:
 class Columns:
     """Functions by number, from 0 on: a polynomial and its multiples have one, that of the first of them.
 
-    So have planes whose coefficients are up to `equal` off, over the largest.
+    So have planes, where `rounded` says so, that are equal to 40 bits.
     """
 
-    def __init__(self, equal: float = 0.0) -> None:
+    def __init__(self, rounded: bool = False) -> None:
         self.functions: list[Function] = []
-        self._known: dict[Function, tuple[int, int]] = {}
-        self._equal, self._planes = equal, list[tuple[float, int, Floats]]()
+        self._known: dict[Function | tuple[float, ...], tuple[int, int]] = {}
+        self._rounded = rounded
 
     def of(self, function: Function) -> tuple[int, int]:
         """The number of a function, and the sign (1 or -1) of its values over those of the first one of that number."""
-        key, sign = function, 1
+        key: Function | tuple[float, ...] = function
+        sign = 1
         if isinstance(function, Polynomial):
             key, sign = function.primitive(), 1 if function.raw.coeffs()[0] > 0 else -1
-        if key not in self._known:
-            near = self._near(function) if self._equal and isinstance(function, Polynomial) else None
-            number, first = near or (len(self.functions), 1)
-            self.functions += [] if near else [function]
-            self._known[key] = number, sign * first
-        number, first = self._known[key]
+            if self._rounded and function.degree == 1:
+                row = function.dense() / np.abs(function.dense()).max()
+                sign = 1 if row @ (0.34, 0.55, 0.21, 0.73) > 0 else -1  # by a side on which rounding changes nothing
+                key = tuple(np.round(sign * row * 2.0**40).tolist())
+        number, first = self._known.setdefault(key, (len(self.functions), sign))
+        if number == len(self.functions):
+            self.functions.append(function)
         return number, sign * first
-
-    def _near(self, polynomial: Polynomial) -> tuple[int, int] | None:
-        """The number of the first plane that one is about a multiple of, and the sign of that."""
-        if polynomial.degree != 1:
-            return None
-        row = polynomial.dense() / np.abs(polynomial.dense()).max()
-        height, room = abs(float(row @ (0.34, 0.55, 0.21, 0.73))), 4 * self._equal  # of near rows they are near
-        for other, number, known in self._planes[bisect_left(self._planes, (height - room,)) :]:
-            if other > height + room:
-                break
-            for sign in (1, -1):
-                if np.abs(known - sign * row).max() <= self._equal:
-                    return number, sign
-        insort(self._planes, (height, len(self.functions), row))
-        return None
