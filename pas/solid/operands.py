@@ -16,6 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from pas.algebra.affine import Affine
+from pas.algebra.inputs import FINEST
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import rational
@@ -132,10 +133,10 @@ def _cut(part: Operand, field: SolidField, tolerance: float, parts: int) -> Tria
     fine as a tolerance; that of a lattice no finer than shows it, as all is refined once it is cut."""
     if isinstance(part.sheets, Operands):
         return part.sheets._cut(field, tolerance, parts)
-    within = tolerance * field.scale
+    within, size = tolerance * field.scale, float(np.ptp(part._around, axis=0).max())
     if part.sheets is None:
-        within = max(within, float(np.ptp(part._around, axis=0).max()) / 128)
-    mesh = part.face_mesh(within / parts).mesh
+        within = max(within, size / 128)
+    mesh = part.face_mesh(max(within / parts, FINEST * size)).mesh
     points = field.evaluator.local(part.field.world(mesh.points))
     return Triangles(points, mesh.triangles, field.labels_of(part.field, mesh.labels))
 
