@@ -230,7 +230,8 @@ def _form_of(kind: Any) -> Form:
     if hasattr(kind, "from_record"):
         return FUNCTION
     if not is_dataclass(kind):
-        return Table({"class": TEXT, "data": ANYTHING}, make=partial(_body, kind), entries=_body_entries)
+        known = Table({"class": TEXT, "data": ANYTHING}, make=partial(_body, kind))
+        return replace(known, entries=lambda b: {"class": _name(b.__class__), "data": _form_of(b.__class__).write(b)})
     types, made = get_type_hints(kind), cast("Callable[..., Any]", kind)
     return Table({f.name: later(partial(_form_of, types[f.name])) for f in fields(kind) if f.init}, make=made)
 
@@ -244,11 +245,6 @@ def _body(protocol: type, **entries: Any) -> Any:
     form = _form_of(kind)
     form.check(entries["data"], "data")
     return form.read(entries["data"])
-
-
-def _body_entries(body: Any) -> dict[str, Any]:
-    kind: Any = type(body)
-    return {"class": _name(kind), "data": _form_of(kind).write(body)}
 
 
 def _sum_of(functions: Sequence[Function], tree: dict[str, Any]) -> str:

@@ -46,9 +46,6 @@ class Operand(Hollowable, Protocol):
     def _around(self) -> Floats:
         """Two corners (2, 3) of a box that holds it."""
 
-    def __or__(self, other: Any) -> Any:
-        """Both together."""
-
     def _moved(self, map_: Affine) -> Any:
         """Its image."""
 
