@@ -141,8 +141,10 @@ def _touching(mesh: Labelled, field: FaceField, tolerance: float) -> Refusal | N
             return Refusal(f"the solid could not be meshed: {trouble.sentence}")
     edges, sides = mesh.topology.edge_table
     rows = np.flatnonzero((sides[:, 0] != sides[:, 1]) & np.isin(pieces[edges[:, 0]], owners[close_by]))
+    if not len(rows):
+        return None
     ends = mesh.points[edges[rows]]
-    pairs = near_pairs(np.concatenate([ends - room, ends + room], axis=1)) if len(rows) else close_by
+    pairs = near_pairs(np.concatenate([ends - room, ends + room], axis=1))
     pairs = pairs[pieces[edges[rows[pairs], 0]] @ (1, -1) != 0]
     reach = norms(np.diff(ends, axis=1)[:, 0])[pairs].min(axis=1)
     return where_edges_cross(field, ends[pairs], sides[rows[pairs]].reshape(-1, 4), reach, room)
