@@ -36,10 +36,10 @@ from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.lengths import across, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, cross, dot, plain, square_root, to_float, to_floats
+from pas.algebra.rational import Vector, cross, dot, plain, to_float, to_floats
 from pas.errors import GeometryError, meant
 from pas.mesh.rows import Integers
-from pas.solid.fillets import short
+from pas.solid.fillets import PlaneFace
 from pas.solid.joints import Joint
 from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operands
@@ -47,36 +47,6 @@ from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
 from pas.solid.swept import FacedBody, flat, jets_of, put_curved, put_flat, put_side, weights_and_triangles
 from pas.solid.tree import Atom, Tree, combined, complement, parts_of
-
-
-@dataclass(frozen=True, eq=False)
-class PlaneFace:
-    """A plane face: its name ("" for a wall), its polynomial, and normal . x + offset, which that is."""
-
-    name: str
-    polynomial: Polynomial
-    normal: Vector
-    offset: fmpq
-
-    @classmethod
-    def of(cls, part: Tree) -> PlaneFace | None:
-        """That of a part of an intersection; None where it is no half space."""
-        if not isinstance(part, Atom) or not isinstance(part.function, Polynomial) or part.function.degree != 1:
-            return None
-        polynomial = -part.function if part.outside else part.function
-        terms = polynomial.raw.to_dict()
-        x, y, z, offset = (terms.get(key, fmpq(0)) for key in ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0)))
-        return cls(part.face, polynomial, (x, y, z), offset)
-
-    @cached_property
-    def length(self) -> fmpq:
-        """Of the normal, to six digits where it is not rational."""
-        root = square_root(dot(self.normal, self.normal))
-        return root if root * root == dot(self.normal, self.normal) else short(to_float(root))
-
-    def cosine(self, other: PlaneFace) -> fmpq:
-        """Of the angle between the normals."""
-        return fmpq(1) if other is self else dot(self.normal, other.normal) / (self.length * other.length)
 
 
 @dataclass(frozen=True)
@@ -134,7 +104,8 @@ class RoundPatch:
         """That of two or three planes."""
         q = [1 + plane.polynomial * (1 / (radius * plane.length)) for plane in planes]
         cosines = fmpq_mat([[a.cosine(b) for b in planes] for a in planes])
-        walls, parts = q, [_norm(x, order) for x in q]
+        terms = [(power, term) for power, term in enumerate(_terms(order), 1) if term]
+        walls, parts = q, [sum((x**power * term for power, term in terms), Polynomial(0)) for x in q]
         if order == 1:
             inverse = cosines.inv().tolist()
             walls = [sum((x * c for x, c in zip(q, row, strict=True)), Polynomial(0)) for row in inverse]
@@ -168,10 +139,6 @@ def _terms(order: int) -> list[fmpq]:
     """The coefficients of x, x^2, ... in P(x), whose second derivative is a multiple of (x (1 - x))^(order - 1)."""
     terms = [fmpq((-1) ** j * comb(order - 1, j), (order + j) * (order + 1 + j)) for j in range(order)]
     return [fmpq(0)] * order + [term / sum(terms, fmpq(0)) for term in terms]
-
-
-def _norm(x: Polynomial, order: int) -> Polynomial:
-    return sum((x**power * term for power, term in enumerate(_terms(order), 1) if term), Polynomial(0))
 
 
 def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int) -> Solid:
@@ -287,8 +254,7 @@ class RoundedBody(FacedBody):
         among = [edge for edge in self.edges if chosen.issuperset(edge.planes)]
         corners = (vertex for edge in among for vertex in edge.vertices if chosen.issuperset(vertex))
         meeting = dict.fromkeys([*(frozenset(edge.planes) for edge in among), *corners])
-        planes = {some: [plane for plane in self.planes if plane in some] for some in meeting}
-        return {some: RoundPatch.of(own, self.radius, self.order) for some, own in planes.items()}
+        return {some: RoundPatch.of([p for p in self.planes if p in some], self.radius, self.order) for some in meeting}
 
     @property
     def extent(self) -> float:
