@@ -19,7 +19,7 @@ from pas.algebra.affine import quadratic_form
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, dot, three, to_float, to_floats
+from pas.algebra.rational import dot, three, to_float, to_floats
 from pas.contacts.parallels import axis_of_revolution
 from pas.contacts.torus import torus_of
 from pas.parametric.generatrix.quadric import inertia, planes_of, rational_zeros
@@ -93,6 +93,7 @@ def _quadric(matrix: fmpq_mat) -> Carrier | None:
     if found is None:
         return None
     double, single, axis = found
+    way = unit(to_floats(axis))
     if double == 0:
         return None
     if single in (double, 0):
@@ -101,11 +102,11 @@ def _quadric(matrix: fmpq_mat) -> Carrier | None:
         center = three(-c / double for c in slope)
         square = dot(center, center) - constant / double
         kind = CarrierKind.SPHERE if double == single else CarrierKind.CYLINDER
-        return Carrier(kind, np.array(to_floats(center)), _unit(axis), to_float(square) ** 0.5) if square > 0 else None
+        return Carrier(kind, np.array(to_floats(center)), way, to_float(square) ** 0.5) if square > 0 else None
     apex = three(form.solve(fmpq_mat(3, 1, [-c for c in slope])).entries())
     if single / double > 0 or dot(slope, apex) + constant != 0:
         return None
-    return Carrier(CarrierKind.CONE, np.array(to_floats(apex)), _unit(axis), to_float(-single / double) ** 0.5)
+    return Carrier(CarrierKind.CONE, np.array(to_floats(apex)), way, to_float(-single / double) ** 0.5)
 
 
 def _torus(polynomial: Polynomial) -> Carrier | None:
@@ -113,7 +114,7 @@ def _torus(polynomial: Polynomial) -> Carrier | None:
     if found is None:
         return None
     major, minor = to_float(found.major2) ** 0.5, to_float(found.minor2) ** 0.5
-    where = np.array(to_floats(found.center)), _unit(found.axis)
+    where = np.array(to_floats(found.center)), unit(to_floats(found.axis))
     return Carrier(CarrierKind.TORUS, *where, major, minor) if minor < major else None
 
 
@@ -129,7 +130,3 @@ def reducible_planes(first: Polynomial, second: Polynomial) -> list[Plane]:
     pairs = [m for m in (one + two * root for root in rational_zeros(one, two)) if inertia(m) == (1, 1)]
     rows = (np.array(to_floats(row)) for pair in pairs for row in planes_of(pair))
     return [Plane.of(row[:3] / size, -row[3] / size) for row in rows if (size := np.linalg.norm(row[:3])) > 0]
-
-
-def _unit(vector: Vector) -> Floats:
-    return unit(to_floats(vector))
