@@ -208,13 +208,14 @@ class Seams:
             if low >= high:  # the line misses the box
                 continue
             points = start + np.linspace(low, high, 66)[1:-1, None] * way
+            known = self._evaluator.signs(points)
             for a, b in combinations([c for c in faces if number in self._of(c)], 2):
                 f, g = (unit(self._jets(points, c)[:, 1:]) for c in (a, b))
                 aside = points + 2.0**-8 * np.cross(way, f)
                 jets = [self._jets(aside, c) for c in (a, b)]
                 between = aside - sum(j[:, :1] * j[:, 1:] / (j[:, 1:] ** 2).sum(axis=1)[:, None] for j in jets) / 2
-                alike, signs, held = (f * g).sum(axis=1) > 0, self._evaluator.signs(points), []
-                for side in ((True, alike), (False, ~alike), self._evaluator.signs(between)[[a, b]]):
+                alike, signs, held = (f * g).sum(axis=1) > 0, known.copy(), []
+                for side in ((True, alike), (False, ~alike), [self._jets(between, c)[:, 0] <= 0 for c in (a, b)]):
                     signs[[a, b]] = np.broadcast_arrays(*side)
                     held.append(self._evaluator.inside(signs))
                 touch = (lengths(np.cross(f, g)) < SLACK) & (held[0] == held[1]) & (held[1] != held[2])
