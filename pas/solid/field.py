@@ -11,6 +11,7 @@ from flint import fmpq
 from numpy.typing import NDArray
 
 from pas.algebra.affine import quadratic_form
+from pas.algebra.inputs import shown_point
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
@@ -203,7 +204,7 @@ class SolidField:
         return called(self.evaluator.names_within(label // 2, label % 2 == 1, centers, halves)) or self.face(label)
 
     def refuse_coincident(self) -> None:
-        """Raise `GeometryError` where two functions share a surface, `MeshError` at lines of `Seams.pinched`."""
+        """Raise `GeometryError` where two functions share a surface, `MeshError` where `Seams` finds a place."""
         used = enumerate(self.evaluator.columns[: self.evaluator.used])
         faces = {i: c.function for i, c in used if c.names and isinstance(c.function, Polynomial)}
         for a, b in combinations(faces, 2):
@@ -215,6 +216,18 @@ class SolidField:
                 )
         for point, a, b, both in self._seams.pinched():
             raise MeshError(f"the solid could not be meshed: {touching(self, point, a, b, both)}")
+        for point, a, b in self._seams.passed():
+            near, going, left = shown_point(self.world(point)), *(self._named_at(c, point) for c in (a, b))
+            raise MeshError(
+                f"the solid has no mesh: near {near} what lies on the surface of {going} goes on beyond the curve in "
+                f"which that meets {left}, and leaves it without an angle; end it there, or make one blend of all"
+            )
+
+    def _named_at(self, column: int, point: Floats) -> str:
+        """The face of a column near a point (3,), in words."""
+        halves = np.full((1, 3), 2.0**-6)
+        names = (self.evaluator.names_within(column, above, point[None], halves) for above in (False, True))
+        return repr(called(dict.fromkeys(name for some in names for name in some)) or self.face(2 * column))
 
 
 def _has_lines(function: Function) -> bool:

@@ -12,20 +12,18 @@ so it is as sure as these are measured.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations, product
+from itertools import product
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from pas.algebra.affine import Affine
-from pas.algebra.inputs import shown_point
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational
-from pas.errors import MeshError
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, ring
@@ -218,23 +216,6 @@ def united(one: SolidBoundary | None, other: SolidBoundary | None) -> LinkedBodi
                 return None
             links += found
     return LinkedBodies((*these.parts, *those.parts), tuple(links))
-
-
-def refuse_passing(parts: Sequence[LinkedPart]) -> None:
-    """Raise `MeshError` where what goes on from one of several bodies passes the curve in which another one begins to
-    go on along the same surface: there their faces part without an angle."""
-    for one, other in combinations(parts, 2):
-        for mine, its, gap, opposite in _facing(one, other):
-            rounding, longest = EQUAL * (1 + np.abs(mine.place).max()), max(mine.length, its.length)
-            passed = -rounding <= gap < longest - rounding
-            if passed if opposite else rounding < abs(gap) <= (mine if gap > 0 else its).length + rounding:
-                names = [part.body.sides[0].chains[k.number].name for part, k in ((one, mine), (other, its))]
-                may = f"give each a length of at most {gap:.4g}" if opposite and gap > rounding else "move them apart"
-                raise MeshError(
-                    f"the solid has no mesh: straight parts of two blends that lie on one another, up to {names[0]!r} "
-                    f"and {names[1]!r}, pass near {shown_point(its.place)}, where one of the blends leaves them "
-                    f"without an angle; {may}, or make one blend of the contacts of both"
-                )
 
 
 def _facing(one: LinkedPart, other: LinkedPart) -> Iterator[tuple[LinkableEnd, LinkableEnd, float, bool]]:

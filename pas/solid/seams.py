@@ -31,6 +31,8 @@ from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, residue_place
 from pas.algebra.rational import cross
+from pas.contacts.rims import rim_of
+from pas.errors import GeometryError
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import polynomials_of
 from pas.solid.tree import Bools, Tree, atoms
@@ -76,6 +78,20 @@ class Seam:
     def marks(self) -> list[tuple[int, ...] | None]:
         """A place modulo a prime for each curve, where members of its ideal vanish; see `residue_place`."""
         return [residue_place(*curve.generators) for curve in self.curves]
+
+    @cached_property
+    def bent(self) -> Polynomial | None:
+        """Of one closed curve of a plane and another surface that surface."""
+        bent = [f.primitive() for f in self.functions if f.degree > 1]
+        return bent[0] if len(self.curves) == len(bent) == 1 and len(self.rim) else None
+
+    @cached_property
+    def rim(self) -> Floats:
+        """Points (N, 3) of the curve in order, if it is a closed one in a plane."""
+        try:
+            return rim_of(*self.functions).points()
+        except GeometryError:
+            return np.empty((0, 3))
 
     def crosses(self, surfaces: Sequence[Polynomial]) -> bool:
         """Whether one of some surfaces is the section."""
@@ -222,6 +238,29 @@ class Seams:
                 if len(rows := np.flatnonzero(touch)):
                     yield points[rows[len(rows) // 2]], a, b, bool(held[0][rows[len(rows) // 2]])
 
+    def passed(self) -> Iterator[tuple[Floats, int, int]]:
+        """Points beside closed plane curves in which two columns' faces touch, and these: the first face goes on beyond
+        the curve there, and leaves the other without an angle, in some places outwards and in others inwards."""
+        faces = np.flatnonzero(~self._evaluator.walls).tolist()
+        for number, seam in enumerate(self._given):
+            for a in (c for c in faces if _is(self._evaluator.columns[c].function, seam.bent)):
+                points = self._evaluator.local(seam.rim)
+                along, out = unit(np.roll(points, -1, axis=0) - points), unit(self._jets(points, a)[:, 1:])
+                step = 2.0**-6 * np.ptp(points, axis=0).max() * np.cross(out, along)
+                for moved in (points + step, points - step):
+                    jets = self._jets(moved, a)
+                    beside = moved - jets[:, :1] * jets[:, 1:] / (jets[:, 1:] ** 2).sum(axis=1)[:, None]
+                    for b in (c for c in faces if c != a and number in self._of(c)):
+                        signs, held = self._evaluator.signs(beside), []
+                        inwards = signs[b].copy()
+                        for known in product((True, False), repeat=2):
+                            signs[[a, b]] = np.array(known)[:, None]
+                            held.append(self._evaluator.inside(signs))
+                        both = np.bitwise_xor.reduce(held)  # the set depends on either as the other one is
+                        turns = both & np.roll(both, -1) & (inwards != np.roll(inwards, -1))
+                        if turns.any():
+                            yield beside[turns][0], a, b
+
     def _jets(self, points: Floats, column: Any) -> Floats:
         return self._evaluator.jets(points, np.broadcast_to(column, len(points)))
 
@@ -326,7 +365,7 @@ def _bounds(evaluator: TreeEvaluator, function: Polynomial, points: Floats) -> B
     return np.asarray(near & (both[0] != both[1]))
 
 
-def _is(function: object, primitive: Polynomial) -> bool:
+def _is(function: object, primitive: Polynomial | None) -> bool:
     return isinstance(function, Polynomial) and function.primitive() == primitive
 
 
