@@ -112,6 +112,35 @@ class TreeEvaluator:
         """Where the tree is true (N,), given which columns are <= 0 (M, N)."""
         return self._compiled.holds(signs, ~signs)
 
+    def contains(self, points: Floats) -> Bools:
+        """Where the tree is true (N,) at points (N, 3).
+
+        They are looked at in blocks, of at most a 64th of them unless that is few: of columns that have one sign all
+        over a block, or on which the tree does not depend there, no values are needed.
+        """
+        most, open_ = max(64, len(points) // 64), [np.arange(len(points))]
+        if len(points) <= most:
+            return self.inside(self.signs(points))
+        result, blocks = np.zeros(len(points), dtype=bool), list[Integers]()
+        while open_:
+            rows = open_.pop()
+            if len(rows) <= most:
+                blocks.append(rows)
+            else:
+                order = np.argsort(points[rows, int(np.argmax(np.ptp(points[rows], axis=0)))])
+                open_ += np.array_split(rows[order], 2)
+        low, high = (
+            np.array([end(points[rows], axis=0) for rows in blocks]).reshape(-1, 3) for end in (np.min, np.max)
+        )
+        yes, no = self.taylor((low + high) / 2, (high - low) / 2)
+        unknown = np.logical_or(*self.relevant(yes, no)) & ~(yes | no)
+        for number, rows in enumerate(blocks):
+            signs = np.repeat(yes[:, number, None], len(rows), axis=1)
+            columns = np.flatnonzero(unknown[:, number])
+            signs[columns] = self.values(points[rows], columns) <= 0
+            result[rows] = self.inside(signs)
+        return result
+
     def local(self, points: Floats) -> Floats:
         """Points (..., 3) in local coordinates."""
         return (points - self._shift) / to_float(self.scale)
@@ -129,12 +158,13 @@ class TreeEvaluator:
         parts = np.array_split(points, 1 + len(points) * self.used // CHUNK_ENTRIES)
         return np.concatenate([self.values(part) <= 0 for part in parts], axis=1)
 
-    def values(self, points: Floats) -> Floats:
-        """Values of the tree's columns (M, N) at points (N, 3), each by a positive factor."""
-        result = np.empty((self.used, len(points)))
-        result[self._rows] = self._bank.values(points)
-        for number in self._fields:
-            result[number] = self._field_jets(number, points)[:, 0]
+    def values(self, points: Floats, columns: Integers | None = None) -> Floats:
+        """Values of the tree's columns (M, N), or of some of these, at points (N, 3), each by a positive factor."""
+        columns = np.arange(self.used) if columns is None else columns
+        result, known = np.empty((len(columns), len(points))), np.isin(columns, self._rows)
+        result[known] = self._bank.values(points, np.searchsorted(self._rows, columns[known]))
+        for place in np.flatnonzero(~known).tolist():
+            result[place] = self._field_jets(int(columns[place]), points)[:, 0]
         return result
 
     def field(self, points: Floats) -> Floats:

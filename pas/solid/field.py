@@ -261,7 +261,7 @@ def _is_within(tree: Tree, box: Floats) -> bool:
     """Whether a set lies in a box (2, 3), and is not empty."""
     evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
     beyond = box.mean(axis=0) + np.array(list(product((-2.0, 2.0), repeat=3))) * np.ptp(box, axis=0)
-    if evaluator.inside(evaluator.signs(beyond)).any():  # as most complements are there, whose boxes take long
+    if evaluator.contains(beyond).any():  # as most complements are there, whose boxes take long
         return False
     try:
         own = bounding_box(tree)
@@ -300,7 +300,7 @@ def _is_thin(tree: Tree, box: Floats, within: float) -> bool:
     def judge(boxes: Boxes, depth: int) -> Fates:
         open_ = ~evaluator.decided(*evaluator.taylor(boxes.centers, boxes.halves))[1]
         fates = np.where(open_ & (boxes.halves.max(axis=1) >= within), Fate.SPLIT, Fate.SETTLED)
-        return np.where(evaluator.inside(evaluator.signs(boxes.centers)), Fate.REFUTE, fates)
+        return np.where(evaluator.contains(boxes.centers), Fate.REFUTE, fates)
 
     most, task = Limits(cells=1 << 14), "looking for conditions that others imply"
     return search(Boxes.of(box), judge, Boxes.eighths, most, task).status is Status.PROVED

@@ -221,11 +221,10 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         """
         array = points_of(points)
         flat = array.reshape(-1, 3)
-        near = ((flat >= self.box[0]) & (flat <= self.box[1])).all(axis=1)
+        evaluator, wide = self.field.evaluator, np.ptp(self._around, axis=0)
+        near = ((flat >= self._around[0] - wide) & (flat <= self._around[1] + wide)).all(axis=1)
         result = np.zeros(len(flat), dtype=bool)
-        rows, evaluator = np.flatnonzero(near), self.field.evaluator
-        for part in np.array_split(rows, 1 + len(rows) // 2**18):  # signs of all columns are kept at once
-            result[part] = evaluator.inside(evaluator.signs(evaluator.local(flat[part])))
+        result[near] = evaluator.contains(evaluator.local(flat[near]))
         return result.reshape(array.shape[:-1])
 
     def value(self, points: ArrayLike) -> Floats:
