@@ -14,12 +14,12 @@ from __future__ import annotations
 
 import argparse
 import random
-import time
 from collections import Counter
 from math import acos, ceil, pi
 
 import manifold3d
 import numpy as np
+from measured import spent as processor_seconds
 
 from pas import network
 from pas.errors import PasError
@@ -57,12 +57,12 @@ def union(net: network.Network, deviation: float) -> manifold3d.Manifold:
 def foam(count: int, lowest: bool) -> None:
     """Print the shares of nodes of a foam that are proved and fair, and what others are beyond."""
     net = network.voronoi(2000, "1/630", seed=1).repair(collapse=True)[0]
-    clock = time.process_time()
+    clock = processor_seconds()
     kinds = nodes.placed_ends(net, 1)
-    print(f"{net}, {len(net.check())} problems; placed in {time.process_time() - clock:.0f} s", flush=True)
+    print(f"{net}, {len(net.check())} problems; placed in {processor_seconds() - clock:.0f} s", flush=True)
     made, beyond, seconds = 0, Counter[str](), []
     for node in random.Random(38).sample(range(len(net.places)), count):
-        kind, clock = kinds.kinds[kinds.of[node]], time.process_time()
+        kind, clock = kinds.kinds[kinds.of[node]], processor_seconds()
         try:
             found = blend(nodes.pipes_of(kind, net, 1), 1, "lowest" if lowest else None) if kind.blended else None
         except PasError as error:
@@ -72,7 +72,7 @@ def foam(count: int, lowest: bool) -> None:
             if found is not None and (why := found.fairness.beyond(found.limits)):
                 print(f"node {node}: {', '.join(why)}", flush=True)
                 beyond[" and ".join(sorted(measure.split()[0] for measure in why))] += 1
-        seconds.append(time.process_time() - clock)
+        seconds.append(processor_seconds() - clock)
     print(f"{made} of {count} proved, {made - beyond.total()} fair, others beyond limits by {dict(beyond)}")
     print(f"seconds: {np.mean(seconds):.1f} in the mean, {np.median(seconds):.1f} median, {max(seconds):.0f} at most")
 
@@ -96,16 +96,16 @@ def table(names: list[str]) -> None:
     for name in names or CASES:
         cells, radius = CASES[name]
         net = network.lattice(name, cells, radius)
-        clock = [time.process_time()]
+        clock = [processor_seconds()]
         part = net.blend()
-        clock.append(time.process_time())
+        clock.append(processor_seconds())
         mesh = part.mesh()
-        clock.append(time.process_time())
+        clock.append(processor_seconds())
         proved = part.certificate.proved and mesh.certificate.proved
-        clock.append(time.process_time())
+        clock.append(processor_seconds())
         other = union(net, part.pieces().deviation)
         found = other.to_mesh()
-        clock.append(time.process_time())
+        clock.append(processor_seconds())
         blends, meshing, proof, joining = np.diff(clock)
         points, triangles = np.asarray(found.vert_properties)[:, :3], np.asarray(found.tri_verts)
         print(
