@@ -61,10 +61,10 @@ def integral_nullspace(rows: Iterable[Mapping[int, fmpq]], unknowns: int) -> tup
     if unknowns > DENSE:
         return _basis(_solved(system, unknowns, from_last=True), unknowns)
     table = [[row.get(j, 0) for j in reversed(range(unknowns))] for row in sorted(system, key=len)]
-    bits = len(table) * unknowns * max(value.bit_length() for row in system for value in row.values())
-    # A second of work: 165 equations with 234 unknowns and numbers of 568 bits take 2.9 s. It is not interrupted there.
-    task, second = f"eliminating {len(table)} x {unknowns}", 8_000_000
-    reduced, denominator = rref(table) if bits < second else elsewhere(task, "pas.algebra.nullspace:rref", table)
+    size = len(table) * unknowns * max(value.bit_length() for row in system for value in row.values())
+    # Bits in a system that may take a second, which nothing interrupts: those of five pipes at GC^2 take 3 and 8 s.
+    task, long = f"eliminating {len(table)} x {unknowns}", 8_000_000
+    reduced, denominator = rref(table) if size < long else elsewhere(task, "pas.algebra.nullspace:rref", table)
     return _from_reduced(reduced, denominator, unknowns)
 
 

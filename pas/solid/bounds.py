@@ -52,8 +52,7 @@ def bounding_box(tree: Tree) -> Floats:
     if shell is not None:
         return bounding_box(shell[0])
     boxes, seen = [], NOTHING
-    quick_first = sorted(parts_of(tree, union=True), key=lambda part: sum(1 for _ in atoms(part)))
-    for part in quick_first:  # the boxes of others are often within
+    for part in sorted(parts_of(tree, union=True), key=lambda part: sum(1 for _ in atoms(part))):  # quick ones first
         found = _branch_box(part, seen)
         if found is not None:
             boxes.append(found[0])
@@ -65,8 +64,8 @@ def bounding_box(tree: Tree) -> Floats:
 
 def narrowed(tree: Tree, within: Floats) -> Floats:
     """A box (2, 3) that holds a set in another one, which is kept where points of the set are near its sides."""
-    is_box = bool((within[0] <= within[1]).all())
-    found = _shrunk(TreeEvaluator(tree, ORIGIN, fmpq(1)), within, NOTHING) if is_box else None
+    evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
+    found = _shrunk(evaluator, within, NOTHING) if (within[0] <= within[1]).all() else None
     if found is None:
         raise GeometryError(EMPTY)
     return found[0]
@@ -142,9 +141,7 @@ def _box_of_planes(parts: Sequence[Tree]) -> Floats | None:
         box[side, axis] = least(box[side, axis], limit)
     if (box[0] > box[1]).any():
         return None
-    if alone.all():
-        return box
-    found = _tetrahedron_box(matrix) if len(matrix) == 4 else None
+    found = box if alone.all() else _tetrahedron_box(matrix) if len(matrix) == 4 else None
     return _programmed(matrix[~alone], box) if found is None else found
 
 
@@ -157,7 +154,8 @@ def _tetrahedron_box(matrix: Floats) -> Floats | None:
         return None
     if not (matrix[:, 0] + (matrix[:, 1:] * corners).sum(axis=1) < 0).all():  # a corner is beyond the other plane
         return None
-    return _hull([corner + SLACK * side * (1 + np.abs(corner)) for corner in corners for side in (-1, 1)])
+    slack = SLACK * (1 + np.abs(corners))
+    return np.stack([(corners - slack).min(axis=0), (corners + slack).max(axis=0)])
 
 
 def _programmed(matrix: Floats, box: Floats) -> Floats | None:

@@ -113,31 +113,21 @@ class TreeEvaluator:
         return self._compiled.holds(signs, ~signs)
 
     def contains(self, points: Floats) -> Bools:
-        """Where the tree is true (N,) at points (N, 3).
-
-        They are looked at in blocks, of at most a 64th of them unless that is few: of columns that have one sign all
-        over a block, or on which the tree does not depend there, no values are needed.
-        """
-        most, open_ = max(64, len(points) // 64), [np.arange(len(points))]
-        if len(points) <= most:
+        """Where the tree is true (N,) at points (N, 3); in a block of these no values are needed of columns that have
+        one sign all over it, or on which the tree does not depend there."""
+        blocks, most = [np.arange(len(points))], max(64, len(points) // 64)
+        while len(blocks[0]) > most:  # all are halved along the longest sides of their boxes
+            sorted_ = (rows[points[rows, np.ptp(points[rows], axis=0).argmax()].argsort()] for rows in blocks)
+            blocks = [half for rows in sorted_ for half in np.array_split(rows, 2)]
+        if len(blocks) == 1:
             return self.inside(self.signs(points))
-        result, blocks = np.zeros(len(points), dtype=bool), list[Integers]()
-        while open_:
-            rows = open_.pop()
-            if len(rows) <= most:
-                blocks.append(rows)
-            else:
-                order = np.argsort(points[rows, int(np.argmax(np.ptp(points[rows], axis=0)))])
-                open_ += np.array_split(rows[order], 2)
-        low, high = (
-            np.array([end(points[rows], axis=0) for rows in blocks]).reshape(-1, 3) for end in (np.min, np.max)
-        )
+        low, high = (np.array([end(points[rows], axis=0) for rows in blocks]) for end in (np.min, np.max))
         yes, no = self.taylor((low + high) / 2, (high - low) / 2)
         unknown = np.logical_or(*self.relevant(yes, no)) & ~(yes | no)
-        for number, rows in enumerate(blocks):
-            signs = np.repeat(yes[:, number, None], len(rows), axis=1)
-            columns = np.flatnonzero(unknown[:, number])
-            signs[columns] = self.values(points[rows], columns) <= 0
+        result = np.empty(len(points), dtype=bool)
+        for rows, certain, open_ in zip(blocks, yes.T, unknown.T, strict=True):
+            signs = np.repeat(certain[:, None], len(rows), axis=1)
+            signs[open_] = self.values(points[rows], np.flatnonzero(open_)) <= 0
             result[rows] = self.inside(signs)
         return result
 

@@ -216,18 +216,15 @@ class SolidField:
                 )
         for point, a, b, both in self._seams.pinched():
             raise MeshError(f"the solid could not be meshed: {touching(self, point, a, b, both)}")
-        for point, a, b in self._seams.passed():
-            near, going, left = shown_point(self.world(point)), *(self._named_at(c, point) for c in (a, b))
-            raise MeshError(
-                f"the solid has no mesh: near {near} what lies on the surface of {going} goes on beyond the curve in "
-                f"which that meets {left}, and leaves it without an angle; end it there, or make one blend of all"
+        for point, *labels in self._seams.passed():
+            going, left = (self.face_within(label, point[None], np.full((1, 3), 2.0**-6)) for label in labels)
+            where = (
+                f"near {shown_point(self.world(point))} what lies on the surface of {going!r} goes on beyond the curve"
             )
-
-    def _named_at(self, column: int, point: Floats) -> str:
-        """The face of a column near a point (3,), in words."""
-        halves = np.full((1, 3), 2.0**-6)
-        names = (self.evaluator.names_within(column, above, point[None], halves) for above in (False, True))
-        return repr(called(dict.fromkeys(name for some in names for name in some)) or self.face(2 * column))
+            what = (
+                f"in which that meets {left!r}, and leaves it without an angle; end it there, or make one blend of all"
+            )
+            raise MeshError(f"the solid has no mesh: {where} {what}")
 
 
 def _has_lines(function: Function) -> bool:

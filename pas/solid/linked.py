@@ -2,8 +2,7 @@
 
 Where neighbours of one surface end flat in one plane, seen from opposite sides, or overlap without reaching beyond
 where the other one begins, the bodies are linked: their ends are within the union, and what goes on from one is joined
-to what goes on from the other.  Where they reach farther, the surface of the one leaves the other without an angle,
-which no mesh shows: that is refused, with lengths that would do.
+to what goes on from the other.  What reaches farther is refused where it leaves a blend (see `Seams.passed`).
 
 Elsewhere bodies must be apart, as boxes of them show, or planes that part them: any, or those of ends, in which they
 have nothing but ends whose boxes are apart.  That is looked at on meshes, with their distances from the bodies added,
@@ -218,24 +217,15 @@ def united(one: SolidBoundary | None, other: SolidBoundary | None) -> LinkedBodi
     return LinkedBodies((*these.parts, *those.parts), tuple(links))
 
 
-def _facing(one: LinkedPart, other: LinkedPart) -> Iterator[tuple[LinkableEnd, LinkableEnd, float, bool]]:
-    """The ends of two parts on one surface, how far the second begins beyond where the first does, seen along that, and
-    whether they go opposite ways."""
-    for mine, its in product(one.ends, other.ends):
-        if len(mine.tubes) == len(its.tubes) and all(map(_same, mine.tubes, its.tubes)):
-            mine_way, its_way = (end.plane.gradient(np.zeros(3)) for end in (mine, its))
-            way = mine_way / np.linalg.norm(mine_way)
-            cosine = float(way @ its_way / np.linalg.norm(its_way))
-            if 1 - abs(cosine) <= EQUAL:
-                yield mine, its, float((its.place - mine.place) @ way), cosine < 0
-
-
 def _links(i: int, one: LinkedPart, j: int, other: LinkedPart) -> Iterator[tuple[Link, Polynomial]]:
     """Where two parts, `i` and `j`, go on in one another, and planes amid what they share, positive towards `j`."""
-    for mine, its, gap, opposite in _facing(one, other):
+    for mine, its in product(one.ends, other.ends):
+        if len(mine.tubes) != len(its.tubes) or not all(map(_same, mine.tubes, its.tubes)):
+            continue
+        way, its_way = (g / np.linalg.norm(g) for g in (end.plane.gradient(np.zeros(3)) for end in (mine, its)))
         rounding, (short, long) = EQUAL * (1 + np.abs(mine.place).max()), sorted((mine.length, its.length))
-        overlap = short + long - gap
-        if opposite and long > rounding and -rounding <= overlap <= short + rounding:
+        overlap = short + long - float((its.place - mine.place) @ way)
+        if way @ its_way <= EQUAL - 1 and long > rounding and -rounding <= overlap <= short + rounding:
             ends, share = [(i, mine.number), (j, its.number)], 1 - overlap / long
             first, second = ends if its.length >= mine.length else ends[::-1]
             raised = float(np.linalg.norm(mine.plane.gradient(mine.place))) * overlap / 2

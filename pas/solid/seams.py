@@ -80,16 +80,10 @@ class Seam:
         return [residue_place(*curve.generators) for curve in self.curves]
 
     @cached_property
-    def bent(self) -> Polynomial | None:
-        """Of one closed curve of a plane and another surface that surface."""
-        bent = [f.primitive() for f in self.functions if f.degree > 1]
-        return bent[0] if len(self.curves) == len(bent) == 1 and len(self.rim) else None
-
-    @cached_property
     def rim(self) -> Floats:
-        """Points (N, 3) of the curve in order, if it is a closed one in a plane."""
+        """Points (N, 3) in order of a single closed curve in a plane; none of others."""
         try:
-            return rim_of(*self.functions).points()
+            return rim_of(*self.functions).points() if len(self.curves) == 1 else np.empty((0, 3))
         except GeometryError:
             return np.empty((0, 3))
 
@@ -239,27 +233,28 @@ class Seams:
                     yield points[rows[len(rows) // 2]], a, b, bool(held[0][rows[len(rows) // 2]])
 
     def passed(self) -> Iterator[tuple[Floats, int, int]]:
-        """Points beside closed plane curves in which two columns' faces touch, and these: the first face goes on beyond
+        """Points beside closed plane curves in which faces touch, and the labels of two: the first one goes on beyond
         the curve there, and leaves the other without an angle, in some places outwards and in others inwards."""
         faces = np.flatnonzero(~self._evaluator.walls).tolist()
-        for number, seam in enumerate(self._given):
-            for a in (c for c in faces if _is(self._evaluator.columns[c].function, seam.bent)):
-                points = self._evaluator.local(seam.rim)
+        for number, seam in (some for some in enumerate(self._given) if len(some[1].rim)):
+            points, bent = self._evaluator.local(seam.rim), [f.primitive() for f in seam.functions if f.degree > 1]
+            for a in (c for c in faces if any(_is(self._evaluator.columns[c].function, f) for f in bent)):
                 along, out = unit(np.roll(points, -1, axis=0) - points), unit(self._jets(points, a)[:, 1:])
                 step = 2.0**-6 * np.ptp(points, axis=0).max() * np.cross(out, along)
                 for moved in (points + step, points - step):
                     jets = self._jets(moved, a)
                     beside = moved - jets[:, :1] * jets[:, 1:] / (jets[:, 1:] ** 2).sum(axis=1)[:, None]
                     for b in (c for c in faces if c != a and number in self._of(c)):
-                        signs, held = self._evaluator.signs(beside), []
+                        signs, held = self._evaluator.signs(beside), np.empty((2, 2, len(beside)), dtype=int)
                         inwards = signs[b].copy()
-                        for known in product((True, False), repeat=2):
-                            signs[[a, b]] = np.array(known)[:, None]
-                            held.append(self._evaluator.inside(signs))
-                        both = np.bitwise_xor.reduce(held)  # the set depends on either as the other one is
-                        turns = both & np.roll(both, -1) & (inwards != np.roll(inwards, -1))
-                        if turns.any():
-                            yield beside[turns][0], a, b
+                        for i, j in product(range(2), repeat=2):
+                            signs[a], signs[b] = i == 0, j == 0
+                            held[i, j] = self._evaluator.inside(signs)
+                        both = held.sum(axis=(0, 1)) % 2 == 1  # the set depends on either as the other one is
+                        turns = np.flatnonzero(both & np.roll(both, -1) & (inwards != np.roll(inwards, -1)))
+                        for k in turns[:1]:
+                            sides = (held.sum(axis=axis)[:, k] for axis in (1, 0))  # 0 or 1, where more is inside
+                            yield beside[k], *(2 * c + int(np.argmax(s)) for c, s in zip((a, b), sides, strict=True))
 
     def _jets(self, points: Floats, column: Any) -> Floats:
         return self._evaluator.jets(points, np.broadcast_to(column, len(points)))
