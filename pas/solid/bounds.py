@@ -148,10 +148,9 @@ def _box_of_planes(parts: Sequence[Tree]) -> Floats | None:
 def _tetrahedron_box(matrix: Floats) -> Floats | None:
     """The box of the tetrahedron which inequalities (4, 4) bound, as those of cells do; None where they bound none."""
     others = np.nonzero(~np.eye(4, dtype=bool))[1].reshape(4, 3)
-    try:
-        corners = np.linalg.solve(matrix[others, 1:], -matrix[others, :1])[..., 0]
-    except np.linalg.LinAlgError:
+    if not np.linalg.det(matrix[others, 1:]).all():
         return None
+    corners = np.linalg.solve(matrix[others, 1:], -matrix[others, :1])[..., 0]
     if not (matrix[:, 0] + (matrix[:, 1:] * corners).sum(axis=1) < 0).all():  # a corner is beyond the other plane
         return None
     slack = SLACK * (1 + np.abs(corners))
@@ -222,7 +221,9 @@ class _Hull:
     def see(self, points: Floats) -> None:
         """Add those of some points (N, 3) that are in the set."""
         within = points[self.evaluator.contains(points)]
-        self.seen = _hull([self.seen, *np.repeat(within[:, None], 2, axis=1)])
+        self.seen = np.stack(
+            [np.vstack([self.seen[:1], within]).min(axis=0), np.vstack([self.seen[1:], within]).max(axis=0)]
+        )
 
     def halved(self, boxes: Boxes) -> Boxes:
         """Boxes halved along their sides that are not small beside the hull."""

@@ -146,11 +146,10 @@ class TreeEvaluator:
     def signs(self, points: Floats) -> Bools:
         """Which columns (M, N) are <= 0 at points (N, 3)."""
         parts = np.array_split(points, 1 + len(points) * self.used // CHUNK_ENTRIES)
-        return np.concatenate([self.values(part) <= 0 for part in parts], axis=1)
+        return np.concatenate([self.values(part, np.arange(self.used)) <= 0 for part in parts], axis=1)
 
-    def values(self, points: Floats, columns: Integers | None = None) -> Floats:
-        """Values of the tree's columns (M, N), or of some of these, at points (N, 3), each by a positive factor."""
-        columns = np.arange(self.used) if columns is None else columns
+    def values(self, points: Floats, columns: Integers) -> Floats:
+        """Values of some of the tree's columns (m, N) at points (N, 3), each by a positive factor."""
         result, known = np.empty((len(columns), len(points))), np.isin(columns, self._rows)
         result[known] = self._bank.values(points, np.searchsorted(self._rows, columns[known]))
         for place in np.flatnonzero(~known).tolist():
@@ -162,7 +161,7 @@ class TreeEvaluator:
 
         Inside, walls only select which parts count, so that the value is not 0 where parts adjoin.
         """
-        values = self._true(self.values(points))
+        values = self._true(self.values(points, np.arange(self.used)))
         plain = self._compiled.extremes(values)
         selecting = values.copy()
         selecting[self.walls] = np.where(values[self.walls] <= 0, -np.inf, np.inf)

@@ -251,10 +251,13 @@ class Seams:
                             signs[a], signs[b] = i == 0, j == 0
                             held[i, j] = self._evaluator.inside(signs)
                         both = held.sum(axis=(0, 1)) % 2 == 1  # the set depends on either as the other one is
-                        turns = np.flatnonzero(both & np.roll(both, -1) & (inwards != np.roll(inwards, -1)))
-                        for k in turns[:1]:
-                            sides = (held.sum(axis=axis)[:, k] for axis in (1, 0))  # 0 or 1, where more is inside
-                            yield beside[k], *(2 * c + int(np.argmax(s)) for c, s in zip((a, b), sides, strict=True))
+                        turns = both & np.roll(both, -1) & (inwards != np.roll(inwards, -1))
+                        for k in np.flatnonzero(turns)[:1]:
+                            yield (
+                                beside[k],
+                                2 * a + held.sum(axis=1)[:, k].argmax(),
+                                2 * b + held.sum(axis=0)[:, k].argmax(),
+                            )
 
     def _jets(self, points: Floats, column: Any) -> Floats:
         return self._evaluator.jets(points, np.broadcast_to(column, len(points)))

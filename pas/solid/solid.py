@@ -309,16 +309,12 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         key = ("measures", self._tolerance(tolerance))
         if key not in self._cache:
             found = self._sheet_mesh(tolerance, Quality.BALANCED)
-            field = self.field if found is None else self._faces_alone
+            faces = (atom for atom in atoms(self.tree) if atom.face)  # all that is asked about what a mesh shows
+            field = self.field if found is None else self._field_of(combined(True, *faces))
             made = self.face_mesh(tolerance) if found is None else face_mesh(found, field, key[1], Quality.BALANCED)
             self._cache[key] = curved_measures(made, field).scaled(field.scale, field.world(np.zeros(3)))
         measured: Measures = self._cache[key]
         return measured
-
-    @property
-    def _faces_alone(self) -> SolidField:
-        """The functions of all faces, and where faces are joined: all that is asked about what a mesh shows."""
-        return self._field_of(combined(True, *(atom for atom in atoms(self.tree) if atom.face)))
 
     @property
     def description(self) -> str:
