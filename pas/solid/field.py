@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import cached_property
 from itertools import combinations, product
 
@@ -12,10 +13,12 @@ from numpy.typing import NDArray
 
 from pas.algebra.affine import quadratic_form
 from pas.algebra.inputs import shown_point
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
+from pas.contacts.rims import rim_of
 from pas.errors import GeometryError, MeshError
 from pas.mesh.diagnostics import touching
 from pas.mesh.field import FaceField, ShellWall
@@ -216,15 +219,37 @@ class SolidField:
                 )
         for point, a, b, both in self._seams.pinched():
             raise MeshError(f"the solid could not be meshed: {touching(self, point, a, b, both)}")
-        for point, *labels in self._seams.passed():
-            going, left = (self.face_within(label, point[None], np.full((1, 3), 2.0**-6)) for label in labels)
-            where = (
-                f"near {shown_point(self.world(point))} what lies on the surface of {going!r} goes on beyond the curve"
-            )
-            what = (
-                f"in which that meets {left!r}, and leaves it without an angle; end it there, or make one blend of all"
-            )
-            raise MeshError(f"the solid has no mesh: {where} {what}")
+        for number, seam in enumerate(self._seams.given):
+            plane, surface = sorted(seam.functions, key=lambda function: function.degree)
+            if surface.degree > 1 == plane.degree and seam.section is None:
+                with suppress(GeometryError):  # curves that are not closed
+                    rim = self.evaluator.local(rim_of(surface, plane).points())
+                    self._refuse_passing(number, surface.primitive(), rim)
+
+    def _refuse_passing(self, number: int, surface: Polynomial, rim: Floats) -> None:
+        """Raise `MeshError` where what lies on a surface goes on beyond a rim (N, 3), the seam of that number, where a
+        face touches it, and leaves that without an angle, in some places outwards and in others inwards."""
+        faces = {c: self.evaluator.columns[c].function for c in np.flatnonzero(~self.evaluator.walls).tolist()}
+        for a in (c for c, f in faces.items() if isinstance(f, Polynomial) and f.primitive() == surface):
+            across = np.cross(self.jets(rim, 2 * a)[:, 1:], np.roll(rim, -1, axis=0) - rim)
+            step = 2.0**-6 * np.ptp(rim, axis=0).max() * unit(across)
+            for moved, b in product((rim + step, rim - step), (c for c in faces if number in self._seams.of(c))):
+                jets = self.jets(moved, 2 * a)
+                beside = moved - jets[:, :1] * jets[:, 1:] / (jets[:, 1:] ** 2).sum(axis=1)[:, None]
+                signs, held = self.signs(beside), np.empty((2, 2, len(rim)), dtype=int)
+                inwards = signs[b].copy()
+                for i, j in product(range(2), repeat=2):
+                    signs[a], signs[b] = i == 0, j == 0
+                    held[i, j] = self.inside(signs)
+                both = held.sum(axis=(0, 1)) % 2 == 1  # the set depends on either as the other one is
+                for k in np.flatnonzero(both & np.roll(both, -1) & (inwards != np.roll(inwards, -1)) & (a != b)):
+                    labels = [2 * c + int(held.sum(axis=axis)[:, k].argmax()) for c, axis in ((a, 1), (b, 0))]
+                    going, left = (self.face_within(label, beside[[k]], np.full((1, 3), 2.0**-6)) for label in labels)
+                    raise MeshError(
+                        f"the solid has no mesh: near {shown_point(self.world(beside[k]))} what lies on the surface of "
+                        f"{going!r} goes on beyond the curve in which that meets {left!r}, and leaves it without an "
+                        "angle; end it there, or make one blend of all"
+                    )
 
 
 def _has_lines(function: Function) -> bool:

@@ -2,7 +2,7 @@
 
 Where neighbours of one surface end flat in one plane, seen from opposite sides, or overlap without reaching beyond
 where the other one begins, the bodies are linked: their ends are within the union, and what goes on from one is joined
-to what goes on from the other.  What reaches farther is refused where it leaves a blend (see `Seams.passed`).
+to what goes on from the other.  What reaches farther is refused where it leaves a blend (see `pas.solid.field`).
 
 Elsewhere bodies must be apart, as boxes of them show, or planes that part them: any, or those of ends, in which they
 have nothing but ends whose boxes are apart.  That is looked at on meshes, with their distances from the bodies added,

@@ -31,8 +31,6 @@ from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, residue_place
 from pas.algebra.rational import cross
-from pas.contacts.rims import rim_of
-from pas.errors import GeometryError
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import polynomials_of
 from pas.solid.tree import Bools, Tree, atoms
@@ -78,14 +76,6 @@ class Seam:
     def marks(self) -> list[tuple[int, ...] | None]:
         """A place modulo a prime for each curve, where members of its ideal vanish; see `residue_place`."""
         return [residue_place(*curve.generators) for curve in self.curves]
-
-    @cached_property
-    def rim(self) -> Floats:
-        """Points (N, 3) in order of a single closed curve in a plane; none of others."""
-        try:
-            return rim_of(*self.functions).points() if len(self.curves) == 1 else np.empty((0, 3))
-        except GeometryError:
-            return np.empty((0, 3))
 
     def crosses(self, surfaces: Sequence[Polynomial]) -> bool:
         """Whether one of some surfaces is the section."""
@@ -160,7 +150,7 @@ class Seams:
     """
 
     def __init__(self, evaluator: TreeEvaluator, given: Sequence[Seam], box: Floats) -> None:
-        self._evaluator, self._given, self._box = evaluator, tuple(given), box
+        self._evaluator, self.given, self._box = evaluator, tuple(given), box
         self._found: dict[tuple[int, int], tuple[int, ...]] = {}
         self._same: dict[tuple[int, int, int], bool] = {}
         self._on: dict[int, set[int]] = {}
@@ -174,8 +164,8 @@ class Seams:
     def _find(self, a: int, b: int) -> tuple[int, ...]:
         columns, used = self._evaluator.columns, self._evaluator.used
         first, second = (polynomials_of(columns[c].function) for c in (a, b))
-        for number in sorted(self._of(a) & self._of(b)):
-            if not self._given[number].crosses((*first, *second)):
+        for number in sorted(self.of(a) & self.of(b)):
+            if not self.given[number].crosses((*first, *second)):
                 return used + 2 * number, used + 2 * number + 1
         if len(first) != 1 or len(second) != 1 or first[0].degree == second[0].degree == 1:
             return ()  # planes cross
@@ -198,18 +188,18 @@ class Seams:
         below, above = self._evaluator.relevant(*self._evaluator.taylor(centers, halves[None]))
         return np.asarray(below | above)
 
-    def _of(self, column: int) -> set[int]:
+    def of(self, column: int) -> set[int]:
         """The numbers of the seams on which a column's faces are."""
         if column not in self._on:
             surfaces = polynomials_of(self._evaluator.columns[column].function)
-            self._on[column] = {number for number, seam in enumerate(self._given) if seam.is_on(surfaces)}
+            self._on[column] = {number for number, seam in enumerate(self.given) if seam.is_on(surfaces)}
         return self._on[column]
 
     def pinched(self) -> Iterator[tuple[Floats, int, int, bool]]:
         """Points of lines along which two columns' faces touch, and whether beside these the set is on both sides, if
         it is on both or on neither, and not so between them: there its parts touch, or it has no thickness."""
         faces, middle = np.flatnonzero(~self._evaluator.walls).tolist(), self._box.mean(axis=0)
-        for number in (n for n, seam in enumerate(self._given) if seam._place):
+        for number in (n for n, seam in enumerate(self.given) if seam._place):
             values, *slopes = self._jets(np.stack([middle] * 2), self._evaluator.used + 2 * number + np.arange(2)).T
             way = unit(np.cross(*np.transpose(slopes)))
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -219,7 +209,7 @@ class Seams:
             if low >= high:  # the line misses the box
                 continue
             points = start + np.linspace(low, high, 66)[1:-1, None] * way
-            for a, b in combinations([c for c in faces if number in self._of(c)], 2):
+            for a, b in combinations([c for c in faces if number in self.of(c)], 2):
                 f, g = (unit(self._jets(points, c)[:, 1:]) for c in (a, b))
                 aside = points + 2.0**-8 * np.cross(way, f)
                 jets = [self._jets(aside, c) for c in (a, b)]
@@ -231,33 +221,6 @@ class Seams:
                 touch = (lengths(np.cross(f, g)) < SLACK) & (held[0] == held[1]) & (held[1] != held[2])
                 if len(rows := np.flatnonzero(touch)):
                     yield points[rows[len(rows) // 2]], a, b, bool(held[0][rows[len(rows) // 2]])
-
-    def passed(self) -> Iterator[tuple[Floats, int, int]]:
-        """Points beside closed plane curves in which faces touch, and the labels of two: the first one goes on beyond
-        the curve there, and leaves the other without an angle, in some places outwards and in others inwards."""
-        faces = np.flatnonzero(~self._evaluator.walls).tolist()
-        for number, seam in (some for some in enumerate(self._given) if len(some[1].rim)):
-            points, bent = self._evaluator.local(seam.rim), [f.primitive() for f in seam.functions if f.degree > 1]
-            for a in (c for c in faces if any(_is(self._evaluator.columns[c].function, f) for f in bent)):
-                along, out = unit(np.roll(points, -1, axis=0) - points), unit(self._jets(points, a)[:, 1:])
-                step = 2.0**-6 * np.ptp(points, axis=0).max() * np.cross(out, along)
-                for moved in (points + step, points - step):
-                    jets = self._jets(moved, a)
-                    beside = moved - jets[:, :1] * jets[:, 1:] / (jets[:, 1:] ** 2).sum(axis=1)[:, None]
-                    for b in (c for c in faces if c != a and number in self._of(c)):
-                        signs, held = self._evaluator.signs(beside), np.empty((2, 2, len(beside)), dtype=int)
-                        inwards = signs[b].copy()
-                        for i, j in product(range(2), repeat=2):
-                            signs[a], signs[b] = i == 0, j == 0
-                            held[i, j] = self._evaluator.inside(signs)
-                        both = held.sum(axis=(0, 1)) % 2 == 1  # the set depends on either as the other one is
-                        turns = both & np.roll(both, -1) & (inwards != np.roll(inwards, -1))
-                        for k in np.flatnonzero(turns)[:1]:
-                            yield (
-                                beside[k],
-                                2 * a + held.sum(axis=1)[:, k].argmax(),
-                                2 * b + held.sum(axis=0)[:, k].argmax(),
-                            )
 
     def _jets(self, points: Floats, column: Any) -> Floats:
         return self._evaluator.jets(points, np.broadcast_to(column, len(points)))
@@ -363,7 +326,7 @@ def _bounds(evaluator: TreeEvaluator, function: Polynomial, points: Floats) -> B
     return np.asarray(near & (both[0] != both[1]))
 
 
-def _is(function: object, primitive: Polynomial | None) -> bool:
+def _is(function: object, primitive: Polynomial) -> bool:
     return isinstance(function, Polynomial) and function.primitive() == primitive
 
 
