@@ -49,7 +49,7 @@ class Limit(Protocol):
     """A limit of fairness."""
 
     def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
-        """Residuals where a surface is beyond it."""
+        """Residuals at all points, positive where a surface is beyond it: only there they count."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,6 @@ class CurvatureExcess:
             yield (-shape[:, 2] * self.arc - hollow) / HOLLOW, 9, -self.arc / HOLLOW
 
     def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
-        """See `Limit.beyond`."""
         for over, quantity, by in self.over(sampled.points.shape):
             slopes = np.zeros((len(over), AREA + 1))
             slopes[:, quantity] = by
@@ -95,7 +94,6 @@ class BulgeExcess:
         self.normals, self.offsets = _hull(rays.directions, neighbours, self.widest)
 
     def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
-        """See `Limit.beyond`."""
         slopes = np.zeros((len(self.normals), AREA + 1))
         slopes[:, :3] = self.normals / (BULGE * self.widest)
         far = ((sampled.points.points - self.center) * self.normals).sum(axis=1) + self.offsets
@@ -110,11 +108,9 @@ def by_area(sampled: SampledGeometry, over: Floats, slopes: Floats, radius: floa
 
 
 def _pressed(over: Floats, slopes: Floats, weights: Floats) -> Iterator[Residuals]:
-    """Residuals (K, 1) where a limit is passed by `over` (N,) units, with slopes (N, 15) and weights (N,)."""
-    chosen = np.flatnonzero(over > 0)
-    if len(chosen):
-        root = np.sqrt(PRESS * weights[chosen])[:, None]
-        yield Residuals(chosen, root * over[chosen, None], (root * slopes[chosen])[:, None])
+    """Residuals (N, 1) of a limit that is passed by `over` (N,) units, with slopes (N, 15) and weights (N,)."""
+    root = np.sqrt(PRESS * weights)[:, None]
+    yield Residuals(np.arange(len(over)), root * over[:, None], (root * slopes)[:, None])
 
 
 class SectionExcess:
@@ -158,7 +154,6 @@ class SectionExcess:
             self.signs[run] = np.sign(turned) if abs(turned) > TURNED else 0.0
 
     def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
-        """See `Limit.beyond`."""
         if not len(self.signs):
             return
         curvature, changes = section_curvatures(sampled.points, self.across)

@@ -16,24 +16,26 @@ from typing import Any, Protocol
 import numpy as np
 
 from pas.algebra.affine import Affine
+from pas.algebra.inputs import FINEST
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import rational
 from pas.errors import GeometryError, MeshError
 from pas.mesh.booleans import Triangles, boolean
-from pas.mesh.closed import FaceMesh
 from pas.mesh.labelled import Labelled
+from pas.mesh.nodes import SAME
 from pas.mesh.quality import Quality
-from pas.mesh.rows import cross, norms
-from pas.mesh.topology import euler_characteristic, piece_count
+from pas.mesh.rows import cross, dots, norms
+from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.solid.field import SolidField
 from pas.solid.linked import LinkedBodies, RenamedBoundary, SolidBoundary, united
 from pas.solid.runs import plain_run
 from pas.solid.sheets import SheetBody
-from pas.solid.tree import Atom, Tree, combined
+from pas.solid.shell import Hollowable
+from pas.solid.tree import Atom, combined
 
 
-class Operand(Protocol):
+class Operand(Hollowable, Protocol):
     """What is asked of a solid that is united with another one, or cut by it."""
 
     @property
@@ -41,22 +43,8 @@ class Operand(Protocol):
         """What bounds it, where that is known."""
 
     @property
-    def tree(self) -> Tree:
-        """The inequalities."""
-
-    @property
     def _around(self) -> Floats:
         """Two corners (2, 3) of a box that holds it."""
-
-    @property
-    def field(self) -> SolidField:
-        """Its boundary as the mesher wants it."""
-
-    def face_mesh(self, tolerance: float | None = None) -> FaceMesh:
-        """Its mesh within a tolerance, with labels."""
-
-    def __or__(self, other: Any) -> Any:
-        """Both together."""
 
     def _moved(self, map_: Affine) -> Any:
         """Its image."""
@@ -107,14 +95,15 @@ class Operands:
         """A mesh to begin with of the boundary of a field, with its labels, for a tolerance in its coordinates.
 
         None where there is none, or a finer one has other pieces or holes, other faces or one of much less area: where
-        rims of both parts are one curve, slivers are left between their polygons.
+        rims of both parts are one curve, slivers are left between their polygons; or where a piece encloses nothing, as
+        is left of parts that touch in a face.
         """
         try:
             found, finer = (self._cut(field, tolerance, parts) for parts in (4, 16))
         except (GeometryError, MeshError):  # of a part: what is wrong with the whole, if anything is, that says
             return None
         first, second = map(_areas, (found, finer))
-        same = _shape(found) == _shape(finer) and found.faces.max() < 2 * field.evaluator.used
+        same = _shape(found) == _shape(finer) and found.faces.max() < 2 * field.evaluator.used and not _is_flat(finer)
         return Labelled.of(*found) if same and np.all(second > first / 2) else None
 
     def _cut(self, field: SolidField, tolerance: float, parts: int) -> Triangles:
@@ -130,10 +119,10 @@ def _cut(part: Operand, field: SolidField, tolerance: float, parts: int) -> Tria
     fine as a tolerance; that of a lattice no finer than shows it, as all is refined once it is cut."""
     if isinstance(part.sheets, Operands):
         return part.sheets._cut(field, tolerance, parts)
-    within = tolerance * field.scale
+    within, size = tolerance * field.scale, float(np.ptp(part._around, axis=0).max())
     if part.sheets is None:
-        within = max(within, float(np.ptp(part._around, axis=0).max()) / 128)
-    mesh = part.face_mesh(within / parts).mesh
+        within = max(within, size / 128)
+    mesh = part.face_mesh(max(within / parts, FINEST * size)).mesh
     points = field.evaluator.local(part.field.world(mesh.points))
     return Triangles(points, mesh.triangles, field.labels_of(part.field, mesh.labels))
 
@@ -143,6 +132,14 @@ def _areas(cut: Triangles) -> Floats:
     a, b, c = np.moveaxis(cut.points[cut.triangles], 1, 0)
     areas = norms(cross(b - a, c - a)) / 2
     return np.asarray(np.bincount(np.unique(cut.faces, return_inverse=True)[1], areas), dtype=np.float64)
+
+
+def _is_flat(cut: Triangles) -> bool:
+    """Whether a piece encloses no volume, in coordinates of about one."""
+    a, b, c = np.moveaxis(cut.points[cut.triangles], 1, 0)
+    owners = connected(cut.triangles[:, [0, 1, 1, 2]].reshape(-1, 2), len(cut.points))[cut.triangles[:, 0]]
+    volumes = np.bincount(owners, dots(a, cross(b, c)))
+    return bool((np.abs(volumes) <= SAME * np.bincount(owners, norms(cross(b - a, c - a))))[owners].any())
 
 
 def _shape(cut: Triangles) -> tuple[int, int, set[int]]:
