@@ -263,7 +263,8 @@ def test_examples_come_back_from_their_documents(path):
     problem, again = pas.read_problem(path), problem_of(document["problem"])
     for name, value in vars(problem).items():
         if name not in ("name", "boundaries", "shape", "data"):
-            told = [re.sub(" at 0x[0-9a-f]+", "", repr(v)) for v in (getattr(again, name), value)]  # readers have places
+            # readers have places in memory
+            told = [re.sub(" at 0x[0-9a-f]+", "", repr(v)) for v in (getattr(again, name), value)]
             assert told[0] == told[1]
 
 
