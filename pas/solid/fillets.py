@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import chain, count
 from typing import Protocol
 
@@ -21,14 +22,14 @@ from flint import fmpq
 from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
-from pas.algebra.rational import plain, rational, to_float
+from pas.algebra.rational import Vector, dot, plain, rational, square_root, to_float
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.registry import Registry, loaded
 from pas.solid.face_seams import FaceSeam
 from pas.solid.joints import Joint
 from pas.solid.solid import Solid
-from pas.solid.tree import Atom, combined, complement
+from pas.solid.tree import Atom, Tree, combined, complement
 from pas.verdicts import Verdict
 
 NODE = "pas.pipeline.pipe_nodes:PipeNode"
@@ -248,6 +249,36 @@ def title_of(solid: Solid, order: int, face: str | None) -> str:
     name = "fillet" if order else "chamfer"
     later = (f"{name} {number}" for number in count(2))
     return face or next(found for found in chain([name], later) if found not in solid.faces)
+
+
+@dataclass(frozen=True, eq=False)
+class PlaneFace:
+    """A plane face: its name ("" for a wall), its polynomial, and normal . x + offset, which that is."""
+
+    name: str
+    polynomial: Polynomial
+    normal: Vector
+    offset: fmpq
+
+    @classmethod
+    def of(cls, part: Tree) -> PlaneFace | None:
+        """That of a part of an intersection; None where it is no half space."""
+        if not isinstance(part, Atom) or not isinstance(part.function, Polynomial) or part.function.degree != 1:
+            return None
+        polynomial = -part.function if part.outside else part.function
+        terms = polynomial.raw.to_dict()
+        x, y, z, offset = (terms.get(key, fmpq(0)) for key in ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0)))
+        return cls(part.face, polynomial, (x, y, z), offset)
+
+    @cached_property
+    def length(self) -> fmpq:
+        """Of the normal, to six digits where it is not rational."""
+        root = square_root(dot(self.normal, self.normal))
+        return root if root * root == dot(self.normal, self.normal) else short(to_float(root))
+
+    def cosine(self, other: PlaneFace) -> fmpq:
+        """Of the angle between the normals."""
+        return fmpq(1) if other is self else dot(self.normal, other.normal) / (self.length * other.length)
 
 
 def short(value: float) -> fmpq:

@@ -8,7 +8,7 @@ Guaranteed: nothing.  The mesh is refined on the faces of the whole, and looked 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol
@@ -16,25 +16,26 @@ from typing import Any, Protocol
 import numpy as np
 
 from pas.algebra.affine import Affine
+from pas.algebra.inputs import FINEST
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import rational
 from pas.errors import GeometryError, MeshError
 from pas.mesh.booleans import Triangles, boolean
-from pas.mesh.closed import FaceMesh
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import SAME
 from pas.mesh.quality import Quality
 from pas.mesh.rows import cross, dots, norms
 from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.solid.field import SolidField
-from pas.solid.linked import LinkedBodies, LinkedPart, RenamedBoundary, SolidBoundary, refuse_passing, united
+from pas.solid.linked import LinkedBodies, RenamedBoundary, SolidBoundary, united
 from pas.solid.runs import plain_run
 from pas.solid.sheets import SheetBody
-from pas.solid.tree import Atom, Tree, combined
+from pas.solid.shell import Hollowable
+from pas.solid.tree import Atom, combined
 
 
-class Operand(Protocol):
+class Operand(Hollowable, Protocol):
     """What is asked of a solid that is united with another one, or cut by it."""
 
     @property
@@ -42,22 +43,8 @@ class Operand(Protocol):
         """What bounds it, where that is known."""
 
     @property
-    def tree(self) -> Tree:
-        """The inequalities."""
-
-    @property
     def _around(self) -> Floats:
         """Two corners (2, 3) of a box that holds it."""
-
-    @property
-    def field(self) -> SolidField:
-        """Its boundary as the mesher wants it."""
-
-    def face_mesh(self, tolerance: float | None = None) -> FaceMesh:
-        """Its mesh within a tolerance, with labels."""
-
-    def __or__(self, other: Any) -> Any:
-        """Both together."""
 
     def _moved(self, map_: Affine) -> Any:
         """Its image."""
@@ -109,10 +96,8 @@ class Operands:
 
         None where there is none, or a finer one has other pieces or holes, other faces or one of much less area: where
         rims of both parts are one curve, slivers are left between their polygons; or where a piece encloses nothing, as
-        is left of parts that touch in a face.  Raises `MeshError` where blends
-        cannot be united (see `refuse_passing`).
+        is left of parts that touch in a face.
         """
-        refuse_passing([*_bodies(self)])
         try:
             found, finer = (self._cut(field, tolerance, parts) for parts in (4, 16))
         except (GeometryError, MeshError):  # of a part: what is wrong with the whole, if anything is, that says
@@ -129,26 +114,15 @@ class Operands:
         return boolean([found, *(other._replace(faces=other.faces ^ turned) for other in rest)], self.operation)
 
 
-def _bodies(known: SolidBoundary | None) -> Iterator[LinkedPart]:
-    """The bodies of which all belongs to what is made of them, up to what is taken from it."""
-    if isinstance(known, Operands) and known.operation != "Intersect":
-        for part in known.parts[: None if known.operation == "Add" else 1]:
-            yield from _bodies(part.sheets)
-    elif isinstance(known, SheetBody):
-        yield LinkedPart(known)
-    elif isinstance(known, LinkedBodies):
-        yield from known.parts
-
-
 def _cut(part: Operand, field: SolidField, tolerance: float, parts: int) -> Triangles:
     """The mesh of a solid with the labels and in the coordinates of a field that has its functions, so many times as
     fine as a tolerance; that of a lattice no finer than shows it, as all is refined once it is cut."""
     if isinstance(part.sheets, Operands):
         return part.sheets._cut(field, tolerance, parts)
-    within = tolerance * field.scale
+    within, size = tolerance * field.scale, float(np.ptp(part._around, axis=0).max())
     if part.sheets is None:
-        within = max(within, float(np.ptp(part._around, axis=0).max()) / 128)
-    mesh = part.face_mesh(within / parts).mesh
+        within = max(within, size / 128)
+    mesh = part.face_mesh(max(within / parts, FINEST * size)).mesh
     points = field.evaluator.local(part.field.world(mesh.points))
     return Triangles(points, mesh.triangles, field.labels_of(part.field, mesh.labels))
 

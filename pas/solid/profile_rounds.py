@@ -9,7 +9,7 @@ Guaranteed: that the rounds of one end do not meet, as they are on the mesh.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import product
@@ -101,7 +101,7 @@ class RoundedPrism(SweptBody):
 
     height: float
     radius: float
-    rounds: dict[tuple[int, str], list[ProfileRound]]
+    rounds: Mapping[tuple[int, str], tuple[ProfileRound, ...]]
 
     def made(self, tolerance: float) -> Faces | None:
         """Its faces: at each end rows of the loops' polygons, moved inwards along the rounds."""
@@ -122,8 +122,8 @@ class RoundedPrism(SweptBody):
             first += numbers.size
             parts = (("top", 0, len(top)), ("", len(top) - 1, len(top) + 1), ("bottom", len(top), len(rows)))
             for (end, low, high), (k, edge) in product(parts, enumerate(loop.edges)):
-                found_rounds = self.rounds.get((number, end), [])
-                some = next((r for r in found_rounds if r.edge is edge or len(found_rounds) == 1), None)
+                found_rounds = self.rounds.get((number, end), ())
+                some = next((r for r in found_rounds if r.edge == edge or len(found_rounds) == 1), None)
                 name, surface = (some.face, some.surface) if some else (edge.name, edge.curve)
                 if high - low > 1:
                     across = numbers[low:high, np.arange(borders[k], borders[k + 1] + 1) % n]
@@ -165,7 +165,7 @@ def rounded_prism(solid: Solid, body: Prism, faces: Sequence[str] | None, radius
         if name not in known:
             raise GeometryError(f"the solid has no face {name!r}{meant(name, known) or ''}")
     chosen = {*known} if faces is None else {*faces}
-    height, rounds = rational(body.height), dict[tuple[int, str], list[ProfileRound]]()
+    height, rounds = rational(body.height), dict[tuple[int, str], tuple[ProfileRound, ...]]()
     ends = {"top": Z - height, "bottom": -Z}
     for (number, loop), end in product(enumerate(body.loops), (end for end in ends if end in chosen)):
         names = {edge.name for edge in loop.edges} & chosen
@@ -174,7 +174,7 @@ def rounded_prism(solid: Solid, body: Prism, faces: Sequence[str] | None, radius
         _refuse_unrounded(loop, names, end, radius)
         flat_ = Polynomial.from_raw(ends[end]) * (1 / radius) + 1
         edges = loop.edges[:1] if loop.whole else loop.edges
-        rounds[number, end] = [ProfileRound.of(end, edge, flat_, radius, loop.whole) for edge in edges]
+        rounds[number, end] = tuple(ProfileRound.of(end, edge, flat_, radius, loop.whole) for edge in edges)
     if not rounds:
         raise GeometryError("no edge at the top or bottom is between two of the faces")
     most = height / len({end for _, end in rounds})
