@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import shown_point
-from pas.algebra.lengths import unit
+from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import near
@@ -18,7 +19,22 @@ from pas.errors import GeometryError, meant
 from pas.mesh.mesh import Mesh
 from pas.mesh.projection import distances, newton
 from pas.mesh.rows import Integers
+from pas.solid.joints import Joint
 from pas.solid.solid import Solid
+
+_APART = "give the fillet of each its own solid, before they are united"
+
+
+@dataclass(frozen=True)
+class SmoothEnd:
+    """An end of a seam at which it goes on smoothly as that of two faces with given `names`.
+
+    `plane` is across it, positive along it; `tangent` is what both faces touch there that go on in one another.
+    """
+
+    names: tuple[str, str]
+    plane: Polynomial
+    tangent: Polynomial
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,25 +42,28 @@ class FaceSeam:
     """The edges in which two faces of a solid meet, as its mesh shows them, with what a fillet needs of them.
 
     `points` (N, 3) are on both faces, evenly along the edges.  `sign` is 1 where a fillet is added, -1 where it takes
-    away.  `goes_on` says in words where a face goes on smoothly at an end.  `left` are polynomials, negative along it,
-    of faces through which it leaves the solid; `entered` those of faces that it runs into, positive along it, over the
-    lengths of their gradients there.  `beside` are the faces next to the two that it is inside of.
+    away.  `smooth` are its ends where one of the faces goes on as another one by a claimed joint; where a face does and
+    the seam does not, `goes_on` says it in words.  `left` are polynomials, negative along it, of faces through which it
+    leaves the solid; `entered` those of faces that it runs into, positive along it, over the lengths of their gradients
+    there.  `beside` are the faces next to the two that it is inside of.
     """
 
+    names: tuple[str, str]
     faces: tuple[Polynomial, Polynomial]
     points: Floats
     sign: int
-    goes_on: str
-    left: tuple[Polynomial, ...]
-    entered: tuple[Polynomial, ...]
-    beside: tuple[tuple[str, Polynomial], ...]
+    smooth: tuple[SmoothEnd, ...] = ()
+    goes_on: str = ""
+    left: tuple[Polynomial, ...] = ()
+    entered: tuple[Polynomial, ...] = ()
+    beside: tuple[tuple[str, Polynomial], ...] = ()
 
     @classmethod
     def of(cls, solid: Solid, names: tuple[str, str]) -> FaceSeam:
         """The seam of two faces by their names; raises `GeometryError` where there is none to be filled."""
         faces = _polynomial(solid, names[0]), _polynomial(solid, names[1])
         mesh = solid.mesh()
-        numbers = [[k for k, several in enumerate(mesh.names) if name in several.split(" + ")] for name in names]
+        numbers = [_face_numbers(mesh, name) for name in names]
         edges = edges_between(mesh, *numbers)
         if not len(edges):
             raise GeometryError(f"the faces {names[0]!r} and {names[1]!r} of the solid do not meet in an edge")
@@ -53,7 +72,7 @@ class FaceSeam:
         middles, ways = mesh.points[edges].mean(axis=1), mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
         crossed = np.cross(faces[0].gradient(middles), faces[1].gradient(middles))
         above = (crossed * ways).sum(axis=1) < 0
-        found = cls(faces, points, 1 if above.all() else -1, *_walls(solid, mesh, edges, names, points))
+        found = cls(names, faces, points, 1 if above.all() else -1, *_ends(solid, mesh, edges, names, points))
         flat = 1e-2  # sine of an angle between faces below which they are taken for tangent
         worst = int(np.argmax(found.cosines**2))
         if 1 - found.cosines[worst] ** 2 < flat**2:
@@ -63,10 +82,49 @@ class FaceSeam:
             )
         if above.any() != above.all():
             raise GeometryError(
-                f"the faces {names[0]!r} and {names[1]!r} meet in edges that go out and such that go in; "
-                f"give the fillet of each its own solid, before they are united"
+                f"the faces {names[0]!r} and {names[1]!r} meet in edges that go out and such that go in; {_APART}"
             )
         return found
+
+    @classmethod
+    def chain(cls, solid: Solid, names: tuple[str, str]) -> tuple[FaceSeam, ...]:
+        """The seam of two faces and all in which it goes on smoothly; a name may be that of several numbered faces.
+
+        Raises `GeometryError` where there is none to be filled, and where it does not go on along all such faces.
+        """
+        sides = [[name] if name in solid.faces else _numbered(solid, name) or [name] for name in names]
+        pairs = [*product(*sides)]
+        numbers = {name: _face_numbers(solid.mesh(), name) for name in (*sides[0], *sides[1])}
+        met = [pair for pair in pairs if len(edges_between(solid.mesh(), *(numbers[name] for name in pair)))] or pairs
+        found, left = dict[tuple[str, str], FaceSeam](), met[:1]
+        while left:
+            pair = left.pop()
+            if pair not in found:
+                found[pair] = cls.of(solid, pair)
+                left += [end.names for end in found[pair].smooth]
+        if alone := next((pair for pair in met if len(pairs) > 1 and pair not in found), None):
+            raise GeometryError(
+                f"the edge of {alone[0]!r} and {alone[1]!r} does not go on smoothly from that of {met[0][0]!r} and "
+                f"{met[0][1]!r}: name one of the faces that {names[0]!r} and {names[1]!r} are the names of"
+            )
+        if len({seam.sign for seam in found.values()}) > 1:
+            raise GeometryError(f"the edges of {names[0]!r} and {names[1]!r} go in and out in turn: {_APART}")
+        return tuple(found.values())
+
+    @cached_property
+    def sectors(self) -> tuple[tuple[Polynomial, ...], ...]:
+        """Planes at its smooth ends: of one set of them at least all are positive at each point of it.
+
+        Raises `GeometryError` where it turns too far for that.
+        """
+        planes = tuple(dict.fromkeys(end.plane for end in self.smooth))
+        size = float(np.ptp(self.points, axis=0).max())
+        ahead = [plane(self.points) > -1e-9 * size * lengths(plane.gradient(self.points)) for plane in planes]
+        if all(some.all() for some in ahead):
+            return (planes,)
+        if len(planes) < 2 or not np.any(ahead, axis=0).all():
+            raise GeometryError(f"the edge of {self.names[0]!r} and {self.names[1]!r} turns too far: draw it in two")
+        return tuple((plane,) for plane in planes)
 
     @cached_property
     def normals(self) -> Floats:
@@ -86,7 +144,11 @@ class FaceSeam:
     def turned_back(self, radius: float) -> list[bool]:
         """Of both faces, whether somewhere its function falls again before the depth of such a ball's centre."""
         known = zip(self.faces, self.points + self.sign * radius * self.normals, self.normals, strict=True)
-        return [bool(((face.gradient(deep) * n).sum(axis=1) <= 0).any()) for face, deep, n in known]
+        flat = 1e-9  # slope where such a ball is as large as the face is bent, over that on the face
+        return [
+            bool(((face.gradient(deep) * n).sum(axis=1) < -flat * lengths(face.gradient(self.points))).any())
+            for face, deep, n in known
+        ]
 
     def outwards(self, ends: Floats) -> Floats:
         """The unit normals (2 N, 3) of the faces at points of `ends`."""
@@ -96,8 +158,9 @@ class FaceSeam:
         """How far beyond the ends of an edge a fillet goes, until it leaves the solid or is inside."""
         return 2 * radius * (1 + float(np.sqrt((1 - self.cosines) / (1 + self.cosines)).max()))
 
-    def ends(self, heights: tuple[fmpq, fmpq], radius: float) -> Floats | None:
-        """Points (2 N, 3) of the curves on the faces in which a fillet ends; None where a face does not go that far."""
+    def ends(self, heights: tuple[fmpq, fmpq], radius: float, curves: tuple[bool, bool]) -> Floats | None:
+        """Points (2 N, 3) on the faces in which a fillet ends, in points alone where that is no curve; None where a
+        face does not go that far."""
         one, other = self.faces
         levels = Levels((one, other, one - heights[0] * self.sign, other - heights[1] * self.sign))
         tangents = radius * np.sqrt((1 - self.cosines) / (1 + self.cosines))[:, None]
@@ -106,9 +169,10 @@ class FaceSeam:
             way = self.sign * unit(self.normals[its] - self.cosines[:, None] * self.normals[mine])
             reach = np.full(len(way), radius)
             numbers = _numbers(way, mine, 2 + its)
-            moved = newton(self.points + tangents * way, levels, numbers, reach)
+            moved = self.points + tangents * way
+            moved = newton(moved, levels, numbers, reach) if curves[mine] else moved
             off = [distances(levels, moved, column).max() for column in numbers.T]
-            if max(off) > 1e-6 * radius:  # beyond what rounding leaves
+            if curves[mine] and max(off) > 1e-6 * radius:  # beyond what rounding leaves
                 return None
             found.append(moved)
         return np.concatenate(found)
@@ -163,25 +227,40 @@ def edges_between(mesh: Mesh, first: Sequence[int], second: Sequence[int]) -> In
     return np.asarray(sides[0][mine, :2])
 
 
+def _face_numbers(mesh: Mesh, name: str) -> list[int]:
+    """The faces of a mesh, by number, that have a name."""
+    return [number for number, several in enumerate(mesh.names) if name in several.split(" + ")]
+
+
+def _numbered(solid: Solid, name: str) -> list[str]:
+    """The faces that are called so with a number behind."""
+    return [face for face in solid.faces if face.startswith(f"{name} ") and face[len(name) + 1 :].isdigit()]
+
+
 Walls = tuple[Polynomial, ...]
 
 
-def _walls(
+def _ends(
     solid: Solid, mesh: Mesh, edges: Integers, names: tuple[str, str], points: Floats
-) -> tuple[str, Walls, Walls, tuple[tuple[str, Polynomial], ...]]:
+) -> tuple[tuple[SmoothEnd, ...], str, Walls, Walls, tuple[tuple[str, Polynomial], ...]]:
     """What ends a seam with points (N, 3), and the faces beside it, as in `FaceSeam`."""
     parts = [name.split(" + ") for name in mesh.names]
     own = [number for number, some in enumerate(parts) if not {*names}.isdisjoint(some)]
     vertices, times = np.unique(edges, return_counts=True)
     size, flat = float(np.ptp(mesh.points, axis=0).max()), 1e-6  # below which a seam goes along a face
-    smooth, left, entered = dict[tuple[str, str], None](), list[Polynomial](), list[Polynomial]()
+    smooth, told, left, entered = list[SmoothEnd](), dict[str, None](), list[Polynomial](), list[Polynomial]()
     for end in vertices[times == 1].tolist():
         place, (edge, *_) = mesh.points[end], edges[(edges == end).any(axis=1)]
         way = unit(place - mesh.points[edge[edge != end][0]])
         around = np.unique(mesh.faces[(mesh.triangles == end).any(axis=1)])
         here = {name for number in around.tolist() if number not in own for name in parts[number]}
-        pairs = (pair for j in solid.joints for pair in ((j.first, j.second), (j.second, j.first)))
-        smooth |= dict.fromkeys(pair for pair in pairs if pair[0] in names and pair[1] in here)
+        for joint in solid.joints:
+            for one, other in ((joint.first, joint.second), (joint.second, joint.first)):
+                if one in names and other in here:
+                    found = _smooth_end(solid, mesh, joint, (one, other), names, end, way)
+                    told |= {} if found else {f", where {one!r} goes on smoothly in {other!r} and a fillet does not": None}
+                    smooth += [found] if found else []
+                    here -= {other} if found else set()
         for wall in (wall for name in here for wall in solid.polynomials.get(name, ())):
             length = float(np.linalg.norm(wall.gradient(place)))
             rise = float(wall.gradient(place) @ way) / length
@@ -197,8 +276,32 @@ def _walls(
     numbers = [number for number in range(len(parts)) if number not in own and len(edges_between(mesh, own, [number]))]
     next_to = dict.fromkeys(name for number in numbers for name in parts[number])
     return (
-        "".join(f", where {one!r} goes on smoothly in {other!r} and a fillet does not" for one, other in [*smooth][:1]),
+        tuple(smooth),
+        "".join([*told][:1]),
         tuple(filter(ahead, dict.fromkeys(left))),
         tuple(wall for wall in dict.fromkeys(entered) if ahead(-wall)),
         tuple((name, w) for name in next_to for w in solid.polynomials.get(name, ()) if (w(points) < 0).all()),
     )
+
+
+def _smooth_end(
+    solid: Solid, mesh: Mesh, joint: Joint, going: tuple[str, str], names: tuple[str, str], end: int, way: Floats
+) -> SmoothEnd | None:
+    """The smooth end of a seam at a vertex, up to which its way is given, where one of its faces goes on as another.
+
+    None where the other face of the seam does not go on there, or where no plane across it is in the joint.
+    """
+    following = names[0] if names[0] != going[0] else going[1], names[1] if names[1] != going[0] else going[1]
+    place, sides = mesh.points[end], [_face_numbers(mesh, name) for name in following]
+    normals = [unit(solid.polynomials[name][0].gradient(place)) for name in names]
+    along = unit(np.cross(*normals))
+    along = along if along @ way > 0 else -along
+    for plane, tangent in (joint.along, joint.along[::-1]):
+        slope, normal = unit(plane.gradient(place)), unit(tangent.gradient(place))
+        close = 1e-6  # of directions of exact functions at a vertex of a mesh
+        if plane.degree == 1 and abs(slope @ along) > 1 - close and end in edges_between(mesh, *sides):
+            known = normals[names.index(going[0])]
+            if tangent.degree == 1 and abs(normal @ known) > 1 - close:
+                signs = -1 if slope @ along > 0 else 1, 1 if normal @ known > 0 else -1
+                return SmoothEnd(following, plane * signs[0], tangent * signs[1])
+    return None

@@ -14,11 +14,17 @@ has contact of order k with the faces f = 0 and g = 0 along g = b and f = a (Hof
 The heights are those at which a rolling ball touches the other face, in the mean along the edge; mu = 2 + 2 c with the
 mean cosine c between normals, which makes the fillet of two planes a circular cylinder.  Not guaranteed: that the
 fillet of curved faces is near a rolling ball's, which is no algebraic surface of such a degree.
+
+Of even order it is that curve turned about the axis, too, where one face is a plane and the other a cylinder that
+stands on it, with t linear in R: of mu s t - h^(k+1) = A + B R the norm A^2 - B^2 R^2, which vanishes twice only where
+R does, as A - B R has one sign where s, t and h count.  So along planes and cylinders that go on smoothly in one
+another fillets have one cross-section.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import comb
 
 from flint import fmpq
 
@@ -71,7 +77,7 @@ class Meridian:
             square = self.slope**2 / (4 * self.round**2) - self.constant / self.round
             radius = square_root(square)
             moved = self.round * (square - (radius - depth) ** 2)
-            return replace(self, constant=self.constant + moved) if radius > depth and radius**2 == square else None
+            return replace(self, constant=self.constant + moved) if radius >= depth and radius**2 == square else None
         spread, apex = -self.square / self.round, -self.slope / (2 * self.square)
         stretch = square_root((1 + spread) / spread) if spread > 0 else fmpq(0)
         if spread <= 0 or stretch**2 * spread != 1 + spread:
@@ -83,20 +89,24 @@ class Meridian:
         """R^2 and z of the point outwards by a depth from one on this surface; None where they are irrational."""
         rise = 2 * self.square * z + self.slope
         length2 = 4 * self.round**2 * square + rise**2
+        if length2 == 0:  # on the axis of a cylinder
+            return depth**2, z
         length = square_root(length2)
         share = depth / length
         return (square * (1 + 2 * self.round * share) ** 2, z + rise * share) if length**2 == length2 else None
 
 
-def torus(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm | None:
-    """The torus of a ball that rolls along a seam, of order 0 the cone through the circles in which it touches the
-    faces; None of another order, or where there is none."""
-    axis = _axis(seam.faces) if order < 2 else None
+def turned(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm | None:
+    """The torus, or sphere, of a ball that rolls along a seam, of order 0 the cone through the circles in which it
+    touches the faces, of even order the section between planes turned; None where there is no such surface."""
+    axis = _axis(seam.faces)
     if axis is None:
         return None
     f, g = (Meridian.of(face, axis) for face in seam.faces)
     if f is None or g is None:
         return None
+    if order > 1:
+        return _turned_section(seam, (f, g), axis, radius, order) if order % 2 == 0 else None
     middle = float(((seam.centers(to_float(radius)) - to_floats(axis[0])) @ to_floats(axis[1])).mean())
     found = _center((f, g), -seam.sign * radius, middle)
     if found is None:
@@ -108,9 +118,37 @@ def torus(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm | None:
     heights = f(*second) * seam.sign, g(*first) * seam.sign
     if order == 0:
         cone = _cone(axis, first, second, (square, z))
-        return cone and (*cone, heights)
+        return cone and FilletForm(cone[0], heights, cone[1])
     center = [p + z * w for p, w in zip(*axis, strict=True)]
-    return -torus_polynomial(center, axis[1], square, depth**2), (), heights
+    inner = Polynomial.from_raw(dot(away(center), away(center)) - (depth**2 - square))
+    if square == 0:
+        return FilletForm(-inner, heights, (), (first[0] > 0, second[0] > 0))
+    # Where a torus meets itself the ball of that circle parts its outside from what is within.
+    return FilletForm(-torus_polynomial(center, axis[1], square, depth**2), heights, (inner,) * (square < depth**2))
+
+
+def _turned_section(
+    seam: FaceSeam, both: tuple[Meridian, Meridian], axis: Axis, radius: fmpq, order: int
+) -> FilletForm | None:
+    """The surface of even order beside a plane and a cylinder; None for other faces, and where the latter is within the
+    radius or has none that is rational."""
+    (plane, flat), (round_, _) = sorted(zip(both, seam.faces, strict=True), key=lambda pair: pair[0].round != 0)
+    if plane.round != 0 or plane.square != 0 or round_.round == 0 or round_.square != 0 or round_.slope != 0:
+        return None
+    size, side = square_root(-round_.constant / round_.round), seam.sign * (1 if round_.round > 0 else -1)
+    major = size + side * radius
+    if size**2 * round_.round != -round_.constant or major <= 0:
+        return None
+    w, along = away(axis[0]), height(*axis)
+    square, s = Polynomial.from_raw(dot(w, w) - along * along), flat * (seam.sign / (radius * abs(plane.slope)))
+    slope, start = side / radius, -side * size / radius  # t = start + slope R
+    parts, power = [s * (2 * start), s * (2 * slope)], order + 1
+    for k in range(power + 1):
+        term = (1 - s - start) ** (power - k) * square ** (k // 2)
+        parts[k % 2] -= term * (comb(power, k) * (-slope) ** k)
+    surface = (parts[0] ** 2 - square * parts[1] ** 2) * -side
+    heights = radius * abs(plane.slope), seam.sign * round_.round * (major**2 - size**2)
+    return FilletForm(surface, heights if both[0] is plane else heights[::-1])
 
 
 def _cone(axis: Axis, *circles: tuple[fmpq, fmpq]) -> tuple[Polynomial, tuple[Polynomial, ...]] | None:
@@ -134,11 +172,16 @@ def bent(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm:
         short(seam.sign * float(face(seam.points + reach * normal).mean()))
         for face, normal in zip(seam.faces, seam.normals, strict=True)
     )
+    cosine, slopes = short(float(seam.cosines.mean())), [slope_at(face) for face in seam.faces]
+    sizes = [square_root(dot(slope, slope)) for slope in slopes]
+    if all(f.degree == 1 and dot(w, w) == size**2 for f, w, size in zip(seam.faces, slopes, sizes, strict=True)):
+        cosine = dot(*slopes) / (sizes[0] * sizes[1])
+        a, b = (radius * (1 - cosine) * size for size in sizes)
     if a == 0 or b == 0:
-        return seam.faces[0], (), (a, b)
+        return FilletForm(seam.faces[0], (a, b))
     s, t = (face * (seam.sign / height) for face, height in zip(seam.faces, (a, b), strict=True))
-    bulge, h = short(2 + 2 * float(seam.cosines.mean())), 1 - s - t
-    return s * t * bulge - h ** (order + 1) if order else -h, (), (a, b)
+    bulge, h = 2 + 2 * cosine, 1 - s - t
+    return FilletForm(s * t * bulge - h ** (order + 1) if order else -h, (a, b))
 
 
 def _center(
@@ -169,7 +212,7 @@ def _center(
         both, (a, b, c) = at(depth)
     curved = next(m for m in both if m.round != 0)
     square = -replace(curved, round=fmpq(0))(fmpq(0), z) / curved.round
-    return (both, depth, square, z) if square > 0 and a * z * z + b * z + c == 0 else None
+    return (both, depth, square, z) if square >= 0 and a * z * z + b * z + c == 0 else None
 
 
 def _axis(faces: tuple[Polynomial, Polynomial]) -> Axis | None:

@@ -10,8 +10,9 @@ the solid's own faces.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import chain, count
 from typing import Protocol
 
@@ -25,7 +26,7 @@ from pas.algebra.rational import plain, rational, to_float
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.registry import Registry, loaded
-from pas.solid.face_seams import FaceSeam
+from pas.solid.face_seams import FaceSeam, SmoothEnd
 from pas.solid.joints import Joint
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, combined, complement
@@ -45,23 +46,80 @@ class Way(Protocol):
         """The largest radius found of a fillet, below one; None where there is none."""
 
 
-FilletForm = tuple[Polynomial, tuple[Polynomial, ...], tuple[fmpq, fmpq]]
-"""A surface, not positive on the side of the seam, polynomials positive where it counts, and how high over each face it
-touches the other."""
+@dataclass(frozen=True)
+class FilletForm:
+    """A surface, not positive on the side of the seam, how high over each face it touches the other, polynomials that
+    are positive where it counts, and whether it touches each face in a curve, not in a point."""
+
+    surface: Polynomial
+    heights: tuple[fmpq, fmpq]
+    sides: tuple[Polynomial, ...] = ()
+    curves: tuple[bool, bool] = (True, True)
+
 
 FILLET_MAKERS: Registry[Callable[[FaceSeam, fmpq, int], FilletForm | None]] = Registry(
-    "maker of fillets", {"torus": "pas.solid.fillet_forms:torus", "polynomial": "pas.solid.fillet_forms:bent"}
+    "maker of fillets", {"turned": "pas.solid.fillet_forms:turned", "polynomial": "pas.solid.fillet_forms:bent"}
 )
 """What makes the surface along a seam of a radius and an order: the first that has one there."""
 
 
+def form_of(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm:
+    """The surface along a seam of a radius and an order."""
+    forms = (maker(seam, radius, order) for maker in FILLET_MAKERS.values())
+    return next(form for form in forms if form is not None)
+
+
+@dataclass(frozen=True, eq=False)
+class FilletPiece:
+    """What a fillet adds or takes away along one seam, with the name of its face."""
+
+    face: str
+    seam: FaceSeam
+    radius: fmpq
+    order: int
+
+    @cached_property
+    def form(self) -> FilletForm:
+        """Its surface."""
+        return form_of(self.seam, self.radius, self.order)
+
+    def tree(self, walls: Sequence[Polynomial] = (), trims: Sequence[Atom] = ()) -> Tree:
+        """The points between its surface and the edge, where walls are positive, too, and in other sets."""
+        pairs = zip(self.seam.faces, self.form.heights, strict=True)
+        s, t = (face * (self.seam.sign / height) for face, height in pairs)
+        own = [s, t, *([1 - s - t] if self.order else []), *self.form.sides]
+        sectors = [[Atom(-wall, "") for wall in sector] for sector in self.seam.sectors]
+        where = [combined(True, *(combined(False, *some) for some in sectors))] if all(sectors) else []
+        bounds = (Atom(-wall, "") for wall in (*own, *walls))
+        return combined(False, Atom(self.form.surface, self.face), *trims, *bounds, *where)
+
+    def claims(self) -> Iterator[Joint]:
+        """The joints with both faces."""
+        (f, g), (a, b), sign = self.seam.faces, self.form.heights, self.seam.sign
+        curves = (f, g - b * sign), (g, f - a * sign)
+        for name, along, there in zip(self.seam.names, curves, self.form.curves, strict=True):
+            for sector in self.seam.sectors if there else ():
+                yield Joint(self.face, name, along, self.order, (*(-wall for wall in self.ended), *sector))
+
+    def section(self, end: SmoothEnd) -> tuple[Polynomial, Polynomial]:
+        """The curve in which it goes on at a smooth end: the plane, and its surface if the faces were flat there."""
+        ends = zip(self.seam.names, end.names, self.seam.faces, strict=True)
+        first, second = (face if name == following else end.tangent for name, following, face in ends)
+        flat = form_of(replace(self.seam, faces=(first, second)), self.radius, self.order)
+        return end.plane.primitive(), flat.surface.primitive()
+
+    @property
+    def ended(self) -> tuple[Polynomial, ...]:
+        """What ends it, negative along it."""
+        return self.seam.left if self.seam.sign > 0 else ()
+
+
 @dataclass(frozen=True, eq=False)
 class Filling:
-    """What is asked: a solid, two of its faces with their seam, the order, where, and the name of the new face."""
+    """What is asked: a solid, the seams of two of its faces, the order, where, and the name of the new face."""
 
     solid: Solid
-    names: tuple[str, str]
-    seam: FaceSeam
+    seams: tuple[FaceSeam, ...]
     order: int
     within: tuple[Polynomial, ...]
     face: str
@@ -78,7 +136,7 @@ class Filling:
         """That of arguments of `Solid.fillet`, which are checked but for faces that touch."""
         check_order(order)
         walls = tuple(Polynomial.named(wall, f"within[{i}]", constant=False) for i, wall in enumerate(within))
-        return cls(solid, names, FaceSeam.of(solid, names), order, walls, title_of(solid, order, face))
+        return cls(solid, FaceSeam.chain(solid, names), order, walls, title_of(solid, order, face))
 
     def made(self, radius: fmpq) -> Solid | str:
         """The solid with a fillet of a radius, or why there is none."""
@@ -88,42 +146,46 @@ class Filling:
     def joined(self, radius: fmpq) -> Solid | str:
         """The solid with a fillet whose joints are proved, or why there is none; not looked at on a mesh."""
         checkpoint("proving a fillet")
-        sign, (f, g), size = self.seam.sign, self.seam.faces, to_float(radius)
-        if True in (bent := self.seam.turned_back(size)):
-            return f"{self.names[bent.index(True)]!r} is bent more than a ball of this radius that touches it there"
-        forms = (maker(self.seam, radius, self.order) for maker in FILLET_MAKERS.values())
-        surface, sides, (a, b) = next(form for form in forms if form is not None)
-        ends = self.seam.ends((a, b), size) if a > 0 and b > 0 else None
+        pieces = [FilletPiece(self.face, seam, radius, self.order) for seam in self.seams]
+        trees = [self._tree(piece) for piece in pieces]
+        if wrong := next((tree for tree in trees if isinstance(tree, str)), None):
+            return wrong
+        ends = [(piece, end) for piece in pieces for end in piece.seam.smooth]
+        across = (Joint(self.face, self.face, piece.section(end), 1) for piece, end in ends)
+        claims = tuple(dict.fromkeys([*(claim for piece in pieces for claim in piece.claims()), *across]))
+        whole, add = self.solid.tree, self.seams[0].sign > 0
+        tree = combined(add, whole, *(tree if add else complement(tree) for tree in trees))
+        made = replace(self.solid, tree=tree, joints=claims, sheets=None)
+        goes_on = next((seam.goes_on for seam in self.seams if seam.goes_on), "")
+        wrong = next((_told(v) + goes_on for v in made.verdicts if not v.proved), None)
+        return wrong or self._broken(made) or replace(made, joints=(*self.solid.joints, *claims))
+
+    def _tree(self, piece: FilletPiece) -> Tree | str:
+        """What is added or taken away along one seam, or why there is no fillet."""
+        seam, size = piece.seam, to_float(piece.radius)
+        bent = seam.turned_back(size)
+        if True in bent:
+            return f"{seam.names[bent.index(True)]!r} is bent more than a ball of this radius that touches it there"
+        a, b = piece.form.heights
+        ends = seam.ends((a, b), size, piece.form.curves) if a > 0 and b > 0 else None
         if ends is None:
             return "one of the faces does not go on so far from the edge"
-        s, t = f * (sign / a), g * (sign / b)
-        h = 1 - s - t
-        ended = self.seam.left if sign > 0 else ()
-        walls = [s, t, *([h] if self.order else sides), *self.within, *(-wall for wall in ended)]
-        far, trims = sign < 0 or bool(self.seam.entered or self.seam.goes_on), list[Atom]()
-        walls += _box(np.concatenate([self.seam.points, ends]), self.seam.runs_out(size) if far else size)
-        if sign > 0:
-            hidden = radius / 8  # how deep it goes on in what it runs into
-            walls += [wall + hidden for wall in self.seam.entered]
-            bare = ends[~self.solid.contains(ends - 1e-4 * size * self.seam.outwards(ends))]
-            around = [(name, w) for name, some in self.solid.polynomials.items() for w in some if far and w.degree == 1]
-            inner = (one for one in around if (one[1](np.concatenate([self.seam.points, ends])) < 0).all())
-            over = (one for one in self.seam.beside if (one[1](bare) > 0).any())
-            trims = [Atom(wall, name) for name, wall in dict.fromkeys([*over, *inner])]
-        piece = combined(False, Atom(surface, self.face), *trims, *(Atom(-wall, "") for wall in walls))
-        whole = self.solid.tree
-        tree = combined(True, whole, piece) if sign > 0 else combined(False, whole, complement(piece))
-        claims = (
-            Joint(self.face, self.names[0], (f, g - b * sign), self.order, [-wall for wall in ended]),
-            Joint(self.face, self.names[1], (g, f - a * sign), self.order, [-wall for wall in ended]),
-        )
-        made = replace(self.solid, tree=tree, joints=claims, sheets=None)
-        wrong = next((_told(v) + self.seam.goes_on for v in made.verdicts if not v.proved), None)
-        return wrong or self._broken(made) or replace(made, joints=(*self.solid.joints, *claims))
+        far, around = seam.sign < 0 or bool(seam.entered or seam.goes_on), np.concatenate([seam.points, ends])
+        walls = [*self.within, *(-wall for wall in piece.ended), *_box(around, seam.runs_out(size) if far else size)]
+        if seam.sign < 0:
+            return piece.tree(walls)
+        hidden = piece.radius / 8  # how deep it goes on in what it runs into
+        bare = ends[~self.solid.contains(ends - 1e-4 * size * seam.outwards(ends))]
+        planes = [(name, w) for name, some in self.solid.polynomials.items() for w in some if far and w.degree == 1]
+        inner = (one for one in planes if (one[1](around) < 0).all())
+        over = (one for one in seam.beside if (one[1](bare) > 0).any())
+        trims = [Atom(wall, name) for name, wall in dict.fromkeys([*over, *inner])]
+        return piece.tree([*walls, *(wall + hidden for wall in seam.entered)], trims)
 
     def _broken(self, made: Solid) -> str | None:
         """What joint of the two faces, proved before, is none beside the fillet; None where there is none."""
-        own = tuple(joint for joint in self.solid.joints if {joint.first, joint.second} & {*self.names})
+        names = {name for seam in self.seams for name in seam.names}
+        own = tuple(joint for joint in self.solid.joints if {joint.first, joint.second} & names)
         before, after = (replace(one, joints=own, sheets=None).verdicts for one in (self.solid, made))
         lost = (new for old, new in zip(before, after, strict=True) if old.proved and not new.proved)
         return next((f"make it before another fillet, of which then {_told(verdict)}" for verdict in lost), None)
