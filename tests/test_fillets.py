@@ -12,7 +12,7 @@ from pas import solid
 from pas.errors import GeometryError
 from pas.exchange.step.carriers import CarrierKind, carrier_of
 from pas.solid.face_seams import FaceSeam
-from pas.solid.fillet_forms import bent, torus
+from pas.solid.fillet_forms import bent, turned
 from pas.solid.fillets import Filling
 
 
@@ -126,8 +126,8 @@ def test_without_an_axis_in_common_it_is_a_polynomial():
     beside = solid.ball((0, 0, 0), 1, face="a") | solid.cylinder(("3/10", 0, 0), ("3/10", 0, 2), "1/2", face="b")
     for whole, faces in ((aside, ("plate z+", "boss")), (tee(), ("main", "branch")), (beside, ("a", "b"))):
         seam = FaceSeam.of(whole, faces)
-        assert torus(seam, fmpq(1, 4), 1) is None and bent(seam, fmpq(1, 4), 1)[0].degree in (4, 3)
-    assert torus(FaceSeam.of(boss(), ("plate z+", "boss")), fmpq(1, 4), 2) is None
+        assert turned(seam, fmpq(1, 4), 1) is None and bent(seam, fmpq(1, 4), 1).surface.degree in (4, 3)
+    assert turned(FaceSeam.of(boss(), ("plate z+", "boss")), fmpq(1, 4), 3) is None
 
 
 def test_several_fillets_have_names_of_their_own():

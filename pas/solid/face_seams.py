@@ -258,9 +258,11 @@ def _ends(
             for one, other in ((joint.first, joint.second), (joint.second, joint.first)):
                 if one in names and other in here:
                     found = _smooth_end(solid, mesh, joint, (one, other), names, end, way)
-                    told |= {} if found else {f", where {one!r} goes on smoothly in {other!r} and a fillet does not": None}
-                    smooth += [found] if found else []
-                    here -= {other} if found else set()
+                    if found:
+                        smooth.append(found)
+                        here.discard(other)
+                    else:
+                        told[f", where {one!r} goes on smoothly in {other!r} and a fillet does not"] = None
         for wall in (wall for name in here for wall in solid.polynomials.get(name, ())):
             length = float(np.linalg.norm(wall.gradient(place)))
             rise = float(wall.gradient(place) @ way) / length

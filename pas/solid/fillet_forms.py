@@ -1,5 +1,8 @@
 """The surfaces of fillets along a seam: the torus of a ball that rolls along a circle, and polynomials elsewhere.
 
+With s and t the faces' polynomials over the heights in which the surface touches the other face and h = 1 - s - t, the
+fillet is the part of it where s, t, h >= 0.
+
 Torus: with R the distance from an axis and z the height along it, planes across it, cylinders, cones and spheres are
 
     round R^2 + square z^2 + slope z + constant = 0,
@@ -23,18 +26,44 @@ another fillets have one cross-section.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import comb
 
 from flint import fmpq
 
 from pas.algebra.affine import away, height, slope_at
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, dot, minus, near, square_root, three, to_float, to_floats, two_across
+from pas.algebra.rational import (
+    Vector,
+    dot,
+    minus,
+    near,
+    six_digits,
+    square_root,
+    three,
+    to_float,
+    to_floats,
+    two_across,
+)
 from pas.contacts.parallels import principal_axes, quadratic_terms
 from pas.contacts.torus import torus_polynomial
-from pas.solid.face_seams import FaceSeam
-from pas.solid.fillets import FilletForm, short
+from pas.solid.face_seams import FaceSeam, SmoothEnd
+from pas.solid.joints import Joint
+from pas.solid.tree import Atom, Tree, combined
+
+
+@dataclass(frozen=True)
+class FilletForm:
+    """A surface, not positive on the side of the seam, how high over each face it touches the other, polynomials that
+    are positive where it counts, and whether it touches each face in a curve, not in a point."""
+
+    surface: Polynomial
+    heights: tuple[fmpq, fmpq]
+    sides: tuple[Polynomial, ...] = ()
+    curves: tuple[bool, bool] = (True, True)
+
 
 Axis = tuple[Vector, Vector]
 """A point and a unit vector."""
@@ -94,6 +123,56 @@ class Meridian:
         length = square_root(length2)
         share = depth / length
         return (square * (1 + 2 * self.round * share) ** 2, z + rise * share) if length**2 == length2 else None
+
+
+@dataclass(frozen=True, eq=False)
+class FilletPiece:
+    """What a fillet adds or takes away along one seam, with the name of its face."""
+
+    face: str
+    seam: FaceSeam
+    radius: fmpq
+    order: int
+
+    @cached_property
+    def form(self) -> FilletForm:
+        """Its surface."""
+        return form_of(self.seam, self.radius, self.order)
+
+    def tree(self, walls: Sequence[Polynomial] = (), trims: Sequence[Atom] = ()) -> Tree:
+        """The points between its surface and the edge, where walls are positive, too, and in other sets."""
+        pairs = zip(self.seam.faces, self.form.heights, strict=True)
+        s, t = (face * (self.seam.sign / height) for face, height in pairs)
+        own = [s, t, *([1 - s - t] if self.order else []), *self.form.sides]
+        sectors = [[Atom(-wall, "") for wall in sector] for sector in self.seam.sectors]
+        where = [combined(True, *(combined(False, *some) for some in sectors))] if all(sectors) else []
+        bounds = (Atom(-wall, "") for wall in (*own, *walls))
+        return combined(False, Atom(self.form.surface, self.face), *trims, *bounds, *where)
+
+    def claims(self) -> Iterator[Joint]:
+        """The joints with both faces."""
+        (f, g), (a, b), sign = self.seam.faces, self.form.heights, self.seam.sign
+        curves = (f, g - b * sign), (g, f - a * sign)
+        for name, along, there in zip(self.seam.names, curves, self.form.curves, strict=True):
+            for sector in self.seam.sectors if there else ():
+                yield Joint(self.face, name, along, self.order, (*(-wall for wall in self.ended), *sector))
+
+    def section(self, end: SmoothEnd) -> tuple[Polynomial, Polynomial]:
+        """The curve in which it goes on at a smooth end: the plane, and its surface if the faces were flat there."""
+        ends = zip(self.seam.names, end.names, self.seam.faces, strict=True)
+        first, second = (face if name == following else end.tangent for name, following, face in ends)
+        flat = form_of(replace(self.seam, faces=(first, second)), self.radius, self.order)
+        return end.plane.primitive(), flat.surface.primitive()
+
+    @property
+    def ended(self) -> tuple[Polynomial, ...]:
+        """What ends it, negative along it."""
+        return self.seam.left if self.seam.sign > 0 else ()
+
+
+def form_of(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm:
+    """The surface along a seam of a radius and an order."""
+    return turned(seam, radius, order) or bent(seam, radius, order)
 
 
 def turned(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm | None:
@@ -169,10 +248,10 @@ def bent(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm:
     """The polynomial mu s t - h^(k+1), or of order 0 -h, which is flat between planes."""
     reach = seam.sign * to_float(radius) * (1 - seam.cosines)[:, None]
     a, b = (
-        short(seam.sign * float(face(seam.points + reach * normal).mean()))
+        six_digits(seam.sign * float(face(seam.points + reach * normal).mean()))
         for face, normal in zip(seam.faces, seam.normals, strict=True)
     )
-    cosine, slopes = short(float(seam.cosines.mean())), [slope_at(face) for face in seam.faces]
+    cosine, slopes = six_digits(float(seam.cosines.mean())), [slope_at(face) for face in seam.faces]
     sizes = [square_root(dot(slope, slope)) for slope in slopes]
     if all(f.degree == 1 and dot(w, w) == size**2 for f, w, size in zip(seam.faces, slopes, sizes, strict=True)):
         cosine = dot(*slopes) / (sizes[0] * sizes[1])

@@ -1,8 +1,6 @@
-"""Fillets and chamfers between two faces of a solid.
+"""Fillets and chamfers between two faces of a solid, and all along the edges in which theirs goes on smoothly.
 
-What surface is taken, and how high over each face it touches the other, the first of the makers says that has one for
-the seam (`pas.solid.fillet_forms`).  With s and t the faces' polynomials over these heights and h = 1 - s - t, the
-fillet is the part of it where s, t, h >= 0.
+Which surface each edge gets: `pas.solid.fillet_forms`.
 
 Guaranteed: the joints, which are proved before a fillet is given.  Looked at on its mesh: that it ends nowhere but at
 the solid's own faces.
@@ -10,9 +8,8 @@ the solid's own faces.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import chain, count
 from typing import Protocol
 
@@ -22,14 +19,15 @@ from flint import fmpq
 from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
-from pas.algebra.rational import plain, rational, to_float
+from pas.algebra.rational import plain, six_digits, to_float
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
-from pas.registry import Registry, loaded
-from pas.solid.face_seams import FaceSeam, SmoothEnd
+from pas.registry import loaded
+from pas.solid.face_seams import FaceSeam
+from pas.solid.fillet_forms import FilletPiece
 from pas.solid.joints import Joint
 from pas.solid.solid import Solid
-from pas.solid.tree import Atom, combined, complement
+from pas.solid.tree import Atom, Tree, combined, complement
 from pas.verdicts import Verdict
 
 NODE = "pas.pipeline.pipe_nodes:PipeNode"
@@ -44,74 +42,6 @@ class Way(Protocol):
 
     def largest(self, above: fmpq) -> float | None:
         """The largest radius found of a fillet, below one; None where there is none."""
-
-
-@dataclass(frozen=True)
-class FilletForm:
-    """A surface, not positive on the side of the seam, how high over each face it touches the other, polynomials that
-    are positive where it counts, and whether it touches each face in a curve, not in a point."""
-
-    surface: Polynomial
-    heights: tuple[fmpq, fmpq]
-    sides: tuple[Polynomial, ...] = ()
-    curves: tuple[bool, bool] = (True, True)
-
-
-FILLET_MAKERS: Registry[Callable[[FaceSeam, fmpq, int], FilletForm | None]] = Registry(
-    "maker of fillets", {"turned": "pas.solid.fillet_forms:turned", "polynomial": "pas.solid.fillet_forms:bent"}
-)
-"""What makes the surface along a seam of a radius and an order: the first that has one there."""
-
-
-def form_of(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm:
-    """The surface along a seam of a radius and an order."""
-    forms = (maker(seam, radius, order) for maker in FILLET_MAKERS.values())
-    return next(form for form in forms if form is not None)
-
-
-@dataclass(frozen=True, eq=False)
-class FilletPiece:
-    """What a fillet adds or takes away along one seam, with the name of its face."""
-
-    face: str
-    seam: FaceSeam
-    radius: fmpq
-    order: int
-
-    @cached_property
-    def form(self) -> FilletForm:
-        """Its surface."""
-        return form_of(self.seam, self.radius, self.order)
-
-    def tree(self, walls: Sequence[Polynomial] = (), trims: Sequence[Atom] = ()) -> Tree:
-        """The points between its surface and the edge, where walls are positive, too, and in other sets."""
-        pairs = zip(self.seam.faces, self.form.heights, strict=True)
-        s, t = (face * (self.seam.sign / height) for face, height in pairs)
-        own = [s, t, *([1 - s - t] if self.order else []), *self.form.sides]
-        sectors = [[Atom(-wall, "") for wall in sector] for sector in self.seam.sectors]
-        where = [combined(True, *(combined(False, *some) for some in sectors))] if all(sectors) else []
-        bounds = (Atom(-wall, "") for wall in (*own, *walls))
-        return combined(False, Atom(self.form.surface, self.face), *trims, *bounds, *where)
-
-    def claims(self) -> Iterator[Joint]:
-        """The joints with both faces."""
-        (f, g), (a, b), sign = self.seam.faces, self.form.heights, self.seam.sign
-        curves = (f, g - b * sign), (g, f - a * sign)
-        for name, along, there in zip(self.seam.names, curves, self.form.curves, strict=True):
-            for sector in self.seam.sectors if there else ():
-                yield Joint(self.face, name, along, self.order, (*(-wall for wall in self.ended), *sector))
-
-    def section(self, end: SmoothEnd) -> tuple[Polynomial, Polynomial]:
-        """The curve in which it goes on at a smooth end: the plane, and its surface if the faces were flat there."""
-        ends = zip(self.seam.names, end.names, self.seam.faces, strict=True)
-        first, second = (face if name == following else end.tangent for name, following, face in ends)
-        flat = form_of(replace(self.seam, faces=(first, second)), self.radius, self.order)
-        return end.plane.primitive(), flat.surface.primitive()
-
-    @property
-    def ended(self) -> tuple[Polynomial, ...]:
-        """What ends it, negative along it."""
-        return self.seam.left if self.seam.sign > 0 else ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +141,7 @@ def _largest(made: Callable[[fmpq], Solid | str], above: fmpq) -> fmpq | None:
         if not attempts:
             return None
     while high - low > low / 60:
-        middle = short(to_float(low + (high - low) * share))
+        middle = six_digits(to_float(low + (high - low) * share))
         low, high = (low, middle) if isinstance(made(middle), str) else (middle, high)
     return low
 
@@ -284,7 +214,7 @@ def _largest_of(known: Sequence[Way], above: fmpq) -> float | None:
 
 def largest(solid: Solid, names: tuple[str, str], order: int, within: Sequence[PolynomialLike]) -> float:
     """The largest radius, nearly, of a fillet that is proved; see `Solid.largest_fillet`."""
-    size = short(float(np.ptp(solid.box, axis=0).max()))
+    size = six_digits(float(np.ptp(solid.box, axis=0).max()))
     found = _largest_of(ways(solid, names, order, within), size)
     if found is None:
         raise GeometryError(f"no fillet between {names[0]!r} and {names[1]!r} is proved, however small")
@@ -310,8 +240,3 @@ def title_of(solid: Solid, order: int, face: str | None) -> str:
     name = "fillet" if order else "chamfer"
     later = (f"{name} {number}" for number in count(2))
     return face or next(found for found in chain([name], later) if found not in solid.faces)
-
-
-def short(value: float) -> fmpq:
-    """The decimal number of six digits nearest to a double."""
-    return rational(f"{value:.6g}")
