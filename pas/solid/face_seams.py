@@ -61,18 +61,21 @@ class FaceSeam:
     @classmethod
     def of(cls, solid: Solid, names: tuple[str, str]) -> FaceSeam:
         """The seam of two faces by their names; raises `GeometryError` where there is none to be filled."""
-        faces = _polynomial(solid, names[0]), _polynomial(solid, names[1])
         mesh = solid.mesh()
         numbers = [_face_numbers(mesh, name) for name in names]
         edges = edges_between(mesh, *numbers)
         if not len(edges):
+            for name in names:
+                _refuse_unknown(solid, name)
             raise GeometryError(f"the faces {names[0]!r} and {names[1]!r} of the solid do not meet in an edge")
+        first, second = (_polynomial(solid, name, mesh.points[np.unique(edges)]) for name in names)
+        faces = first, second
         points, reach = _along(mesh.points[edges])
         points = newton(points, Levels(faces), _numbers(points, 0, 1), np.full(len(points), reach))
         middles, ways = mesh.points[edges].mean(axis=1), mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
         crossed = np.cross(faces[0].gradient(middles), faces[1].gradient(middles))
         above = (crossed * ways).sum(axis=1) < 0
-        found = cls(names, faces, points, 1 if above.all() else -1, *_ends(solid, mesh, edges, names, points))
+        found = cls(names, faces, points, 1 if above.all() else -1, *_ends(solid, mesh, edges, names, faces, points))
         flat = 1e-2  # sine of an angle between faces below which they are taken for tangent
         worst = int(np.argmax(found.cosines**2))
         if 1 - found.cosines[worst] ** 2 < flat**2:
@@ -205,14 +208,21 @@ def _numbers(points: Floats, *numbers: int) -> Integers:
     return np.tile(np.array(numbers, dtype=np.intp), (len(points), 1))
 
 
-def _polynomial(solid: Solid, name: str) -> Polynomial:
-    """The one polynomial, negative inside, of a face."""
+def _refuse_unknown(solid: Solid, name: str) -> None:
+    """Raise `GeometryError` for a name that no face has."""
     if name not in solid.faces:
         known = meant(name, solid.faces) or f"; its faces are {', '.join(map(repr, solid.faces))}"
         raise GeometryError(f"the solid has no face {name!r}{known}")
-    found = solid.polynomials.get(name, ())
+
+
+def _polynomial(solid: Solid, name: str, points: Floats) -> Polynomial:
+    """The one polynomial, negative inside, of a face on which points (N, 3) of its mesh are."""
+    found, size = solid.polynomials.get(name, ()), float(np.ptp(points, axis=0).max())
+    if len(found) > 1:  # of several of one name that on which all of the edge is
+        found = tuple(f for f in found if (abs(f(points)) <= 1e-6 * size * lengths(f.gradient(points))).all())
     if len(found) != 1:
-        what = f"is on {len(found)} polynomials" if found else "is on no polynomial"
+        many = "has its edge on several polynomials: give faces names of their own"
+        what = many if solid.polynomials.get(name) else "is on no polynomial"
         raise GeometryError(f"the face {name!r} {what}: a fillet needs a face that is on one")
     return found[0]
 
@@ -241,7 +251,12 @@ Walls = tuple[Polynomial, ...]
 
 
 def _ends(
-    solid: Solid, mesh: Mesh, edges: Integers, names: tuple[str, str], points: Floats
+    solid: Solid,
+    mesh: Mesh,
+    edges: Integers,
+    names: tuple[str, str],
+    faces: tuple[Polynomial, Polynomial],
+    points: Floats,
 ) -> tuple[tuple[SmoothEnd, ...], str, Walls, Walls, tuple[tuple[str, Polynomial], ...]]:
     """What ends a seam with points (N, 3), and the faces beside it, as in `FaceSeam`."""
     parts = [name.split(" + ") for name in mesh.names]
@@ -257,7 +272,7 @@ def _ends(
         for joint in solid.joints:
             for one, other in ((joint.first, joint.second), (joint.second, joint.first)):
                 if one in names and other in here:
-                    found = _smooth_end(solid, mesh, joint, (one, other), names, end, way)
+                    found = _smooth_end(mesh, joint, (one, other), names, faces, end, way)
                     if found:
                         smooth.append(found)
                         here.discard(other)
@@ -287,23 +302,27 @@ def _ends(
 
 
 def _smooth_end(
-    solid: Solid, mesh: Mesh, joint: Joint, going: tuple[str, str], names: tuple[str, str], end: int, way: Floats
+    mesh: Mesh,
+    joint: Joint,
+    going: tuple[str, str],
+    names: tuple[str, str],
+    faces: tuple[Polynomial, Polynomial],
+    end: int,
+    way: Floats,
 ) -> SmoothEnd | None:
     """The smooth end of a seam at a vertex, up to which its way is given, where one of its faces goes on as another.
 
-    None where the other face of the seam does not go on there, or where no plane across it is in the joint.
+    None where the other face of the seam does not go on there, or where the joint is not in a plane across it.
     """
-    following = names[0] if names[0] != going[0] else going[1], names[1] if names[1] != going[0] else going[1]
-    place, sides = mesh.points[end], [_face_numbers(mesh, name) for name in following]
-    normals = [unit(solid.polynomials[name][0].gradient(place)) for name in names]
-    along = unit(np.cross(*normals))
-    along = along if along @ way > 0 else -along
+    first, second = (going[1] if name == going[0] else name for name in names)
+    if end not in edges_between(mesh, _face_numbers(mesh, first), _face_numbers(mesh, second)):
+        return None
+    place, close = mesh.points[end], 1 - 1e-12  # the cosine of directions of exact functions at a vertex of a mesh
+    normals = [unit(face.gradient(place)) for face in faces]
+    along, normal = unit(np.cross(*normals)), normals[names.index(going[0])]
     for plane, tangent in (joint.along, joint.along[::-1]):
-        slope, normal = unit(plane.gradient(place)), unit(tangent.gradient(place))
-        close = 1e-6  # of directions of exact functions at a vertex of a mesh
-        if plane.degree == 1 and abs(slope @ along) > 1 - close and end in edges_between(mesh, *sides):
-            known = normals[names.index(going[0])]
-            if tangent.degree == 1 and abs(normal @ known) > 1 - close:
-                signs = -1 if slope @ along > 0 else 1, 1 if normal @ known > 0 else -1
-                return SmoothEnd(following, plane * signs[0], tangent * signs[1])
+        cosines = float(unit(plane.gradient(place)) @ along), float(unit(tangent.gradient(place)) @ normal)
+        if plane.degree == tangent.degree == 1 and min(map(abs, cosines)) > close:
+            back = 1 if (along @ way) * cosines[0] < 0 else -1
+            return SmoothEnd((first, second), plane * back, tangent * (1 if cosines[1] > 0 else -1))
     return None

@@ -326,3 +326,10 @@ def revolved(face: Polynomial) -> tuple[fmpq, Vector, list[Vector]] | None:
     if axes is None or double is None:
         return None
     return double, three(-s / (2 * double) for s in slope_at(face)), [way for way, value in axes if value != double]
+
+
+def radius_of_turned(face: Polynomial) -> fmpq | None:
+    """The radius of a cylinder or sphere, which is 0 of a cone; None where it is irrational, and of other faces."""
+    known = revolved(face)
+    square = fmpq(-1) if known is None else -face.raw(*known[1]) / known[0]
+    return square_root(square) if square >= 0 and square_root(square) ** 2 == square else None

@@ -24,8 +24,9 @@ from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.registry import loaded
 from pas.solid.face_seams import FaceSeam
-from pas.solid.fillet_forms import FilletPiece
+from pas.solid.fillet_forms import FilletPiece, radius_of_turned
 from pas.solid.joints import Joint
+from pas.solid.profile_rounds import filleted
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined, complement
 from pas.verdicts import Verdict
@@ -85,7 +86,8 @@ class Filling:
         claims = tuple(dict.fromkeys([*(claim for piece in pieces for claim in piece.claims()), *across]))
         whole, add = self.solid.tree, self.seams[0].sign > 0
         tree = combined(add, whole, *(tree if add else complement(tree) for tree in trees))
-        made = replace(self.solid, tree=tree, joints=claims, sheets=None)
+        sheets = filleted(self.solid.sheets, pieces) if self.order and not self.within else None
+        made = replace(self.solid, tree=tree, joints=claims, sheets=sheets)
         goes_on = next((seam.goes_on for seam in self.seams if seam.goes_on), "")
         wrong = next((_told(v) + goes_on for v in made.verdicts if not v.proved), None)
         return wrong or self._broken(made) or replace(made, joints=(*self.solid.joints, *claims))
@@ -123,10 +125,17 @@ class Filling:
     def largest(self, above: fmpq) -> float | None:
         """The largest radius found below one, to a thirtieth, of a fillet that there is; None where there is none.
 
-        Joints are proved for each that is tried.  A mesh is looked at of one a little smaller, as what nearly uses up a
-        face takes long, and of others only where that one has strays.
+        Where no larger ball fits into a cylinder or another one that is that, or a little less, if there is such a
+        fillet.  Joints are proved for each that is tried.  A mesh is looked at of one a little smaller, as what nearly
+        uses up a face takes long, and of others only where that one has strays.
         """
-        found = _largest(self.joined, above)
+        bends = (zip(seam.faces, seam.turned_back(to_float(above)), strict=True) for seam in self.seams)
+        sizes = (radius_of_turned(face) for some in bends for face, bent in some if bent)
+        most = min((size for size in sizes if size), default=None)
+        for size in (most, most * fmpq(59, 60)) if most is not None else ():
+            if not isinstance(self.made(size), str):
+                return to_float(size)
+        found = _largest(self.joined, most or above)
         if found is not None and isinstance(self.made(found := found * fmpq(59, 60)), str):
             found = _largest(self.made, found)
         return None if found is None else to_float(found)

@@ -31,12 +31,13 @@ from pas.solid.extrusion import Prism, inwards, square_of
 from pas.solid.face_seams import FaceSeam, SmoothEnd
 from pas.solid.fillet_forms import FilletPiece
 from pas.solid.joints import Joint
+from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operands
 from pas.solid.rounding import rounded as of_planes
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
 from pas.solid.swept import SweptBody, flat, jets_of, put_flat, put_side
-from pas.solid.tree import combined, complement
+from pas.solid.tree import atoms, combined, complement
 
 X, Y, Z = GENERATORS
 
@@ -91,7 +92,14 @@ class RoundedPrism(SweptBody):
     rounds: dict[tuple[int, str], list[FilletPiece]]
 
     def made(self, tolerance: float) -> Faces | None:
-        """Its faces: at each end rows of the loops' polygons, moved inwards along the rounds."""
+        """Its faces, finer where they are nearly singular, as tori are that nearly meet themselves."""
+        finer, finest = tolerance, min(tolerance, 2.0**-20 * self.extent)
+        while (found := self._rows(finer)) is not None and found.deviation > tolerance and finer > finest:
+            finer /= 4
+        return found
+
+    def _rows(self, tolerance: float) -> Faces | None:
+        """At each end rows of the loops' polygons, moved inwards along the rounds, and all between them."""
         found = self.polygons(tolerance / 3)
         if found is None:
             return None
@@ -107,8 +115,8 @@ class RoundedPrism(SweptBody):
             n, borders = len(points), np.cumsum([0, *counts])
             numbers = first + np.arange(len(rows) * n).reshape(-1, n)
             first += numbers.size
-            for row, heights in ((numbers[0], flat_points[0]), (numbers[-1], flat_points[-1])):
-                same = np.linalg.norm(heights - np.roll(heights, 1, axis=0), axis=1) < 2.0**-40 * self.extent
+            for row, rim in ((numbers[0], flat_points[0]), (numbers[-1], flat_points[-1])):
+                same = np.linalg.norm(rim - np.roll(rim, 1, axis=0), axis=1) < 2.0**-40 * self.extent
                 row[:] = row[~same][np.cumsum(~same) - 1]  # of an arc of the radius one point is left
             parts = (("top", 0, len(top)), ("", len(top) - 1, len(top) + 1), ("bottom", len(top), len(rows)))
             for (end, low, high), (k, edge) in product(parts, enumerate(loop.edges)):
@@ -177,6 +185,37 @@ def rounded_prism(solid: Solid, body: Prism, faces: Sequence[str] | None, radius
     moved = cut if body.place is None else cut._moved(body.place)
     joints = (*solid.joints, *moved.joints)
     return replace(solid, tree=combined(False, solid.tree, moved.tree), joints=joints, sheets=made)
+
+
+def filleted(known: SolidBoundary | None, pieces: Sequence[FilletPiece]) -> SolidBoundary | None:
+    """What bounds a solid with fillets all along the end of an upright one, which it is or set operations are made of.
+
+    None where they are not that, or would meet there.
+    """
+    names = {name for piece in pieces for name in piece.seam.names}
+    if isinstance(known, Operands):
+        for number, part in enumerate(known.parts):
+            body = filleted(part.sheets, pieces) if names.issubset(atom.face for atom in atoms(part.tree)) else None
+            if body is not None:
+                tree = combined(False, part.tree, *(complement(piece.tree()) for piece in pieces))
+                parts = (*known.parts[:number], Solid(tree, sheets=body), *known.parts[number + 1 :])
+                return replace(known, parts=parts)
+    if not isinstance(known, Prism) or known.lean.slope:
+        return None
+    end, place, size = "top" if "top" in names else "bottom", known.place, pieces[0].radius / _stretch(known)
+    plane = Polynomial.from_raw(Z - rational(known.height) if end == "top" else -Z)
+    for number, loop in enumerate(known.loops):
+        if {end, *(edge.name for edge in loop.edges)} == names:
+            own = [replace(p, face=pieces[0].face) for p in pieces_along(loop, end, plane, size, pieces[0].order)]
+            surfaces = (p.form.surface if place is None else place.polynomial(p.form.surface) for p in own)
+            if {surface.primitive() for surface in surfaces} == {p.form.surface.primitive() for p in pieces}:
+                rounds, loops = {(number, end): own}, known.loops
+                radius, order = to_float(size), pieces[0].order
+                made = RoundedPrism(
+                    loops=loops, height=known.height, radius=radius, order=order, rounds=rounds, place=place
+                )
+                return made if made.coarse is not None else None
+    return None
 
 
 def _stretch(body: Prism) -> fmpq:
