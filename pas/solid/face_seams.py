@@ -68,7 +68,7 @@ class FaceSeam:
             for name in names:
                 _refuse_unknown(solid, name)
             raise GeometryError(f"the faces {names[0]!r} and {names[1]!r} of the solid do not meet in an edge")
-        first, second = (_polynomial(solid, name, mesh.points[np.unique(edges)]) for name in names)
+        first, second = (_polynomial(solid, mesh, name, np.unique(edges)) for name in names)
         faces = first, second
         points, reach = _along(mesh.points[edges])
         points = newton(points, Levels(faces), _numbers(points, 0, 1), np.full(len(points), reach))
@@ -108,7 +108,7 @@ class FaceSeam:
         if alone := next((pair for pair in met if len(pairs) > 1 and pair not in found), None):
             raise GeometryError(
                 f"the edge of {alone[0]!r} and {alone[1]!r} does not go on smoothly from that of {met[0][0]!r} and "
-                f"{met[0][1]!r}: name one of the faces that {names[0]!r} and {names[1]!r} are the names of"
+                f"{met[0][1]!r}: give the name of one face, not one for several with numbers"
             )
         if len({seam.sign for seam in found.values()}) > 1:
             raise GeometryError(f"the edges of {names[0]!r} and {names[1]!r} go in and out in turn: {_APART}")
@@ -215,15 +215,18 @@ def _refuse_unknown(solid: Solid, name: str) -> None:
         raise GeometryError(f"the solid has no face {name!r}{known}")
 
 
-def _polynomial(solid: Solid, name: str, points: Floats) -> Polynomial:
-    """The one polynomial, negative inside, of a face on which points (N, 3) of its mesh are."""
-    found, size = solid.polynomials.get(name, ()), float(np.ptp(points, axis=0).max())
-    if len(found) > 1:  # of several of one name that on which all of the edge is
-        found = tuple(f for f in found if (abs(f(points)) <= 1e-6 * size * lengths(f.gradient(points))).all())
+def _polynomial(solid: Solid, mesh: Mesh, name: str, vertices: Integers) -> Polynomial:
+    """The one polynomial, negative inside, of a face on which vertices of its mesh are."""
+    found, points = solid.polynomials.get(name, ()), mesh.points[vertices]
+    if len(found) > 1:  # of several of one name that on which all of the edge is, and which is outwards there
+        corners = np.isin(mesh.triangles, vertices) & np.isin(mesh.faces, _face_numbers(mesh, name))[:, None]
+        places, normals, close = mesh.points[mesh.triangles[corners]], mesh.normals[corners], 1e-6 * np.ptp(points)
+        on = [f for f in found if (abs(f(points)) <= close * lengths(f.gradient(points))).all()]
+        found = tuple(f for f in on if ((f.gradient(places) * normals).sum(axis=1) > 0).all())
     if len(found) != 1:
         many = "has its edge on several polynomials: give faces names of their own"
-        what = many if solid.polynomials.get(name) else "is on no polynomial"
-        raise GeometryError(f"the face {name!r} {what}: a fillet needs a face that is on one")
+        what = many if solid.polynomials.get(name) else "is on no polynomial: a fillet needs a face that is on one"
+        raise GeometryError(f"the face {name!r} {what}")
     return found[0]
 
 

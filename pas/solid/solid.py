@@ -211,7 +211,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         return self._field_of(self.tree)
 
     def _field_of(self, tree: Tree) -> SolidField:
-        curves = list(dict.fromkeys(j.along for j in self.joints))
+        curves = list(dict.fromkeys(j.along for j in self.joints if j.order))
         return SolidField(tree, self._around, curves, np.array(self.special_points).reshape(-1, 3))
 
     def contains(self, points: ArrayLike) -> np.ndarray:
