@@ -51,6 +51,7 @@ from pas.contacts.parallels import principal_axes, quadratic_terms
 from pas.contacts.torus import torus_polynomial
 from pas.solid.face_seams import FaceSeam, SmoothEnd
 from pas.solid.joints import Joint
+from pas.solid.seams import on_plane
 from pas.solid.tree import Atom, Tree, combined
 
 
@@ -163,6 +164,12 @@ class FilletPiece:
         first, second = (face if name == following else end.tangent for name, following, face in ends)
         flat = form_of(replace(self.seam, faces=(first, second)), self.radius, self.order)
         return end.plane.primitive(), flat.surface.primitive()
+
+    def goes_on(self, end: SmoothEnd) -> bool:
+        """Whether its surface goes through that curve."""
+        plane, section = self.section(end)
+        f, g = (on_plane(surface, plane) for surface in (self.form.surface, section))
+        return bool(not g.is_zero() and divmod(f, g)[1].is_zero())
 
     @property
     def ended(self) -> tuple[Polynomial, ...]:

@@ -67,7 +67,15 @@ class Filling:
         """That of arguments of `Solid.fillet`, which are checked but for faces that touch."""
         check_order(order)
         walls = tuple(Polynomial.named(wall, f"within[{i}]", constant=False) for i, wall in enumerate(within))
-        return cls(solid, FaceSeam.chain(solid, names), order, walls, title_of(solid, order, face))
+        seams, tiny = FaceSeam.chain(solid, names), fmpq(1, 2**20) * six_digits(float(np.ptp(solid.box, axis=0).max()))
+        for piece in (FilletPiece("", seam, tiny, order) for seam in seams):
+            if end := next((end for end in piece.seam.smooth if not piece.goes_on(end)), None):
+                raise GeometryError(
+                    "the edge of {!r} and {!r} goes on smoothly as that of {!r} and {!r}: their fillets have one "
+                    "section of order 0 to 2, where they are of a plane with planes and circular cylinders upright on it"
+                    "".format(*piece.seam.names, *end.names)
+                )
+        return cls(solid, seams, order, walls, title_of(solid, order, face))
 
     def made(self, radius: fmpq) -> Solid | str:
         """The solid with a fillet of a radius, or why there is none."""
@@ -82,8 +90,8 @@ class Filling:
         if wrong := next((tree for tree in trees if isinstance(tree, str)), None):
             return wrong
         ends = [(piece, end) for piece in pieces for end in piece.seam.smooth]
-        across = (Joint(self.face, self.face, piece.section(end), 1) for piece, end in ends)
-        claims = tuple(dict.fromkeys([*(claim for piece in pieces for claim in piece.claims()), *across]))
+        joined = dict.fromkeys(Joint(self.face, self.face, piece.section(end), 1) for piece, end in ends)
+        claims = tuple(dict.fromkeys([*(claim for piece in pieces for claim in piece.claims()), *joined]))
         whole, add = self.solid.tree, self.seams[0].sign > 0
         tree = combined(add, whole, *(tree if add else complement(tree) for tree in trees))
         sheets = filleted(self.solid.sheets, pieces) if self.order and not self.within else None

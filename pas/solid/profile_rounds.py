@@ -31,7 +31,7 @@ from pas.solid.extrusion import Prism, inwards, square_of
 from pas.solid.face_seams import FaceSeam, SmoothEnd
 from pas.solid.fillet_forms import FilletPiece
 from pas.solid.joints import Joint
-from pas.solid.linked import SolidBoundary
+from pas.solid.linked import RenamedBoundary, SolidBoundary
 from pas.solid.operands import Operands
 from pas.solid.rounding import rounded as of_planes
 from pas.solid.sheets import Faces
@@ -200,6 +200,11 @@ def filleted(known: SolidBoundary | None, pieces: Sequence[FilletPiece]) -> Soli
                 tree = combined(False, part.tree, *(complement(piece.tree()) for piece in pieces))
                 parts = (*known.parts[:number], Solid(tree, sheets=body), *known.parts[number + 1 :])
                 return replace(known, parts=parts)
+    if isinstance(known, RenamedBoundary):
+        old = {new: name for name, new in known.names.items()}
+        seams = [replace(p.seam, names=tuple(old.get(name, name) for name in p.seam.names)) for p in pieces]
+        body = filleted(known.body, [replace(p, seam=seam) for p, seam in zip(pieces, seams, strict=True)])
+        return body and RenamedBoundary(body, {**known.names, pieces[0].face: pieces[0].face})
     if not isinstance(known, Prism) or known.lean.slope:
         return None
     end, place, size = "top" if "top" in names else "bottom", known.place, pieces[0].radius / _stretch(known)

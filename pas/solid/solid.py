@@ -23,7 +23,7 @@ from pas.algebra.inputs import check_tolerance, points_of
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, rational, to_float
-from pas.errors import GeometryError
+from pas.errors import GeometryError, meant
 from pas.limits import WorkLimits, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.mesh.mesh import Mesh
@@ -135,9 +135,18 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
             raise TypeError(f"open must be a sequence of names of faces, as in open=[{open!r}]")
         return replace(self, tree=shelled(self, size, open, self._tolerance(tolerance)), sheets=None)
 
-    def renamed(self, name: str) -> Solid:
-        """The solid with all its faces, walls included, under one name; claimed joints stay."""
-        return self._called(dict.fromkeys((*self.faces, ""), name))
+    def renamed(self, name: str | Mapping[str, str]) -> Solid:
+        """The solid with all its faces, walls included, under one name, or some under new ones; claimed joints stay.
+
+        Raises `GeometryError` for a face that does not exist.
+
+            solid.circle((0, 0), 4).extrude(5).renamed({"top": "lid"})
+        """
+        if isinstance(name, str):
+            return self._called(dict.fromkeys((*self.faces, ""), name))
+        if unknown := next((face for face in name if face not in self.faces), None):
+            raise GeometryError(f"the solid has no face {unknown!r}{meant(unknown, self.faces) or ''}")
+        return self._called(name)
 
     def _called(self, names: Mapping[str, str]) -> Solid:
         """The solid with other names of some faces."""
@@ -211,7 +220,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         return self._field_of(self.tree)
 
     def _field_of(self, tree: Tree) -> SolidField:
-        curves = list(dict.fromkeys(j.along for j in self.joints if j.order))
+        curves = list(dict.fromkeys(j.along for j in self.joints if j.order))  # of order 0 faces cross there
         return SolidField(tree, self._around, curves, np.array(self.special_points).reshape(-1, 3))
 
     def contains(self, points: ArrayLike) -> np.ndarray:
