@@ -1,4 +1,4 @@
-"""A cover of a housing: a pocket with a filleted floor, a boss with a filleted foot and a round top.  In millimetres."""
+"""A cover: a pocket with a filleted floor, a boss with a filleted foot and a round top, and a bore.  In millimetres."""
 
 from pas import solid
 

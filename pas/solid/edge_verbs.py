@@ -39,6 +39,13 @@ class WithEdges(Generic[S]):
         the fillet of planes is a circular cylinder, and that of planes, cylinders, cones and balls about one axis the
         exact torus of a ball that rolls; `print` of the solid says so.  Its face is called "fillet", or "fillet 2",
         unless `face` names it.  `within` are polynomials that are positive where a part of the edges is to be rounded.
+
+        Where a face goes on smoothly as another one, by a joint that is claimed, as sides of profiles with arcs and
+        fillets do, the edge goes on as that of the other one, and the fillet does: all around a boss's foot, a pocket's
+        floor, a top or a rim from the name of one side, or of all, "boss" for "boss 1", "boss 2", ...  One of the faces
+        is then a plane, and the others planes and circular cylinders upright on it; of order 1 that gives cylinders and
+        tori, and spheres in arcs of the radius, of order 2 the section of straight edges, turned about the arcs' axes.
+
         Where pipes (or bores) of one radius cross, or three and more meet in a point, the blend of `pas.node` is the
         face, in the place of their crossing and of its edges: `radius` is that of a ball that touches two of them where
         it ends, seen from the side.  So it is where axes meet and the edge has no fillet of the radius, if there is no
@@ -98,8 +105,8 @@ class WithEdges(Generic[S]):
         that end as deep below the other faces.  They are named after the planes: "box x+ / box y+".  Their joints are
         claimed, and proved by `verdicts`.  The solid is convex with plane faces, or what other operations took away
         from such a one; its corners at rounded edges are of three planes.  Or it is extruded from a profile with arcs
-        of circles that goes on smoothly: then the edges at "top" and "bottom" are rounded, of order 1, by cylinders and
-        tori.  Raises `GeometryError` where it is not so, and with the largest radius where an edge is used up.
+        of circles that goes on smoothly: then the edges at "top" and "bottom" are rounded, of order 1 or 2, as `fillet`
+        does it.  Raises `GeometryError` where it is not so, and with the largest radius where an edge is used up.
 
             solid.box((0, 0, 0), (4, 3, 2)).rounded(radius="1/2", order=2)
         """

@@ -321,7 +321,7 @@ def _smooth_end(
     if end not in edges_between(mesh, _face_numbers(mesh, first), _face_numbers(mesh, second)):
         return None
     place, close = mesh.points[end], 1 - 1e-12  # the cosine of directions of exact functions at a vertex of a mesh
-    normals = [unit(face.gradient(place)) for face in faces]
+    normals = unit(faces[0].gradient(place)), unit(faces[1].gradient(place))
     along, normal = unit(np.cross(*normals)), normals[names.index(going[0])]
     for plane, tangent in (joint.along, joint.along[::-1]):
         cosines = float(unit(plane.gradient(place)) @ along), float(unit(tangent.gradient(place)) @ normal)

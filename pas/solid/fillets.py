@@ -72,8 +72,8 @@ class Filling:
             if end := next((end for end in piece.seam.smooth if not piece.goes_on(end)), None):
                 raise GeometryError(
                     "the edge of {!r} and {!r} goes on smoothly as that of {!r} and {!r}: their fillets have one "
-                    "section of order 0 to 2, where they are of a plane with planes and circular cylinders upright on it"
-                    "".format(*piece.seam.names, *end.names)
+                    "section of order 0 to 2, where they are of a plane with planes and circular cylinders upright on "
+                    "it".format(*piece.seam.names, *end.names)
                 )
         return cls(solid, seams, order, walls, title_of(solid, order, face))
 
@@ -86,9 +86,12 @@ class Filling:
         """The solid with a fillet whose joints are proved, or why there is none; not looked at on a mesh."""
         checkpoint("proving a fillet")
         pieces = [FilletPiece(self.face, seam, radius, self.order) for seam in self.seams]
-        trees = [self._tree(piece) for piece in pieces]
-        if wrong := next((tree for tree in trees if isinstance(tree, str)), None):
-            return wrong
+        trees = list[Tree]()
+        for piece in pieces:
+            found = self._tree(piece)
+            if isinstance(found, str):
+                return found
+            trees.append(found)
         ends = [(piece, end) for piece in pieces for end in piece.seam.smooth]
         joined = dict.fromkeys(Joint(self.face, self.face, piece.section(end), 1) for piece, end in ends)
         claims = tuple(dict.fromkeys([*(claim for piece in pieces for claim in piece.claims()), *joined]))

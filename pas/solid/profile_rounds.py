@@ -103,8 +103,8 @@ class RoundedPrism(SweptBody):
         found = self.polygons(tolerance / 3)
         if found is None:
             return None
-        parts = max(2, math.ceil(0.9 * self.order * math.sqrt(3 * self.radius / tolerance)))
-        arc = self.radius * _section(self.order, parts)  # how deep in, and below the end
+        turns = max(2, math.ceil(0.9 * self.order * math.sqrt(3 * self.radius / tolerance)))
+        arc = self.radius * _section(self.order, turns)  # how deep in, and below the end
         none, made, rims, first = np.zeros((1, 2)), Faces([], 0.0), dict[str, list[Integers]](top=[], bottom=[]), 0
         for number, (loop, points, counts) in enumerate(zip(self.loops, found[0], found[1], strict=True)):
             top, bottom = (arc if (number, end) in self.rounds else none for end in ("top", "bottom"))
@@ -202,7 +202,8 @@ def filleted(known: SolidBoundary | None, pieces: Sequence[FilletPiece]) -> Soli
                 return replace(known, parts=parts)
     if isinstance(known, RenamedBoundary):
         old = {new: name for name, new in known.names.items()}
-        seams = [replace(p.seam, names=tuple(old.get(name, name) for name in p.seam.names)) for p in pieces]
+        pairs = ((p.seam, [old.get(name, name) for name in p.seam.names]) for p in pieces)
+        seams = [replace(seam, names=(first, second)) for seam, (first, second) in pairs]
         body = filleted(known.body, [replace(p, seam=seam) for p, seam in zip(pieces, seams, strict=True)])
         return body and RenamedBoundary(body, {**known.names, pieces[0].face: pieces[0].face})
     if not isinstance(known, Prism) or known.lean.slope:
