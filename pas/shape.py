@@ -82,15 +82,13 @@ class Shape(ABC):
         Its points and triangles cannot be written to, so that nobody changes those of another.
         """
         if wanted in self._last_mesh:
-            kept: S = self._last_mesh[wanted]
-            return kept
+            return self._last_mesh[wanted]
         made: Any = make()
         for array in (made.points, made.triangles):
             array.setflags(write=False)
         self._last_mesh.clear()
         self._last_mesh[wanted] = made
-        found: S = made
-        return found
+        return made
 
     @abstractmethod
     def __str__(self) -> str:
@@ -128,18 +126,15 @@ class Shape(ABC):
 
     def save(self, path: str | Path, **options: Any) -> Path:
         """Write the exact project file (`.pas.json`); returns its path.  See `pas.save`."""
-        path = loaded(VERBS["save"])(self, path, **options)
-        return Path(path)
+        return loaded(VERBS["save"])(self, path, **options)
 
     def write(self, path: str | Path, **options: Any) -> Path:
         """Write a file of another format, which the suffix says; returns its path.  See `pas.write`."""
-        path = loaded(VERBS["write"])(self, path, **options)
-        return Path(path)
+        return loaded(VERBS["write"])(self, path, **options)
 
     def draw(self, path: str | Path, **options: Any) -> Path:
         """Draw a picture (`.png`); returns its path.  See `pas.draw`."""
-        path = loaded(VERBS["draw"])(self, path, **options)
-        return Path(path)
+        return loaded(VERBS["draw"])(self, path, **options)
 
     def show(self, **options: Any) -> None:
         """Show it in a window.  See `pas.show`."""

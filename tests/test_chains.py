@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from flint import fmpq
 from scipy.integrate import quad
 from test_step import measures, read_solids
 
@@ -14,6 +15,7 @@ import pas
 from pas import solid
 from pas.cli import main
 from pas.errors import GeometryError
+from pas.solid.fillets import Filling
 
 
 def plate(height: int = 0) -> solid.Solid:
@@ -212,18 +214,20 @@ def test_smooth_unions_go_along_chains():
 
 
 REFUSED = {
-    "their fillets have one section of order 0 to 2": lambda: (plate() | rectangle().extrude(8)).fillet(
-        "plate z+", "boss", 1, 3
-    ),
-    "where they are of a plane with planes and circular cylinders upright on it": lambda: (
-        plate() | rectangle().extrude(8, taper=5)
-    ).fillet("plate z+", "boss", 1),
     "'sidee'; is 'side 6' meant?": lambda: sharp().fillet("plate z+", "sidee", 1),
     "does not go on smoothly from that of 'plate z+' and 'side 4': give the name of one face": lambda: sharp().fillet(
         "plate z+", "side", 1
     ),
     "the face 'bottom' has its edge on several polynomials: give faces names of their own": lambda: twins(),
 }
+
+
+@pytest.mark.parametrize(("order", "taper"), [(3, 0), (1, 5)])
+def test_where_sections_differ_is_told(order, taper):
+    whole = plate() | rectangle().extrude(8, taper)
+    told = Filling.of(whole, ("plate z+", "boss 1"), order, ()).made(fmpq(1))
+    for words in ("near (", "where 'boss 1' goes on smoothly in 'boss", "it does of order 0 to 2 along a plane with"):
+        assert words in told
 
 
 def sharp() -> solid.Solid:

@@ -27,8 +27,12 @@ sys.path.insert(0, str(DOCS))
 import generated  # noqa: E402  # the module beside the pages
 
 WORDS_OF_README = 900
-ALIASES = {"pas.ParametricMesh", "pas.solid.SolidMesh"}
-"""Other names of `pas.Mesh`."""
+ALIASES = {
+    *("pas.ParametricMesh", "pas.solid.SolidMesh"),
+    *("pas.save_solid", "pas.save_parametric", "pas.load_solid"),
+    *("pas.write_solid", "pas.write_step", "pas.write_cells"),
+}
+"""Other names of `pas.Mesh`, and of `pas.save`, `pas.load` and `pas.write`."""
 
 OUTSIDE = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "examples").rglob("README.md"))]
 """Texts that are read in the repository as well, where their links must lead somewhere, too."""

@@ -15,6 +15,7 @@ import pytest
 from conftest import AXES, ELBOW, EQUAL, ROOT, UNEQUAL, fair, pipes
 
 import pas
+from pas.algebra.lengths import spiral
 from pas.fairing.constraints import Margins
 from pas.fairing.energy import QUANTITIES, differences
 from pas.fairing.excess import CurvatureExcess, _hull
@@ -22,7 +23,6 @@ from pas.fairing.objective import SurfaceObjective
 from pas.fairing.prepared import SETTINGS, SampledConditions
 from pas.fairing.solver import FitSolver
 from pas.pipeline.search import SearchSettings
-from pas.surface.fairness import spiral
 from pas.surface.fairness_limits import neighbour
 
 LIMITS = pas.FairnessLimits.of_order(2)

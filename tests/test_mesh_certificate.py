@@ -96,6 +96,7 @@ def test_meshes_of_larger_nodes_are_proved():
     proved_near(struts(*ends))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("size", "most"), [(0.02, 1.25), (0.2, 1.25), (1.0, 1.5)])
 def test_every_piece_that_a_triangle_touches_is_seen_and_few_others(size, most):
     """Points of triangles and the cells that they are in; triangles whose corners are on faces between cells, too."""

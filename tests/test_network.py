@@ -362,7 +362,12 @@ def pipework():
 
 
 @pytest.mark.parametrize(
-    ("made", "surfaces"), [(pipework, 1), (lambda: (cube(), "1/40"), 2), (lambda: (trunk(), "1/16"), 1)]
+    ("made", "surfaces"),
+    [
+        (pipework, 1),
+        (lambda: (cube(), "1/40"), 2),
+        pytest.param(lambda: (trunk(), "1/16"), 1, marks=pytest.mark.slow),
+    ],
 )
 def test_hollow_networks(made, surfaces, tmp_path):
     net, wall = made()

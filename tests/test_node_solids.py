@@ -90,7 +90,7 @@ def squeezed(wall):
 def test_curves_that_two_faces_share_are_one_seam():
     bent = squeezed(WALLS[0] * WALLS[1])
     tree = (TUBE | solid.patch("bent", bent)).tree
-    seams = seams_of(tree, [(PIPE, WALLS[0]), (WALLS[1], -3 * PIPE), (PIPE, WALLS[2])])
+    seams = seams_of(tree, {(PIPE, WALLS[0]): 1, (WALLS[1], -3 * PIPE): 1, (PIPE, WALLS[2]): 1})
     assert len(seams) == 4
     assert [len(seam.curves) for seam in seams] == [2, 1, 1, 1]
     common, product = seams[0].functions
@@ -103,21 +103,21 @@ def test_a_curve_that_is_claimed_twice_counts_once():
     bent = squeezed(WALLS[0])
     tree = (TUBE | solid.patch("bent", bent)).tree
     for claims in ([(PIPE, WALLS[0]), (bent, WALLS[0])], [(PIPE, WALLS[0]), (PIPE, -WALLS[0])]):
-        first = seams_of(tree, claims)[0]
+        first = seams_of(tree, dict.fromkeys(claims, 1))[0]
         assert Ideal(*first.functions).contains(WALLS[0]) and Ideal(*first.functions).contains(PIPE)
 
 
 def test_planes_that_touch_cylinders_and_cones_have_a_seam():
     box = solid.box((0, 0, 0), (2, 3, 4))
     tube, cone = solid.cylinder((1, 2, -1), (1, 2, 5), 1), solid.patch("cone", "x*y - z^2")
-    assert {seam.functions[1].primitive() for seam in seams_of((box & tube).tree, [])} == {
+    assert {seam.functions[1].primitive() for seam in seams_of((box & tube).tree, {})} == {
         pas.Polynomial("x - 1").primitive(),
         pas.Polynomial("y - 2").primitive(),
     }
-    seams = seams_of((solid.half_space("3*x", "side") & cone).tree, [])
+    seams = seams_of((solid.half_space("3*x", "side") & cone).tree, {})
     assert [f.primitive() for f in seams[0].functions] == [pas.Polynomial("x"), pas.Polynomial("z")]
     for across in ("x - 1/2", "x - 2/5"):  # in lines that are not rational, and in rational ones
-        assert not seams_of((solid.half_space(across, "side") & tube).tree, [])
+        assert not seams_of((solid.half_space(across, "side") & tube).tree, {})
 
 
 def test_places_modulo_a_prime_exclude_no_member():
@@ -199,8 +199,8 @@ TANGENT = {
     ),
     "a circle inscribed in a square": (
         lambda: (solid.rectangle(2, 2) - solid.circle((1, 1), 1)).extrude(1),
-        "near (1, 0, ",
-        "the faces 'side 1' and 'circle' touch, and the solid has no thickness between them there",
+        "near (",  # one of four places
+        "and 'circle' touch, and the solid has no thickness between them there",
     ),
     "two pipes": (
         lambda: solid.cylinder((0, 0, 0), (0, 0, 2), 1, "a") | solid.cylinder((2, 0, 0), (2, 0, 2), 1, "b"),

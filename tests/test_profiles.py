@@ -174,6 +174,55 @@ def test_parts_that_cross_are_one_set():
     assert both.mesh().volume == pytest.approx(1)
 
 
+CROSSING = {
+    # the circle crosses the line of the top again where that goes on in an arc
+    "circle and line": (
+        lambda: (
+            (solid.rectangle(6, 5, (-3, 3)) | solid.circle((1, 3), 3))
+            - solid.circle((0, 1), 1)
+            - solid.rounded_rectangle(6, 5, 1, corner=(-2, -4))
+        ),
+        2,
+    ),
+    "teeth and text": (
+        lambda: (
+            solid.polygon([(20, -4), (27, -2), (27, 2), (20, 4)]).circular_pattern(3)
+            | solid.circle((0, 0), 21) - solid.text("12", 6, corner=(-4, 12))
+        ),
+        -2,
+    ),
+    "one circle twice": (lambda: solid.circle((0, 0), 2) | solid.circle((0, 0), 2) | solid.rectangle(3, 1), 2),
+    "rings": (
+        lambda: (
+            (solid.circle((0, 0), 3) - solid.circle((0, 0), 2)) | (solid.circle((0, 0), 2) - solid.circle((0, 0), 1))
+        ),
+        0,
+    ),
+}
+"""Profiles whose loops cross or overlap, and the Euler characteristic of what is extruded."""
+
+
+@pytest.mark.parametrize("name", CROSSING)
+def test_profiles_that_cross_are_meshed_from_their_parts(name):
+    make, euler = CROSSING[name]
+    profile = make()
+    assert profile.boundary is None
+    body = profile.extrude(2)
+    mesh = body.mesh(1e-2)
+    low, high = mesh.points.min(axis=0)[:2], mesh.points.max(axis=0)[:2]
+    u, v = np.meshgrid(*((np.arange(2000) + 0.5) / 2000,) * 2)
+    points = low + np.stack([u, v], axis=-1) * (high - low)
+    assert mesh.is_closed and mesh.euler_characteristic == euler
+    assert mesh.volume == pytest.approx(2 * profile.contains(points).mean() * np.prod(high - low), rel=4e-3)
+
+
+def test_turned_profiles_that_cross_are_meshed_from_their_parts():
+    ring = (solid.rectangle(10, 4, (2, 0)) - solid.circle((6, 4), 3)).revolve()
+    mesh = ring.mesh(1e-2)
+    assert mesh.is_closed and mesh.euler_characteristic == 0
+    assert mesh.volume == pytest.approx(np.pi * (144 - 4) * 4 - np.pi * 9 / 2 * 12 * np.pi, rel=2e-3)
+
+
 @pytest.mark.parametrize("letter", ["o", "R", "g", "8", "i", "%"])
 def test_letters_are_exact(letter):
     profile = solid.text(letter, 10)

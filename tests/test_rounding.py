@@ -244,7 +244,7 @@ PROFILES = {
 }
 
 
-@pytest.mark.parametrize("name", PROFILES)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if "moved" in n else n for n in PROFILES])
 def test_rounds_of_profiles_with_arcs_are_those_of_a_ball(name):
     """By Pappus: what is cut off turns about the arcs' centres, and about the hole's."""
     make, faces, radius, joints, corners, holes = PROFILES[name]
@@ -261,6 +261,7 @@ def test_rounds_of_profiles_with_arcs_are_those_of_a_ball(name):
     assert "side 2 / top" in made.faces
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("radius", ["3/10", "1/2", "4/5", "95/100"])
 def test_tori_that_meet_themselves_cut_off_no_more_than_others(radius):
     """The set of inequalities, not the mesh, beside the volume by Pappus."""

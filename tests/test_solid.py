@@ -364,3 +364,10 @@ def test_lattice_edges_are_crossed_where_functions_vanish(values, root):
 
     found = _roots(Along(), np.zeros(2, dtype=int), np.zeros((2, 3)), np.tile([1.0, 0, 0], (2, 1)))
     assert found == pytest.approx([root] * 2, abs=2e-3 if root == 0.9 else 1e-9)
+
+
+def test_what_is_left_of_boxes_that_touch_in_a_face_is_nothing():
+    left, right = solid.box((0, 2, 0), (4, 8, 2)), solid.box((4, 3, 0), (5, 6, 2))
+    with pytest.raises(pas.GeometryError, match="the solid is empty"):
+        (right & left).mesh(0.02)
+    assert ((right & left) | solid.box((0, 0, 0), (1, 1, 1))).mesh(0.02).volume == pytest.approx(1)

@@ -212,8 +212,8 @@ def test_vtp_has_face_names_and_normals(parts, cut_box, tmp_path):
 
 
 def test_suffixes_units_and_shapes_are_checked(globe, tmp_path):
-    with pytest.raises(ValueError, match=r"'a\.step'; the suffix must be one of \.stl, .*\.vtp"):
-        write_solid(globe, tmp_path / "a.step")
+    with pytest.raises(ValueError, match=r"'a\.iges'; the suffix must be one of \.stl, .*\.vtp"):
+        write_solid(globe, tmp_path / "a.iges")
     with pytest.raises(ValueError, match=r"unit must be one of micrometer, .*, not 'mile'"):
         write_solid(globe, tmp_path / "a.stl", unit="mile")
     with pytest.raises(TypeError, match="must be a mesh, a solid, an assembly, a surface or a blend"):

@@ -158,7 +158,7 @@ def test_files_cannot_name_any_class(name):
 def test_names_and_shapes_are_checked(tmp_path):
     with pytest.raises(ValueError, match=r"the suffix must be .pas.json"):
         pas.save_solid(SOLIDS["ball"], tmp_path / "a.json")
-    with pytest.raises(TypeError, match="a Solid or an Assembly"):
+    with pytest.raises(TypeError, match="must be a mesh, a solid, an assembly"):
         pas.save_solid("ball", tmp_path / "a.pas.json")
     assert not list(tmp_path.iterdir())
 
@@ -166,8 +166,6 @@ def test_names_and_shapes_are_checked(tmp_path):
 def test_kinds_are_told_apart(tmp_path):
     blend = solved(EQUAL, 1).save(tmp_path / "blend.pas.json")
     assert json.loads(blend.read_text())["content"]["kind"] == "blend"
-    with pytest.raises(pas.ProjectFileError, match="holds no solid and no assembly"):
-        pas.load_solid(blend)
     ball = pas.save_solid(SOLIDS["ball"], tmp_path / "ball.pas.json")
     rewrite(ball, lambda content: content.update(kind="car"))
     with pytest.raises(pas.ProjectFileError, match=r"of kind 'car'.*update pas"):

@@ -130,7 +130,7 @@ def test_the_printed_spout_makes_a_pot():
     assert sorted(j.order for j in pot.solid.joints) == sorted(order for *_, order in FACTS["paper"]["joints"])
 
 
-@pytest.mark.parametrize("style", ["paper", "better"])
+@pytest.mark.parametrize("style", ["paper", pytest.param("better", marks=pytest.mark.slow)])
 def test_teapots_are_closed_joined_and_of_the_known_volume(style):
     pot = built(style)
     shape = pot.solid
@@ -263,6 +263,8 @@ def test_parts_of_both_styles_go_together():
     assert order["body lower", "spout lower"] == 0
     assert order["body upper", "handle upper fillet"] == 1
     assert "lid ring" not in pot.lid.faces
+    mesh = pot.solid.mesh(2e-2)
+    assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, 0)
     assert not [face for face in pot.pot.faces if face.startswith("channel")]
     assert "lid ring" in Lid().seated(Body()).faces
 

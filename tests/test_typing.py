@@ -54,6 +54,7 @@ MAY_BE_ANY = {
     "Shape.show": FORWARDED,
     "Shape.studio": "a widget of a library that need not be there",
     "Shape.write": FORWARDED,
+    "write_mesh": FORWARDED,
     "table": "a DataFrame of pandas where that is there, which it need not be",
     "Kind.body": BY_KIND,
     "Kind.solid": BY_KIND,

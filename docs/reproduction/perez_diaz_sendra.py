@@ -15,8 +15,9 @@ from flint import fmpq, fmpq_mat
 
 import pas
 from pas import RationalFunction as R
+from pas.algebra.roots import in_one
 from pas.parametric.data import contact_order
-from pas.parametric.series import in_one, roots_and_sides
+from pas.parametric.series import roots_and_sides
 
 work = Work(
     "Perez-Diaz and Sendra (2003)",

@@ -23,7 +23,7 @@ def main(path: Path) -> Teapot:
     pot = pas.teapot(spout=SPOUT, handle=HANDLE)
     print(pot.solid)  # the part list with the verdict on each joint
     print(f"volume {pot.solid.volume(0.01):.3f}")
-    pas.write_solid(pot.solid, path, tolerance=0.01)
+    pas.write(pot.solid, path, tolerance=0.01)
     try:
         pas.teapot(spout=SPOUT, handle=Handle(middle="3/10"))
     except pas.GeometryError as error:

@@ -26,6 +26,7 @@ from pas.algebra.roots import (
     between,
     bounds,
     hull,
+    in_one,
     middle_of,
     rational_root,
     real_roots,
@@ -167,8 +168,7 @@ class Shadow:
 
     @cached_property
     def _discriminant(self) -> fmpq_poly:
-        coefficients = {int(e[0]): c for e, c in self.polynomial.raw.discriminant("y").to_dict().items()}
-        return fmpq_poly([coefficients.get(k, 0) for k in range(max(coefficients) + 1)])
+        return in_one(self.polynomial.raw.discriminant("y"))
 
     @cached_property
     def special(self) -> list[RealRoot]:

@@ -44,10 +44,9 @@ class Jet:
         return self.coefficients[first, second] * float(factorial(first) * factorial(second))
 
     def __add__(self, other: Any) -> Jet:
-        if isinstance(other, Jet):
-            left, right = _aligned(self.coefficients, other.coefficients)
-            return Jet(left + right)
-        return self._shifted(other)
+        added = other if isinstance(other, Jet) else constant(other, self)
+        left, right = _aligned(self.coefficients, added.coefficients)
+        return Jet(left + right)
 
     __radd__ = __add__
 
@@ -100,12 +99,6 @@ class Jet:
         if rule is None or method != "__call__" or options:
             return NotImplemented
         return rule(*inputs)
-
-    def _shifted(self, other: Any) -> Jet:
-        left, right = _aligned(self.coefficients, _array(other)[None, None])
-        result = np.broadcast_to(left, np.broadcast_shapes(left.shape, right.shape)).copy()
-        result[0, 0] += right[0, 0]
-        return Jet(result)
 
 
 def variables(t: Any, h: Any, orders: tuple[int, int]) -> tuple[Jet, Jet]:

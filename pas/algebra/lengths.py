@@ -35,6 +35,26 @@ def across(direction: Floats) -> Floats:
     return np.stack([first, np.cross(direction, first)])
 
 
+def spiral(number: int) -> Floats:
+    """Unit vectors (number, 3) spread evenly over the sphere along a spiral (Vogel 1979), from the last axis on."""
+    place = np.arange(number) + 0.5
+    height, turn = 1 - 2 * place / number, place * np.pi * (3 - np.sqrt(5))
+    ring = np.sqrt(1 - height**2)
+    return np.stack([ring * np.cos(turn), ring * np.sin(turn), height], axis=1)
+
+
+def arc_lengths(points: Floats) -> Floats:
+    """How long a polyline (N, 3) is from its first point to each of its points, (N,)."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+
+
+def resampled(points: Floats, number: int, last: bool = True) -> Floats:
+    """So many points (number, 3) evenly along a polyline (N, 3), from its first point to its `last` or before that."""
+    along = arc_lengths(points)
+    even = np.linspace(0.0, along[-1], number, endpoint=last)
+    return np.stack([np.interp(even, along, column) for column in points.T], axis=1)
+
+
 def angle_between(a: Floats, b: Floats) -> float:
     """The angle (radians) between two vectors (3,)."""
     return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))

@@ -20,6 +20,7 @@ from math import inf
 
 from flint import fmpq_mpoly
 
+from pas.algebra.ideal import MonomialRemainders
 from pas.algebra.locus import Locus
 from pas.algebra.monomials import Exponents, exponents
 from pas.algebra.polynomial import primitive
@@ -215,52 +216,28 @@ def _solution(free: int, solved: Sequence[tuple[int, Row]], case: Locus) -> Row:
     return _stripped(_reduced(vector, case), case)
 
 
-class Remainders:
+def remainders_modulo(generators: Sequence[Mapping[Exponents, fmpq_mpoly]]) -> MonomialRemainders:
     """Remainders modulo polynomials whose leading terms are constant and have no common variable.
 
     Raises `ValueError` where no graded order makes them so.
     """
-
-    def __init__(self, generators: Sequence[Mapping[Exponents, fmpq_mpoly]]) -> None:
-        self._rules: list[tuple[Exponents, Terms]] = []
-        self._known: dict[Exponents, Terms] = {}
-        self.one = next(iter(generators[0].values())) ** 0
-        for order in permutations(range(3)):
-            leads = [max((_grevlex(e, order), e) for e in g)[1] for g in generators]
-            apart = all(
-                min(a, b) == 0 for i, p in enumerate(leads) for q in leads[:i] for a, b in zip(p, q, strict=True)
-            )
-            if apart and all(g[lead].is_constant() for g, lead in zip(generators, leads, strict=True)):
-                for g, lead in zip(generators, leads, strict=True):
-                    scale = -1 / g[lead].leading_coefficient()
-                    self._rules.append((lead, {e: c * scale for e, c in g.items() if e != lead}))
-                return
-        raise ValueError("the leading terms have a variable in common or depend on the parameters")
-
-    def of_monomial(self, e: Exponents) -> Terms:
-        """The remainder of one monomial."""
-        if e not in self._known:
-            self._known[e] = self._divided(e)
-        return self._known[e]
-
-    def _divided(self, e: Exponents) -> Terms:
-        rule = next((r for r in self._rules if all(a >= b for a, b in zip(e, r[0], strict=True))), None)
-        if rule is None:
-            return {e: self.one}
-        shift = tuple(a - b for a, b in zip(e, rule[0], strict=True))
-        total: Terms = {}
-        for tail, factor in rule[1].items():
-            for target, value in self.of_monomial(tuple(a + b for a, b in zip(tail, shift, strict=True))).items():
-                total[target] = total[target] + factor * value if target in total else factor * value
-        return {m: v for m, v in total.items() if not v.is_zero()}
+    for order in permutations(range(3)):
+        pairs = [(g, max((_grevlex(e, order), e) for e in g)[1]) for g in generators]
+        leads = [lead for _, lead in pairs]
+        apart = all(min(a, b) == 0 for i, p in enumerate(leads) for q in leads[:i] for a, b in zip(p, q, strict=True))
+        if apart and all(g[lead].is_constant() for g, lead in pairs):
+            scaled = [(lead, g, -1 / g[lead].leading_coefficient()) for g, lead in pairs]
+            rules = ((lead, [(e, c * by) for e, c in g.items() if e != lead]) for lead, g, by in scaled)
+            return MonomialRemainders(rules, next(iter(generators[0].values())) ** 0)
+    raise ValueError("the leading terms have a variable in common or depend on the parameters")
 
 
-def membership_rows(remainders: Remainders, degree: int) -> list[dict[int, fmpq_mpoly]]:
+def membership_rows(remainders: MonomialRemainders, degree: int) -> list[dict[int, fmpq_mpoly]]:
     """The equations on the coefficients of g (in the order of `exponents(degree)`)."""
     rows: dict[Exponents, dict[int, fmpq_mpoly]] = {}
     for unknown, e in enumerate(exponents(degree)):
         checkpoint("writing the conditions with parameters")
-        for target, value in remainders.of_monomial(e).items():
+        for target, value in remainders(e).items():
             rows.setdefault(target, {})[unknown] = value
     return list(rows.values())
 

@@ -202,8 +202,7 @@ def binary_exponent(value: fmpq) -> int:
 def dot(left: Sequence[R], right: Sequence[R]) -> R:
     """The scalar product, exact for exact entries: numbers or polynomials."""
     first, second = cast(Sequence[Any], left), cast(Sequence[Any], right)
-    total: R = sum((a * b for a, b in zip(first[1:], second[1:], strict=True)), first[0] * second[0])
-    return total
+    return sum((a * b for a, b in zip(first[1:], second[1:], strict=True)), first[0] * second[0])
 
 
 def minus(left: Sequence[R], right: Sequence[R]) -> tuple[R, R, R]:

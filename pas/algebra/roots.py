@@ -6,12 +6,12 @@ its row of roots are.  Balls that certainly hold them come from Arb (Johansson 2
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import lru_cache, total_ordering
 from itertools import count
 from typing import Any
 
-from flint import arb, ctx, fmpq, fmpq_poly, fmpz_poly
+from flint import arb, ctx, fmpq, fmpq_mpoly, fmpq_poly, fmpz_poly
 
 FIRST_BITS = 64
 """Of balls, before more are asked for."""
@@ -20,6 +20,16 @@ FIRST_BITS = 64
 def accuracies() -> Iterator[int]:
     """Numbers of bits to be tried one after the other: 64, 128, 256, ..."""
     return (FIRST_BITS << doublings for doublings in count())
+
+
+def of_coefficients(coefficients: Mapping[int, fmpq]) -> fmpq_poly:
+    """The polynomial in one variable with some coefficients by their powers, the others 0."""
+    return fmpq_poly([coefficients.get(power, 0) for power in range(max(coefficients, default=-1) + 1)])
+
+
+def in_one(polynomial: fmpq_mpoly, index: int = 0) -> fmpq_poly:
+    """A polynomial that depends on the variable number `index` alone, as one in one variable."""
+    return of_coefficients({int(e[index]): c for e, c in polynomial.to_dict().items()})
 
 
 @total_ordering

@@ -146,8 +146,7 @@ class RealZero:
 
 def value_at(polynomial: Polynomial, balls: tuple[arb, ...]) -> arb:
     """A ball that holds the value of a polynomial at a point in three balls."""
-    value: arb = _evaluated(polynomial, balls, arb(1))
-    return value
+    return _evaluated(polynomial, balls, arb(1))
 
 
 def _evaluated(

@@ -217,8 +217,7 @@ def _blossom(table: Floats, degree: int, places: Floats) -> Iterator[Floats]:
 
 def _with(table: Floats, degree: int, place: Floats) -> Floats:
     """The polar form of `degree` arguments, one of which is a place (4, N): that of the others."""
-    result: Floats = (table[_steps(degree - 1)] * place).sum(axis=1)
-    return result
+    return (table[_steps(degree - 1)] * place).sum(axis=1)
 
 
 @cache

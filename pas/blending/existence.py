@@ -29,13 +29,13 @@ from pas.algebra.locus import ANY, Locus, Parameters, Sign
 from pas.algebra.monomials import exponents
 from pas.algebra.parametric import (
     ParametricNullspace,
-    Remainders,
     Terms,
     independent,
     membership_rows,
     merged,
     parametric_nullspaces,
     power,
+    remainders_modulo,
 )
 from pas.algebra.polynomial import VARIABLES, as_sympy, primitive
 from pas.algebra.rational import Exact, Symbolic, rational
@@ -155,7 +155,7 @@ def existence(
     rows = []
     for number, (surface, clip) in enumerate(pairs, start=1):
         try:
-            remainders = Remainders([surface, power(clip, order + 1)])
+            remainders = remainders_modulo([surface, power(clip, order + 1)])
         except ValueError as error:
             raise GeometryError(
                 f"contact {number}: {error}; write the surface and the clip so that the terms of highest degree "

@@ -37,7 +37,6 @@ class Certificate(Verdicts):
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:
-        """All verdicts in the order of proof."""
         return (*self.contacts, *self.faces, self.one_sheet, self.enclosed, *self.further)
 
     def __str__(self) -> str:

@@ -52,7 +52,6 @@ class Endless(Axial):
 
     @property
     def ending(self) -> str:
-        """Where it ends, in words."""
         return super().ending if self.ends else "clipped where there is room"
 
     def clipped(self, clip: Exact) -> Self:

@@ -17,6 +17,7 @@ import numpy as np
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import shown_point
+from pas.algebra.lengths import resampled
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.errors import GeometryError
@@ -66,9 +67,7 @@ class Oval:
     def points(self, number: int) -> Floats:
         """Points (number, 3) of the oval, about equally far apart."""
         around = np.vstack([self.polygon, self.polygon[:1]])
-        length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(around, axis=0), axis=1))])
-        at = np.arange(number) * (length[-1] / number)
-        return settled(self.curve, np.stack([np.interp(at, length, column) for column in around.T], axis=1))
+        return settled(self.curve, resampled(around, number, last=False))
 
     def centroid(self) -> Floats:
         """The centroid (3,) of the area that the polygon encloses."""

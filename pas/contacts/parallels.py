@@ -168,6 +168,18 @@ def _eigenvalue(matrix: fmpq_mat, vector: Vector) -> fmpq | None:
     return None if any(cross(found, vector)) else dot(found, vector) / dot(vector, vector)
 
 
+def axis_of_revolution(form: fmpq_mat) -> tuple[fmpq, fmpq, Vector] | None:
+    """A double eigenvalue of a symmetric matrix (3, 3), the other one and an eigenvector of that; None without one."""
+    characteristic = form.charpoly()
+    common = characteristic.gcd(characteristic.derivative())
+    if common.degree() == 0:
+        return None
+    double = -common[0] / common[1] if common.degree() == 1 else -common[1] / (2 * common[2])
+    single = form[0, 0] + form[1, 1] + form[2, 2] - 2 * double
+    rows = [three(form[i, j] - double * (i == j) for j in range(3)) for i in range(3)]
+    return double, single, next((row for row in rows if any(row)), UNITS[2])
+
+
 def quadratic_terms(f: Polynomial) -> fmpq_mat:
     """The symmetric matrix of the terms of degree 2, of a polynomial of no higher degree."""
     return fmpq_mat([row[:3] for row in quadratic_form(f).tolist()[:3]])

@@ -11,11 +11,11 @@ from flint import fmpq
 
 from pas.algebra.affine import away, height
 from pas.algebra.brief import brief
-from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Exact, Vector, VectorLike, cross, dot, listed, plain, positive, vector
+from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import Exact, Vector, VectorLike, cross, dot, listed, plain, positive, three, vector
 from pas.contacts.axial import Axial
 from pas.contacts.contact import Contact
-from pas.contacts.parallels import principal_axes_of, shrunk
+from pas.contacts.parallels import axis_of_revolution, quadratic_terms, shrunk
 from pas.errors import GeometryError
 
 
@@ -66,34 +66,47 @@ class Torus(Axial):
     @staticmethod
     def inner_surface(contact: Contact, thickness: fmpq) -> Polynomial | None:
         """The parallel surface of a torus; None for another surface."""
-        f = contact.surface
-        lead = f.raw.to_dict().get((4, 0, 0), fmpq(0)) if f.degree == 4 else fmpq(0)
-        if lead <= 0:
+        found = torus_of(contact.surface)
+        if found is None or found.lead <= 0:
             return None
-        terms = f.raw.to_dict()
-        center = tuple(-terms.get(tuple(3 * (i == j) for j in range(3)), fmpq(0)) / (4 * lead) for i in range(3))
-        w = away(center)
-        square = dot(w, w)
-        rest = Polynomial.from_raw(f.raw / lead - square * square)
-        if rest.degree != 2:
-            return None
-        axes = principal_axes_of(rest, contact)
-        if axes is None:
-            return None
-        axis, most = max(axes, key=lambda pair: pair[1])
-        major2 = (most - min(value for _, value in axes)) / 4
-        minor2 = major2 - most / 2
-
-        def whole(square: fmpq) -> Polynomial:
-            return torus_polynomial(center, axis, major2, square) * Polynomial.from_raw(GENERATORS[0] * 0 + lead)
-
-        return whole(shrunk(minor2, thickness)) if minor2 > 0 and whole(minor2) == f else None
+        parallel = torus_polynomial(found.center, found.axis, found.major2, shrunk(found.minor2, thickness))
+        return Polynomial.from_raw(parallel.raw * found.lead)
 
     def __str__(self) -> str:
         return (
             f"torus of radius {plain(self.radius)} about ({listed(self.axis)}) through ({listed(self.point)}), "
             f"clipped at the arm ({listed(self.arm)})"
         )
+
+
+@dataclass(frozen=True)
+class FoundTorus:
+    """A torus by its centre, axis and the squares of its radii; its polynomial is `lead` times `torus_polynomial`."""
+
+    center: Vector
+    axis: Vector
+    major2: fmpq
+    minor2: fmpq
+    lead: fmpq
+
+
+def torus_of(polynomial: Polynomial) -> FoundTorus | None:
+    """The torus that is a polynomial's zeros, exact; None where they are none."""
+    terms = polynomial.raw.to_dict()
+    lead = terms.get((4, 0, 0), fmpq(0))
+    if polynomial.degree != 4 or lead == 0:
+        return None
+    center = three(terms.get(cube, fmpq(0)) / (-4 * lead) for cube in ((3, 0, 0), (0, 3, 0), (0, 0, 3)))
+    w = away(center)
+    square = dot(w, w)
+    rest = Polynomial.from_raw(polynomial.raw / lead - square * square)
+    found = axis_of_revolution(quadratic_terms(rest)) if rest.degree == 2 else None
+    if found is None:
+        return None
+    double, single, axis = found
+    major2, minor2 = (single - double) / 4, (single - double) / 4 - single / 2
+    made = torus_polynomial(center, axis, major2, minor2).raw * lead if min(major2, minor2) > 0 else None
+    return FoundTorus(center, axis, major2, minor2, lead) if made == polynomial.raw else None
 
 
 def torus_polynomial(center: Sequence[fmpq], axis: Vector, major2: fmpq, minor2: fmpq) -> Polynomial:

@@ -86,8 +86,7 @@ class Teapot(AffineShape["Teapot"], Shape):
 
     def meshed(self, settings: MeshSettings) -> Mesh:
         """The mesh of the closed solid by settings."""
-        mesh: Mesh = self.solid.meshed(settings)
-        return mesh
+        return self.solid.meshed(settings)
 
     @property
     def description(self) -> str:

@@ -193,7 +193,6 @@ class ParametricProblem(Problem):
 
     @property
     def fixed(self) -> str:
-        """What is said where an option is to be changed."""
         return "a parametric blend has the degree that its data give it"
 
     def solve(self) -> ParametricBlend:
@@ -285,7 +284,6 @@ class GeneratrixProblem(Problem):
 
     @property
     def fixed(self) -> str:
-        """What is said where an option is to be changed."""
         return f"a blend of the method {self.method!r} has contact of order 1"
 
     def solve(self) -> GeneratrixBlend:

@@ -215,8 +215,7 @@ class PartProblem(Problem):
         used = frozenset().union(*(table.uses for table in self.tables))
         parts = [table for table in self.tables if table.name not in used]
         if len(parts) == 1 and parts[0].color is None:
-            made: Solid = things[parts[0].name]
-            return made
+            return things[parts[0].name]
         return assembly({t.name: things[t.name] if t.color is None else (things[t.name], t.color) for t in parts})
 
 

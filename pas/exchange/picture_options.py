@@ -17,21 +17,6 @@ from pas.errors import meant
 from pas.registry import Registry
 from pas.settings import option
 
-STYLES: Registry[Any] = Registry(
-    "style of pictures",
-    {
-        "plain": "pas.render.styles:PLAIN",
-        "zebra": "pas.render.styles:ZEBRA",
-        "highlights": "pas.render.styles:HIGHLIGHTS",
-        "mean": "pas.render.styles:MEAN",
-        "gauss": "pas.render.styles:GAUSS",
-        "max": "pas.render.styles:MAX",
-        "min": "pas.render.styles:MIN",
-        "curvature": "pas.render.styles:CURVATURE",
-    },
-)
-"""What the colours of a picture show; a user's own is added by `STYLES.register(...)`, see `pas.render.scene`."""
-
 View = tuple[float, float, float]
 
 VIEWS: dict[str, View] = {
@@ -57,6 +42,12 @@ class Style(Enum):
     MAX = "max"
     MIN = "min"
     CURVATURE = "curvature"
+
+
+STYLES: Registry[Any] = Registry(
+    "style of pictures", {style.value: f"pas.render.styles:{style.name}" for style in Style}
+)
+"""What the colours of a picture show; a user's own is added by `STYLES.register(...)`, see `pas.render.scene`."""
 
 
 class PictureOptions(TypedDict, total=False):

@@ -111,8 +111,7 @@ def normalization(kind: str, point: Any = None, value: Any = -1) -> Normalizatio
         raise ValueError(f"kind must be one of {', '.join(NORMALIZATIONS)}, not {shown(kind)}")
     if kind == "value-at" and point is None:
         raise ValueError("a normalisation by a value needs its point")
-    made: Normalization = ValueAt(point, value) if kind == "value-at" else NORMALIZATIONS[kind]()
-    return made
+    return ValueAt(point, value) if kind == "value-at" else NORMALIZATIONS[kind]()
 
 
 def _of_normalization(normalization: Normalization) -> dict[str, Any]:

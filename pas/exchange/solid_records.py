@@ -138,8 +138,7 @@ def _of_class(**entries: Any) -> Function:
     if kind is None:
         raise ValueError(f"functions of class {name!r} are not known; name the class to `storable` first")
     _DATA.get(name, ANYTHING).check(data, "data")
-    function: Function = kind.from_record(data)
-    return function
+    return kind.from_record(data)
 
 
 def _class_entries(function: Function) -> dict[str, Any]:

@@ -118,72 +118,10 @@ def check_open(path: str | Path) -> str:
     return target(path, tuple(s for s in triangles if s not in closed), "a mesh", closed)
 
 
-@limited("writing a mesh", "a coarser tolerance")
-def write_mesh(
-    shape: Shape | Sequence[Shape],
-    path: str | Path,
-    *,
-    tolerance: float | None = None,
-    domain: DomainLike = None,
-    **limits: Unpack[WorkLimits],
-) -> Path:
-    """`write` for triangles of surfaces and meshes, with edges or none, within `tolerance` (the model's units)."""
-    check_open(path)
-    return write(shape, path, tolerance=tolerance, domain=domain, open=True)
+def write_mesh(shape: Writable, path: str | Path, **options: Any) -> Path:
+    """`write` with `open=True`, its name of the first versions for surfaces with edges; raises what `write` raises."""
+    return write(shape, path, open=True, **options)
 
 
-@limited("writing a solid", "a coarser tolerance")
-def write_solid(
-    shape: Shape | Sequence[Shape],
-    path: str | Path,
-    *,
-    tolerance: float | None = None,
-    unit: str | None = None,
-    **limits: Unpack[WorkLimits],
-) -> Path:
-    """`write` for triangles of solids, assemblies and their meshes, within `tolerance` (the model's units).
-
-    Raises what `write` raises.
-    """
-    target(path, suffixes_of("triangles"), "a solid")
-    return write(shape, path, tolerance=tolerance, unit=unit)
-
-
-@limited("writing a STEP file", "a coarser tolerance, or fewer patches")
-def write_step(
-    shape: Shape | Sequence[Shape],
-    path: str | Path,
-    *,
-    tolerance: float | None = None,
-    domain: DomainLike = None,
-    sew: float | None = None,
-    unit: str | None = None,
-    **limits: Unpack[WorkLimits],
-) -> Path:
-    """`write` for solids, assemblies, patches, exact surfaces and exact blends as a STEP file; returns the path.
-
-    A solid becomes one closed solid, a part of an assembly a product with its name and colour: faces on planes,
-    quadrics and tori are these, others splines within `tolerance` (the model's units; by default 1e-4 of the longest
-    side of the box).  The file is read again before it takes its place, and is not written where Open Cascade finds it
-    not valid, or of another volume.
-
-    A surface or a blend is one face for each of its `bezier_patches` over `domain` (by default its own; see
-    `ParametricSurface.mesh`); `fit_patch` makes patches of what is not exact.  With `sew`, faces whose sides are
-    within that distance (the model's units) are joined to shells, and a shell that is closed becomes a solid.
-
-    Raises `ValueError` for another suffix or unit, no patches, a degree above HIGHEST_DEGREE or a surface that is not
-    exact or has an infinite domain, `TypeError` for what is none of these, `GeometryError` for a patch
-    that Open Cascade refuses, a solid whose file would not be what it should or a surface with a pole, what meshing
-    raises, `MissingLibraryError` without Open Cascade.
-    """
-    target(path, suffixes_of("faces"), "STEP")
-    return write(shape, path, tolerance=tolerance, domain=domain, sew=sew, unit=unit)
-
-
-def write_cells(surface: Shape, path: str | Path) -> Path:
-    """`write` for the cells of a piecewise surface, with their polynomials, as a .vtu file; returns the path.
-
-    The arrays are those of `pas.exchange.formats.libraries.cell_grid`.  Raises what `write` raises.
-    """
-    target(path, (".vtu",), "cells")
-    return write(surface, path)
+write_solid = write_step = write_cells = write
+"""Names of the first versions, when there was a verb for each sort of files."""

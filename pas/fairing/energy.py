@@ -127,16 +127,13 @@ class Combination(Energy):
             raise ValueError("terms must have multiples that are not negative, or the energy has no least value")
 
     def hessian(self, basis: WorkingBasis) -> Floats:
-        """See `Energy.hessian`."""
         first, *others = (to_float(times) * energy.hessian(basis) for times, energy in self.terms)
         return sum(others, first)
 
     def residuals(self, points: SurfacePoints, sizes: Sizes) -> Floats:
-        """See `Energy.residuals`."""
         return np.concatenate([root * energy.residuals(points, sizes) for root, energy in self._roots()], axis=1)
 
     def slopes(self, points: SurfacePoints, sizes: Sizes) -> Floats:
-        """See `Energy.slopes`."""
         return np.concatenate([root * energy.slopes(points, sizes) for root, energy in self._roots()], axis=1)
 
     def _roots(self) -> list[tuple[float, Energy]]:
@@ -144,22 +141,18 @@ class Combination(Energy):
 
     @property
     def on_surface(self) -> bool:
-        """See `Energy.on_surface`."""
         return any(energy.on_surface for _, energy in self.terms)
 
     def products(self, members: Members) -> fmpq_mat:
-        """See `Energy.products`."""
         first, *others = (energy.products(members) * times for times, energy in self.terms)
         return sum(others, first)
 
     def to_record(self) -> dict[str, Any]:
-        """See `Energy.to_record`."""
         terms = [{"times": plain(times), "energy": energy.to_record()} for times, energy in self.terms]
         return {"kind": self.kind, "terms": terms}
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> Combination:
-        """See `Energy.from_record`."""
         terms = record["terms"]
         entries = terms if isinstance(terms, list) else [None]
         if not all(isinstance(t, dict) and t.keys() == {"times", "energy"} for t in entries):

@@ -78,7 +78,6 @@ class CurvatureExcess:
             yield (-shape[:, 2] * self.arc - hollow) / HOLLOW, 9, -self.arc / HOLLOW
 
     def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
-        """See `Limit.beyond`."""
         for over, quantity, by in self.over(sampled.points.shape):
             slopes = np.zeros((len(over), AREA + 1))
             slopes[:, quantity] = by
@@ -95,7 +94,6 @@ class BulgeExcess:
         self.normals, self.offsets = _hull(rays.directions, neighbours, self.widest)
 
     def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
-        """See `Limit.beyond`."""
         slopes = np.zeros((len(self.normals), AREA + 1))
         slopes[:, :3] = self.normals / (BULGE * self.widest)
         far = ((sampled.points.points - self.center) * self.normals).sum(axis=1) + self.offsets
@@ -158,7 +156,6 @@ class SectionExcess:
             self.signs[run] = np.sign(turned) if abs(turned) > TURNED else 0.0
 
     def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
-        """See `Limit.beyond`."""
         if not len(self.signs):
             return
         curvature, changes = section_curvatures(sampled.points, self.across)

@@ -38,8 +38,7 @@ class Functional:
 
     def on(self, patches: Sequence[fmpq_mat]) -> list[fmpq]:
         """Its value on each member of a basis given by `patches[p]` (m, C(n+3, 3))."""
-        values: list[fmpq] = (patches[self.piece] * self.column).entries()
-        return values
+        return (patches[self.piece] * self.column).entries()
 
 
 def value_at(partition: Partition, point: Vector, degree: int, name: str = "the point") -> Functional:

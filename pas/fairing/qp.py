@@ -265,5 +265,4 @@ def _minimiser(programme: ExactProgramme, active: list[int]) -> tuple[fmpq_mat, 
 def _residuals(inequalities: fmpq_mat, unknowns: fmpq_mat) -> list[fmpq]:
     """`A a - b` for each row (A, b)."""
     column = fmpq_mat(unknowns.ncols() + 1, 1, [*unknowns.entries(), fmpq(-1)])
-    residuals: list[fmpq] = (inequalities * column).entries()
-    return residuals
+    return (inequalities * column).entries()

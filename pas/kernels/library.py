@@ -163,5 +163,4 @@ def address_of(array: NDArray[Any]) -> int:
     try:
         return ctypes.addressof(ctypes.c_char.from_buffer(array))  # type: ignore[arg-type]  # faster than the other
     except (TypeError, ValueError):  # not to be written to, or empty
-        address: int = array.__array_interface__["data"][0]
-        return address
+        return array.__array_interface__["data"][0]

@@ -7,7 +7,7 @@ they are proved anew, in this process, when they are first asked for.  Files of 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Unpack, cast
+from typing import Any, Unpack
 
 from pas._version import __version__
 from pas.algebra.inputs import shown
@@ -16,15 +16,10 @@ from pas.exchange.files import check_name, read_project, understood, write_proje
 from pas.exchange.schema import TEXT, Table
 from pas.limits import WorkLimits, limited
 from pas.shape import KINDS, Shape, kind_of
-from pas.solid.assembly import Assembly
-from pas.solid.solid import Solid
 from pas.verdicts import Verdicts
 
 FIRST_KIND = "blend"
 """Of files of the first versions, which do not say it."""
-
-SOLIDS = ("solid", "assembly")
-PARAMETRIC = ("parametric surface", "parametric blend", "generatrix blend", "sphere blend")
 
 
 @limited("writing a project file", "")
@@ -65,37 +60,9 @@ def _made(content: dict[str, Any], name: str) -> Shape:
     kind = KINDS[title]
     with understood(name):
         Table(kind.schema.needs, {**kind.schema.may, "kind": TEXT}).check(content, "content")
-        shape: Shape = kind.read(content)
-        return shape
+        return kind.read(content)
 
 
-@limited("writing a project file", "")
-def save_solid(shape: Shape, path: str | Path, **limits: Unpack[WorkLimits]) -> Path:
-    """`pas.save` for a solid or an assembly; raises `TypeError` for another shape."""
-    check_name(path)
-    _require(shape, SOLIDS, "shape must be a Solid or an Assembly")
-    return save(shape, path)
-
-
-@limited("reading a project file", "")
-def load_solid(path: str | Path, *, edited: bool = False, **limits: Unpack[WorkLimits]) -> Solid | Assembly:
-    """`pas.load` of a solid or an assembly; raises `ProjectFileError` for a file of another kind."""
-    found = load(path, edited=edited)
-    if kind_of(found).name not in SOLIDS:
-        raise ProjectFileError(f"{Path(path).name}: holds no solid and no assembly; read it with pas.load")
-    return cast("Solid | Assembly", found)
-
-
-@limited("writing a project file", "")
-def save_parametric(
-    thing: Shape, path: str | Path, certificate: Verdicts | None = None, **limits: Unpack[WorkLimits]
-) -> Path:
-    """`pas.save` for a parametric surface or blend, or a blend by a generatrix; raises `TypeError` for others."""
-    check_name(path)
-    _require(thing, PARAMETRIC, "what to save must be a parametric surface or blend")
-    return save(thing, path, certificate)
-
-
-def _require(shape: Any, kinds: tuple[str, ...], sentence: str) -> None:
-    if getattr(type(shape), "kind", None) not in kinds:
-        raise TypeError(f"{sentence}, not {shape!r}; pas.save takes every shape")
+save_solid = save_parametric = save
+load_solid = load
+"""Names of the first versions, when there was a verb for each sort of shapes."""

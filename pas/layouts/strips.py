@@ -13,13 +13,12 @@ from math import cos, degrees, radians, tan
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from pas.algebra.lengths import across, angle_between, unit
+from pas.algebra.lengths import across, angle_between, spiral, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, determinant
 from pas.errors import GeometryError
 from pas.layouts.discs import Disc, check_fits, room, whole_ray
 from pas.partition.layout import Layout, Ray
-from pas.surface.fairness import spiral
 
 FARTHEST = (62, 40)
 """Degrees up to which any direction may be from the nearest site, less half of its disc; the second where the first

@@ -27,12 +27,13 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE, RING
+from pas.algebra.roots import in_one
 from pas.bernstein.forms import UNIT_ROUNDOFF, rounded
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.mesh.rows import Integers
 from pas.parametric.maps import Ends, ExactDomain
 from pas.parametric.nets import PlacedNets, box_form
-from pas.parametric.series import in_one, roots_between
+from pas.parametric.series import roots_between
 from pas.verdicts import Status
 
 HALF = Fraction(1, 2)

@@ -225,7 +225,6 @@ class ParametricCertificate(Verdicts):
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:
-        """All verdicts in the order of proof."""
         return (*self.contacts, self.regular)
 
 

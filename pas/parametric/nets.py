@@ -13,12 +13,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from functools import cache
 from math import comb
 from typing import Any, Self
 
 import numpy as np
-from flint import fmpq, fmpq_mpoly
+from flint import fmpq, fmpq_mat, fmpq_mpoly
 from numpy.typing import NDArray
 
 from pas.algebra.jets import Jet
@@ -227,7 +227,6 @@ class PlacedNets(Nets):
     steps: Integers
 
     def halves(self, axis: int) -> Self:
-        """The first halves of all cells along a parameter, then the second ones."""
         step, count, both = (np.arange(2) == axis).astype(int), len(self), super().halves(axis)
         start = both.start * (1 + step)
         start[count:] += step
@@ -270,12 +269,17 @@ def bernstein_polynomials(degree: int, generator: fmpq_mpoly, low: fmpq, high: f
 
 def box_form(polynomial: fmpq_mpoly, degrees: list[int]) -> Table:
     """The coefficients over [0, 1]^2 as a polynomial of these degrees, exact."""
-    n, m = degrees
-    table = [[fmpq(0)] * (m + 1) for _ in range(n + 1)]
+    table = fmpq_mat(degrees[0] + 1, degrees[1] + 1)
     for (p, q), c in polynomial.to_dict().items():
-        table[int(p)][int(q)] = c / (comb(n, int(p)) * comb(m, int(q)))
-    rows = [_accumulated(row) for row in table]
-    return [list(row) for row in zip(*(_accumulated(list(c)) for c in zip(*rows, strict=True)), strict=True)]
+        table[int(p), int(q)] = c
+    first, second = map(_to_bernstein, degrees)
+    return (first * table * second.transpose()).tolist()
+
+
+@cache
+def _to_bernstein(degree: int) -> fmpq_mat:
+    """The matrix C(i, p) / C(n, p), from the coefficients of powers to those of Bernstein polynomials."""
+    return fmpq_mat([[fmpq(comb(i, p), comb(degree, p)) for p in range(degree + 1)] for i in range(degree + 1)])
 
 
 def product(left: Floats, right: Floats) -> Floats:
@@ -294,12 +298,3 @@ def product(left: Floats, right: Floats) -> Floats:
 
 def _binomials(degree: int) -> Floats:
     return np.array([comb(degree, i) for i in range(degree + 1)], dtype=float)
-
-
-def _accumulated(values: list[fmpq]) -> list[fmpq]:
-    """b_i = sum_p C(i, p) a_p by repeated sums."""
-    result, row = [], list(values)
-    while row:
-        result.append(row[0])
-        row = [a + b for a, b in pairwise(row)]
-    return result

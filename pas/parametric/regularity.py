@@ -27,12 +27,11 @@ from flint import arb, ctx, fmpq_mpoly
 from pas.algebra.lengths import lengths, scaled
 from pas.algebra.rational import cross, plain, to_float
 from pas.algebra.rational_function import ONE, PARAMETERS, RationalFunction
-from pas.algebra.roots import middle_of, real_roots
+from pas.algebra.roots import in_one, middle_of, real_roots
 from pas.limits import WorkLimits, limited
 from pas.parametric.common_zeros import UNIT_SQUARE, ZeroSearch, charts_of, without_common_zero
 from pas.parametric.maps import ParametricMap
 from pas.parametric.nets import finite_part
-from pas.parametric.series import in_one
 from pas.verdicts import Status, Verdict
 
 LARGEST = 600

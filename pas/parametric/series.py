@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from flint import fmpq, fmpq_mpoly, fmpq_poly
 
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
 from pas.algebra.rational_function import GENERATORS, ONE, RING, RationalFunction, homogenised, lcm
-from pas.algebra.roots import middle_of, rational_root, real_roots
+from pas.algebra.roots import middle_of, of_coefficients, rational_root, real_roots
 
 Components = tuple[RationalFunction, RationalFunction, RationalFunction]
 
@@ -32,11 +32,6 @@ def univariate(coefficients: fmpq_poly, index: int) -> fmpq_mpoly:
     return RING.from_dict(terms)
 
 
-def in_one(polynomial: fmpq_mpoly, index: int) -> fmpq_poly:
-    """A polynomial of the ring that depends on parameter `index` alone, as one in one variable."""
-    return _dense({int(e[index]): c for e, c in polynomial.to_dict().items()})
-
-
 def taylor(polynomial: fmpq_mpoly, at: fmpq, order: int | None = None) -> list[fmpq_poly]:
     """Coefficients of (h - at)^j as polynomials in t, j = 0..order (by default to the degree)."""
     moved = polynomial if at == 0 else polynomial.compose(GENERATORS[0], GENERATORS[1] + at, ctx=RING)
@@ -44,11 +39,7 @@ def taylor(polynomial: fmpq_mpoly, at: fmpq, order: int | None = None) -> list[f
     for (a, b), c in moved.to_dict().items():
         rows.setdefault(int(b), {})[int(a)] = c
     last = max(rows, default=0) if order is None else order
-    return [_dense(rows.get(j, {})) for j in range(last + 1)]
-
-
-def _dense(row: Mapping[int, fmpq]) -> fmpq_poly:
-    return fmpq_poly([row.get(a, fmpq(0)) for a in range(max(row, default=-1) + 1)])
+    return [of_coefficients(rows.get(j, {})) for j in range(last + 1)]
 
 
 def padded(polynomial: fmpq_poly, length: int) -> list[fmpq]:

@@ -29,8 +29,9 @@ from pas.algebra.inputs import HIGHEST_EXPONENT, check_order, short, shown, whol
 from pas.algebra.jets import Jet, power
 from pas.algebra.rational import Exact, plain, rational, to_float
 from pas.algebra.rational_function import RationalFunction
+from pas.algebra.roots import in_one
 from pas.parametric.hermite import distinct
-from pas.parametric.series import in_one, roots_and_sides, univariate
+from pas.parametric.series import roots_and_sides, univariate
 
 
 @dataclass(frozen=True)

@@ -72,7 +72,6 @@ class SingleCell(Partition):
         """Nothing: a box is cut in this way around any point in its inside."""
 
     def to_record(self) -> dict[str, Any]:
-        """See `Partition.to_record`."""
         record: dict[str, Any] = {"kind": self.name, "center": None if self.center is None else texts(self.center)}
         if self.box is not None:
             record["lower"], record["upper"] = map(texts, self.box)
@@ -92,7 +91,6 @@ class KuhnCube(Partition):
         super().__init__(_corners(self.box), KUHN_CELLS, _middle(self.box))
 
     def to_record(self) -> dict[str, Any]:
-        """See `Partition.to_record`."""
         return {"kind": self.name, "lower": texts(self.box[0]), "upper": texts(self.box[1])}
 
 
@@ -143,7 +141,6 @@ class AlfeldSplit(Partition):
         return [], [(*face, 4) for face in FACES]
 
     def to_record(self) -> dict[str, Any]:
-        """See `Partition.to_record`."""
         assert self.center is not None
         return {"kind": self.name, "corners": [texts(c) for c in self.tetrahedron], "center": texts(self.center)}
 
@@ -220,17 +217,14 @@ class SixTetrahedra(Partition):
         super().__init__([self._vertex(origin, signs) for signs in VERTEX_SIGNS], CELLS, origin)
 
     def to_record(self) -> dict[str, Any]:
-        """See `Partition.to_record`."""
         assert self.center is not None
         return {"kind": self.name, "center": texts(self.center), "legs": [texts(leg) for leg in self.legs]}
 
     @classmethod
     def keys(cls) -> Mapping[str, bool]:
-        """See `Partition.keys`."""
         return {"center": False, "legs": True}
 
     def moved(self, map_: Affine) -> SixTetrahedra:
-        """See `Partition.moved`."""
         assert self.center is not None
         return SixTetrahedra(map_.exact(self.center), [map_.direction(leg) for leg in self.legs])
 

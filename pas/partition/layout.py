@@ -214,8 +214,7 @@ class Layout(Shape, Serialisable):
 
         Raises `GeometryError` for contacts that do not fit, `ValueError` or `TypeError` for wrong arguments.
         """
-        table: dict[int, int] = loaded(DIMENSIONS)(self, contacts, order, degrees)
-        return table
+        return loaded(DIMENSIONS)(self, contacts, order, degrees)
 
     def to_record(self) -> dict[str, Any]:
         """The layout as a table of plain data."""

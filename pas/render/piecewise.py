@@ -12,7 +12,7 @@ from itertools import combinations
 
 import numpy as np
 
-from pas.algebra.lengths import unit
+from pas.algebra.lengths import arc_lengths, resampled, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
@@ -189,6 +189,4 @@ def _middle(curves: Sequence[Floats]) -> Floats:
 
 def _resampled(curve: Floats, spacing: float) -> Floats:
     """Points at equal distances along a polyline (n, 3), about `spacing` apart, both ends included."""
-    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
-    wanted = np.linspace(0.0, lengths[-1], max(2, round(lengths[-1] / spacing) + 1))
-    return np.stack([np.interp(wanted, lengths, curve[:, i]) for i in range(3)], axis=1)
+    return resampled(curve, max(2, round(arc_lengths(curve)[-1] / spacing) + 1))

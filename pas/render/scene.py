@@ -128,8 +128,7 @@ class Scene:
     @property
     def coloring(self) -> Coloring:
         """What the colours show."""
-        coloring: Coloring = self.picture.coloring
-        return coloring
+        return self.picture.coloring
 
     def mesh(self, make: Callable[[], Mesh], name: str = "") -> Mesh:
         """The known mesh of a part, or the one that `make` makes."""

@@ -22,6 +22,7 @@ from fnmatch import filter
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.errors import meant
 from pas.mesh.mesh import Mesh
@@ -68,10 +69,6 @@ class Plain(Coloring):
         return [Paint(faces=faces) for faces in face_colors(scene)], None
 
 
-def _unit(*parts: float) -> Floats:
-    return np.array(parts) / np.linalg.norm(parts)
-
-
 class Zebra(Coloring):
     """Dark and bright bands between isophotes: across a joint broken for C^0, with kinks for GC^1, smooth for GC^2."""
 
@@ -87,7 +84,7 @@ class Zebra(Coloring):
             _, _, normals = layer.mesh.shading
             options = {"cmap": [layer.tint, "black"] * 14, "clim": (-1, 1), "n_colors": 28}
             shading = {"specular": 0.0, "ambient": 0.6, "diffuse": 0.4}
-            paints.append(Paint(normals @ (_unit(0.35, 0.85, 0.4) @ scene.frame), options | shading))
+            paints.append(Paint(normals @ (unit((0.35, 0.85, 0.4)) @ scene.frame), options | shading))
         return paints, None
 
 
@@ -131,9 +128,8 @@ def tunnel(points: Floats, frame: Floats) -> tuple[Floats, Floats, float]:
     """The cylinder of lights around points (N, 3): axes (3, 3), the lights' direction last; a centre; the radius."""
     # all lines meet where the normal is along the lights: along no axis, and across the usual views, so that these
     # places are not seen in the middle of a surface
-    along = _unit(0.75, 0.6, 0.25) @ frame
-    across = np.cross(along, frame[int(np.abs(frame @ along).argmin())])
-    across /= np.linalg.norm(across)
+    along = unit((0.75, 0.6, 0.25)) @ frame
+    across = unit(np.cross(along, frame[int(np.abs(frame @ along).argmin())]))
     axes = np.stack([across, np.cross(along, across), along])
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     return axes, center, 1.5 * float(np.linalg.norm((points - center) @ axes[:2].T, axis=1).max())

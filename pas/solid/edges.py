@@ -99,15 +99,6 @@ class PlaneEdge:
         found[0], found[-1] = a, b
         return found
 
-    def passes_axis(self, halvings: int = 12) -> bool:
-        """Whether x is negative somewhere on it; of an arc that comes within 4^-12 of its length of that it may be
-        said, too."""
-        if min(self.start[0], self.end[0]) < 0:
-            return True
-        if self.control is None or self.control[0] >= 0:
-            return False
-        return halvings == 0 or any(half.passes_axis(halvings - 1) for half in self.halves)
-
     def pieces(self, tolerance: float) -> int:
         """How many chords between `points` come within a tolerance of it."""
         if self.control is None:
@@ -278,7 +269,7 @@ class Loop:
 def apart(edges: Sequence[PlaneEdge], complaint: Callable[[PlaneEdge, PlaneEdge], Exception]) -> tuple[PlaneEdge, ...]:
     """Edges with arcs cut until no two have more than a common end.
 
-    Raises what `complaint` makes of two where that does not end.
+    Raises what `complaint` makes of two where that does not end, as arcs of one curve that overlap.
     """
     # Of an arc, after which its triangle is 4^-12 of its length thin: what is still not apart touches.
     halvings = 12
@@ -287,7 +278,7 @@ def apart(edges: Sequence[PlaneEdge], complaint: Callable[[PlaneEdge, PlaneEdge]
         cut: set[int] = set()
         for pair in met:
             able = {n for n in pair if found[n][0].control and found[n][1] < halvings}
-            if not able:
+            if not able or _overlap(*(found[n][0] for n in pair)):
                 raise complaint(*(found[n][0] for n in pair))
             cut |= able
         parts = [(edge.halves, level + 1) if n in cut else ((edge,), level) for n, (edge, level) in enumerate(found)]
@@ -313,6 +304,14 @@ def _are_apart(one: PlaneEdge, other: PlaneEdge) -> bool:
     (point,) = common
     cones = [[minus(p, point) for p in edge.hull if p != point] for edge in (one, other)]
     return not any(_holds(cones[1 - i], ray) for i in (0, 1) for ray in cones[i])
+
+
+def _overlap(one: PlaneEdge, other: PlaneEdge) -> bool:
+    """Whether arcs of one curve have more than ends in common: one has an end of the other in its triangle."""
+    common = {one.start, one.end} & {other.start, other.end}
+    ends = ((a.hull, p) for a, b in ((one, other), (other, one)) for p in (b.start, b.end) if p not in common)
+    inside = (len({turn(a, b, p) > 0 for a, b in zip(h, h[1:] + h[:1], strict=True)}) == 1 for h, p in ends)
+    return one.curve.primitive() == other.curve.primitive() and (len(common) == 2 or any(inside))
 
 
 def _axes(hull: tuple[Point, ...]) -> Iterator[Point]:

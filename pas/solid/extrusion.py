@@ -17,6 +17,8 @@ from pas.errors import GeometryError
 from pas.solid.edges import Loop, PlaneEdge, at, gradient, line, radius_of
 from pas.solid.formulas import PlaneSet, formula
 from pas.solid.joints import Joint
+from pas.solid.linked import SolidBoundary
+from pas.solid.operands import Operands
 from pas.solid.sheets import COARSE, Faces
 from pas.solid.solid import Solid
 from pas.solid.swept import SweptBody, cross, flat, jets_of, put_flat, put_side
@@ -41,9 +43,12 @@ def extruded(profile: PlaneSet, height: fmpq, taper: fmpq) -> Solid:
     ends = [Atom(Polynomial.from_raw(-Z), "bottom"), Atom(Polynomial.from_raw(Z - height), "top")]
     tree = combined(False, profile.tree(lift), *ends)
     loops = profile.boundary
-    body = None if loops is None else Prism(loops=loops, height=to_float(height), lean=Lean(slope))
-    if body is not None and slope:
+    body: SolidBoundary | None = None
+    if loops is not None:
+        body = Prism(loops=loops, height=to_float(height), lean=Lean(slope))
         body.refuse_lost_top()
+    elif not slope:
+        body = Operands(*profile.operands(lambda part: extruded(part, height, taper)))
     claims = dict.fromkeys(claim for loop in loops or profile.all_loops for claim in joints(loop, Lean(slope)))
     return Solid(tree, tuple(claims), (), body)
 
@@ -155,6 +160,8 @@ class Prism(SweptBody):
 
     def refuse_lost_top(self) -> None:
         """Raise `GeometryError` where the edges do not all reach the top in their order."""
+        if not self.lean.slope:
+            return
         tops = []
         for loop in self.loops:
             points, count = loop.polygon(COARSE)

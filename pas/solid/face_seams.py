@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 
 import numpy as np
 from flint import fmpq
@@ -22,7 +21,7 @@ from pas.mesh.rows import Integers
 from pas.solid.joints import Joint
 from pas.solid.solid import Solid
 
-_APART = "give the fillet of each its own solid, before they are united"
+_WHERE = ": it does of order 0 to 2 along a plane with planes and circular cylinders that stand on it"
 
 
 @dataclass(frozen=True)
@@ -59,14 +58,16 @@ class FaceSeam:
     beside: tuple[tuple[str, Polynomial], ...] = ()
 
     @classmethod
-    def of(cls, solid: Solid, names: tuple[str, str]) -> FaceSeam:
-        """The seam of two faces by their names; raises `GeometryError` where there is none to be filled."""
+    def of(cls, solid: Solid, names: tuple[str, str], sharp: Set[frozenset[tuple[str, str]]] = frozenset()) -> FaceSeam:
+        """The seam of two faces by their names, and at sharp ends not of others; raises `GeometryError` where there is
+        none to be filled."""
         mesh = solid.mesh()
         numbers = [_face_numbers(mesh, name) for name in names]
         edges = edges_between(mesh, *numbers)
         if not len(edges):
-            for name in names:
-                _refuse_unknown(solid, name)
+            if unknown := next((name for name in names if name not in solid.faces), None):
+                known = meant(unknown, solid.faces) or f"; its faces are {', '.join(map(repr, solid.faces))}"
+                raise GeometryError(f"the solid has no face {unknown!r}{known}")
             raise GeometryError(f"the faces {names[0]!r} and {names[1]!r} of the solid do not meet in an edge")
         first, second = (_polynomial(solid, mesh, name, np.unique(edges)) for name in names)
         faces = first, second
@@ -75,7 +76,9 @@ class FaceSeam:
         middles, ways = mesh.points[edges].mean(axis=1), mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
         crossed = np.cross(faces[0].gradient(middles), faces[1].gradient(middles))
         above = (crossed * ways).sum(axis=1) < 0
-        found = cls(names, faces, points, 1 if above.all() else -1, *_ends(solid, mesh, edges, names, faces, points))
+        found = cls(
+            names, faces, points, 1 if above.all() else -1, *_ends(solid, mesh, edges, (names, faces, points), sharp)
+        )
         flat = 1e-2  # sine of an angle between faces below which they are taken for tangent
         worst = int(np.argmax(found.cosines**2))
         if 1 - found.cosines[worst] ** 2 < flat**2:
@@ -85,33 +88,44 @@ class FaceSeam:
             )
         if above.any() != above.all():
             raise GeometryError(
-                f"the faces {names[0]!r} and {names[1]!r} meet in edges that go out and such that go in; {_APART}"
+                f"the faces {names[0]!r} and {names[1]!r} meet in edges that go out and such that go in; "
+                f"give the fillet of each its own solid, before they are united"
             )
         return found
 
     @classmethod
-    def chain(cls, solid: Solid, names: tuple[str, str]) -> tuple[FaceSeam, ...]:
-        """The seam of two faces and all in which it goes on smoothly; a name may be that of several numbered faces.
+    def chain(
+        cls, solid: Solid, names: tuple[str, str], fits: Callable[[FaceSeam, SmoothEnd], bool]
+    ) -> tuple[FaceSeam, ...]:
+        """The seam of two faces and all in which it goes on smoothly at ends that fit.
 
-        Raises `GeometryError` where there is none to be filled, and where it does not go on along all such faces.
+        A name may be that of several numbered faces.  Raises `GeometryError` where there is none to be filled, and
+        where it does not go on along all such faces.
         """
-        sides = [[name] if name in solid.faces else _numbered(solid, name) or [name] for name in names]
-        pairs = [*product(*sides)]
-        numbers = {name: _face_numbers(solid.mesh(), name) for name in (*sides[0], *sides[1])}
-        met = [pair for pair in pairs if len(edges_between(solid.mesh(), *(numbers[name] for name in pair)))] or pairs
-        found, left = dict[tuple[str, str], FaceSeam](), met[:1]
-        while left:
-            pair = left.pop()
-            if pair not in found:
-                found[pair] = cls.of(solid, pair)
-                left += [end.names for end in found[pair].smooth]
+        sides, mesh = (
+            [[name] if name in solid.faces else _numbered(solid, name) or [name] for name in names],
+            solid.mesh(),
+        )
+        pairs = [(one, other) for one in sides[0] for other in sides[1]]
+        met = [
+            pair for pair in pairs if len(edges_between(mesh, *(_face_numbers(mesh, name) for name in pair)))
+        ] or pairs
+        sharp, wrong = set[frozenset[tuple[str, str]]](), {frozenset(pairs[:1])}
+        while wrong:
+            sharp |= wrong
+            found, left = dict[tuple[str, str], FaceSeam](), met[:1]
+            while left:
+                pair = left.pop()
+                if pair not in found:
+                    found[pair] = cls.of(solid, pair, sharp)
+                    left += [end.names for end in found[pair].smooth]
+            ends = ((pair, seam, end) for pair, seam in found.items() for end in seam.smooth)
+            wrong = {frozenset((pair, end.names)) for pair, seam, end in ends if not fits(seam, end)}
         if alone := next((pair for pair in met if len(pairs) > 1 and pair not in found), None):
             raise GeometryError(
                 f"the edge of {alone[0]!r} and {alone[1]!r} does not go on smoothly from that of {met[0][0]!r} and "
-                f"{met[0][1]!r}: give the name of one face, not one for several with numbers"
+                f"{met[0][1]!r}: give the name of one face, not one for several with numbers{found[met[0]].goes_on}"
             )
-        if len({seam.sign for seam in found.values()}) > 1:
-            raise GeometryError(f"the edges of {names[0]!r} and {names[1]!r} go in and out in turn: {_APART}")
         return tuple(found.values())
 
     @cached_property
@@ -208,13 +222,6 @@ def _numbers(points: Floats, *numbers: int) -> Integers:
     return np.tile(np.array(numbers, dtype=np.intp), (len(points), 1))
 
 
-def _refuse_unknown(solid: Solid, name: str) -> None:
-    """Raise `GeometryError` for a name that no face has."""
-    if name not in solid.faces:
-        known = meant(name, solid.faces) or f"; its faces are {', '.join(map(repr, solid.faces))}"
-        raise GeometryError(f"the solid has no face {name!r}{known}")
-
-
 def _polynomial(solid: Solid, mesh: Mesh, name: str, vertices: Integers) -> Polynomial:
     """The one polynomial, negative inside, of a face on which vertices of its mesh are."""
     found, points = solid.polynomials.get(name, ()), mesh.points[vertices]
@@ -257,30 +264,35 @@ def _ends(
     solid: Solid,
     mesh: Mesh,
     edges: Integers,
-    names: tuple[str, str],
-    faces: tuple[Polynomial, Polynomial],
-    points: Floats,
+    seam: tuple[tuple[str, str], tuple[Polynomial, Polynomial], Floats],
+    sharp: Set[frozenset[tuple[str, str]]],
 ) -> tuple[tuple[SmoothEnd, ...], str, Walls, Walls, tuple[tuple[str, Polynomial], ...]]:
-    """What ends a seam with points (N, 3), and the faces beside it, as in `FaceSeam`."""
+    """What ends a seam of names, faces and points, and the faces beside it, as in `FaceSeam`."""
+    names, faces, points = seam
     parts = [name.split(" + ") for name in mesh.names]
     own = [number for number, some in enumerate(parts) if not {*names}.isdisjoint(some)]
     vertices, times = np.unique(edges, return_counts=True)
     size, flat = float(np.ptp(mesh.points, axis=0).max()), 1e-6  # below which a seam goes along a face
-    smooth, told, left, entered = list[SmoothEnd](), dict[str, None](), list[Polynomial](), list[Polynomial]()
+    smooth, told, left, entered = (
+        list[SmoothEnd](),
+        dict[tuple[str, str], None](),
+        list[Polynomial](),
+        list[Polynomial](),
+    )
     for end in vertices[times == 1].tolist():
         place, (edge, *_) = mesh.points[end], edges[(edges == end).any(axis=1)]
         way = unit(place - mesh.points[edge[edge != end][0]])
         around = np.unique(mesh.faces[(mesh.triangles == end).any(axis=1)])
         here = {name for number in around.tolist() if number not in own for name in parts[number]}
-        for joint in solid.joints:
+        for joint in (joint for joint in solid.joints if joint.order):
             for one, other in ((joint.first, joint.second), (joint.second, joint.first)):
                 if one in names and other in here:
                     found = _smooth_end(mesh, joint, (one, other), names, faces, end, way)
-                    if found:
+                    if found and frozenset((names, found.names)) not in sharp:
                         smooth.append(found)
                         here.discard(other)
                     else:
-                        told[f", where {one!r} goes on smoothly in {other!r} and a fillet does not"] = None
+                        told[(one, other)] = None
         for wall in (wall for name in here for wall in solid.polynomials.get(name, ())):
             length = float(np.linalg.norm(wall.gradient(place)))
             rise = float(wall.gradient(place) @ way) / length
@@ -297,7 +309,9 @@ def _ends(
     next_to = dict.fromkeys(name for number in numbers for name in parts[number])
     return (
         tuple(smooth),
-        "".join([*told][:1]),
+        "".join(
+            f", where {one!r} goes on smoothly in {other!r} and a fillet does not{_WHERE}" for one, other in [*told][:1]
+        ),
         tuple(filter(ahead, dict.fromkeys(left))),
         tuple(wall for wall in dict.fromkeys(entered) if ahead(-wall)),
         tuple((name, w) for name in next_to for w in solid.polynomials.get(name, ()) if (w(points) < 0).all()),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from functools import cached_property
 from itertools import combinations, product
 
@@ -30,14 +30,15 @@ from pas.verdicts import Status
 class SolidField:
     """The boundary of a tree inside a box, in the evaluator's local coordinates; see `pas.mesh.field.FaceField`.
 
-    `seams` are curves, each given by two functions, along which faces are joined; see `pas.solid.seams`.
+    `seams` are curves, each given by two functions, along which faces are joined, with the least order of continuity;
+    see `pas.solid.seams`.
     """
 
     def __init__(
         self,
         tree: Tree,
         box: Floats,
-        seams: Sequence[tuple[Polynomial, Polynomial]],
+        seams: Mapping[tuple[Polynomial, Polynomial], int],
         special_points: Floats,
     ) -> None:
         center = exact_vector(np.round(box.mean(axis=0), 6).tolist())
@@ -47,7 +48,7 @@ class SolidField:
         self.box = self.evaluator.local(box)
         self._seams = Seams(self.evaluator, given, self.box)
         self.special_points = self.evaluator.local(special_points)
-        self._made_of = tree, box, tuple(seams), special_points
+        self._made_of = tree, box, seams, special_points
 
     def shells(self) -> list[SolidField]:
         """The surfaces of the boundary, if they are apart: those of hollows inside, and that of what they are in."""

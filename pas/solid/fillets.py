@@ -67,14 +67,8 @@ class Filling:
         """That of arguments of `Solid.fillet`, which are checked but for faces that touch."""
         check_order(order)
         walls = tuple(Polynomial.named(wall, f"within[{i}]", constant=False) for i, wall in enumerate(within))
-        seams, tiny = FaceSeam.chain(solid, names), fmpq(1, 2**20) * six_digits(float(np.ptp(solid.box, axis=0).max()))
-        for piece in (FilletPiece("", seam, tiny, order) for seam in seams):
-            if end := next((end for end in piece.seam.smooth if not piece.goes_on(end)), None):
-                raise GeometryError(
-                    "the edge of {!r} and {!r} goes on smoothly as that of {!r} and {!r}: their fillets have one "
-                    "section of order 0 to 2, where they are of a plane with planes and circular cylinders upright on "
-                    "it".format(*piece.seam.names, *end.names)
-                )
+        tiny = fmpq(1, 2**20) * six_digits(float(np.ptp(solid.mesh().points, axis=0).max()))
+        seams = FaceSeam.chain(solid, names, lambda seam, end: FilletPiece("", seam, tiny, order).goes_on(end))
         return cls(solid, seams, order, walls, title_of(solid, order, face))
 
     def made(self, radius: fmpq) -> Solid | str:
@@ -97,7 +91,7 @@ class Filling:
         claims = tuple(dict.fromkeys([*(claim for piece in pieces for claim in piece.claims()), *joined]))
         whole, add = self.solid.tree, self.seams[0].sign > 0
         tree = combined(add, whole, *(tree if add else complement(tree) for tree in trees))
-        sheets = filleted(self.solid.sheets, pieces) if self.order and not self.within else None
+        sheets = None if self.within else filleted(self.solid.sheets, pieces)
         made = replace(self.solid, tree=tree, joints=claims, sheets=sheets)
         goes_on = next((seam.goes_on for seam in self.seams if seam.goes_on), "")
         wrong = next((_told(v) + goes_on for v in made.verdicts if not v.proved), None)

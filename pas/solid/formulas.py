@@ -35,6 +35,9 @@ class PlaneSet(Protocol):
     def boundary(self) -> tuple[Loop, ...] | None:
         """The loops around it, with what is inside to their left; None where those of parts cross or touch."""
 
+    def operands(self, solid: Callable[[Any], Any]) -> tuple[tuple[Any, ...], str]:
+        """The solids over its parts, and the operation, named as for `boolean`, that makes the one over it of them."""
+
 
 def formula(
     loop: Loop, atom: Callable[[PlaneEdge], Truth] | None = None, wall: Callable[[PlaneEdge], Truth] | None = None

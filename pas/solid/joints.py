@@ -82,6 +82,15 @@ class Joint:
         return f"{self.first} meets {self.second} with GC^{self.order}{part}"
 
 
+def orders(joints: Sequence[Joint]) -> dict[tuple[Polynomial, Polynomial], int]:
+    """The curves along which faces are joined, each with the least order that is claimed there; not those of parts of
+    which an angle is claimed, where faces cross."""
+    found: dict[tuple[Polynomial, Polynomial], int] = {}
+    for joint in (joint for joint in joints if joint.order or not joint.within):
+        found[joint.along] = min(joint.order, found.get(joint.along, joint.order))
+    return found
+
+
 def refuse_unknown(joint: Joint, faces: Sequence[str]) -> None:
     """Raise `GeometryError` where a joint names a face that the solid does not have."""
     for name in (joint.first, joint.second):

@@ -23,9 +23,10 @@ from pas.errors import GeometryError, MeshError
 from pas.mesh.booleans import Triangles, boolean
 from pas.mesh.closed import FaceMesh
 from pas.mesh.labelled import Labelled
+from pas.mesh.nodes import SAME
 from pas.mesh.quality import Quality
-from pas.mesh.rows import cross, norms
-from pas.mesh.topology import euler_characteristic, piece_count
+from pas.mesh.rows import cross, dots, norms
+from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.solid.field import SolidField
 from pas.solid.linked import LinkedBodies, LinkedPart, RenamedBoundary, SolidBoundary, refuse_passing, united
 from pas.solid.runs import plain_run
@@ -107,7 +108,8 @@ class Operands:
         """A mesh to begin with of the boundary of a field, with its labels, for a tolerance in its coordinates.
 
         None where there is none, or a finer one has other pieces or holes, other faces or one of much less area: where
-        rims of both parts are one curve, slivers are left between their polygons.  Raises `MeshError` where blends
+        rims of both parts are one curve, slivers are left between their polygons; or where a piece encloses nothing, as
+        is left of parts that touch in a face.  Raises `MeshError` where blends
         cannot be united (see `refuse_passing`).
         """
         refuse_passing([*_bodies(self)])
@@ -116,7 +118,7 @@ class Operands:
         except (GeometryError, MeshError):  # of a part: what is wrong with the whole, if anything is, that says
             return None
         first, second = map(_areas, (found, finer))
-        same = _shape(found) == _shape(finer) and found.faces.max() < 2 * field.evaluator.used
+        same = _shape(found) == _shape(finer) and found.faces.max() < 2 * field.evaluator.used and not _is_flat(finer)
         return Labelled.of(*found) if same and np.all(second > first / 2) else None
 
     def _cut(self, field: SolidField, tolerance: float, parts: int) -> Triangles:
@@ -156,6 +158,14 @@ def _areas(cut: Triangles) -> Floats:
     a, b, c = np.moveaxis(cut.points[cut.triangles], 1, 0)
     areas = norms(cross(b - a, c - a)) / 2
     return np.asarray(np.bincount(np.unique(cut.faces, return_inverse=True)[1], areas), dtype=np.float64)
+
+
+def _is_flat(cut: Triangles) -> bool:
+    """Whether a piece encloses no volume, in coordinates of about one."""
+    a, b, c = np.moveaxis(cut.points[cut.triangles], 1, 0)
+    owners = connected(cut.triangles[:, [0, 1, 1, 2]].reshape(-1, 2), len(cut.points))[cut.triangles[:, 0]]
+    volumes = np.bincount(owners, dots(a, cross(b, c)))
+    return bool((np.abs(volumes) <= SAME * np.bincount(owners, norms(cross(b - a, c - a))))[owners].any())
 
 
 def _shape(cut: Triangles) -> tuple[int, int, set[int]]:

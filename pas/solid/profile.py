@@ -8,7 +8,7 @@ A profile is a set of points of the plane, in x and y, between loops of straight
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NoReturn
@@ -165,6 +165,13 @@ class Profile:
             for loop in some
             if all(other.holds(loop.edges[0].start) != (out != union) for other in self.parts if other is not part)
         ]
+
+    def operands(self, solid: Callable[[Profile], Solid]) -> tuple[tuple[Solid, ...], str]:
+        """The solids over its parts, and the operation, named as for `boolean`, that makes the one over it of them."""
+        less = self.parts[-1].outside
+        return tuple(solid(replace(part, outside=False)) for part in self.parts), (
+            "Add" if self.union else "Subtract" if less else "Intersect"
+        )
 
     def holds(self, point: Point) -> bool:
         """Whether an exact point is inside or on the boundary."""

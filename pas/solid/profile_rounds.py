@@ -79,7 +79,7 @@ def _section(order: int, parts: int) -> Floats:
         middle = (low + high) / 2
         inside = 2 * shares.prod(axis=1) * middle**2 < (1 - middle) ** (order + 1)
         low, high = np.where(inside, middle, low), np.where(inside, high, middle)
-    return np.asarray(shares * high[:, None])
+    return np.asarray(shares * high[:, None]) if order else shares
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -148,7 +148,10 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
         return of_planes(solid, faces, radius, order)
     if check_order(order) not in (1, 2):
         raise GeometryError(f"edges of a profile with arcs are rounded with GC^1 or GC^2: order is 1 or 2, not {order}")
-    made = rounded_prism(first, body, faces, radius / _stretch(body), order)
+    stretch = _stretch(body)
+    if stretch is None:
+        raise GeometryError("the solid was stretched in a direction: round its edges before that")
+    made = rounded_prism(first, body, faces, radius / stretch, order)
     if first is solid:
         return made
     assert isinstance(known, Operands)
@@ -176,8 +179,7 @@ def rounded_prism(solid: Solid, body: Prism, faces: Sequence[str] | None, radius
     most = height / len({end for _, end in rounds})
     if radius >= most:
         raise GeometryError(f"radius must be below {plain(most)}, where the sides are used up, not {plain(radius)}")
-    size = to_float(radius)
-    made = RoundedPrism(loops=body.loops, height=body.height, radius=size, order=order, rounds=rounds, place=body.place)
+    made = _rounded_body(body, radius, order, rounds)
     if made.coarse is None:
         raise GeometryError(f"radius {plain(radius)} is too large: rounds of the profile's edges would meet on an end")
     rests = (complement(piece.tree()) for some in rounds.values() for piece in some)
@@ -206,33 +208,36 @@ def filleted(known: SolidBoundary | None, pieces: Sequence[FilletPiece]) -> Soli
         seams = [replace(seam, names=(first, second)) for seam, (first, second) in pairs]
         body = filleted(known.body, [replace(p, seam=seam) for p, seam in zip(pieces, seams, strict=True)])
         return body and RenamedBoundary(body, {**known.names, pieces[0].face: pieces[0].face})
-    if not isinstance(known, Prism) or known.lean.slope:
+    stretch = None if not isinstance(known, Prism) or known.lean.slope else _stretch(known)
+    if not isinstance(known, Prism) or stretch is None:
         return None
-    end, place, size = "top" if "top" in names else "bottom", known.place, pieces[0].radius / _stretch(known)
+    end, size, order = "top" if "top" in names else "bottom", pieces[0].radius / stretch, pieces[0].order
     plane = Polynomial.from_raw(Z - rational(known.height) if end == "top" else -Z)
     for number, loop in enumerate(known.loops):
         if {end, *(edge.name for edge in loop.edges)} == names:
-            own = [replace(p, face=pieces[0].face) for p in pieces_along(loop, end, plane, size, pieces[0].order)]
-            surfaces = (p.form.surface if place is None else place.polynomial(p.form.surface) for p in own)
+            own = [replace(p, face=pieces[0].face) for p in pieces_along(loop, end, plane, size, order)]
+            surfaces = (p.form.surface if known.place is None else known.place.polynomial(p.form.surface) for p in own)
             if {surface.primitive() for surface in surfaces} == {p.form.surface.primitive() for p in pieces}:
-                rounds, loops = {(number, end): own}, known.loops
-                radius, order = to_float(size), pieces[0].order
-                made = RoundedPrism(
-                    loops=loops, height=known.height, radius=radius, order=order, rounds=rounds, place=place
-                )
+                made = _rounded_body(known, size, order, {(number, end): own})
                 return made if made.coarse is not None else None
     return None
 
 
-def _stretch(body: Prism) -> fmpq:
-    """By how much lengths grew where it was moved; raises `GeometryError` where not all by the same."""
+def _rounded_body(
+    body: Prism, radius: fmpq, order: int, rounds: dict[tuple[int, str], list[FilletPiece]]
+) -> RoundedPrism:
+    size, place = to_float(radius), body.place
+    return RoundedPrism(loops=body.loops, height=body.height, radius=size, order=order, rounds=rounds, place=place)
+
+
+def _stretch(body: Prism) -> fmpq | None:
+    """By how much lengths grew where it was moved; None where not all by the same."""
     if body.place is None:
         return fmpq(1)
     columns = [*zip(*body.place.matrix, strict=True)]
     factor = square_root(dot(columns[0], columns[0]))
-    if any(dot(a, b) != (factor**2 if a is b else 0) for a, b in product(columns, columns)):
-        raise GeometryError("the solid was stretched in a direction: round its edges before that")
-    return factor
+    alike = all(dot(a, b) == (factor**2 if a is b else 0) for a, b in product(columns, columns))
+    return factor if alike else None
 
 
 def _refuse_unrounded(loop: Loop, names: set[str], radius: fmpq, order: int) -> None:

@@ -24,6 +24,8 @@ from pas.errors import GeometryError
 from pas.solid.edges import Loop, PlaneEdge, at, line
 from pas.solid.formulas import PlaneSet, Truth, formula, joined, negated
 from pas.solid.joints import Joint
+from pas.solid.linked import SolidBoundary
+from pas.solid.operands import Operands
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
 from pas.solid.swept import SweptBody, put_flat, put_side
@@ -39,7 +41,7 @@ def revolved(profile: PlaneSet, degrees: fmpq) -> Solid:
         raise ValueError(f"degrees must be above 0 and at most 360, not {plain(degrees)}")
     for loop in profile.all_loops:
         for edge in loop.edges:
-            if edge.passes_axis():
+            if _passes_axis(edge):
                 raise GeometryError(
                     f"the profile passes the axis: its edge {edge.name!r} from {at(edge.start)} to {at(edge.end)} has "
                     f"points with negative x, which is the distance from the axis"
@@ -52,11 +54,25 @@ def revolved(profile: PlaneSet, degrees: fmpq) -> Solid:
         made = combined(False, made, wedge)
     loops = profile.boundary
     angle = math.atan2(to_float(turn[1]), to_float(turn[0])) % (2 * math.pi) or 2 * math.pi
-    body = None if loops is None else Turned(loops=loops, angle=angle)
+    body: SolidBoundary = (
+        Operands(*profile.operands(lambda part: revolved(part, degrees)))
+        if loops is None
+        else Turned(loops=loops, angle=angle)
+    )
     every = list(profile.all_loops if loops is None else loops)
     claims = dict.fromkeys(claim for loop in every for claim in _joints(loop))
     ends = dict.fromkeys(edge.start for loop in every for edge in loop.edges if edge.start[0] == 0)
     return Solid(made, tuple(claims), tuple((0.0, 0.0, to_float(z)) for _, z in ends), body)
+
+
+def _passes_axis(edge: PlaneEdge, halvings: int = 12) -> bool:
+    """Whether x is negative somewhere on an edge; of an arc that comes within 4^-12 of its length of that it may be
+    said, too."""
+    if min(edge.start[0], edge.end[0]) < 0:
+        return True
+    if edge.control is None or edge.control[0] >= 0:
+        return False
+    return halvings == 0 or any(_passes_axis(half, halvings - 1) for half in edge.halves)
 
 
 def _surface(edge: PlaneEdge) -> Truth:

@@ -17,7 +17,7 @@ Not guaranteed: of curves that have no function in common only the first is a se
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, combinations_with_replacement, permutations, product
@@ -52,14 +52,11 @@ ASIDE = (0.01, 0.03)
 
 @dataclass(frozen=True)
 class Seam:
-    """Two functions, and the ideals of the curves that are their common zeros.
-
-    The `section` is a plane that all faces cross that touch there: where it is a face itself, this is no seam of it.
-    """
+    """Two functions, and the ideals of the curves that are their common zeros; the order is 0 where faces cross."""
 
     functions: Curve
     curves: tuple[Ideal, ...]
-    section: Polynomial | None = None
+    order: int = 1
 
     @cached_property
     def _place(self) -> list[fmpq] | None:
@@ -77,9 +74,10 @@ class Seam:
         """A place modulo a prime for each curve, where members of its ideal vanish; see `residue_place`."""
         return [residue_place(*curve.generators) for curve in self.curves]
 
-    def crosses(self, surfaces: Sequence[Polynomial]) -> bool:
-        """Whether one of some surfaces is the section."""
-        return self.section is not None and self.section in [f.primitive() for f in surfaces]
+    def joins(self, first: Sequence[Polynomial], second: Sequence[Polynomial]) -> bool:
+        """Whether surfaces that hold the curves touch along each, or may cross; else they may cross elsewhere, too."""
+        pairs = [*product(first, second)]
+        return self.order == 0 or all(any(_touch(*pair, curve) for pair in pairs) for curve in self.curves)
 
     def is_on(self, surfaces: Sequence[Polynomial]) -> bool:
         """Whether each of the curves is on one of some surfaces."""
@@ -91,15 +89,16 @@ class Seam:
         )
 
 
-def seams_of(tree: Tree, claimed: Sequence[Curve], box: Floats | None = None) -> list[Seam]:
+def seams_of(tree: Tree, claimed: Mapping[Curve, int], box: Floats | None = None) -> list[Seam]:
     """The seams of claimed curves and of those along which faces of a tree touch, those of several curves first.
 
+    Claimed are orders of continuity by curves.
     Plane sections are among them where the solid's `box` (2, 3) is given.
     """
-    curves = [*claimed, *_lines(tree)]
+    curves = {**claimed, **dict.fromkeys(_lines(tree), 1)}
     cut = () if box is None else _smooth_sections(tree, box)
-    sections = [Seam((plane, curve), (Ideal(plane, curve),), plane) for plane, curve in cut]
-    single = [Seam(curve, (Ideal(*curve),)) for curve in curves]
+    sections = [Seam((plane, curve), (Ideal(plane, curve),)) for plane, curve in cut]
+    single = [Seam(curve, (Ideal(*curve),), order) for curve, order in curves.items()]
     cutting: dict[Polynomial, list[int]] = {}
     for number, curve in enumerate(curves):
         for function in curve:
@@ -140,7 +139,7 @@ def _united(common: Polynomial, seams: Sequence[Seam]) -> Seam:
             other = second if first.primitive() == common else first
             curves += seam.curves
             others = Polynomial.from_raw(others.raw * other.raw / others.raw.gcd(other.raw))
-    return Seam((common, others), tuple(curves))
+    return Seam((common, others), tuple(curves), min(seam.order for seam in seams))
 
 
 class Seams:
@@ -165,7 +164,7 @@ class Seams:
         columns, used = self._evaluator.columns, self._evaluator.used
         first, second = (polynomials_of(columns[c].function) for c in (a, b))
         for number in sorted(self._of(a) & self._of(b)):
-            if not self._given[number].crosses((*first, *second)):
+            if self._evaluator.walls[[a, b]].any() or self._given[number].joins(first, second):
                 return used + 2 * number, used + 2 * number + 1
         if len(first) != 1 or len(second) != 1 or first[0].degree == second[0].degree == 1:
             return ()  # planes cross

@@ -35,7 +35,7 @@ from pas.solid.bounds import bounding_box, narrowed
 from pas.solid.edge_verbs import WithEdges
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
-from pas.solid.joints import Joint, prove, refuse_unknown, verdict_list
+from pas.solid.joints import Joint, orders, prove, refuse_unknown, verdict_list
 from pas.solid.linked import SolidBoundary
 from pas.solid.measures import Measures, curved_measures
 from pas.solid.operands import Operands, combined_boundary, renamed_boundary
@@ -220,8 +220,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         return self._field_of(self.tree)
 
     def _field_of(self, tree: Tree) -> SolidField:
-        curves = list(dict.fromkeys(j.along for j in self.joints if j.order))  # of order 0 faces cross there
-        return SolidField(tree, self._around, curves, np.array(self.special_points).reshape(-1, 3))
+        return SolidField(tree, self._around, orders(self.joints), np.array(self.special_points).reshape(-1, 3))
 
     def contains(self, points: ArrayLike) -> np.ndarray:
         """Whether points (..., 3) are inside, shape (...).

@@ -145,11 +145,10 @@ Opened = Mapping[str, Shape]
 class DocumentKind:
     """`solve(document, opened)`: the shape; `python`, `toml`: texts to copy, None where there is none."""
 
-    name: str
     check: Callable[[Data], None]
     solve: Callable[[Data, Opened], Shape]
     python: Callable[[Data], str]
-    toml: Callable[[Data], str | None]
+    toml: Callable[[Data], str | None] = lambda _: None
 
 
 def checked(document: Any) -> Data:
@@ -275,24 +274,19 @@ def _teapot_program(document: Data) -> str:
     return f"import pas\n\nshape = pas.teapot({options})\nprint(shape)\n"
 
 
-DOCUMENTS: Registry[DocumentKind] = Registry("kind of document")
+DOCUMENTS: Registry[DocumentKind] = Registry(
+    "kind of document",
+    {
+        "problem": DocumentKind(
+            _check_problem,
+            lambda document, _: problem_of(document["problem"]).solve(),
+            lambda document: program(document["problem"]),
+            lambda document: toml(document["problem"]),
+        ),
+        "teapot": DocumentKind(
+            _check_teapot, lambda document, _: teapot(**(TEAPOT | document["values"])), _teapot_program
+        ),
+        "project": DocumentKind(_check_project, _solve_project, _project_program),
+    },
+)
 """All kinds of documents."""
-
-for kind in (
-    DocumentKind(
-        "problem",
-        _check_problem,
-        lambda document, _: problem_of(document["problem"]).solve(),
-        lambda document: program(document["problem"]),
-        lambda document: toml(document["problem"]),
-    ),
-    DocumentKind(
-        "teapot",
-        _check_teapot,
-        lambda document, _: teapot(**(TEAPOT | document["values"])),
-        _teapot_program,
-        lambda _: None,
-    ),
-    DocumentKind("project", _check_project, _solve_project, _project_program, lambda _: None),
-):
-    DOCUMENTS.register(kind)

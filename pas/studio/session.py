@@ -106,8 +106,7 @@ class StudioSession:
         except NotProvedError as error:
             if error.blend is None:
                 raise
-            found: Shape = error.blend
-            return found
+            return error.blend
 
     def _refitted(self, before: Data, document: Data, shape: Any) -> Shape | None:
         """What `pas.blend` finds at a given degree, from the space that it was found in before; else None.
@@ -121,8 +120,7 @@ class StudioSession:
         problem: Any = documents.problem_of(document["problem"])
         if problem.wishes.basis is not None:
             return None
-        found: Shape = shape.space.fit(problem.wishes)
-        return found
+        return shape.space.fit(problem.wishes)
 
     def take(self, key: str, content: dict[str, Any]) -> None:
         """Begin from a blend that another session has found; a step in place prepares the first one."""
@@ -260,13 +258,11 @@ class StudioSession:
             return documents.solve(document, self.opened)
         shaped = _shaped(self.before, document)
         if shaped is not None and getattr(self.seen, "kind", "") == "generatrix blend":
-            other: Shape = self.seen.with_shape(**shaped)  # type: ignore[union-attr]  # it is such a blend
-            return other
+            return self.seen.with_shape(**shaped)  # type: ignore[union-attr]  # it is such a blend
         problem: Any = documents.problem_of(document["problem"])
         wishes = getattr(problem, "wishes", None)
         if wishes is None:
-            found: Shape = problem.solve()
-            return found
+            return problem.solve()
         degree = getattr(getattr(self.seen, "surface", None), "degree", None)
         held = degree if document["problem"].get("degree") is None and self._same_order(document) else None
         return replace(problem, degree=held or problem.degree, wishes=wishes.changed(prove=False)).solve()

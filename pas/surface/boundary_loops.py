@@ -15,6 +15,7 @@ import numpy as np
 
 from pas.algebra.bracket import Jets
 from pas.algebra.evaluation import PolynomialBatch
+from pas.algebra.lengths import across
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.contacts.cones import first_met, nappe_rays
@@ -63,9 +64,9 @@ class ConeLoop:
 
     def at(self, points: Floats) -> Floats:
         """Where the rays of the nappe at the angles of points (N, 3) meet the surface, found from there."""
-        across = np.linalg.solve(self.axes.T, points.T)[1:]
-        across = across / np.maximum(np.sqrt((across * across).sum(axis=0)), 1e-300)
-        rays = self.axes[0] + across.T @ self.axes[1:]
+        aside = np.linalg.solve(self.axes.T, points.T)[1:]
+        aside = aside / np.maximum(np.sqrt((aside * aside).sum(axis=0)), 1e-300)
+        rays = self.axes[0] + aside.T @ self.axes[1:]
 
         def jets(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
             here = rays[rows] * shares[:, None]
@@ -123,7 +124,7 @@ class PlaneLoop:
 
     def round(self, number: int) -> Floats:
         """So many points (N, 3) at equal angles, counterclockwise seen from outside."""
-        first = self.size * _across(self.normal)
+        first = self.size * across(self.normal)[0]
         second = np.cross(self.normal, first)
         angles = 2 * np.pi * np.arange(number)[:, None] / number
         return self.at(self.middle + np.cos(angles) * first + np.sin(angles) * second)
@@ -145,7 +146,7 @@ class PlaneLoop:
         with np.errstate(all="ignore"):
             way = units * (offset / along)[:, None] - self.middle
         near = (along > 0) & ((way * way).sum(axis=1) < (1.01 * self.size) ** 2)
-        edge = self.at(self.middle + np.where(near[:, None], way, self.size * _across(self.normal)))
+        edge = self.at(self.middle + np.where(near[:, None], way, self.size * across(self.normal)[0]))
         return np.asarray(near & ((way * way).sum(axis=1) <= ((edge - self.middle) ** 2).sum(axis=1)))
 
 
@@ -201,12 +202,6 @@ def _settled(jets: Jets, shares: Floats) -> Floats:
         if not len(rows):
             break
     return shares
-
-
-def _across(normal: Floats) -> Floats:
-    first = np.eye(3)[np.abs(normal).argmin()]
-    first = first - (first @ normal) * normal
-    return np.asarray(first / np.sqrt(first @ first))
 
 
 def boundary_loops(joins: Sequence[Join]) -> list[BoundaryLoop]:

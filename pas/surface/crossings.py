@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_float
-from pas.algebra.roots import RealRoot, between, middle_of, rational_root, real_roots
+from pas.algebra.roots import RealRoot, between, in_one, middle_of, rational_root, real_roots
 from pas.limits import checkpoint
 from pas.surface.rays import Found, Integers, LocalRays, RayTarget
 
@@ -205,9 +205,7 @@ def _holds(stretch: Stretch, root: RealRoot) -> bool:
 def _along(patch: Polynomial, origin: Vector, direction: Vector) -> fmpq_poly:
     """The polynomial t -> patch(origin + t direction)."""
     t = GENERATORS[0]
-    terms = patch.raw.compose(*(t * d + o for o, d in zip(origin, direction, strict=True)), ctx=RING).to_dict()
-    size = max((e[0] for e in terms), default=-1) + 1
-    return fmpq_poly([terms.get((i, 0, 0), fmpq(0)) for i in range(size)])
+    return in_one(patch.raw.compose(*(t * d + o for o, d in zip(origin, direction, strict=True)), ctx=RING))
 
 
 def _roots(span: Span) -> Iterator[RealRoot]:

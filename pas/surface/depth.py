@@ -108,5 +108,4 @@ def _tangential(off: Floats, depths: Floats, normals: Floats, bending: Floats) -
     p, q, r = 1 - d * s11, -d * s12, 1 - d * s22
     u, v = ((off * t).sum(axis=0) for t in (first, second))
     determinant = p * r - q * q
-    step: Floats = ((r * u - q * v) * first + (p * v - q * u) * second) / determinant
-    return step
+    return ((r * u - q * v) * first + (p * v - q * u) * second) / determinant

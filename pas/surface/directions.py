@@ -135,8 +135,7 @@ def solid_angles(triangles: Floats) -> Floats:
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
     above = np.abs((a * np.cross(b, c)).sum(axis=1))
     below = la * lb * lc + (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
-    result: Floats = 2 * np.arctan2(above, below)
-    return result
+    return 2 * np.arctan2(above, below)
 
 
 def _by_piece(numbers: Pieces, count: int) -> tuple[NDArray[np.intp], tuple[tuple[int, slice], ...]]:

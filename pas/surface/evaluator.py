@@ -205,8 +205,7 @@ def symmetric(entries: Floats, order: int) -> Floats:
     where = {e: i for i, e in enumerate(homogeneous_exponents(order, 3))}
     axes = np.indices((3,) * order).reshape(order, -1).T
     places = [where[(kinds == 0).sum(), (kinds == 1).sum(), (kinds == 2).sum()] for kinds in axes]
-    result: Floats = entries[..., places].reshape(*entries.shape[:-1], *(3,) * order)
-    return result
+    return entries[..., places].reshape(*entries.shape[:-1], *(3,) * order)
 
 
 def checked(points: ArrayLike, name: str = "points") -> Floats:

@@ -18,6 +18,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from pas.algebra.inputs import shown_point
+from pas.algebra.lengths import spiral
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
@@ -265,12 +266,3 @@ class _Measuring:
         for run in runs(place >= 0):
             if len(run) >= shortest_run:
                 yield curvature[place[run]]
-
-
-def spiral(number: int) -> Floats:
-    """Unit vectors (number, 3) spread evenly over the sphere along a spiral (Vogel 1979)."""
-    place = np.arange(number) + 0.5
-    height = 1 - 2 * place / number
-    turn = place * np.pi * (3 - np.sqrt(5))
-    across = np.sqrt(1 - height**2)
-    return np.stack([across * np.cos(turn), across * np.sin(turn), height], axis=1)

@@ -20,6 +20,7 @@ from pas.contacts.joins import Join
 from pas.partition.cells import Partition
 from pas.partition.complex import OuterFace
 from pas.surface.evaluator import Evaluator, symmetric
+from pas.surface.geometry import Geometry
 from pas.surface.placed import InPlace, PlacedContacts
 
 
@@ -123,24 +124,11 @@ class PiecewisePolynomial(InPlace):
     def curvatures(self, points: ArrayLike) -> Floats:
         """Mean and Gauss curvature at surface points (..., 3): shape (..., 2).
 
-        The mean curvature is positive where the surface bends like a ball that is inside
-        (Goldman 2005: `(|g|^2 tr H - g^T H g) / (2 |g|^3)` and `g^T adj(H) g / |g|^4`).
+        The mean curvature is positive where the surface bends like a ball that is inside.
         """
-        jets = self.evaluator.scaled_derivatives(points_of(points), (1, 2))
-        g, h = jets[..., :3], symmetric(jets[..., 3:], 2)
-        length = np.linalg.norm(g, axis=-1)
-        quadratic = np.einsum("...i,...ij,...j", g, h, g)
-        mean = (length**2 * np.trace(h, axis1=-2, axis2=-1) - quadratic) / (2 * length**3)
-        adjugate = np.stack(
-            [
-                np.cross(h[..., 1, :], h[..., 2, :]),
-                np.cross(h[..., 2, :], h[..., 0, :]),
-                np.cross(h[..., 0, :], h[..., 1, :]),
-            ],
-            axis=-2,
-        )
-        gauss = np.einsum("...i,...ij,...j", g, adjugate, g) / length**4
-        return np.stack([mean, gauss], axis=-1)
+        jets = self.evaluator.scaled_derivatives(points_of(points), range(4))
+        principal = Geometry(jets.reshape(-1, jets.shape[-1])).principal.reshape(*jets.shape[:-1], 2)
+        return np.stack([principal.mean(axis=-1), principal.prod(axis=-1)], axis=-1)
 
     def contains(self, points: ArrayLike) -> np.ndarray:
         """Whether `points` (..., 3) are in the region and inside or on the surface, shape (...)."""

@@ -40,7 +40,6 @@ class RadialField(LocalSurface):
         self._loops = Loops(self.rims)
 
     def between(self, ends: Floats, rims: Integers) -> Integers:
-        """See `pas.mesh.field.SheetField`: none, as rings have no ends."""
         return np.full(len(ends), -1)
 
     def within(self, points: Floats) -> bool:

@@ -138,7 +138,7 @@ def _saved_blend(folder: Path) -> Path:
 
 
 def _saved_shell(folder: Path) -> Path:
-    return _saved(folder, lambda path: pas.save_solid(_ball().shell(0.2, tolerance=0.4), path))
+    return _saved(folder, lambda path: pas.save(_ball().shell(0.2, tolerance=0.4), path))
 
 
 T = 0.2
@@ -226,13 +226,8 @@ LONG_CALLS = {
     "Assembly.mesh": LongCall(_parts, lambda p, f, **k: p.mesh(T, **k), 3),
     "Assembly.meshes": LongCall(_parts, lambda p, f, **k: p.meshes(T, **k)),
     "pas.write": LongCall(_solid, lambda p, f, **k: pas.write(p, f / "x.obj", tolerance=T, **k), 3),
-    "pas.write_solid": LongCall(_solid, lambda p, f, **k: pas.write_solid(p, f / "x.stl", tolerance=T, **k), 3),
-    "pas.write_mesh": LongCall(_patch, lambda p, f, **k: pas.write_mesh(p, f / "x.ply", tolerance=T, **k)),
     "pas.volume_mesh": LongCall(_box, lambda p, f, **k: pas.volume_mesh(p, edge_length=1, tolerance=0.05, **k), 3),
-    "pas.save_solid": LongCall(_solid, lambda p, f, **k: pas.save_solid(p, f / "x.pas.json", **k)),
-    "pas.load_solid": LongCall(_saved_shell, lambda p, f, **k: pas.load_solid(p, **k), 2),
     "pas.load": LongCall(_saved_shell, lambda p, f, **k: pas.load(p, **k), 2),
-    "pas.save_parametric": LongCall(_hermite, lambda p, f, **k: pas.save_parametric(p, f / "x.pas.json", **k)),
     "pas.draw": LongCall(_surface, lambda p, f, **k: pas.draw(p, f / "x.png", size=(64, 48), **k), 2),
     "pas.animate": LongCall(
         _surface, lambda p, f, **k: pas.animate(lambda _: p, (0,), f / "x.gif", size=(64, 48), **k), 2
@@ -251,7 +246,6 @@ LONG_CALLS = {
     "pas.fit_patch": LongCall(
         lambda _: pas.helicoid().with_domain(((0, 1), (0, 1))), lambda p, f, **k: pas.fit_patch(p, T, **k)
     ),
-    "pas.write_step": LongCall(_patch, lambda p, f, **k: pas.write_step(p, f / "x.step", **k), 3),
     "pas.generatrix_blend": LongCall(_sections, lambda p, f, **k: pas.generatrix_blend(*p, **k)),
     "GeneratrixBlend.mesh": LongCall(_generatrix, lambda p, f, **k: p.mesh(size=(12, 6), **k)),
     "GeneratrixBlend.largest_safe": LongCall(_generatrix, lambda p, f, **k: p.largest_safe(size=(24, 8), **k)),

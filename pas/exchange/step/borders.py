@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
+from pas.algebra.lengths import arc_lengths, resampled
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
 from pas.exchange.step.carriers import Plane
@@ -64,15 +65,15 @@ def curve_through(points: Floats, placed: Callable[[Floats], Floats], tolerance:
 
     Splines are within `tolerance`, or have as many points as there may be.
     """
-    dense = resampled(points, max(33, len(points)), placed)
+    dense = _evened(points, max(33, len(points)), placed)
     found = _line(dense) or _conic(dense)
     if found is not None:
         return found
     number, most_points = 9, 1025
     while True:
         checkpoint()
-        knots = resampled(dense, 2 * number - 1, placed)
-        lengths = _lengths(knots)
+        knots = _evened(dense, 2 * number - 1, placed)
+        lengths = arc_lengths(knots)
         if np.diff(lengths).min() <= 0:
             raise GeometryError(f"the curve in which two faces meet is too short for splines, {lengths[-1]:.1e}")
         spline = make_interp_spline(lengths[::2], knots[::2], k=DEGREE)
@@ -83,16 +84,9 @@ def curve_through(points: Floats, placed: Callable[[Floats], Floats], tolerance:
         number, dense = 2 * number - 1, knots
 
 
-def _lengths(points: Floats) -> Floats:
-    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-
-
-def resampled(points: Floats, number: int, placed: Callable[[Floats], Floats]) -> Floats:
+def _evened(points: Floats, number: int, placed: Callable[[Floats], Floats]) -> Floats:
     """So many points, evenly along others (N, 3), moved onto the curve; both ends stay."""
-    lengths = _lengths(points)
-    even = np.linspace(0, lengths[-1], number)
-    spread = np.stack([np.interp(even, lengths, column) for column in points.T], axis=1)
-    moved = placed(spread)
+    moved = placed(resampled(points, number))
     moved[0], moved[-1] = points[0], points[-1]
     return moved
 

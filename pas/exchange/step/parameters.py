@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pas.algebra.lengths import across
+from pas.algebra.lengths import across, spiral
 from pas.algebra.monomials import Floats
 from pas.exchange.step.carriers import Carrier, CarrierKind, Plane
 from pas.exchange.step.charts import ON_PLANE
@@ -88,9 +88,7 @@ def carrier_parameters(carrier: Carrier, points: Floats, corners: Floats) -> Car
 
 def _on_sphere(carrier: Carrier, moved: Floats) -> CarrierParameters | Plane:
     """Parameters with poles that a chart is away from, or a plane through the centre."""
-    number = np.arange(60) + 0.5
-    z, turn = 1 - number / 60, np.pi * (1 + 5**0.5) * number  # half of a Fibonacci lattice
-    directions = np.stack([np.sqrt(1 - z * z) * np.cos(turn), np.sqrt(1 - z * z) * np.sin(turn), z], axis=1)
+    directions = spiral(120)[:60]  # half of the sphere
     units = moved / np.linalg.norm(moved, axis=1, keepdims=True)
     cosines = np.abs(units @ directions.T)
     for pole in np.argsort(np.round(cosines.max(axis=0), 6), kind="stable"):

@@ -64,8 +64,7 @@ class EvenWall(Energy):
 
     def shares(self, points: Floats) -> Floats:
         """The wall's thickness at points (N, 3) of the inner surface over what it is to be there (N,)."""
-        share: Floats = self.depth(points)[0] / self.thickness(points)[0]
-        return share
+        return self.depth(points)[0] / self.thickness(points)[0]
 
     def residuals(self, points: SurfacePoints, sizes: Sizes) -> Floats:
         """What is squared and integrated over the surface, (N, 2)."""

@@ -45,7 +45,6 @@ class SquaredDerivatives(Energy):
         return len(self.derivatives[0][0])
 
     def hessian(self, basis: WorkingBasis) -> Floats:
-        """See `Energy.hessian`."""
         degree = 2 * max(basis.degree - self.order, 0)
         if self.domain is None:
             rules = basis.quadrature(degree)
@@ -57,7 +56,6 @@ class SquaredDerivatives(Energy):
         return factor.T @ factor * (to_float(self.weight) * basis.scale ** (3 - 2 * self.order))
 
     def products(self, members: Members) -> fmpq_mat:
-        """See `Energy.products`."""
         if self.domain is None and not members.partition.cells:
             raise ValueError("an energy needs a region: give the energy a pas.Box, or the single cell one")
         total = fmpq_mat(len(members.basis), len(members.basis))
@@ -83,7 +81,6 @@ class SquaredDerivatives(Energy):
         return total
 
     def to_record(self) -> dict[str, Any]:
-        """See `Energy.to_record`."""
         record: dict[str, Any] = {"kind": self.kind, "weight": plain(self.weight)}
         if self.domain is None:
             return record
@@ -92,12 +89,10 @@ class SquaredDerivatives(Energy):
 
     @classmethod
     def keys(cls) -> Mapping[str, bool]:
-        """See `Energy.keys`."""
         return dict.fromkeys(("weight", "piece", "lower", "upper"), False)
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> Self:
-        """See `Energy.from_record`."""
         if ("lower" in record) != ("upper" in record):
             raise ValueError("a box needs both lower and upper")
         domain = Box(record["lower"], record["upper"]) if "lower" in record else None

@@ -24,8 +24,9 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, cross, dot, rational, to_float
 from pas.algebra.rational_function import GENERATORS, RationalFunction
+from pas.algebra.roots import in_one
 from pas.errors import GeometryError
-from pas.parametric.series import Components, in_one, zeros_in_unit_interval
+from pas.parametric.series import Components, zeros_in_unit_interval
 from pas.parametric.surface import ParametricSurface, one_parameter
 
 NAMES: Names = ("s", "t")

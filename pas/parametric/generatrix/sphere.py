@@ -18,7 +18,7 @@ import numpy as np
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import check_tolerance, shown, shown_point
-from pas.algebra.lengths import lengths, unit
+from pas.algebra.lengths import lengths, spiral, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, VectorLike, dot, positive, to_float, to_floats, vector
@@ -166,13 +166,10 @@ def _grid_deviation(blend: GeneratrixBlend, size: tuple[int, int]) -> float:
 
 
 def _between(circles: Sequence[Floats], n: int) -> Floats:
-    """Points spread evenly over the unit sphere (a spiral of golden angles), those in the circles left out."""
+    """Points spread evenly over the unit sphere those in the circles left out."""
     spacing = min(float(np.linalg.norm(circle[1] - circle[0])) for circle in circles)
     number = int(np.clip(4 * np.pi / spacing**2, 4 * n, 60 * n))
-    k = np.arange(number) + 0.5
-    z, angle = 1 - 2 * k / number, np.pi * (1 + np.sqrt(5)) * k
-    ring = np.sqrt(1 - z * z)
-    points = np.stack([ring * np.cos(angle), ring * np.sin(angle), z], axis=1)
+    points = spiral(number)
     margin = 0.6 * np.sqrt(4 * np.pi / number)  # of the mean spacing
     outside = np.ones(number, dtype=bool)
     for circle in circles:
