@@ -108,7 +108,7 @@ def near(value: float) -> fmpq:
     return rational(Fraction(value).limit_denominator(10**9))
 
 
-def six_digits(value: float) -> fmpq:
+def decimal(value: float) -> fmpq:
     """The decimal number of six digits nearest to a double."""
     return rational(f"{value:.6g}")
 

@@ -40,11 +40,10 @@ class WithEdges(Generic[S]):
         exact torus of a ball that rolls; `print` of the solid says so.  Its face is called "fillet", or "fillet 2",
         unless `face` names it.  `within` are polynomials that are positive where a part of the edges is to be rounded.
 
-        Where a face goes on smoothly as another one, by a joint that is claimed, as sides of profiles with arcs and
-        fillets do, the edge goes on as that of the other one, and the fillet does: all around a boss's foot, a pocket's
-        floor, a top or a rim from the name of one side, or of all, "boss" for "boss 1", "boss 2", ...  One of the faces
-        is then a plane, and the others planes and circular cylinders upright on it; of order 1 that gives cylinders and
-        tori, and spheres in arcs of the radius, of order 2 the section of straight edges, turned about the arcs' axes.
+        Where a face goes on smoothly as another, by a claimed joint, as sides of profiles with arcs do, so does the
+        fillet: all around a boss's foot, a pocket's floor, a top or a rim from one side's name, or "boss" for "boss 1",
+        "boss 2", ...  One face is then a plane, the others planes and circular cylinders upright on it; of order 1 that
+        gives cylinders, tori and, in arcs of the radius, spheres, of order 2 one section all along.
 
         Where pipes (or bores) of one radius cross, or three and more meet in a point, the blend of `pas.node` is the
         face, in the place of their crossing and of its edges: `radius` is that of a ball that touches two of them where

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -76,9 +76,7 @@ class FaceSeam:
         middles, ways = mesh.points[edges].mean(axis=1), mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
         crossed = np.cross(faces[0].gradient(middles), faces[1].gradient(middles))
         above = (crossed * ways).sum(axis=1) < 0
-        found = cls(
-            names, faces, points, 1 if above.all() else -1, *_ends(solid, mesh, edges, (names, faces, points), sharp)
-        )
+        found = _ended(cls(names, faces, points, 1 if above.all() else -1), solid, mesh, edges, sharp)
         flat = 1e-2  # sine of an angle between faces below which they are taken for tangent
         worst = int(np.argmax(found.cosines**2))
         if 1 - found.cosines[worst] ** 2 < flat**2:
@@ -102,14 +100,10 @@ class FaceSeam:
         A name may be that of several numbered faces.  Raises `GeometryError` where there is none to be filled, and
         where it does not go on along all such faces.
         """
-        sides, mesh = (
-            [[name] if name in solid.faces else _numbered(solid, name) or [name] for name in names],
-            solid.mesh(),
-        )
+        mesh, sides = solid.mesh(), [[n] if n in solid.faces else _numbered(solid, n) or [n] for n in names]
         pairs = [(one, other) for one in sides[0] for other in sides[1]]
-        met = [
-            pair for pair in pairs if len(edges_between(mesh, *(_face_numbers(mesh, name) for name in pair)))
-        ] or pairs
+        numbers = {name: _face_numbers(mesh, name) for name in (*sides[0], *sides[1])}
+        met = [(a, b) for a, b in pairs if len(edges_between(mesh, numbers[a], numbers[b]))] or pairs
         sharp, wrong = set[frozenset[tuple[str, str]]](), {frozenset(pairs[:1])}
         while wrong:
             sharp |= wrong
@@ -130,18 +124,10 @@ class FaceSeam:
 
     @cached_property
     def sectors(self) -> tuple[tuple[Polynomial, ...], ...]:
-        """Planes at its smooth ends: of one set of them at least all are positive at each point of it.
-
-        Raises `GeometryError` where it turns too far for that.
-        """
-        planes = tuple(dict.fromkeys(end.plane for end in self.smooth))
-        size = float(np.ptp(self.points, axis=0).max())
-        ahead = [plane(self.points) > -1e-9 * size * lengths(plane.gradient(self.points)) for plane in planes]
-        if all(some.all() for some in ahead):
-            return (planes,)
-        if len(planes) < 2 or not np.any(ahead, axis=0).all():
-            raise GeometryError(f"the edge of {self.names[0]!r} and {self.names[1]!r} turns too far: draw it in two")
-        return tuple((plane,) for plane in planes)
+        """Planes at its smooth ends: of one set of them all are positive at each point, unless it turns too far."""
+        planes, size = tuple(dict.fromkeys(end.plane for end in self.smooth)), float(np.ptp(self.points, axis=0).max())
+        ahead = (plane(self.points) > -1e-9 * size * lengths(plane.gradient(self.points)) for plane in planes)
+        return (planes,) if all(some.all() for some in ahead) else tuple((plane,) for plane in planes)
 
     @cached_property
     def normals(self) -> Floats:
@@ -257,18 +243,11 @@ def _numbered(solid: Solid, name: str) -> list[str]:
     return [face for face in solid.faces if face.startswith(f"{name} ") and face[len(name) + 1 :].isdigit()]
 
 
-Walls = tuple[Polynomial, ...]
-
-
-def _ends(
-    solid: Solid,
-    mesh: Mesh,
-    edges: Integers,
-    seam: tuple[tuple[str, str], tuple[Polynomial, Polynomial], Floats],
-    sharp: Set[frozenset[tuple[str, str]]],
-) -> tuple[tuple[SmoothEnd, ...], str, Walls, Walls, tuple[tuple[str, Polynomial], ...]]:
-    """What ends a seam of names, faces and points, and the faces beside it, as in `FaceSeam`."""
-    names, faces, points = seam
+def _ended(
+    seam: FaceSeam, solid: Solid, mesh: Mesh, edges: Integers, sharp: Set[frozenset[tuple[str, str]]]
+) -> FaceSeam:
+    """A seam with what ends it, and the faces beside it."""
+    names, points = seam.names, seam.points
     parts = [name.split(" + ") for name in mesh.names]
     own = [number for number, some in enumerate(parts) if not {*names}.isdisjoint(some)]
     vertices, times = np.unique(edges, return_counts=True)
@@ -287,7 +266,7 @@ def _ends(
         for joint in (joint for joint in solid.joints if joint.order):
             for one, other in ((joint.first, joint.second), (joint.second, joint.first)):
                 if one in names and other in here:
-                    found = _smooth_end(mesh, joint, (one, other), names, faces, end, way)
+                    found = _smooth_end(seam, mesh, joint, (one, other), end, way)
                     if found and frozenset((names, found.names)) not in sharp:
                         smooth.append(found)
                         here.discard(other)
@@ -307,36 +286,30 @@ def _ends(
 
     numbers = [number for number in range(len(parts)) if number not in own and len(edges_between(mesh, own, [number]))]
     next_to = dict.fromkeys(name for number in numbers for name in parts[number])
-    return (
-        tuple(smooth),
-        "".join(
-            f", where {one!r} goes on smoothly in {other!r} and a fillet does not{_WHERE}" for one, other in [*told][:1]
-        ),
-        tuple(filter(ahead, dict.fromkeys(left))),
-        tuple(wall for wall in dict.fromkeys(entered) if ahead(-wall)),
-        tuple((name, w) for name in next_to for w in solid.polynomials.get(name, ()) if (w(points) < 0).all()),
+    words = [f", where {one!r} goes on smoothly in {other!r} and a fillet does not{_WHERE}" for one, other in told]
+    return replace(
+        seam,
+        smooth=tuple(smooth),
+        goes_on="".join(words[:1]),
+        left=tuple(filter(ahead, dict.fromkeys(left))),
+        entered=tuple(wall for wall in dict.fromkeys(entered) if ahead(-wall)),
+        beside=tuple((name, w) for name in next_to for w in solid.polynomials.get(name, ()) if (w(points) < 0).all()),
     )
 
 
 def _smooth_end(
-    mesh: Mesh,
-    joint: Joint,
-    going: tuple[str, str],
-    names: tuple[str, str],
-    faces: tuple[Polynomial, Polynomial],
-    end: int,
-    way: Floats,
+    seam: FaceSeam, mesh: Mesh, joint: Joint, going: tuple[str, str], end: int, way: Floats
 ) -> SmoothEnd | None:
     """The smooth end of a seam at a vertex, up to which its way is given, where one of its faces goes on as another.
 
     None where the other face of the seam does not go on there, or where the joint is not in a plane across it.
     """
-    first, second = (going[1] if name == going[0] else name for name in names)
+    first, second = (going[1] if name == going[0] else name for name in seam.names)
     if end not in edges_between(mesh, _face_numbers(mesh, first), _face_numbers(mesh, second)):
         return None
     place, close = mesh.points[end], 1 - 1e-12  # the cosine of directions of exact functions at a vertex of a mesh
-    normals = unit(faces[0].gradient(place)), unit(faces[1].gradient(place))
-    along, normal = unit(np.cross(*normals)), normals[names.index(going[0])]
+    normals = unit(seam.faces[0].gradient(place)), unit(seam.faces[1].gradient(place))
+    along, normal = unit(np.cross(*normals)), normals[seam.names.index(going[0])]
     for plane, tangent in (joint.along, joint.along[::-1]):
         cosines = float(unit(plane.gradient(place)) @ along), float(unit(tangent.gradient(place)) @ normal)
         if plane.degree == tangent.degree == 1 and min(map(abs, cosines)) > close:

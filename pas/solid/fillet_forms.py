@@ -18,10 +18,8 @@ The heights are those at which a rolling ball touches the other face, in the mea
 mean cosine c between normals, which makes the fillet of two planes a circular cylinder.  Not guaranteed: that the
 fillet of curved faces is near a rolling ball's, which is no algebraic surface of such a degree.
 
-Of even order it is that curve turned about the axis, too, where one face is a plane and the other a cylinder that
-stands on it, with t linear in R: of mu s t - h^(k+1) = A + B R the norm A^2 - B^2 R^2, which vanishes twice only where
-R does, as A - B R has one sign where s, t and h count.  So along planes and cylinders that go on smoothly in one
-another fillets have one cross-section.
+Of even order that curve is turned about the axis, too, of a cylinder that stands on a plane: with t linear in R, it is
+the norm A^2 - B^2 R^2 of mu s t - h^(k+1) = A + B R, as A - B R has one sign where s, t and h count.
 """
 
 from __future__ import annotations
@@ -35,18 +33,7 @@ from flint import fmpq
 
 from pas.algebra.affine import away, height, slope_at
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import (
-    Vector,
-    dot,
-    minus,
-    near,
-    six_digits,
-    square_root,
-    three,
-    to_float,
-    to_floats,
-    two_across,
-)
+from pas.algebra.rational import Vector, decimal, dot, minus, near, square_root, three, to_float, to_floats, two_across
 from pas.contacts.parallels import principal_axes, quadratic_terms
 from pas.contacts.torus import torus_polynomial
 from pas.solid.face_seams import FaceSeam, SmoothEnd
@@ -153,10 +140,10 @@ class FilletPiece:
     def claims(self) -> Iterator[Joint]:
         """The joints with both faces."""
         (f, g), (a, b), sign = self.seam.faces, self.form.heights, self.seam.sign
-        curves = (f, g - b * sign), (g, f - a * sign)
-        for name, along, there in zip(self.seam.names, curves, self.form.curves, strict=True):
+        along = (f, g - b * sign), (g, f - a * sign)
+        for name, curve, there in zip(self.seam.names, along, self.form.curves, strict=True):
             for sector in self.seam.sectors if there else ():
-                yield Joint(self.face, name, along, self.order, (*(-wall for wall in self.ended), *sector))
+                yield Joint(self.face, name, curve, self.order, (*(-wall for wall in self.ended), *sector))
 
     def section(self, end: SmoothEnd) -> tuple[Polynomial, Polynomial]:
         """The curve in which it goes on at a smooth end: the plane, and its surface if the faces were flat there."""
@@ -255,10 +242,10 @@ def bent(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm:
     """The polynomial mu s t - h^(k+1), or of order 0 -h, which is flat between planes."""
     reach = seam.sign * to_float(radius) * (1 - seam.cosines)[:, None]
     a, b = (
-        six_digits(seam.sign * float(face(seam.points + reach * normal).mean()))
+        decimal(seam.sign * float(face(seam.points + reach * normal).mean()))
         for face, normal in zip(seam.faces, seam.normals, strict=True)
     )
-    cosine, slopes = six_digits(float(seam.cosines.mean())), [slope_at(face) for face in seam.faces]
+    cosine, slopes = decimal(float(seam.cosines.mean())), [slope_at(face) for face in seam.faces]
     sizes = [square_root(dot(slope, slope)) for slope in slopes]
     if all(f.degree == 1 and dot(w, w) == size**2 for f, w, size in zip(seam.faces, slopes, sizes, strict=True)):
         cosine = dot(*slopes) / (sizes[0] * sizes[1])

@@ -19,7 +19,7 @@ from flint import fmpq
 from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
-from pas.algebra.rational import plain, six_digits, to_float
+from pas.algebra.rational import decimal, plain, to_float
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.registry import loaded
@@ -67,7 +67,7 @@ class Filling:
         """That of arguments of `Solid.fillet`, which are checked but for faces that touch."""
         check_order(order)
         walls = tuple(Polynomial.named(wall, f"within[{i}]", constant=False) for i, wall in enumerate(within))
-        tiny = fmpq(1, 2**20) * six_digits(float(np.ptp(solid.mesh().points, axis=0).max()))
+        tiny = fmpq(1, 2**20) * decimal(float(np.ptp(solid.mesh().points, axis=0).max()))
         seams = FaceSeam.chain(solid, names, lambda seam, end: FilletPiece("", seam, tiny, order).goes_on(end))
         return cls(solid, seams, order, walls, title_of(solid, order, face))
 
@@ -155,7 +155,7 @@ def _largest(made: Callable[[fmpq], Solid | str], above: fmpq) -> fmpq | None:
         if not attempts:
             return None
     while high - low > low / 60:
-        middle = six_digits(to_float(low + (high - low) * share))
+        middle = decimal(to_float(low + (high - low) * share))
         low, high = (low, middle) if isinstance(made(middle), str) else (middle, high)
     return low
 
@@ -228,7 +228,7 @@ def _largest_of(known: Sequence[Way], above: fmpq) -> float | None:
 
 def largest(solid: Solid, names: tuple[str, str], order: int, within: Sequence[PolynomialLike]) -> float:
     """The largest radius, nearly, of a fillet that is proved; see `Solid.largest_fillet`."""
-    size = six_digits(float(np.ptp(solid.box, axis=0).max()))
+    size = decimal(float(np.ptp(solid.box, axis=0).max()))
     found = _largest_of(ways(solid, names, order, within), size)
     if found is None:
         raise GeometryError(f"no fillet between {names[0]!r} and {names[1]!r} is proved, however small")

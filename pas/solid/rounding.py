@@ -36,7 +36,7 @@ from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.lengths import across, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, cross, dot, plain, six_digits, square_root, to_float, to_floats
+from pas.algebra.rational import Vector, cross, decimal, dot, plain, square_root, to_float, to_floats
 from pas.errors import GeometryError, meant
 from pas.mesh.rows import Integers
 from pas.solid.joints import Joint
@@ -71,7 +71,7 @@ class PlaneFace:
     def length(self) -> fmpq:
         """Of the normal, to six digits where it is not rational."""
         root = square_root(dot(self.normal, self.normal))
-        return root if root * root == dot(self.normal, self.normal) else six_digits(to_float(root))
+        return root if root * root == dot(self.normal, self.normal) else decimal(to_float(root))
 
     def cosine(self, other: PlaneFace) -> fmpq:
         """Of the angle between the normals."""

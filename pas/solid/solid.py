@@ -136,17 +136,10 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         return replace(self, tree=shelled(self, size, open, self._tolerance(tolerance)), sheets=None)
 
     def renamed(self, name: str | Mapping[str, str]) -> Solid:
-        """The solid with all its faces, walls included, under one name, or some under new ones; claimed joints stay.
-
-        Raises `GeometryError` for a face that does not exist.
-
-            solid.circle((0, 0), 4).extrude(5).renamed({"top": "lid"})
-        """
-        if isinstance(name, str):
-            return self._called(dict.fromkeys((*self.faces, ""), name))
-        if unknown := next((face for face in name if face not in self.faces), None):
-            raise GeometryError(f"the solid has no face {unknown!r}{meant(unknown, self.faces) or ''}")
-        return self._called(name)
+        """The solid with all its faces, walls included, under one name, or some under new ones; claimed joints stay."""
+        if unknown := [] if isinstance(name, str) else [face for face in name if face not in self.faces]:
+            raise GeometryError(f"the solid has no face {unknown[0]!r}{meant(unknown[0], self.faces) or ''}")
+        return self._called(dict.fromkeys((*self.faces, ""), name) if isinstance(name, str) else name)
 
     def _called(self, names: Mapping[str, str]) -> Solid:
         """The solid with other names of some faces."""
