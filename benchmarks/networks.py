@@ -2,12 +2,14 @@
 
     python benchmarks/networks.py [NAME ...]
     python benchmarks/networks.py --foam COUNT [--lowest]
+    python benchmarks/networks.py --whole CELLS [--cache FOLDER] [--lowest]
 
 prints, of each lattice at a ratio of radius to length: seconds of processor time for the blends of its classes, for its
 mesh and its certificate, triangles and the share of them with an angle below five degrees, volume; and seconds,
 triangles, slivers and volume of the union whose cylinders and balls are as near to round ones as that mesh is to its
-surface.  All of one run.  With `--foam`: how many of so many nodes, drawn over a foam of ten thousand after repair, are
-proved and fair, a line for each that is not, and seconds.
+surface.  All of one run.  With `--foam`: how many of so many nodes, drawn in groups over a foam of ten thousand after
+repair, are proved and fair, a line for each with the shares so far.  With `--whole`: a smaller foam as one mesh, looked
+at by two libraries; what a folder keeps of it is not made again.
 """
 
 from __future__ import annotations
@@ -20,6 +22,8 @@ from math import acos, ceil, pi
 
 import manifold3d
 import numpy as np
+import trimesh
+from scipy.spatial import cKDTree
 
 from pas import network
 from pas.errors import PasError
@@ -27,7 +31,7 @@ from pas.network import nodes
 from pas.pipeline.blend import blend
 
 CASES = {"cubic": (10, "1/5"), "BCC": (8, "1/8"), "octet": (6, "7/100"), "Kelvin": (5, "1/16"), "diamond": (5, "1/12")}
-SLIVER = 5.0
+SLIVER, GROUP = 5.0, 10
 
 
 def slivers(points: np.ndarray, triangles: np.ndarray) -> float:
@@ -54,27 +58,65 @@ def union(net: network.Network, deviation: float) -> manifold3d.Manifold:
     return manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
 
 
+def around(net: network.Network, count: int) -> tuple[network.Network, list[int]]:
+    """So many nodes in groups around points drawn over a network: what is within two struts of them, and their numbers.
+
+    Ends are found from there: those of a whole foam take half an hour.
+    """
+    centers = random.Random(38).sample(range(len(net.places)), ceil(count / GROUP))
+    wanted = np.unique(cKDTree(net.points).query(net.points[centers], GROUP)[1])
+    kept = np.isin(np.arange(len(net.places)), wanted)
+    for _ in range(2):
+        kept[net.edges[kept[net.edges].any(axis=1)]] = True
+    numbers = np.cumsum(kept) - 1
+    edges = numbers[net.edges[kept[net.edges].all(axis=1)]]
+    part = network.Network(net.points[kept], edges, net.radii[0], net.grid)
+    return part, random.Random(38).sample(numbers[wanted].tolist(), len(wanted))
+
+
 def foam(count: int, lowest: bool) -> None:
-    """Print the shares of nodes of a foam that are proved and fair, and what others are beyond."""
+    """Print the shares of nodes of a foam that are proved and fair so far, and what others are beyond."""
     net = network.voronoi(2000, "1/630", seed=1).repair(collapse=True)[0]
+    print(f"{net}, {len(net.check())} problems", flush=True)
+    net, wanted = around(net, count)
     clock = time.process_time()
     kinds = nodes.placed_ends(net, 1)
-    print(f"{net}, {len(net.check())} problems; placed in {time.process_time() - clock:.0f} s", flush=True)
+    print(f"{len(wanted)} nodes in {net}, placed in {time.process_time() - clock:.0f} s", flush=True)
     made, beyond, seconds = 0, Counter[str](), []
-    for node in random.Random(38).sample(range(len(net.places)), count):
-        kind, clock = kinds.kinds[kinds.of[node]], time.process_time()
+    for node in wanted:
+        kind, clock, said = kinds.kinds[kinds.of[node]], time.process_time(), "fair"
         try:
             found = blend(nodes.pipes_of(kind, net, 1), 1, "lowest" if lowest else None) if kind.blended else None
         except PasError as error:
-            print(f"node {node}: {error}", flush=True)
+            said = f"not proved: {error}"
         else:
-            made += found is None or found.certificate.proved
+            made += 1
             if found is not None and (why := found.fairness.beyond(found.limits)):
-                print(f"node {node}: {', '.join(why)}", flush=True)
+                said = ", ".join(why)
                 beyond[" and ".join(sorted(measure.split()[0] for measure in why))] += 1
         seconds.append(time.process_time() - clock)
-    print(f"{made} of {count} proved, {made - beyond.total()} fair, others beyond limits by {dict(beyond)}")
-    print(f"seconds: {np.mean(seconds):.1f} in the mean, {np.median(seconds):.1f} median, {max(seconds):.0f} at most")
+        done = f"{len(seconds)}: {made} proved, {made - beyond.total()} fair, {np.mean(seconds):.1f} s a node"
+        print(f"{done}; node {node}, {seconds[-1]:.1f} s: {said}", flush=True)
+    print(f"beyond limits by {dict(beyond)}; seconds: {np.median(seconds):.1f} median, {max(seconds):.0f} at most")
+
+
+def whole(cells: int, cache: str, degree: str | None) -> None:
+    """Print what a whole foam of so many cells, with struts like those of the other, comes to as one mesh."""
+    net = network.voronoi(cells, f"1/{round(50 * cells ** (1 / 3))}", seed=1).repair(collapse=True)[0]
+    clock = time.process_time()
+    part = net.blend(degree=degree, cache=cache)
+    print(f"{net}: blends in {time.process_time() - clock:.0f} s, {len(part.unfair)} not fair", flush=True)
+    mesh = part.mesh()
+    solid = manifold3d.Manifold(manifold3d.Mesh(mesh.points.astype(np.float32), mesh.triangles.astype(np.uint32)))
+    closed = trimesh.Trimesh(mesh.points, mesh.triangles, process=False)
+    print(
+        f"{len(mesh.triangles)} triangles, watertight {closed.is_watertight}, genus {part.genus}, by euler number "
+        f"{1 - closed.euler_number // 2}, by manifold3d {solid.genus()} ({solid.status()}); "
+        f"{slivers(mesh.points, mesh.triangles):.1%} slivers",
+        flush=True,
+    )
+    print(part.certificate, mesh.certificate, sep="\n")
+    print(f"{time.process_time() - clock:.0f} s in all")
 
 
 def main() -> None:
@@ -82,9 +124,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(CASES)} (default: all)")
     parser.add_argument("--foam", type=int, metavar="COUNT")
+    parser.add_argument("--whole", type=int, metavar="CELLS")
+    parser.add_argument("--cache", metavar="FOLDER")
     parser.add_argument("--lowest", action="store_true")
     options = parser.parse_args()
-    if options.foam:
+    if options.whole:
+        whole(options.whole, options.cache, "lowest" if options.lowest else None)
+    elif options.foam:
         foam(options.foam, options.lowest)
     else:
         table(options.names)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
 from math import pi, sqrt
@@ -15,6 +16,8 @@ from pas import solid
 from pas.errors import MeshError
 from pas.mesh import closed
 from pas.mesh.faces import _roots
+from pas.mesh.labelled import Labelled
+from pas.mesh.quality import Quality
 from pas.mesh.topology import twins_of
 from pas.solid import measures
 
@@ -286,6 +289,74 @@ SLAB = solid.box((-2, -2, 0), (2, 2, 1))
 def test_pieces_that_touch_in_a_vertex_or_along_a_curve_are_no_surface(shape):
     with pytest.raises(MeshError, match=r"touch|meet in one point"):
         shape.mesh(1e-2)
+
+
+def roof(face):
+    """Half of a square bar below its upper edge, which is along z."""
+    return solid.polygon([(-1, -1), (1, -1), (0, 0)], face).extrude(2).translate(0, 0, -1)
+
+
+def upside_down(offset):
+    """Such a bar above its lower edge, which is along x."""
+    return roof("other").rotate((0, 1, 0), 90).mirror((0, 1, 0)).translate(offset)
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["by meshes of the parts", "by a lattice"])
+@pytest.mark.parametrize("offset", [("1/3", 0, "1/7"), ("1/100", 0, 0)])
+def test_edges_that_cross_in_one_point_make_no_surface(offset, known):
+    shape = roof("one") | upside_down(offset)
+    with pytest.raises(MeshError, match="the solid could not be meshed"):
+        (shape if known else replace(shape, sheets=None)).mesh(1e-2)
+    almost = roof("one") | upside_down((offset[0], "1/100", offset[2]))
+    assert (almost if known else replace(almost, sheets=None)).mesh(1e-3).components == 2
+
+
+def test_pieces_that_touch_are_known_on_a_lattice_as_well():
+    tip = solid.box((-1, -1, -1), (1, 1, 1)) - solid.cone((0, 0, "-1/2"), (0, 0, 1), "1/2", 0)
+    corner = SLAB | solid.box((2, 2, 1), (3, 3, 2), "corner")
+    for shape in (tip, corner):
+        with pytest.raises(MeshError, match=r"touch|is singular"):
+            replace(shape, sheets=None).mesh(1e-2)
+
+
+def test_meshes_have_no_triangles_that_cross():
+    """Two balls that overlap, as if they were apart: what bounds them is no surface."""
+    balls = solid.ball((0, 0, 0), 1, "one"), solid.ball((1, 0, 0), 1, "other")
+    both = balls[0] | balls[1]
+    field, parts = both.field, []
+    for ball in balls:
+        mesh = ball.face_mesh(1e-2).mesh
+        points = field.evaluator.local(ball.field.world(mesh.points))
+        parts.append((points, mesh.triangles, field.labels_of(ball.field, mesh.labels)))
+    points, triangles, labels = (np.concatenate(some) for some in zip(*parts, strict=True))
+    triangles[len(parts[0][1]) :] += len(parts[0][0])
+    crossed = Labelled.of(points, triangles, labels)
+    with pytest.raises(MeshError, match="triangles of 'one' and 'other' cross"):
+        closed.refined_faces(crossed, field, 1e-2, Quality.BALANCED)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_planes_that_are_equal_to_rounding_are_one(seed):
+    """A flange that ends where a bored pipe does, at points and in a direction that are doubles."""
+    way = np.random.default_rng(seed).normal(size=3)
+    way /= np.linalg.norm(way)
+    start = 3 * way[::-1]
+    pipe = solid.cylinder(start, start + 5 * way, 1, "pipe")
+    flange = solid.cylinder(start + 4.7 * way, start + 5 * way, 2, "flange")
+    made = (pipe | flange) - solid.cylinder(start - way, start + 6 * way, "3/4", "bore")
+    for known in (made, replace(made, sheets=None)):
+        mesh = known.mesh(1e-2)
+        assert mesh.euler_characteristic == 0 and "pipe end + flange end" in mesh.names
+        assert mesh.volume == pytest.approx(pi * (5 * (1 - 9 / 16) + 0.3 * 3), rel=2e-2)
+
+
+def test_planes_that_are_nearly_equal_are_two():
+    """Seen from where they are, which is far from the origin, and beside it."""
+    for far in (0, 10**6):
+        stack = solid.box((far, 0, 0), (far + 1, 1, 1)) | solid.box(
+            (far + Fraction(1, 10**6), 0, 1), (far + 1, 1, 2), "b"
+        )
+        assert {"box x-", "b x-"} <= {*stack.mesh(2.1e-7).names}
 
 
 def test_faces_that_lie_in_one_plane_are_no_contact():

@@ -51,6 +51,96 @@ def test_solids_come_back_exactly(name, tmp_path):
     assert other.read_text() == (tmp_path / "a.pas.json").read_text()
 
 
+def block() -> Solid:
+    return solid.box((0, 0, 0), (4, 3, 2))
+
+
+def bore() -> Solid:
+    return solid.cylinder((2, "3/2", -1), (2, "3/2", 3), "1/2", face="bore")
+
+
+def plate() -> Any:
+    return solid.rounded_rectangle(40, 30, 5)
+
+
+def corner() -> Solid:
+    """A blend with its neighbours."""
+    return solved(EQUAL, 1).solid(length=2)
+
+
+MADE = {
+    "box": block,
+    "ball": lambda: solid.ball((0, 0, 0), 1),
+    "cylinder": lambda: solid.cylinder((0, 0, 0), (1, 2, 3), 1),
+    "cone": lambda: solid.cone((0, 0, 0), (1, 2, 3), 1),
+    "truncated cone": lambda: solid.cone((0, 0, 0), (1, 2, 3), 1, "1/3").mirror((1, 0, 0)),
+    "torus": lambda: solid.torus((0, 0, 0), (1, 2, 3), 3, 1),
+    "implicit": lambda: solid.implicit("x^4 + y^4 + z^4 - 1"),
+    "extruded": lambda: (plate() - solid.circle((10, 10), 3)).extrude(5),
+    "tapered": lambda: plate().extrude(5, taper=10),
+    "text": lambda: solid.text("ab", size=10).extrude(2),
+    "revolved": lambda: solid.circle((3, 0), 1).revolve(),
+    "revolved in part": lambda: solid.polygon([(1, 0), (2, 0), (2, 3)]).revolve(100),
+    "rounded": lambda: block().rounded(radius="1/2"),
+    "rounded edges": lambda: block().rounded(["box x+", "box y+"], radius="1/2", order=2),
+    "rounded and drilled": lambda: (block() - bore()).rounded(radius="1/4"),
+    "rounded profile": lambda: plate().extrude(9).rounded(radius=1),
+    "fillet": lambda: block().fillet("box x+", "box y+", radius="1/2"),
+    "fillet and drilled": lambda: block().fillet("box x+", "box y+", radius="1/2") - bore(),
+    "chamfer": lambda: block().chamfer("box x+", "box y+", "1/2"),
+    "pipe": lambda: solid.pipe([(0, 0, 0), (0, 0, 50), (30, 0, 50)], 5, bend=12, wall=1),
+    "thread": lambda: solid.thread(8, "1.25", 5),
+    "pattern": lambda: bore().pattern(3, (2, 0, 0)),
+    "circular pattern": lambda: solid.box((2, 0, 0), (3, 1, 1)).circular_pattern(4, (0, 0, 1)),
+    "union": lambda: block() | solid.ball((4, 3, 2), 1),
+    "difference": lambda: block() - solid.ball((4, 3, 2), 1) - bore(),
+    "intersection": lambda: block() & solid.ball((2, 1, 1), 2),
+    "in turn": lambda: (block() - solid.ball((4, 3, 2), 1) | solid.box((3, 1, 1), (6, 2, "3/2"))) - bore(),
+    "moved": lambda: (block() - bore()).rotate((1, 2, 3), 33).translate(5, 0, 0).scale(2),
+    "capped": lambda: block().cap("x + y - 5"),
+    "renamed": lambda: block().renamed("all"),
+    "half of it": lambda: block() & solid.half_space("x + y + z - 4"),
+    "shell": lambda: block().shell("1/10", open=["box z+"]),
+    "run": lambda: solid.cylinder((0, 0, 0), (0, 0, 9), 1) - solid.cylinder((0, 0, -1), (0, 0, 10), "1/2"),
+    "corner": corner,
+    "corners": lambda: corner() | corner().renamed("other").translate(20, 0, 0),
+    "cut corner": lambda: (corner() - solid.cylinder((0, 0, -9), (0, 0, 9), "1/10")).rotate((1, 2, 3), 20),
+}
+
+
+@pytest.mark.sampled(12)
+@pytest.mark.parametrize("name", MADE)
+def test_what_is_read_has_the_same_mesh(name, tmp_path):
+    made = MADE[name]()
+    read = pas.load(made.save(tmp_path / "a.pas.json"))
+    assert read.save(tmp_path / "b.pas.json").read_text() == (tmp_path / "a.pas.json").read_text()
+    assert type(read.sheets) is type(made.sheets)
+    one, other = made.mesh(), read.mesh()
+    assert (one.names, one.deviation) == (other.names, other.deviation)
+    for field in ("points", "triangles", "faces", "normals"):
+        assert np.array_equal(getattr(one, field), getattr(other, field)), field
+
+
+@pytest.mark.parametrize(("turns", "kept"), [(29, True), (60, False)])
+def test_many_operations_in_turn_are_saved(turns, kept, tmp_path):
+    """Operands within operands nest a file, which is read down to some depth."""
+    made = block()
+    for k in range(turns):
+        small = solid.ball((4, 3, 1 + k / 64), "1/8") if k % 2 else solid.box((k / 16, 0, 0), ((k + 1) / 16, 1, 1))
+        made = made | small if k % 2 else made - small
+    read = pas.load(made.save(tmp_path / "a.pas.json"))
+    assert read.tree == made.tree
+    assert len(read.sheets.parts) == len(made.sheets.parts) if kept else read.sheets is None
+
+
+def test_nothing_known_bounds_what_was_edited(tmp_path):
+    path = solid.cylinder((0, 0, 0), (0, 0, 9), 5).save(tmp_path / "a.pas.json")
+    rewrite(path, lambda content: content["solid"]["functions"][0]["polynomial"][-1].__setitem__(3, "-16"))
+    read = pas.load(path)
+    assert read.sheets is None
+    assert read.volume(1e-3) == pytest.approx(np.pi * 16 * 9, rel=1e-4)
+
+
 def test_joints_are_proved_anew(tmp_path):
     path = pas.save_solid(doubled(), tmp_path / "a.pas.json")
     assert "verdict" not in path.read_text()
@@ -195,6 +285,15 @@ def test_edited_solids_are_not_believed(tmp_path):
         lambda c: c["solid"]["tree"]["intersection"][0].update(function=99),
         lambda c: c["solid"]["functions"][0].update(polynomial=[[1, 0, 0, "1/0"]]),
         lambda c: c["solid"].update(joints=[{"first": "a", "second": "b", "along": [], "order": 1}]),
+        lambda c: c["solid"]["sheets"]["body"].update({"class": "pas.solid.solid.Solid"}),
+        lambda c: c["solid"]["sheets"]["body"].update({"class": "pas.cli.main"}),
+        lambda c: c["solid"]["sheets"]["body"].update({"class": "pas.solid.tree.Atom"}),
+        lambda c: c["solid"]["sheets"]["body"]["data"].update(parts=[0, 3]),
+        lambda c: c["solid"]["sheets"]["body"]["data"]["parts"][0]["tree"].clear(),
+        lambda c: box_of(c)["data"].update(height="high"),
+        lambda c: box_of(c)["data"]["loops"][0]["edges"][0]["start"].append("1"),
+        lambda c: box_of(c).update({"class": "pas.solid.strips.Sections"}),
+        lambda c: box_of(c).update({"class": "pas.solid.edges.Loop", "data": box_of(c)["data"]["loops"][0]}),
         lambda c: c.update(kind="assembly"),
     ],
 )
@@ -215,6 +314,11 @@ def test_the_command_line_reads_solids(tmp_path, capsys):
     assert cli.main(["check", str(ball)]) == cli.FAILED
     assert cli.main(["render", str(ball), "-o", str(tmp_path / "ball.png"), "--curvature"]) == cli.WRONG
     assert "curvature colours exist for blends" in capsys.readouterr().err
+
+
+def box_of(content):
+    """What bounds the box of the difference."""
+    return content["solid"]["sheets"]["body"]["data"]["parts"][0]["sheets"]["body"]["data"]["body"]
 
 
 def rewrite(path, change):

@@ -1,23 +1,33 @@
 """Solids in project files (`.pas.json`): the exact trees, functions and joints.
 
 Guaranteed: what is read back is what was written, term by term: trees with their order and walls, polynomials with
-their rational coefficients, joints, special points.  Verdicts are not kept: they are proved anew when asked for.
+their rational coefficients, joints, special points, and what bounds a solid, so that it is meshed as before; a tree
+that was edited is bounded by nothing known.  Verdicts are not kept: they are proved anew when asked for.
 Functions that are no polynomials are kept where their class says how, by `to_record()` and a class method
 `from_record(record)`: classes of `pas.solid` are found by their names, others once they are named to `storable`.
+What bounds solids are dataclasses of `pas.solid`, kept by their annotated fields.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
+from functools import cache, partial
 from importlib import import_module
-from typing import Any, TypeVar
+from types import NoneType
+from typing import Any, TypeVar, cast, get_args, get_origin, get_type_hints
+
+import numpy as np
+from flint import fmpq
 
 from pas.algebra.affine import Affine
 from pas.algebra.inputs import whole
+from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import vector
-from pas.exchange.records import PARAMETRIC, PARTITION
+from pas.algebra.rational import rational, vector
+from pas.exchange.files import checksum
+from pas.exchange.records import PARAMETRIC, PARTITION, SURFACE
 from pas.exchange.schema import (
     ANYTHING,
     FLAG,
@@ -27,19 +37,25 @@ from pas.exchange.schema import (
     REAL,
     TEXT,
     WHOLE,
+    Form,
     Table,
     Value,
     choice,
     itself,
     later,
     list_of,
+    maybe,
     read_by,
+    row,
 )
 from pas.parametric.solids import FlatEnd, SurfaceDistance
 from pas.parametric.surface import ParametricSurface
+from pas.piecewise import PiecewiseSurface
 from pas.solid.functions import Distance, Moved, Pieces
 from pas.solid.joints import Joint
-from pas.solid.shell import FaceDistance, Hollowable
+from pas.solid.linked import SolidBoundary
+from pas.solid.operands import Operand, Operands
+from pas.solid.shell import FaceDistance
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Function, Node, Tree, atoms
 
@@ -114,10 +130,6 @@ def _moved(moved: Function, matrix: Any, shift: Any) -> Moved:
     return Moved(moved, place, place.similarity())
 
 
-def _face_distance(near: Solid, faces: Any, thickness: float, tolerance: float) -> FaceDistance:
-    return FaceDistance(near, faces, float(thickness), float(tolerance))
-
-
 def _bounded(inside: ParametricSurface, end: int | None = None) -> Distance:
     """The distance from a surface that bounds a body, or the height above the plane of one of its ends."""
     distance = SurfaceDistance(inside, inside.mesh())
@@ -135,7 +147,7 @@ def _of_class(**entries: Any) -> Function:
     """A function of a class that says how it is read; raises `ValueError` for one that is not known."""
     name, data = entries["class"], entries["data"]
     kind: Any = _class_named(name)
-    if kind is None:
+    if not callable(getattr(kind, "from_record", None)):
         raise ValueError(f"functions of class {name!r} are not known; name the class to `storable` first")
     _DATA.get(name, ANYTHING).check(data, "data")
     return kind.from_record(data)
@@ -177,7 +189,7 @@ FUNCTION: Value = choice(
     ),
     Table(
         {"near": later(lambda: RECORD), "faces": list_of(TEXT), "thickness": REAL, "tolerance": REAL},
-        make=_face_distance,
+        make=lambda near, faces, thickness, tolerance: FaceDistance(near, faces, float(thickness), float(tolerance)),
         entries=lambda f: {"near": f.solid, "faces": f.faces, "thickness": f.thickness, "tolerance": f.tolerance},
         of=lambda function: isinstance(function, FaceDistance),
     ),
@@ -192,18 +204,73 @@ FUNCTION: Value = choice(
 )
 
 
-def _solid(functions: list[Function], tree: dict[str, Any], joints: list[Joint], special_points: Any) -> Solid:
+_FORMS: dict[Any, Form] = {str: TEXT, bool: FLAG, int: WHOLE, Polynomial: POLYNOMIAL, PiecewiseSurface: SURFACE}
+_FORMS |= {float: replace(REAL, read=float), fmpq: replace(NUMBER, read=rational), Operand: later(lambda: RECORD)}
+_FORMS[Floats] = Value(
+    "an array", lambda v: isinstance(v, list), read=partial(np.array, dtype=float), write=np.ndarray.tolist
+)
+"""Of fields of what bounds solids, by their types."""
+
+
+@cache
+def _form_of(kind: Any) -> Form:
+    """The form of the values of an annotated type: of a dataclass its fields, of a protocol a class and its fields."""
+    origin, inner = get_origin(kind), get_args(kind)
+    if kind in _FORMS:
+        return _FORMS[kind]
+    if NoneType in inner:
+        return maybe(_form_of(inner[0]))
+    if origin is Mapping:
+        pairs = list_of(row(*map(_form_of, inner)))
+        return read_by(pairs, lambda value: dict(pairs.read(value)), lambda table: pairs.write([*table.items()]))
+    if origin is tuple:
+        form = list_of(_form_of(inner[0])) if inner[-1] is Ellipsis else row(*map(_form_of, inner))
+        return read_by(form, lambda value: tuple(form.read(value)), form.write)
+    if hasattr(kind, "from_record"):
+        return FUNCTION
+    if not is_dataclass(kind):
+        known = Table({"class": TEXT, "data": ANYTHING}, make=partial(_body, kind))
+        return replace(known, entries=lambda b: {"class": _name(b.__class__), "data": _form_of(b.__class__).write(b)})
+    types, made = get_type_hints(kind), cast("Callable[..., Any]", kind)
+    return Table({f.name: later(partial(_form_of, types[f.name])) for f in fields(kind) if f.init}, make=made)
+
+
+def _body(protocol: type, **entries: Any) -> Any:
+    """What is of a dataclass of `pas.solid` that a protocol stands for; raises `ValueError` for others."""
+    kind = _class_named(entries["class"])
+    asked = {name for name in vars(protocol) if not name.startswith("_")}
+    if kind is None or not is_dataclass(kind) or not asked <= {*dir(kind), *kind.__dataclass_fields__}:
+        raise ValueError(f"what bounds a solid is of no class {entries['class']!r}")
+    form = _form_of(kind)
+    form.check(entries["data"], "data")
+    return form.read(entries["data"])
+
+
+def _sum_of(functions: Sequence[Function], tree: dict[str, Any]) -> str:
+    """What tells whether inequalities are those that something bounded when it was written."""
+    return checksum({"functions": [FUNCTION.write(function) for function in functions], "tree": tree})
+
+
+def _solid(functions: list[Function], tree: Any, joints: Any, special_points: Any, sheets: Any = None) -> Solid:
     points = tuple((float(x), float(y), float(z)) for x, y, z in special_points)
-    return Solid(_read_tree(tree, functions), tuple(joints), points)
+    body = sheets["body"] if sheets and sheets["of"] == _sum_of(functions, tree) else None
+    return Solid(_read_tree(tree, functions), tuple(joints), points, body)
 
 
-def _solid_entries(solid: Hollowable) -> dict[str, Any]:
+def _solid_entries(solid: Solid) -> dict[str, Any]:
     """Everything that defines a solid, exact; each function is written once."""
     numbers: dict[Function, int] = {}
     for atom in atoms(solid.tree):
         numbers.setdefault(atom.function, len(numbers))
-    tree = _tree_record(solid.tree, numbers)
-    return {"functions": numbers, "tree": tree, "joints": solid.joints, "special_points": solid.special_points}
+    tree, most = _tree_record(solid.tree, numbers), 30  # operations in turn, which nest: files are read to some depth
+    entries = {"functions": numbers, "tree": tree, "joints": solid.joints, "special_points": solid.special_points}
+    known = solid.sheets is not None and _turns(solid) <= most
+    return entries | ({"sheets": {"of": _sum_of([*numbers], tree), "body": solid.sheets}} if known else {})
+
+
+def _turns(solid: Any) -> int:
+    """How many operations of different kinds made a solid, one of what another one made."""
+    return 1 + max(map(_turns, solid.sheets.parts)) if isinstance(solid.sheets, Operands) else 0
 
 
 JOINT = Table(
@@ -219,6 +286,7 @@ RECORD: Table = Table(
         "joints": list_of(JOINT),
         "special_points": list_of(list_of(REAL, 3)),
     },
+    {"sheets": Table({"of": TEXT, "body": _form_of(SolidBoundary)})},
     make=_solid,
     entries=_solid_entries,
 )
@@ -241,4 +309,4 @@ def _class_named(name: str) -> type | None:
         kind = getattr(import_module(module), title, None)
     except ImportError:
         return None
-    return kind if isinstance(kind, type) and callable(getattr(kind, "from_record", None)) else None
+    return kind if isinstance(kind, type) else None

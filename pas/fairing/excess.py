@@ -49,7 +49,7 @@ class Limit(Protocol):
     """A limit of fairness."""
 
     def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
-        """Residuals where a surface is beyond it."""
+        """Residuals at all points, positive where a surface is beyond it: only there they count."""
 
 
 @dataclass(frozen=True)
@@ -108,11 +108,9 @@ def by_area(sampled: SampledGeometry, over: Floats, slopes: Floats, radius: floa
 
 
 def _pressed(over: Floats, slopes: Floats, weights: Floats) -> Iterator[Residuals]:
-    """Residuals (K, 1) where a limit is passed by `over` (N,) units, with slopes (N, 15) and weights (N,)."""
-    chosen = np.flatnonzero(over > 0)
-    if len(chosen):
-        root = np.sqrt(PRESS * weights[chosen])[:, None]
-        yield Residuals(chosen, root * over[chosen, None], (root * slopes[chosen])[:, None])
+    """Residuals (N, 1) of a limit that is passed by `over` (N,) units, with slopes (N, 15) and weights (N,)."""
+    root = np.sqrt(PRESS * weights)[:, None]
+    yield Residuals(np.arange(len(over)), root * over[:, None], (root * slopes)[:, None])
 
 
 class SectionExcess:

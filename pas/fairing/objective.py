@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
@@ -35,6 +36,9 @@ by which rays differ that are not each other's mirror images: of such, all are f
 
 CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
 """Points at which a class's own slopes are held against differences, how far they may be off, and at how many."""
+
+
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -120,7 +124,7 @@ class ObjectiveValue:
     @cached_property
     def beyond(self) -> float:
         """The sum of the squares of what is beyond limits."""
-        return sum(float((e.values * e.values).sum()) for found in self.excesses for e in found)
+        return sum(float((np.maximum(e.values, 0) ** 2).sum()) for found in self.excesses for e in found)
 
     @property
     def total(self) -> float:
@@ -143,20 +147,12 @@ class ObjectiveValue:
             return self
         return replace(self.objective, energy=energy).value(self.geometries)
 
-    def linearised(self) -> tuple[Floats, Floats]:
-        """`J^T J` (m, m) and `J^T r` (m,) for the residuals r, whose squares add up to the objective, and their
-        derivatives J by the member."""
-        size = len(self.sampled.member)
-        normal, gradient = np.zeros((size, size)), np.zeros(size)
-        for geometry, found in zip(self.geometries, self.excesses, strict=True):
-            residuals = (self._weighted(), *found) if geometry is self.sampled else found
-            if residuals:
-                jacobian = geometry.jacobian()
-                parts = [jacobian.normal_equations(one) for one in residuals]
-                normal, gradient = normal + sum(p[0] for p in parts), gradient + sum(p[1] for p in parts)
-        return normal, gradient
+    @property
+    def passed(self) -> list[Mask]:
+        """At which points each limit is passed."""
+        return [one.values[:, 0] > 0 for found in self.excesses for one in found]
 
-    def _weighted(self) -> Residuals:
+    def weighted(self) -> Residuals:
         """The energy's residuals, with the roots of the areas for weights."""
         r, root = self.residuals, np.sqrt(self.sampled.areas)[:, None]
         slopes = np.empty((*r.shape, AREA + 1))
@@ -185,6 +181,40 @@ class ObjectiveValue:
         term = Term(added, (curvature,))
         objective = replace(self.objective, terms=(*self.objective.terms, term))
         return ObjectiveValue(objective, self.residuals, (*self.geometries, own), (*self.excesses, term.beyond(own)))
+
+
+class LocalModel:
+    """Half of Phi next to a member q to first order in residuals: of x' N x / 2 + s' x + sum max(0, v + A x)^2 / 2.
+
+    `normal` N and `slope` s are those of the energy, the quadratic `form` included; `values` v and `rows` A of limits,
+    at points where the member passes them or one that was tried does: at others they count only once they are passed.
+    """
+
+    def __init__(self, value: ObjectiveValue | None, form: Floats, member: Floats) -> None:
+        self.normal, self.slope = form / 2, form @ member / 2
+        self.values, self.rows = np.empty(0), np.empty((0, len(member)))
+        if value is not None:
+            jacobians = [geometry.jacobian() for geometry in value.geometries]
+            normal, slope = jacobians[0].normal_equations(value.weighted())
+            self.normal, self.slope = self.normal + normal, self.slope + slope
+            self._limits = [(j, one) for j, own in zip(jacobians, value.excesses, strict=True) for one in own]
+            self._known = [np.zeros_like(mask) for mask in value.passed]
+            self.joined(value)
+
+    def joined(self, tried: ObjectiveValue) -> bool:
+        """Look from now on where a member that was tried passes limits too; whether that is anywhere new."""
+        new = [passed & ~known for passed, known in zip(tried.passed, self._known, strict=True)]
+        self._known = [known | passed for passed, known in zip(new, self._known, strict=True)]
+        for (jacobian, limit), mask in zip(self._limits, new, strict=True):
+            self.values = np.concatenate([self.values, limit.values[mask].ravel()])
+            self.rows = np.concatenate([self.rows, jacobian.rows(limit, mask)])
+        return any(mask.any() for mask in new)
+
+    def matrices(self, passed: Mask | None = None) -> tuple[Floats, Floats]:
+        """Second derivatives and slope of half of Phi at the member, with those limits; by default what it passes."""
+        passed = self.values > 0 if passed is None else passed
+        rows = self.rows[passed]
+        return self.normal + rows.T @ rows, self.slope + rows.T @ self.values[passed]
 
 
 def check_energy(energy: Energy, points: SurfacePoints, sizes: Sizes) -> None:

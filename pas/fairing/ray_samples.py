@@ -7,6 +7,7 @@ jets of f; none are differences.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement, pairwise
@@ -227,7 +228,21 @@ class Jacobian:
     steepness: Floats
 
     def normal_equations(self, residuals: Residuals) -> tuple[Floats, Floats]:
-        """`J^T J` (m, m) and `J^T r` (m,) for residuals r.
+        """`J^T J` (m, m) and `J^T r` (m,) for residuals r."""
+        gram, gradient = np.zeros((self.samples.basis.size,) * 2), np.zeros(self.samples.basis.size)
+        for here, by_member in self._by_member(residuals):
+            gram += by_member @ by_member.T
+            gradient += by_member @ residuals.values[here].ravel()
+        return (gram + gram.T) / 2, gradient
+
+    def rows(self, residuals: Residuals, which: NDArray[np.bool_]) -> Floats:
+        """J (K R, m) for residuals (K, R) at some of the points."""
+        some = Residuals(residuals.chosen[which], residuals.values[which], residuals.slopes[which])
+        found = [by_member.T for _, by_member in self._by_member(some)]
+        return np.concatenate([np.empty((0, self.samples.basis.size)), *found])
+
+    def _by_member(self, residuals: Residuals) -> Iterator[tuple[slice, Floats]]:
+        """The derivatives (m, K R) of residuals, some of the points (K,) after the other.
 
         By the members, and not by the coefficients of each piece: these are large where a piece is narrow, and cancel.
         """
@@ -235,18 +250,14 @@ class Jacobian:
         # the caches.
         few = 256
         basis, chosen = self.samples.basis, residuals.chosen
-        gram, gradient = np.zeros((basis.size, basis.size)), np.zeros(basis.size)
         ends = [(p, *np.searchsorted(chosen, (here.start, here.stop)).tolist()) for p, here in self.samples.rays.slices]
         parts = [part for part in ends if part[2] > part[1]]
-        for group in [parts] if len(chosen) < few else [[part] for part in parts]:
+        for group in [[part] for part in parts] if len(chosen) >= few else [parts] if parts else []:
             start = group[0][1]
             here = slice(start, group[-1][2])
             rows = self._by_coefficient(chosen[here], residuals.slopes[here])
             tables = [(basis.coefficients[p], rows[a - start : b - start]) for p, a, b in group]
-            by_member = np.concatenate([c @ of_piece.reshape(-1, c.shape[1]).T for c, of_piece in tables], axis=1)
-            gram += by_member @ by_member.T
-            gradient += by_member @ residuals.values[here].ravel()
-        return (gram + gram.T) / 2, gradient
+            yield here, np.concatenate([c @ of_piece.reshape(-1, c.shape[1]).T for c, of_piece in tables], axis=1)
 
     def _by_coefficient(self, chosen: Numbers, slopes: Floats) -> Floats:
         """The derivatives (K, R, C(n+3, 3)) of residuals at points by the coefficients of their pieces."""

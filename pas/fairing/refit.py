@@ -69,7 +69,7 @@ def compliance(space: PreparedSpace, surface: PiecewiseSurface, fitted: FittedMe
         at = _sampled(solver, surface, fitted, True)
     else:
         at = Iterate(_member(space, surface, fitted), _rows(space, fitted), 0.0)
-    matrix, _ = solver.linearised(at)
+    matrix, _ = solver.model(at).matrices()
     rows = _rows(space, fitted) if wishes.guard else Inequalities.none(len(at.member))
     left = rows.rows @ at.member - rows.at_least
     touched = rows.rows[left <= near * np.linalg.norm(rows.rows, axis=1) * np.linalg.norm(at.member)]

@@ -8,8 +8,8 @@
 r are the residuals of the energy along rays, c the measures of fairness and l their limits, H the quadratic form of
 the energy.  The condition of one sheet is linear in q at each point, but its points move with the surface: so it is
 asked where the last member failed it, and the programme is solved again (constraint generation; Hettich and Kortanek
-1993).  Each step minimises the linearised residuals with a damping (Levenberg 1944, Marquardt 1963), which follows the
-gain ratio (Nielsen 1999).
+1993).  Each step minimises the linearised residuals and measures, of which those count that are beyond their limits at
+its end, with a damping (Levenberg 1944, Marquardt 1963), which follows the gain ratio (Nielsen 1999).
 
 Each step follows from the member before it by an optimum that is unique and by comparisons in which no rounding can
 decide: no order of points, no witness of a proof, no choice among the worst.
@@ -27,7 +27,7 @@ from pas.algebra.monomials import Floats, monomial_values
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
 from pas.fairing.constraints import Inequalities
-from pas.fairing.objective import ObjectiveValue, SurfaceObjective
+from pas.fairing.objective import LocalModel, ObjectiveValue, SurfaceObjective
 from pas.fairing.prepared import SETTINGS, FitSettings, PreparedSpace, SampledConditions
 from pas.fairing.programme import MemberProgramme
 from pas.fairing.wishes import UnitCoefficients, Wishes
@@ -51,8 +51,7 @@ class Iterate:
 @dataclass(frozen=True)
 class FittedMember:
     """A member: its exact surface, its working coefficients (1, m), its energy, the inequalities whose optimum it is,
-    at a share of the usual margins, what is kept for the next step of a slider, and the part of Phi for what is beyond
-    limits."""
+    at a share of the usual margins, and what is kept for the next step of a slider."""
 
     surface: PiecewiseSurface
     working: fmpq_mat
@@ -60,7 +59,6 @@ class FittedMember:
     rows: Inequalities
     share: float
     iterate: Iterate | None = None
-    beyond: float = 0.0
 
 
 class _ContradictionError(Exception):
@@ -99,22 +97,14 @@ class FitSolver:
                 raise self.programme.conflict(nothing)
             return self.rounded(Iterate(member, nothing, 0.0), 0.0)
         failed: Inequalities | None = None
-        fitted: FittedMember | None = None
-        for share in self.settings.margins:
+        for share in self.settings.margins[-1:] if self.energy.on_surface else self.settings.margins:
             try:
                 found = self.best(share)
             except _ContradictionError as error:
                 failed = error.rows
                 continue
-            if found is None:
-                continue
-            if fitted is None or found.energy + found.beyond < fitted.energy + fitted.beyond:
-                fitted = found
-            stiff = self.space.basis.size < self.settings.stiff * len(self.space.partition.pieces)
-            if stiff or found.beyond <= self.settings.hopeless * found.energy:
-                break  # else few members have such margins, and the first of them was a poor one to begin with
-        if fitted is not None:
-            return fitted
+            if found is not None:
+                return found
         if failed is not None:
             raise self.programme.conflict(failed)
         raise InfeasibleError(f"no member of degree {self.space.degree} that was found passed the proofs")
@@ -217,25 +207,25 @@ class FitSolver:
         s, now = self.settings, self.phi(at.member, at.value)
         most = now if self.programme.holds(at.member) else np.inf
         met = most == now and not len(at.rows.missed(at.member, 1 - self.settings.met))
-        normal, slope = self.linearised(at)
-        unit = np.trace(normal) / len(normal) * np.eye(len(normal))
+        model = self.model(at)
+        unit = np.trace(model.matrices()[0]) / len(at.member) * np.eye(len(at.member))
         rows, damping, cuts = at.rows, at.damping, 0
         for _ in range(s.trials):
-            matrix = normal + damping * unit
             try:
-                new = self.programme.step(matrix, slope - matrix @ at.member, rows)
+                new, expected = self.least(at, model, damping * unit, rows)
             except NotSolvedError:  # rounding spoils the optimum: a shorter step is better conditioned
                 rows, damping = at.rows, damping * s.slower
                 continue
             if new is None:
                 return None
-            step = new - at.member
-            expected = -float(2 * slope @ step + step @ normal @ step)
             if met and damping <= s.damping and expected < (s.enough - s.loss * (cuts > 0)) * now:
-                return None
+                if not cuts:
+                    return None
+                rows, cuts, damping = at.rows, 0, damping * s.slower  # the margins that were lost cost more
+                continue
             value = at.value and at.value.moved(new)
             if (value is None and at.value is not None) or not self.phi(new, value) < most:
-                rows, damping = at.rows, damping * s.slower
+                rows, damping = at.rows, damping * (1 if value is not None and model.joined(value) else s.slower)
                 continue
             missed = conditions.missed(new)
             if not len(missed):
@@ -250,18 +240,31 @@ class FitSolver:
                 return None
         return None
 
+    def least(self, at: Iterate, model: LocalModel, damping: Floats, rows: Inequalities) -> tuple[Floats | None, float]:
+        """The member of least linearised Phi with a matrix added that damps, under inequalities, and by how much that
+        is less; which limits are passed there is found by Newton's method (Qi and Sun 1993)."""
+        passed, new, step = model.values > 0, None, np.zeros(len(at.member))
+        for _ in range(self.settings.sets):
+            matrix, slope = model.matrices(passed)
+            new = self.programme.step(matrix + damping, slope - (matrix + damping) @ at.member, rows)
+            if new is None:
+                return None, 0.0
+            step = new - at.member
+            before, passed = passed, model.values + model.rows @ step > 0
+            if (before == passed).all():
+                break
+        over = (np.maximum(values, 0) for values in (model.values, model.values + model.rows @ step))
+        was, now = (float(values @ values) for values in over)
+        return new, was - now - float(2 * model.slope @ step + step @ model.normal @ step)
+
     def phi(self, member: Floats, value: ObjectiveValue | None) -> float:
         """What is minimised."""
         of_surface = 0.0 if value is None else value.total
         return of_surface + float(member @ self.programme.quadratic_part @ member) / 2
 
-    def linearised(self, at: Iterate) -> tuple[Floats, Floats]:
-        """The matrix `J^T J` (m, m) and the slope `J^T r` (m,) of half of Phi at a member."""
-        half = self.programme.quadratic_part / 2
-        if at.value is None:
-            return half, half @ at.member
-        normal, slope = at.value.linearised()
-        return normal + half, slope + half @ at.member
+    def model(self, at: Iterate) -> LocalModel:
+        """Half of Phi next to a member."""
+        return LocalModel(at.value, self.programme.quadratic_part, at.member)
 
     # --- back to exact numbers
 
@@ -269,8 +272,7 @@ class FitSolver:
         """The member in rational numbers; raises `InfeasibleError` where a user's point is missed by rounding."""
         working = self.programme.rounded(at.member)
         energy = self._energy(to_doubles(working)[0], at.value)
-        beyond = 0.0 if at.value is None else at.value.beyond
-        return FittedMember(self.space.surface(working), working, energy, at.rows, share, beyond=beyond)
+        return FittedMember(self.space.surface(working), working, energy, at.rows, share)
 
     def energy_of(self, surface: PiecewiseSurface) -> float:
         """The energy of a surface of the space; infinite where rays from the centre miss or graze it."""

@@ -93,9 +93,11 @@ def with_room(
             tried.append([end(OUTWARDS**n * far) for end, far in zip(ends, distances, strict=True)])
     tried = tried or [[end(far) for end, far in zip(ends, distances, strict=True)]]
     for roomy in (True, False):
+        if (nearest_found := serves(tried[0], roomy)) is not None:
+            return tried[0], nearest_found
         # what has no room far out has none nearer, and looking for it takes long
         if serves(tried[-1], roomy) is not None:
-            served = ((placed, serves(placed, roomy)) for placed in tried)
+            served = ((placed, serves(placed, roomy)) for placed in tried[1:])
             return next((placed, found) for placed, found in served if found is not None)
     return tried[0], None
 

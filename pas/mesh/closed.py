@@ -11,22 +11,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from itertools import product
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from pas.mesh.cleaning import FOLD, cleaned
-from pas.mesh.crossings import crossings
+from pas.mesh.crossings import crossings, near_pairs
 from pas.mesh.diagnostics import PLACES, diagnosis
 from pas.mesh.face_ground import FaceGround
-from pas.mesh.field import FaceField, bounds_set, extent_of
+from pas.mesh.field import FaceField, bounds_set, extent_of, place_of
 from pas.mesh.first import first_lattice, first_mesh, unsound
 from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.hollowed import mesh_hollowed, too_thick
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.nodes import SAME, Nodes, contracted, flat_nodes
+from pas.mesh.nodes import SAME, Nodes, contracted, flat_nodes, pinched_at, where_edges_cross
 from pas.mesh.octree import Octree
 from pas.mesh.projection import distances, newton, pair_normals, project
 from pas.mesh.quality import Quality
@@ -93,6 +92,8 @@ def triangulate_faces(
         lost = sorted(field.face(label) for label in {*first.labels.tolist()} - {*found[0].labels.tolist()})
         if lost:
             found = Refusal(f"the solid could not be meshed: {', '.join(lost)} did not come out; set another tolerance")
+    if made is None and isinstance(found, tuple):
+        found = _touching(found[0], field, tolerance) or found
     return _finished(found)
 
 
@@ -106,38 +107,47 @@ def _from_first(first: Labelled, field: FaceField, tolerance: float, quality: Qu
     found = _refined(mesh, field, tolerance, quality)
     if isinstance(found, Refusal) or not _bounding(found[0], field, tolerance):
         return None
-    return None if _touches(found[0], field, tolerance) else found
+    return _touching(found[0], field, tolerance) or found
 
 
-def _touches(mesh: Labelled, field: FaceField, tolerance: float) -> bool:
-    """Whether triangles cross, or pieces touch: in a vertex of one, or near where it is nearest to faces of others."""
-    labels, close_by = np.unique(mesh.labels).tolist(), np.zeros(len(mesh.triangles), dtype=bool)
-    for label in labels:  # triangles that are no farther from another face than they are large
-        near = distances(field, mesh.points, np.full(len(mesh.points), label)) < 2 * mesh.sizes
-        close_by |= near[mesh.triangles].any(axis=1) & (mesh.labels != label)
-    if len(crossings(mesh.points, mesh.triangles[close_by])[0]):
-        return True
+def _touching(mesh: Labelled, field: FaceField, tolerance: float) -> Refusal | None:
+    """That pieces touch: in a vertex of one, near where one is nearest to faces of others, or where edges cross."""
     pieces, room = connected(mesh.topology.edges, len(mesh.points)), 4 * tolerance  # between a vertex and such a face
     owners, close = pieces[mesh.triangles[:, 0]], SAME * extent_of(field)
+    if pieces.max() == 0:
+        return None
+    corners, labels = mesh.points[mesh.triangles], mesh.labels
+    close_by = near_pairs(np.concatenate([corners - room, corners + room], axis=1))
+    close_by = close_by[owners[close_by] @ (1, -1) != 0]
+    sides = np.stack([owners[close_by].ravel(), labels[close_by[:, ::-1]].ravel()], axis=1)
     beside = 10 * close * np.concatenate([np.eye(3), -np.eye(3)])
-    for piece, label in product(range(int(pieces.max()) + 1), labels):
-        if piece in owners[mesh.labels == label]:
+    for piece, label in np.unique(sides, axis=0).tolist():
+        if piece in owners[labels == label]:
             continue
         here = mesh.points[pieces == piece]
         off = distances(field, here, np.full(len(here), label))
         on, near = here[off < close], here[off < room]
         around = (on[:, None] + beside).reshape(-1, 3)
         around = newton(around, field, np.full((len(around), 1), label), np.full(len(around), 10 * close))
-        if bounds_set(field, around, np.full(len(around), label)).any():
-            return True
+        begins = bounds_set(field, around, np.full(len(around), label))
+        if begins.any():
+            return pinched_at(field, around[begins][0])
         column = np.full(len(near), label)
         feet = newton(near, field, column[:, None], np.full(len(near), room))
         gaps = np.where(bounds_set(field, feet, column), norms(near - feet), np.inf)
         nearest = np.argsort(gaps)[: min(PLACES, np.isfinite(gaps).sum())]
-        found = diagnosis(field, feet[nearest], room)
-        if found is not None and found.stays:
-            return True
-    return False
+        trouble = diagnosis(field, feet[nearest], room)
+        if trouble is not None and trouble.stays:
+            return Refusal(f"the solid could not be meshed: {trouble.sentence}")
+    edges, sides = mesh.topology.edge_table
+    rows = np.flatnonzero((sides[:, 0] != sides[:, 1]) & np.isin(pieces[edges[:, 0]], owners[close_by]))
+    if not len(rows):
+        return None
+    ends = mesh.points[edges[rows]]
+    pairs = near_pairs(np.concatenate([ends - room, ends + room], axis=1))
+    pairs = pairs[pieces[edges[rows[pairs], 0]] @ (1, -1) != 0]
+    reach = norms(np.diff(ends, axis=1)[:, 0])[pairs].min(axis=1)
+    return where_edges_cross(field, ends[pairs], sides[rows[pairs]].reshape(-1, 4), reach, room)
 
 
 def _joined(mesh: Labelled, field: FaceField) -> Labelled | None:
@@ -257,4 +267,9 @@ def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quali
     reason, _ = unsound(found.mesh, field, tolerance)
     if reason:
         return Refusal(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
+    pairs, places = crossings(found.mesh.points, found.mesh.triangles)
+    if len(pairs):
+        names = " and ".join(sorted({repr(field.face(label)) for label in found.mesh.labels[pairs[0]].tolist()}))
+        where = f"near {place_of(field, places[0])} triangles of {names} cross, as it is no thicker there"
+        return Refusal(f"the tolerance {tolerance * field.scale:.3g} was not reached: {where}; take a finer one")
     return found.mesh, found.deviation

@@ -21,7 +21,7 @@ def crossings(points: Floats, triangles: Integers) -> tuple[Integers, Floats]:
     """Pairs (k, 2) of triangles that cross, and a point (k, 3) of each crossing."""
     power = exponent(points)
     points = np.ldexp(points, -power)
-    pairs = _near_pairs(points[triangles])
+    pairs = near_pairs(points[triangles])
     shared = (triangles[pairs[:, 0], :, None] == triangles[pairs[:, 1], None, :]).any(axis=(1, 2))
     pairs = pairs[~shared]
     found, places = [np.empty((0, 2), dtype=np.intp)], [np.empty((0, 3))]
@@ -35,8 +35,8 @@ def crossings(points: Floats, triangles: Integers) -> tuple[Integers, Floats]:
     return np.concatenate(found), np.ldexp(np.concatenate(places), power)
 
 
-def _near_pairs(corners: Floats) -> Integers:
-    """Pairs (i < j) of triangles (n, 3, 3) whose boxes overlap."""
+def near_pairs(corners: Floats) -> Integers:
+    """Pairs (i < j) of triangles (n, 3, 3), or other sets of points, whose boxes overlap."""
     from scipy.spatial import cKDTree
 
     low, high = corners.min(axis=1), corners.max(axis=1)
@@ -53,8 +53,9 @@ def _near_pairs(corners: Floats) -> Integers:
         checkpoint("looking for self-intersections")
         base, same = 2 * pairs, pairs[:, 0] == pairs[:, 1]
         pairs = np.concatenate([base, base + 1, base + (0, 1), base[~same] + (1, 0)])
-        a, b = level[pairs[:, 0]], level[pairs[:, 1]]
-        pairs = pairs[((a[:, 0] <= b[:, 1]) & (b[:, 0] <= a[:, 1])).all(axis=1)]
+        for low, high in np.ascontiguousarray(level.transpose(2, 1, 0)):
+            a, b = pairs.T
+            pairs = pairs[(low[a] <= high[b]) & (low[b] <= high[a])]
     pairs = pairs[pairs[:, 0] != pairs[:, 1]]
     return np.sort(order[pairs], axis=1)
 

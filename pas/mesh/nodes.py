@@ -115,6 +115,27 @@ def find_nodes(
     return _apart(np.array(nodes).reshape(-1, 3), np.array(reach))
 
 
+def pinched_at(field: FaceField, point: Floats) -> Refusal:
+    """That the boundary is no surface at a point (3,)."""
+    return Refusal(
+        f"the solid could not be meshed: near {place_of(field, point)} it touches itself in a point or an edge, "
+        "so that its boundary is no surface there; let its parts overlap or keep them apart"
+    )
+
+
+def where_edges_cross(
+    field: FaceField, ends: Floats, functions: Integers, reach: Floats, room: float
+) -> Refusal | None:
+    """That the boundary is no surface where two edges (N, 2, 2, 3) cross, within `room` of both, on curves of functions
+    (N, 4); None where none do."""
+    found = _solved(field, ends.mean(axis=(1, 2)), [*map(tuple, functions.tolist())], reach)
+    inside = (found[:, None] >= ends.min(axis=2) - room) & (found[:, None] <= ends.max(axis=2) + room)
+    for row in np.flatnonzero(inside.all(axis=(1, 2))):
+        if isinstance(cone := _is_cone(field, found[row], float(reach[row])), Refusal):
+            return cone
+    return None
+
+
 def flat_nodes(field: FaceField, mesh: Labelled) -> Nodes:
     """The nodes near edges of a labelled mesh in which two faces meet flatly: where these touch."""
     edges, labels = mesh.topology.edge_table
@@ -173,10 +194,7 @@ def _is_cone(field: FaceField, node: Floats, spacing: float) -> bool | Refusal:
         return True
     finer = _links(field, node, spacing, 4 * AROUND_NODE)
     if all(max(len(inside), len(outside)) > 1 and min(*inside, *outside, PARTS) == PARTS for inside, outside in finer):
-        return Refusal(
-            f"the solid could not be meshed: near {place_of(field, node)} it touches itself in a point or an edge, "
-            "so that its boundary is no surface there; let its parts overlap or keep them apart"
-        )
+        return pinched_at(field, node)
     return False
 
 

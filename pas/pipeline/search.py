@@ -23,7 +23,6 @@ from pas.blending.space import Space
 from pas.contacts.contact import ContactLike
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.contradictions import check_wishes
-from pas.fairing.prepared import SETTINGS
 from pas.fairing.wishes import Wishes
 from pas.layouts.planes import has_whole_planes
 from pas.partition.boxes import SixTetrahedra
@@ -55,7 +54,7 @@ class SearchSettings:
     """Higher degrees are not tried."""
 
     few: int = 15
-    stiff: int = SETTINGS.stiff
+    stiff: int = 4
     """Spaces with fewer unknowns, or with fewer for each piece, are stiff, as of GC^1 surfaces of degree 4 around four
     pipes and more: few of them have a fair surface, and the next degree is tried however large."""
 

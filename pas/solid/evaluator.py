@@ -46,13 +46,15 @@ def called(names: Iterable[str]) -> str:
 class TreeEvaluator:
     """The columns of a tree and the code that combines their signs.
 
-    A polynomial and its multiples are one column, so that `{w <= 0}` and `{w >= 0}` leave no gap between them; the
-    column has the names of all faces on it.  `extra` functions are columns that the code does not use.
+    A polynomial and its multiples are one column, so that `{w <= 0}` and `{w >= 0}` leave no gap between them, and so
+    are planes that are equal to rounding; the column has the names of all faces on it.  `extra` functions are columns
+    that the code does not use.
     """
 
     def __init__(self, tree: Tree, center: tuple[fmpq, fmpq, fmpq], scale: fmpq, extra: tuple[Function, ...] = ()):
         self.center, self.scale = center, scale
-        self._tree, self._numbers = tree, Columns()
+        # Planes through points that are doubles are one up to their rounding, unless that is far from the origin.
+        self._tree, self._numbers = tree, Columns(rounded=max(map(abs, center)) < 2**8 * scale)
         self._compiled = CompiledTree(tree, self._column_of)
         names: list[dict[str, None]] = [{} for _ in self._numbers.functions]
         for atom in atoms(tree):

@@ -13,13 +13,14 @@ from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import near
+from pas.algebra.rational import Vector, decimal, dot, near, square_root, to_float
 from pas.errors import GeometryError, meant
 from pas.mesh.mesh import Mesh
 from pas.mesh.projection import distances, newton
 from pas.mesh.rows import Integers
 from pas.solid.joints import Joint
 from pas.solid.solid import Solid
+from pas.solid.tree import Atom, Tree
 
 _WHERE = ": it does of order 0 to 2 along a plane with planes and circular cylinders that stand on it"
 
@@ -316,3 +317,33 @@ def _smooth_end(
             back = 1 if (along @ way) * cosines[0] < 0 else -1
             return SmoothEnd((first, second), plane * back, tangent * (1 if cosines[1] > 0 else -1))
     return None
+
+
+@dataclass(frozen=True, eq=False)
+class PlaneFace:
+    """A plane face: its name ("" for a wall), its polynomial, and normal . x + offset, which that is."""
+
+    name: str
+    polynomial: Polynomial
+    normal: Vector
+    offset: fmpq
+
+    @classmethod
+    def of(cls, part: Tree) -> PlaneFace | None:
+        """That of a part of an intersection; None where it is no half space."""
+        if not isinstance(part, Atom) or not isinstance(part.function, Polynomial) or part.function.degree != 1:
+            return None
+        polynomial = -part.function if part.outside else part.function
+        terms = polynomial.raw.to_dict()
+        x, y, z, offset = (terms.get(key, fmpq(0)) for key in ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0)))
+        return cls(part.face, polynomial, (x, y, z), offset)
+
+    @cached_property
+    def length(self) -> fmpq:
+        """Of the normal, to six digits where it is not rational."""
+        root = square_root(dot(self.normal, self.normal))
+        return root if root * root == dot(self.normal, self.normal) else decimal(to_float(root))
+
+    def cosine(self, other: PlaneFace) -> fmpq:
+        """Of the angle between the normals."""
+        return fmpq(1) if other is self else dot(self.normal, other.normal) / (self.length * other.length)

@@ -16,12 +16,12 @@ from typing import Any, Protocol
 import numpy as np
 
 from pas.algebra.affine import Affine
+from pas.algebra.inputs import FINEST
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import rational
 from pas.errors import GeometryError, MeshError
 from pas.mesh.booleans import Triangles, boolean
-from pas.mesh.closed import FaceMesh
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import SAME
 from pas.mesh.quality import Quality
@@ -31,10 +31,11 @@ from pas.solid.field import SolidField
 from pas.solid.linked import LinkedBodies, LinkedPart, RenamedBoundary, SolidBoundary, refuse_passing, united
 from pas.solid.runs import plain_run
 from pas.solid.sheets import SheetBody
-from pas.solid.tree import Atom, Tree, combined
+from pas.solid.shell import Hollowable
+from pas.solid.tree import Atom, combined
 
 
-class Operand(Protocol):
+class Operand(Hollowable, Protocol):
     """What is asked of a solid that is united with another one, or cut by it."""
 
     @property
@@ -42,22 +43,8 @@ class Operand(Protocol):
         """What bounds it, where that is known."""
 
     @property
-    def tree(self) -> Tree:
-        """The inequalities."""
-
-    @property
     def _around(self) -> Floats:
         """Two corners (2, 3) of a box that holds it."""
-
-    @property
-    def field(self) -> SolidField:
-        """Its boundary as the mesher wants it."""
-
-    def face_mesh(self, tolerance: float | None = None) -> FaceMesh:
-        """Its mesh within a tolerance, with labels."""
-
-    def __or__(self, other: Any) -> Any:
-        """Both together."""
 
     def _moved(self, map_: Affine) -> Any:
         """Its image."""
@@ -145,10 +132,10 @@ def _cut(part: Operand, field: SolidField, tolerance: float, parts: int) -> Tria
     fine as a tolerance; that of a lattice no finer than shows it, as all is refined once it is cut."""
     if isinstance(part.sheets, Operands):
         return part.sheets._cut(field, tolerance, parts)
-    within = tolerance * field.scale
+    within, size = tolerance * field.scale, float(np.ptp(part._around, axis=0).max())
     if part.sheets is None:
-        within = max(within, float(np.ptp(part._around, axis=0).max()) / 128)
-    mesh = part.face_mesh(within / parts).mesh
+        within = max(within, size / 128)
+    mesh = part.face_mesh(max(within / parts, FINEST * size)).mesh
     points = field.evaluator.local(part.field.world(mesh.points))
     return Triangles(points, mesh.triangles, field.labels_of(part.field, mesh.labels))
 

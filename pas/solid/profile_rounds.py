@@ -10,7 +10,7 @@ Guaranteed: that the rounds of one end do not meet, as they are on the mesh.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import product
@@ -82,6 +82,14 @@ def _section(order: int, parts: int) -> Floats:
     return np.asarray(shares * high[:, None]) if order else shares
 
 
+@dataclass(frozen=True)
+class RoundFace:
+    """The name and the surface of a face."""
+
+    face: str
+    surface: Polynomial
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RoundedPrism(SweptBody):
     """What bounds an upright solid over loops with the edges at some ends of some of them rounded, by number."""
@@ -89,7 +97,7 @@ class RoundedPrism(SweptBody):
     height: float
     radius: float
     order: int
-    rounds: dict[tuple[int, str], list[FilletPiece]]
+    rounds: Mapping[tuple[int, str], tuple[RoundFace, ...]]
 
     def made(self, tolerance: float) -> Faces | None:
         """Its faces, finer where they are nearly singular, as tori are that nearly meet themselves."""
@@ -120,12 +128,11 @@ class RoundedPrism(SweptBody):
                 row[:] = row[~same][np.cumsum(~same) - 1]  # of an arc of the radius one point is left
             parts = (("top", 0, len(top)), ("", len(top) - 1, len(top) + 1), ("bottom", len(top), len(rows)))
             for (end, low, high), (k, edge) in product(parts, enumerate(loop.edges)):
-                found_rounds = self.rounds.get((number, end), [])
-                some = found_rounds[0 if loop.whole else k] if found_rounds else None
-                name, surface = (some.face, some.form.surface) if some else (edge.name, edge.curve)
+                found_rounds = self.rounds.get((number, end), ())
+                some = found_rounds[0 if loop.whole else k] if found_rounds else RoundFace(edge.name, edge.curve)
                 if high - low > 1:
                     across = numbers[low:high, np.arange(borders[k], borders[k + 1] + 1) % n]
-                    put_side(made, name, [*across.T], jets_of(surface))
+                    put_side(made, some.face, [*across.T], jets_of(some.surface))
             for end, row in (("top", numbers[0]), ("bottom", numbers[-1])):
                 rims[end].append(row[row != np.roll(row, 1)])
         for end, sign in (("top", 1), ("bottom", -1)):
@@ -227,7 +234,8 @@ def _rounded_body(
     body: Prism, radius: fmpq, order: int, rounds: dict[tuple[int, str], list[FilletPiece]]
 ) -> RoundedPrism:
     size, place = to_float(radius), body.place
-    return RoundedPrism(loops=body.loops, height=body.height, radius=size, order=order, rounds=rounds, place=place)
+    known = {key: tuple(RoundFace(piece.face, piece.form.surface) for piece in some) for key, some in rounds.items()}
+    return RoundedPrism(loops=body.loops, height=body.height, radius=size, order=order, rounds=known, place=place)
 
 
 def _stretch(body: Prism) -> fmpq | None:

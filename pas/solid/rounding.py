@@ -25,7 +25,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, compress
 from math import ceil, comb, sqrt
 
 import numpy as np
@@ -36,9 +36,10 @@ from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.lengths import across, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, cross, decimal, dot, plain, square_root, to_float, to_floats
+from pas.algebra.rational import Vector, cross, dot, plain, to_float, to_floats
 from pas.errors import GeometryError, meant
 from pas.mesh.rows import Integers
+from pas.solid.face_seams import PlaneFace
 from pas.solid.joints import Joint
 from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operands
@@ -46,36 +47,6 @@ from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
 from pas.solid.swept import FacedBody, flat, jets_of, put_curved, put_flat, put_side, weights_and_triangles
 from pas.solid.tree import Atom, Tree, combined, complement, parts_of
-
-
-@dataclass(frozen=True, eq=False)
-class PlaneFace:
-    """A plane face: its name ("" for a wall), its polynomial, and normal . x + offset, which that is."""
-
-    name: str
-    polynomial: Polynomial
-    normal: Vector
-    offset: fmpq
-
-    @classmethod
-    def of(cls, part: Tree) -> PlaneFace | None:
-        """That of a part of an intersection; None where it is no half space."""
-        if not isinstance(part, Atom) or not isinstance(part.function, Polynomial) or part.function.degree != 1:
-            return None
-        polynomial = -part.function if part.outside else part.function
-        terms = polynomial.raw.to_dict()
-        x, y, z, offset = (terms.get(key, fmpq(0)) for key in ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0)))
-        return cls(part.face, polynomial, (x, y, z), offset)
-
-    @cached_property
-    def length(self) -> fmpq:
-        """Of the normal, to six digits where it is not rational."""
-        root = square_root(dot(self.normal, self.normal))
-        return root if root * root == dot(self.normal, self.normal) else decimal(to_float(root))
-
-    def cosine(self, other: PlaneFace) -> fmpq:
-        """Of the angle between the normals."""
-        return fmpq(1) if other is self else dot(self.normal, other.normal) / (self.length * other.length)
 
 
 @dataclass(frozen=True)
@@ -133,7 +104,8 @@ class RoundPatch:
         """That of two or three planes."""
         q = [1 + plane.polynomial * (1 / (radius * plane.length)) for plane in planes]
         cosines = fmpq_mat([[a.cosine(b) for b in planes] for a in planes])
-        walls, parts = q, [_norm(x, order) for x in q]
+        terms = [(power, term) for power, term in enumerate(_terms(order), 1) if term]
+        walls, parts = q, [sum((x**power * term for power, term in terms), Polynomial(0)) for x in q]
         if order == 1:
             inverse = cosines.inv().tolist()
             walls = [sum((x * c for x, c in zip(q, row, strict=True)), Polynomial(0)) for row in inverse]
@@ -169,10 +141,6 @@ def _terms(order: int) -> list[fmpq]:
     return [fmpq(0)] * order + [term / sum(terms, fmpq(0)) for term in terms]
 
 
-def _norm(x: Polynomial, order: int) -> Polynomial:
-    return sum((x**power * term for power, term in enumerate(_terms(order), 1) if term), Polynomial(0))
-
-
 def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int) -> Solid:
     """The solid with the edges between plane faces rounded, and the corners where three meet; see `Solid.rounded`."""
     if check_order(order) < 1:
@@ -189,26 +157,24 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
             hint = meant(name, known) or "; edges are rounded between planes of a convex solid, or of one with holes"
             raise GeometryError(f"the solid has no plane face {name!r} that bounds all of it{hint}")
     chosen = {plane for plane in planes if plane.name and (faces is None or plane.name in faces)}
-    edges = tuple(_edges(planes, chosen))
-    among = [edge for edge in edges if chosen.issuperset(edge.planes)]
-    if not among:
+    body = RoundedBody(planes=tuple(planes), chosen=tuple(p in chosen for p in planes), radius=radius, order=order)
+    edges, patches = body.edges, body.patches
+    rounds = {some for some in patches if len(some) == 2}
+    if not rounds:
         raise GeometryError("no two of the faces are planes that meet in an edge of a convex solid, or one with holes")
-    rounds = dict.fromkeys(frozenset(edge.planes) for edge in among)
-    most = min((limit for edge in edges if (limit := edge.largest(rounds.keys(), order)) is not None), default=None)
+    most = min((limit for edge in edges if (limit := edge.largest(rounds, order)) is not None), default=None)
     if most is not None and radius >= most:
         raise GeometryError(f"radius must be below {to_float(most):.6g}, where an edge is used up, not {plain(radius)}")
-    meeting = rounds | dict.fromkeys(vertex for edge in among for vertex in edge.vertices if chosen.issuperset(vertex))
-    patches = {some: RoundPatch.of([plane for plane in planes if plane in some], radius, order) for some in meeting}
     if again := {*solid.faces}.intersection(patch.face for patch in patches.values()):
         raise GeometryError(f"the edge {min(again)!r} is rounded already")
     rests = [patch.rest for patch in patches.values()]
     simple = {*Counter(vertex for edge in edges for vertex in edge.vertices).values()} == {3}
-    body: SolidBoundary | None = RoundedBody(edges=edges, patches=patches, radius=to_float(radius)) if simple else None
-    if body and (others := [part for part in parts if PlaneFace.of(part) is None]):
+    sheets: SolidBoundary | None = body if simple else None
+    if sheets and (others := [part for part in parts if PlaneFace.of(part) is None]):
         whole = Solid(combined(False, *(p for p in parts if p not in others), *rests), sheets=body)
-        body = Operands((whole, *(Solid(complement(part)) for part in others)), "Subtract")
+        sheets = Operands((whole, *(Solid(complement(part)) for part in others)), "Subtract")
     joints = *solid.joints, *_claims(patches)
-    return replace(solid, tree=combined(False, solid.tree, *rests), joints=joints, sheets=body)
+    return replace(solid, tree=combined(False, solid.tree, *rests), joints=joints, sheets=sheets)
 
 
 def _edges(planes: Sequence[PlaneFace], chosen: set[PlaneFace]) -> Iterator[StraightEdge]:
@@ -271,9 +237,24 @@ def _claims(patches: Mapping[frozenset[PlaneFace], RoundPatch]) -> Iterator[Join
 class RoundedBody(FacedBody):
     """What bounds a rounded polyhedron three edges of which meet at each vertex."""
 
-    edges: tuple[StraightEdge, ...]
-    patches: Mapping[frozenset[PlaneFace], RoundPatch]
-    radius: float
+    planes: tuple[PlaneFace, ...]
+    chosen: tuple[bool, ...]
+    radius: fmpq
+    order: int
+
+    @cached_property
+    def edges(self) -> tuple[StraightEdge, ...]:
+        """Those of the polyhedron."""
+        return tuple(_edges(self.planes, {*compress(self.planes, self.chosen)}))
+
+    @cached_property
+    def patches(self) -> dict[frozenset[PlaneFace], RoundPatch]:
+        """The rounds of edges between chosen planes, and of corners of three, by their planes."""
+        chosen = {*compress(self.planes, self.chosen)}
+        among = [edge for edge in self.edges if chosen.issuperset(edge.planes)]
+        corners = (vertex for edge in among for vertex in edge.vertices if chosen.issuperset(vertex))
+        meeting = dict.fromkeys([*(frozenset(edge.planes) for edge in among), *corners])
+        return {some: RoundPatch.of([p for p in self.planes if p in some], self.radius, self.order) for some in meeting}
 
     @property
     def extent(self) -> float:
@@ -293,20 +274,20 @@ class RoundedBody(FacedBody):
     def _in_parts(self, n: int) -> Faces | None:
         made, arcs = Faces([], 0.0), dict[tuple[frozenset[PlaneFace], frozenset[PlaneFace]], Integers]()
         outlines: dict[PlaneFace, list[Integers]] = {}
-        curved: list[tuple[RoundPatch, Integers]] = []
+        curved, radius = list[tuple[RoundPatch, Integers]](), to_float(self.radius)
         for vertex in dict.fromkeys(vertex for edge in self.edges for vertex in edge.vertices):
             pairs = [some for some in self.patches if len(some) == 2 and some < vertex]
             patch = self.patches.get(vertex) or (self.patches[pairs[0]] if pairs else None)
             if patch is None:
-                here = made.added(_corner(tuple(vertex), np.ones((1, 3)), self.radius))
-                for plane in vertex:
+                here = made.added(_corner(tuple(vertex), np.ones((1, 3)), radius))
+                for plane in (plane for plane in self.planes if plane in vertex):
                     outlines.setdefault(plane, []).append(here)
                 continue
             planes = (*patch.planes, *(vertex - {*patch.planes}))
             weights, triangles = weights_and_triangles(n, len(patch.planes))
             q = np.ones((len(weights), 3))
             q[:, : len(patch.planes)] = patch.heights(weights / n)
-            numbers = made.added(_corner(planes, q, self.radius))
+            numbers = made.added(_corner(planes, q, radius))
             for number, plane in enumerate(patch.planes):
                 outlines.setdefault(plane, []).append(numbers[weights[:, number] == n])
             for pair in pairs:

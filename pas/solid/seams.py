@@ -208,12 +208,13 @@ class Seams:
             if low >= high:  # the line misses the box
                 continue
             points = start + np.linspace(low, high, 66)[1:-1, None] * way
+            known = self._evaluator.signs(points)
             for a, b in combinations([c for c in faces if number in self._of(c)], 2):
                 f, g = (unit(self._jets(points, c)[:, 1:]) for c in (a, b))
                 aside = points + 2.0**-8 * np.cross(way, f)
                 jets = [self._jets(aside, c) for c in (a, b)]
                 between = aside - sum(j[:, :1] * j[:, 1:] / (j[:, 1:] ** 2).sum(axis=1)[:, None] for j in jets) / 2
-                alike, signs, held = (f * g).sum(axis=1) > 0, self._evaluator.signs(points), []
+                alike, signs, held = (f * g).sum(axis=1) > 0, known.copy(), []
                 there = self._evaluator.signs(between)
                 on = [c for c in range(self._evaluator.used) if number in self._of(c)]  # 0 here, so of no sign
                 signs[on] = there[on]

@@ -151,11 +151,13 @@ class FaceDistance(Distance):
     def _feet(self, points: Floats, nearest: Floats, feet: Floats, normals: Floats) -> tuple[Floats, Floats]:
         """The nearest points (N, 3) of the faces and the normals there, given the nearest vertices and theirs."""
         if len(self._targets) == 1:  # beyond its sharp edges a face is continued
-            return self._foot(self._targets[0], points)
+            return self._foot(self._targets[0], points, self._targets[0].tree.query(points)[1])
         best, result, turned = np.full(len(points), np.inf), feet.copy(), normals.copy()
+        most = nearest.max(initial=0.0) + self._longest
         for target in self._targets:
-            rows = np.flatnonzero(target.tree.query(points)[0] <= nearest + self._longest)
-            found, outward = self._foot(target, points[rows])
+            away, index = target.tree.query(points, distance_upper_bound=most)
+            rows = np.flatnonzero(away <= nearest + self._longest)
+            found, outward = self._foot(target, points[rows], index[rows])
             square = ((found - points[rows]) ** 2).sum(axis=1)
             better = square < best[rows]
             if len(target.labels) == 1:
@@ -166,9 +168,9 @@ class FaceDistance(Distance):
             result[chosen], turned[chosen], best[chosen] = found[better], outward[better], square[better]
         return result, turned
 
-    def _foot(self, target: _Target, points: Floats) -> tuple[Floats, Floats]:
+    def _foot(self, target: _Target, points: Floats, nearest: Integers) -> tuple[Floats, Floats]:
         """Where each point's nearest vertex goes when it follows the point inside its face or groove; the normal."""
-        feet = target.vertices[target.tree.query(points)[1]]
+        feet = target.vertices[nearest]
         active = np.arange(len(points) if len(target.labels) < 3 else 0)  # corners stay
         for _ in range(80 if len(active) else 0):  # convergence is linear where faces bend
             checkpoint()

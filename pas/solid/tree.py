@@ -129,17 +129,26 @@ def atoms(tree: Tree) -> Iterator[Atom]:
 
 
 class Columns:
-    """Functions by number, from 0 on: a polynomial and its multiples have one, that of the first of them."""
+    """Functions by number, from 0 on: a polynomial and its multiples have one, that of the first of them.
 
-    def __init__(self) -> None:
+    So have planes, where `rounded` says so, that are equal to 40 bits.
+    """
+
+    def __init__(self, rounded: bool = False) -> None:
         self.functions: list[Function] = []
-        self._known: dict[Function, tuple[int, int]] = {}
+        self._known: dict[Function | tuple[float, ...], tuple[int, int]] = {}
+        self._rounded = rounded
 
     def of(self, function: Function) -> tuple[int, int]:
         """The number of a function, and the sign (1 or -1) of its values over those of the first one of that number."""
-        key, sign = function, 1
+        key: Function | tuple[float, ...] = function
+        sign = 1
         if isinstance(function, Polynomial):
             key, sign = function.primitive(), 1 if function.raw.coeffs()[0] > 0 else -1
+            if self._rounded and function.degree == 1:
+                row = function.dense() / np.abs(function.dense()).max()
+                sign = 1 if row @ (0.34, 0.55, 0.21, 0.73) > 0 else -1  # by a side on which rounding changes nothing
+                key = tuple(np.round(sign * row * 2.0**40).tolist())
         number, first = self._known.setdefault(key, (len(self.functions), sign))
         if number == len(self.functions):
             self.functions.append(function)
