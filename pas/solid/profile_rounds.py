@@ -233,6 +233,7 @@ def filleted(known: SolidBoundary | None, pieces: Sequence[FilletPiece]) -> Soli
 def _rounded_body(
     body: Prism, radius: fmpq, order: int, rounds: dict[tuple[int, str], list[FilletPiece]]
 ) -> RoundedPrism:
+    """What bounds a solid over a profile with rounds."""
     size, place = to_float(radius), body.place
     known = {key: tuple(RoundFace(piece.face, piece.form.surface) for piece in some) for key, some in rounds.items()}
     return RoundedPrism(loops=body.loops, height=body.height, radius=size, order=order, rounds=known, place=place)
