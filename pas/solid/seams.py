@@ -216,7 +216,7 @@ class Seams:
                 between = aside - sum(j[:, :1] * j[:, 1:] / (j[:, 1:] ** 2).sum(axis=1)[:, None] for j in jets) / 2
                 alike, signs, held = (f * g).sum(axis=1) > 0, known.copy(), []
                 there = self._evaluator.signs(between)
-                on = [c for c in range(self._evaluator.used) if number in self._of(c)]  # 0 here, so of no sign
+                on = [c for c in range(self._evaluator.used) if number in self.of(c)]  # 0 here, so of no sign
                 signs[on] = there[on]
                 for side in ((True, alike), (False, ~alike), there[[a, b]]):
                     signs[[a, b]] = np.broadcast_arrays(*side)
