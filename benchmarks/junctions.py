@@ -12,11 +12,12 @@ from __future__ import annotations
 
 import argparse
 import random
-import time
 from collections import Counter
 from fractions import Fraction
 from math import cos, radians, sin
 from statistics import median
+
+from measured import spent as processor_seconds
 
 import pas
 
@@ -64,13 +65,13 @@ def main() -> None:
     for number in range(options.count):
         kind, order = options.kinds[number % len(options.kinds)], 1 + number // len(options.kinds) % 2
         items = draw(generator, kind)
-        start = time.process_time()
+        start = processor_seconds()
         try:
             blend = pas.node(items, order, seconds=240)
         except pas.PasError as error:
             print(f"#{number} {kind}, GC^{order}: {error}", flush=True)
             continue
-        seconds.append(time.process_time() - start)
+        seconds.append(processor_seconds() - start)
         fairness, beyond = blend.fairness, blend.fairness.beyond(blend.limits)
         waists.append(fairness.waist)
         known["proved"] += bool(blend.certificate.proved)
@@ -100,12 +101,12 @@ def solid_meshes(blend: pas.Blend, spent: dict[str, list[float]]) -> str:
     for name, of in (("full", lambda: blend), ("hollow", lambda: blend.hollow(thickness))):
         try:
             solid = of().solid()
-            start = time.process_time()
+            start = processor_seconds()
             mesh = solid.mesh(0.001, seconds=120)
         except pas.PasError as error:
             words += f", {name}: {error}"
             continue
-        spent[name].append(time.process_time() - start)
+        spent[name].append(processor_seconds() - start)
         assert mesh.is_closed
         words += f", {name} in {spent[name][-1]:.2f} s{'' if solid.sheets else ' by a lattice'}"
     return words

@@ -16,13 +16,13 @@ from __future__ import annotations
 
 import argparse
 import random
-import time
 from collections import Counter
 from math import acos, ceil, pi
 
 import manifold3d
 import numpy as np
 import trimesh
+from measured import spent as processor_seconds
 from scipy.spatial import cKDTree
 
 from pas import network
@@ -79,12 +79,12 @@ def foam(count: int, lowest: bool) -> None:
     net = network.voronoi(2000, "1/630", seed=1).repair(collapse=True)[0]
     print(f"{net}, {len(net.check())} problems", flush=True)
     net, wanted = around(net, count)
-    clock = time.process_time()
+    clock = processor_seconds()
     kinds = nodes.placed_ends(net, 1)
-    print(f"{len(wanted)} nodes in {net}, placed in {time.process_time() - clock:.0f} s", flush=True)
+    print(f"{len(wanted)} nodes in {net}, placed in {processor_seconds() - clock:.0f} s", flush=True)
     made, beyond, seconds = 0, Counter[str](), []
     for node in wanted:
-        kind, clock, said = kinds.kinds[kinds.of[node]], time.process_time(), "fair"
+        kind, clock, said = kinds.kinds[kinds.of[node]], processor_seconds(), "fair"
         try:
             found = blend(nodes.pipes_of(kind, net, 1), 1, "lowest" if lowest else None) if kind.blended else None
         except PasError as error:
@@ -94,7 +94,7 @@ def foam(count: int, lowest: bool) -> None:
             if found is not None and (why := found.fairness.beyond(found.limits)):
                 said = ", ".join(why)
                 beyond[" and ".join(sorted(measure.split()[0] for measure in why))] += 1
-        seconds.append(time.process_time() - clock)
+        seconds.append(processor_seconds() - clock)
         done = f"{len(seconds)}: {made} proved, {made - beyond.total()} fair, {np.mean(seconds):.1f} s a node"
         print(f"{done}; node {node}, {seconds[-1]:.1f} s: {said}", flush=True)
     print(f"beyond limits by {dict(beyond)}; seconds: {np.median(seconds):.1f} median, {max(seconds):.0f} at most")
@@ -103,9 +103,9 @@ def foam(count: int, lowest: bool) -> None:
 def whole(cells: int, cache: str, degree: str | None) -> None:
     """Print what a whole foam of so many cells, with struts like those of the other, comes to as one mesh."""
     net = network.voronoi(cells, f"1/{round(50 * cells ** (1 / 3))}", seed=1).repair(collapse=True)[0]
-    clock = time.process_time()
+    clock = processor_seconds()
     part = net.blend(degree=degree, cache=cache)
-    print(f"{net}: blends in {time.process_time() - clock:.0f} s, {len(part.unfair)} not fair", flush=True)
+    print(f"{net}: blends in {processor_seconds() - clock:.0f} s, {len(part.unfair)} not fair", flush=True)
     mesh = part.mesh()
     solid = manifold3d.Manifold(manifold3d.Mesh(mesh.points.astype(np.float32), mesh.triangles.astype(np.uint32)))
     closed = trimesh.Trimesh(mesh.points, mesh.triangles, process=False)
@@ -116,7 +116,7 @@ def whole(cells: int, cache: str, degree: str | None) -> None:
         flush=True,
     )
     print(part.certificate, mesh.certificate, sep="\n")
-    print(f"{time.process_time() - clock:.0f} s in all")
+    print(f"{processor_seconds() - clock:.0f} s in all")
 
 
 def main() -> None:
@@ -142,16 +142,16 @@ def table(names: list[str]) -> None:
     for name in names or CASES:
         cells, radius = CASES[name]
         net = network.lattice(name, cells, radius)
-        clock = [time.process_time()]
+        clock = [processor_seconds()]
         part = net.blend()
-        clock.append(time.process_time())
+        clock.append(processor_seconds())
         mesh = part.mesh()
-        clock.append(time.process_time())
+        clock.append(processor_seconds())
         proved = part.certificate.proved and mesh.certificate.proved
-        clock.append(time.process_time())
+        clock.append(processor_seconds())
         other = union(net, part.pieces().deviation)
         found = other.to_mesh()
-        clock.append(time.process_time())
+        clock.append(processor_seconds())
         blends, meshing, proof, joining = np.diff(clock)
         points, triangles = np.asarray(found.vert_properties)[:, :3], np.asarray(found.tri_verts)
         print(

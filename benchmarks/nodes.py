@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import argparse
 import random
-import time
 from collections import Counter
 from dataclasses import fields, replace
 from fractions import Fraction
@@ -26,6 +25,7 @@ from math import atan, ceil, gcd, hypot, radians
 from statistics import median
 
 import numpy as np
+from measured import spent as processor_seconds
 
 import pas
 
@@ -110,7 +110,7 @@ def report(order: int, number: int, options: argparse.Namespace) -> None:
     seconds, fair, nearly, sharp, times = [], 0, 0, [], []
     for case in range(options.count):
         pipes = draw(generator, number, options.fit)
-        start = time.process_time()
+        start = processor_seconds()
         try:
             if options.auto:
                 pipes = pas.struts([(pipe.axis, pipe.radius) for pipe in pipes], order)
@@ -126,7 +126,7 @@ def report(order: int, number: int, options: argparse.Namespace) -> None:
             nearly += not blend.fairness.beyond(wider(blend.limits))
             if beyond:
                 print(f"k={order} n={number} #{case}: {', '.join(beyond)}", flush=True)
-        seconds.append(time.process_time() - start)
+        seconds.append(processor_seconds() - start)
         if options.against and made.total() == len(sharp) > len(times):
             times.append(against_thin_plate(pipes, blend))
     shares = ", ".join(f"{name}: {count}" for name, count in sorted(made.items()))

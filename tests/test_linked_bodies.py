@@ -137,18 +137,38 @@ def test_overlaps_are_those_of_the_inequalities(thickness):
     assert whole.contains(inward).mean() > 0.99 and not whole.contains(inward + 0.04 * mesh.normals.mean(axis=1)).any()
 
 
-@pytest.mark.parametrize(
-    ("apart", "words"),
-    [("9/2", r"'neighbour 1 end' and 'neighbour 2 end', pass near .*length of at most 0\.5,"), (1, "move them apart")],
-)
-def test_straight_ends_that_reach_the_other_blend_are_refused(apart, words):
+REACH = r"near .* '(.*)' goes on beyond the curve in which that meets 'blend', and leaves it without an angle"
+
+
+@pytest.mark.parametrize("apart", ["9/2", 4, 1])
+def test_straight_ends_that_reach_the_other_blend_are_refused(apart):
     """Its surface leaves theirs without an angle, so that no mesh shows where they cross."""
     whole = made() | made().translate((apart, 0, 0))
     for solid_ in (whole, whole - solid.ball((0, 0, 0), "1/2")):
-        with pytest.raises(pas.MeshError, match=words):
+        with pytest.raises(pas.MeshError, match=REACH):
             solid_.mesh(1e-2)
     half_way = branch().solid(["1/2", "1/2", 1])
     assert (half_way | half_way.translate(("9/2", 0, 0))).mesh(1e-2).components == 1
+
+
+@pytest.mark.parametrize("thickness", ["1/8", None])
+def test_tubes_that_reach_into_a_blend_are_refused_at_once_where_they_leave_it(thickness):
+    """Along the run the blend is outside of it here and inside there; on the branch it is outside all around."""
+    body = made(thickness)
+    tube, branch_tube = (
+        solid.cylinder([start * c for c in axis], [6 * c for c in axis], radius, "tube")
+        for axis, radius, start in ((X, 1, 1), (Y, "4/5", 1))
+    )
+    for whole in (body | tube, (body | tube).rotate((1, 2, 2), 40), body - tube, body & tube, tube - body):
+        began = time.process_time()
+        with pytest.raises(pas.MeshError, match=REACH) as found:
+            whole.mesh(1e-2)
+        assert time.process_time() - began < 2 and "tube" in str(found.value)
+    if thickness is None:
+        inside = body | tube | solid.box(("1/2", -2, -2), (3, 2, 2))  # of a third part
+        assert inside.mesh(5e-2).components == 1
+        longer = body | solid.cylinder((0, 2, 0), (0, 6, 0), "4/5", "tube")
+        assert (body | branch_tube).volume(1e-2) == pytest.approx(longer.volume(1e-2), rel=1e-4)
 
 
 def test_ends_are_those_of_one_pipe():
@@ -202,6 +222,12 @@ def test_a_lattice_less_a_ball_is_meshed_by_what_is_near():
     assert time.process_time() - began < 10
     assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 5, 2 * (8 - 10) + 2 * 4)
     assert np.linalg.norm(mesh.points, axis=1).min() == pytest.approx(1.5) and np.ptp(mesh.box, axis=0)[0] == 12
+    began_again = time.process_time()
+    points = np.random.default_rng(0).uniform((-3, -3, -3), (11, 11, 3), (2000, 3))
+    inside, evaluator = cut.contains(points), cut.field.evaluator
+    assert np.array_equal(inside, evaluator.inside(evaluator.signs(evaluator.local(points))))
+    assert np.abs(cut.box - [[-2, -2, -2], [10, 10, 2]]).max() < 0.1 and 0 < inside.sum() < 200
+    assert time.process_time() - began_again < 5  # 7 and 10 s when each cell had a linear programme
     turned = cut.rotate((1, 2, 3), 40).mesh(5e-2)  # whose parts are turned by themselves
     assert turned.volume == pytest.approx(mesh.volume, rel=1e-2) and time.process_time() - began < 20
 

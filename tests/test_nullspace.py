@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import random
+import time
 from fractions import Fraction
 
 import numpy as np
 import pytest
 import sympy
-from flint import fmpq, fmpq_mat
+from flint import fmpq, fmpq_mat, fmpz_mat
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -125,3 +127,20 @@ def test_limits_stop_sparse_elimination_and_break_nothing():
         solve_sparse(rows, 200)
     assert rows == before
     assert len(solve_sparse(rows, 200).free) >= 1
+
+
+def test_long_eliminations_end_with_the_limit():
+    """Of many long numbers, which combine rows with a short basis of their nullspace."""
+    generator, size, free = random.Random(1), 60, 10
+    short = [
+        [int(i == j) if j >= free else generator.randrange(-9, 9) for j in range(size + free)]
+        for i in range(free, size + free)
+    ]
+    long = fmpz_mat(size, size, [generator.getrandbits(2000) for _ in range(size**2)]) * fmpz_mat(short)
+    rows = [{j: fmpq(v) for j, v in enumerate(row)} for row in long.tolist()]
+    began = time.monotonic()
+    with pytest.raises(pas.LimitError, match="while eliminating 60 x 70"), pas.limit(seconds=0.01):
+        nullspace(rows, size + free)
+    assert time.monotonic() - began < 5
+    basis = nullspace(rows, size + free)
+    assert basis.nrows() == free and not any((fmpq_mat(short) * basis.transpose()).entries())

@@ -239,6 +239,19 @@ def test_boxes_of_prisms_are_exact():
     assert prism.box == pytest.approx(np.array([[-0.5, -1.5, -1], [1, 1.5, 1]]), abs=1e-7)
 
 
+def test_boxes_of_four_planes_in_a_ball_hold_what_is_there():
+    """Of tetrahedra, and of wedges that the ball ends."""
+    generator, ball = np.random.default_rng(3), solid.ball((0, 0, 0), 1)
+    points = generator.uniform(-1, 1, (20000, 3))
+    for _ in range(12):
+        planes = [f"{a}*x + {b}*y + {c}*z - 2" for a, b, c in generator.integers(-6, 7, (4, 3)).tolist()]
+        part = reduce(and_, (solid.half_space(plane, f"side {n}") for n, plane in enumerate(planes)), ball)
+        inside = points[part.contains(points)]
+        ends = np.stack([inside.min(axis=0), inside.max(axis=0)])
+        assert (part.box[0] <= ends[0]).all() and (part.box[1] >= ends[1]).all()
+        assert part.box == pytest.approx(ends, abs=0.15)
+
+
 def test_thin_solids_are_refused_in_words():
     sheet = solid.half_space("z - 1/100000") & solid.half_space("-z", "below") & solid.ball((0, 0, 0), 1)
     with pytest.raises(MeshError, match="too thin for its size"):

@@ -137,6 +137,16 @@ def test_components_of_circles_are_those_that_meet(seed):
     assert len(set(zip(labels, own, strict=True))) == len(set(labels)) == len(set(own))
 
 
+def test_components_are_followed_where_their_points_change_places():
+    """Two skew lines, whose points have one value of x + 6y + 36z, by which they are ordered first, where t = -41."""
+    curve = SpaceCurve(Z * (Z - 1), Y - X * Z)
+    found = [(fmpq(t), p) for t in (-100, 0) for p in curve.whole.points(fmpq(t))]
+    lines = [p.sign(Z) for _, p in found]
+    labels = Components(curve).of(found)
+    assert sorted(lines) == [0, 0, 1, 1]
+    assert len(set(labels)) == len(set(zip(labels, lines, strict=True))) == 2
+
+
 def test_forms_are_changed_where_a_line_lies_in_their_planes():
     a, b, _ = next(linear_forms())
     curve = SpaceCurve(X * a + Y * b, Z)  # a line on which the first form is 0

@@ -263,7 +263,9 @@ def test_examples_come_back_from_their_documents(path):
     problem, again = pas.read_problem(path), problem_of(document["problem"])
     for name, value in vars(problem).items():
         if name not in ("name", "boundaries", "shape", "data"):
-            assert repr(getattr(again, name)) == repr(value)
+            # readers have places in memory
+            told = [re.sub(" at 0x[0-9a-f]+", "", repr(v)) for v in (getattr(again, name), value)]
+            assert told[0] == told[1]
 
 
 def test_decimals_keep_their_digits():

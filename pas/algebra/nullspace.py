@@ -25,6 +25,7 @@ from typing import TypeVar
 
 from flint import fmpq, fmpq_mat, fmpz_mat
 
+from pas.elsewhere import elsewhere
 from pas.limits import checkpoint
 
 Row = dict[int, int]
@@ -32,7 +33,7 @@ K = TypeVar("K", bound=Hashable)
 
 DENSE = 1500
 """Unknowns up to which dense elimination is used.  On the corner's systems of 150 to 850 unknowns
-it is 4 times faster; but it cannot be interrupted, and grows with the cube."""
+it is 4 times faster, but grows with the cube."""
 
 STEPS = 64
 """Pivots between looks at the clock."""
@@ -59,12 +60,18 @@ def integral_nullspace(rows: Iterable[Mapping[int, fmpq]], unknowns: int) -> tup
         return fmpz_mat(unknowns, unknowns, [int(i == j) for i in range(unknowns) for j in range(unknowns)]), 1
     if unknowns > DENSE:
         return _basis(_solved(system, unknowns, from_last=True), unknowns)
-    matrix = fmpz_mat(len(system), unknowns)
-    for i, row in enumerate(sorted(system, key=len)):
-        for j, value in row.items():
-            matrix[i, unknowns - 1 - j] = value
-    reduced, denominator, rank = matrix.rref()
-    return _from_reduced(reduced, int(denominator), rank, unknowns)
+    table = [[row.get(j, 0) for j in reversed(range(unknowns))] for row in sorted(system, key=len)]
+    size = len(table) * unknowns * max(value.bit_length() for row in system for value in row.values())
+    # Bits in a system that may take a second, which nothing interrupts: those of five pipes at GC^2 take 3 and 8 s.
+    task, long = f"eliminating {len(table)} x {unknowns}", 8_000_000
+    reduced, denominator = rref(table) if size < long else elsewhere(task, "pas.algebra.nullspace:rref", table)
+    return _from_reduced(reduced, denominator, unknowns)
+
+
+def rref(table: list[list[int]]) -> tuple[list[list[int]], int]:
+    """The rows that are not zero of the reduced echelon form of whole numbers, over one denominator."""
+    reduced, denominator, rank = fmpz_mat(table).rref()
+    return [[int(v) for v in row] for row in reduced.tolist()[:rank]], int(denominator)
 
 
 def solve_sparse(rows: Iterable[Mapping[int, fmpq]], unknowns: int) -> Solved:
@@ -85,8 +92,7 @@ def _distinct(rows: Iterable[Mapping[int, fmpq]]) -> list[Row]:
     return [dict(entries) for entries in {tuple(sorted(integral(row).items())) for row in rows} if entries]
 
 
-def _from_reduced(reduced: fmpz_mat, denominator: int, rank: int, unknowns: int) -> tuple[fmpz_mat, int]:
-    table = reduced.tolist()[:rank]
+def _from_reduced(table: list[list[int]], denominator: int, unknowns: int) -> tuple[fmpz_mat, int]:
     pivots: list[int] = []
     for row in table:
         start = pivots[-1] + 1 if pivots else 0

@@ -8,11 +8,14 @@ one polynomial g.  What such a cone and such a tetrahedron have in common is cut
 Inside: where g <= 0 in the inner region, f < 0, and the point lies in the outer region, behind its outer face in the
 direction from the outer centre (unless both faces are in one plane).  So the inner body, with its sections in the clip
 faces, is in the interior of the outer one, relative to these faces.  Of a region that is open only what is inside the
-cone of its opening is in use, and nothing is claimed of the rest (see `pas.certify.contact_proofs`).
+cone of its opening is in use, and nothing is claimed of the rest (see `pas.certify.contact_proofs`): so this is of what
+is inside both cones.
 
 End: at each contact both clips are the same plane, and on the inner clip faces the outer contact's surface is negative
-wherever the inner one's is not positive.  At an opening both are the same cone, and that holds all over the cone in the
-inner region.  So the wall ends in what is between two curves without a common point.
+wherever the inner one's is not positive.  At an opening both are cones from one point, the same or the inner one around
+the outer one, and that holds all over the inner cone in the inner region; where g <= 0 between them, the surface of the
+outer contact is negative.  So the wall ends in what is between two curves without a common point, and the inner body is
+in what the outer one goes on as.
 
 All inequalities are proved by Bernstein branch and bound with rounding accounted for (see `pas.bernstein.signs`).  What
 is not promised: a thickness of the wall (see `pas.certify.thickness`).
@@ -78,15 +81,16 @@ def _inside(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> Verdict:
     if not all(join.confined for surface in (inner, outer) for join in surface.joins):
         return claim.undecided("a clip passes through a region, so that a part of it only is in use")
     if not all(_one_nappe(inner, outer, number) for number, join in enumerate(outer.joins) if join.opening):
-        return claim.undecided("the outer region is open, and the inner one not along the same cone")
+        return claim.undecided("the outer region is open, and the inner one not in its direction from its centre")
     frame = outer.partition.frame
     parts = common_parts(in_frame_of(inner.partition, outer.partition), outer.local)
     below = [frame.localise(p).raw for p in inner.polynomials]
-    cones = [frame.localise(c.clip).raw for c, j in zip(inner.contacts, inner.joins, strict=True) if j.opening]
+    opened = ((s, number) for s in (inner, outer) for number, join in enumerate(s.joins) if join.opening)
+    cones = dict.fromkeys(frame.localise(s.contacts[number].clip) for s, number in opened)
     above = [-p.raw for p in outer.patches]
 
     def proved(some: Sequence[Common], values: Sequence[fmpq_mpoly], degree: int) -> SignResult:
-        inside = [([below[part.inner] for part in some], inner.degree), *(alike(q, some) for q in cones)]
+        inside = [([below[part.inner] for part in some], inner.degree), *(alike(q.raw, some) for q in cones)]
         return prove_inside([part.corners for part in some], (values, degree), inside)
 
     found = proved(parts, [above[part.outer] for part in parts], outer.degree)
@@ -125,13 +129,25 @@ def _end(inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) ->
 
 
 def _open_end(claim: Proposition, inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) -> Verdict:
-    """The wall ends at an opening between two nested curves on one cone."""
+    """The wall ends at an opening between two nested curves, on one cone or on two, one around the other."""
     if not _one_nappe(inner, outer, number):
-        return claim.refuted("the two surfaces do not end in one nappe of one cone")
-    cone = outer.joins[number].contact.clip.raw
-    local = in_frame_of(inner.partition, outer.partition)
-    corners = [local.corners(cell) for cell in local.cells]
-    return _nested(claim, inner, number, corners, (cone, -cone), "one cone, the inner curve inside the outer surface")
+        return claim.refuted("the two surfaces do not end in nappes of cones from one point")
+    frame, local = outer.partition.frame, in_frame_of(inner.partition, outer.partition)
+    clips = [s.contacts[number].clip for s in (outer, inner)]
+    narrow, wide = (frame.localise(clip).raw for clip in clips)
+    corners, words = [local.corners(cell) for cell in local.cells], "one cone"
+    if clips[0].primitive() != clips[1].primitive():
+        words = "two cones, the inner one around the outer one"
+        faces = [local.corners(face.vertices) for face in local.outer_faces]
+        around = prove_inside(faces, alike(-wide, faces), [alike(narrow, faces)])
+        below = [frame.localise(inner.polynomials[piece]).raw for piece in local.piece_of.tolist()], inner.degree
+        beside = [below, alike(wide, corners), alike(-narrow, corners)]
+        between = prove_inside(corners, alike(-outer.joins[number].contact.surface.raw, corners), beside)
+        if (failed := claim.failed(around, "the inner cone is not around that of the outer one")) is not None:
+            return failed
+        if (failed := claim.failed(between, "between the cones the inner surface is not inside")) is not None:
+            return failed
+    return _nested(claim, inner, number, corners, (wide, -wide), f"{words}, the inner curve inside the outer surface")
 
 
 def _nested(
@@ -152,13 +168,13 @@ def _nested(
 
 
 def _one_nappe(inner: PiecewisePolynomial, outer: PiecewisePolynomial, number: int) -> bool:
-    """Whether both regions are open at a contact, along the same nappe of the same cone, whose apex is their centre.
+    """Whether both regions are open at a contact from one centre, and the inner one holds points of the outer nappe.
 
     Of a cone that is negative inside, two points inside are in one nappe iff its bilinear form is negative for both.
     """
     if number >= len(inner.joins) or not inner.joins[number].opening:
         return False
-    if inner.contacts[number].clip.primitive() != outer.contacts[number].clip.primitive():
+    if inner.partition.center != outer.partition.center:
         return False
     cone = outer.joins[number].contact.clip.raw
     v, w = (next((v for v in s.local.vertices if cone(*v) < 0), None) for s in (inner, outer))

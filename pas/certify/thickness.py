@@ -14,8 +14,9 @@ The bound is refuted where two edges, one of each surface's, each hold a zero, a
 and both slices' corners on them are nearer to one another than the bound.  Looked at are each slice and the nearest one
 of the other surface, before other pairs, and of those only such as hold one that is not to be halved already.
 
-Guaranteed for all zeros of both functions in their regions, up to the clips of contacts.  Not promised: anything beyond
-the clips, where pipes go on, and bounds as near to the least distance as what rounding counts.
+Guaranteed for all zeros of both functions in their regions, up to the clips of contacts, and where an opening has two
+cones between these for the outer contact, as far out as twice the inner region.  Not promised: anything else beyond the
+clips, where pipes go on, and bounds as near to the least distance as what rounding counts.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.monomials import Floats, homogeneous_exponents
-from pas.algebra.rational import Vector, plain, to_float
+from pas.algebra.rational import Vector, plain, three, to_float
 from pas.bernstein.forms import corner_points, nearby_forms
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.bernstein.simplices import Simplices, at_vertices, edges
@@ -48,7 +49,7 @@ by some hundred 2^-53 of it."""
 Pairs: TypeAlias = "tuple[NDArray[np.intp], NDArray[np.intp]]"
 """The numbers (P,) of slices of the inner surface, and of one of the outer surface's for each."""
 
-LIMITS = Limits(depth=60, cells=400_000)
+LIMITS = Limits(depth=120, cells=400_000)
 """Slices a quarter as large as the wall is thick are some ten thousand."""
 
 LARGE = 2
@@ -163,7 +164,10 @@ def thicker_than(inner: PiecewisePolynomial, outer: PiecewisePolynomial, bound: 
 
 def _tetrahedra(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple[Simplices, int]:
     """The cells of both regions in the outer one's local coordinates with the forms of their functions, then those of
-    the clips of openings, negative where a surface is in use; and how many are the inner region's."""
+    the clips of openings, negative where a surface is in use; and how many are the inner region's.
+
+    Where openings have two cones, also the inner cells twice as large with the outer contact, in use between these.
+    """
     frame, degree = outer.partition.frame, max(inner.degree, outer.degree, 1)
     below = [frame.localise(p).raw for p in inner.polynomials]
     sides = (
@@ -179,7 +183,13 @@ def _tetrahedra(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple
         open_at = [
             frame.localise(c.clip).raw for c, j in zip(surface.contacts, surface.joins, strict=True) if j.opening
         ]
-        clips += [open_at] * len(local.cells)
+        clips += [2 * open_at] * len(local.cells)
+    for ours, theirs, join in zip(inner.contacts, outer.contacts, outer.joins, strict=True):
+        if join.opening and ours.clip != theirs.clip:
+            local = sides[0][2]
+            cells += [tuple(three(2 * c for c in v) for v in local.corners(cell)) for cell in local.cells]
+            raws += [join.contact.surface.raw] * len(local.cells)
+            clips += [[-join.contact.clip.raw, frame.localise(ours.clip).raw]] * len(local.cells)
     found = [nearby_forms(raws, cells, degree)]
     for column in zip(*clips, strict=True):
         found.append(nearby_forms(column, cells, max(1, *(int(p.total_degree()) for p in column))))

@@ -8,7 +8,6 @@ import numpy as np
 
 from pas.algebra.polynomial import Polynomial
 from pas.errors import MeshError
-from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Floats, Integers
 
 
@@ -38,20 +37,6 @@ class End:
         """The unit normals (..., 3) outwards at points of it."""
         slopes = self.surface.gradient(points)
         return np.asarray(slopes / np.linalg.norm(slopes, axis=-1, keepdims=True))
-
-
-def least_distance(first: Mesh, second: Mesh) -> tuple[float, Floats]:
-    """The least distance of the vertices of each of two meshes from the other, and the vertex (3,) where it is.
-
-    Measured between the meshes, so that it is off by as much as these are.
-    """
-    best, where = np.inf, np.zeros(3)
-    for one, other in ((first, second), (second, first)):
-        found = one.to_pyvista().compute_implicit_distance(other.to_pyvista())
-        distances = np.abs(np.asarray(found["implicit_distance"]))
-        if distances.min() < best:
-            best, where = float(distances.min()), np.asarray(found.points[distances.argmin()], dtype=float)
-    return best, where
 
 
 def ring(points: Floats, outer: Integers, inner: Integers, normal: Floats, name: str) -> Integers:

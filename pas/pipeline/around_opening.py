@@ -17,10 +17,11 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, exact, exact_vector, minus, moved, to_float, to_floats
 from pas.algebra.scaling import scaled
-from pas.contacts.cones import FARTHEST, first_met
+from pas.contacts.cones import FARTHEST, first_met, nappe, nappe_rays
 from pas.contacts.contact import Contact
 from pas.contacts.joins import Join
 from pas.errors import GeometryError
+from pas.layouts.discs import power_of_two, rounded
 from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.neighbours import is_left_once
@@ -70,23 +71,30 @@ class AroundOpening:
         join, scale = surface.joins[number], surface.partition.frame.scale
         assert center is not None
         if contact.surface.degree == 1:
-            low, rim = -contact.surface.raw(*center), contact.rim
-            return cls(
-                number + 1,
-                contact,
-                center,
-                slope_at(contact.surface),
-                low,
-                rim.center,
-                exact(rim.radii[0]),
-                join,
-                scale,
-            )
+            low, rim, axis = -contact.surface.raw(*center), contact.rim, slope_at(contact.surface)
+            return cls(number + 1, contact, center, axis, low, rim.center, exact(rim.radii[0]), join, scale)
         length, *widths = np.linalg.norm(join.nappe, axis=1).tolist()
         heights = join.curve() @ (join.nappe[0] / length)
         low, high = (round(float(h) * FINE) * scale / FINE for h in (heights.min(), heights.max()))
         x, y, z = (fmpq(round(float(c) / length * FINE), FINE) for c in join.nappe[0])
         return cls(number + 1, contact, center, (x, y, z), low, center, high * exact(min(widths) / length), join, scale)
+
+    def even(self, thickness: fmpq) -> Polynomial | None:
+        """The cone of the inner side of an even wall, None where it is the same: half way between the narrowest and the
+        widest one through points that are a thickness inside along normals of the opening, but never narrower."""
+        surface, center = self.contact.surface, np.array(to_floats(self.center))
+        slopes = surface.gradient(self._curve)
+        deep = self._curve - to_float(thickness) * slopes / np.linalg.norm(slopes, axis=1)[:, None] - center
+        axes = nappe(self.contact.clip, self.join.nappe[0])
+        along, *across = np.linalg.solve(axes.T, deep.T)
+        shares = np.hypot(*across) / along
+        parts = 64  # of the width, in which it is rounded, and of the axis: all but too fine to matter
+        wide = round(parts * float(shares.min() + shares.max()) / 2) / parts
+        if not wide > 1:
+            return None
+        way = (wide * wide - 1) ** 0.5 * axes[0] / (axes[0] @ axes[0])
+        lean = height(self.center, rounded(way, power_of_two(float(np.abs(way).max()) / parts)))
+        return Polynomial.from_raw(self.contact.clip.raw - lean * lean)
 
     @property
     def flat(self) -> bool:
@@ -158,7 +166,7 @@ class AroundOpening:
             strips = (SolidStrip(name, self.contact.surface, Straight(scaled(edge), middle, towards=False)),)
         elif works > 0:
             axis = np.array(to_floats(self.axis)) * to_float(self.scale)
-            rays = Outwards(self.join.contact.surface, self._frame, axis, to_float(self.wide(works)))
+            rays = Outwards(self.join.contact.surface, self._frame, axis, self._frame.localise(edge))
             strips = (SolidStrip(name, self.contact.surface, rays),)
         end = End(scaled(edge) if works > 0 else clip.surface, clip.axis)
         return Chain(self.contact, clip, self._curve, strips, end, f"{name} end", floor)
@@ -232,6 +240,15 @@ class AroundOpening:
         cosines = (slopes * rays).sum(axis=1) / np.linalg.norm(slopes, axis=1)
         beyond = np.geomspace(1, FARTHEST, ALONG)[1:, None, None] * met
         return bool(cosines.min() > GRAZING and (surface(beyond) > 0).all())
+
+    def inside(self, edge: Polynomial) -> bool:
+        """Whether its curve is inside an edge."""
+        return bool((scaled(edge)(self._curve) < 0).all())
+
+    def holds(self, edge: Polynomial) -> bool:
+        """Whether an edge, a cone with the same apex, is inside its own."""
+        rays = nappe_rays(nappe(scaled(edge), self.join.nappe[0]), AROUND)
+        return bool((self.join.contact.clip(rays) < 0).all())
 
     def wide(self, reach: fmpq) -> fmpq:
         """How wide the edge at a distance is over the opening."""

@@ -7,7 +7,8 @@ clip and ends in a flat cap.  The claims of contact become joints, which the sol
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -15,7 +16,7 @@ from flint import fmpq
 
 from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, exact, rational, to_float, to_floats
+from pas.algebra.rational import Exact, dot, exact, rational, to_float, to_floats
 from pas.algebra.scaling import Scaled, scaled
 from pas.contacts.contact import Contact
 from pas.contacts.ends import ContactEnd, triple
@@ -108,54 +109,100 @@ def hollow_body(
     """
     reaches = lengths_of(length, outer)
     titles = _names(names, len(outer.contacts))
-    low = next((AroundOpening.of(inner, number).low for number, join in enumerate(inner.joins) if join.opening), None)
-    floors = (None, None) if low is None else (low / 2, low / 4)
-    goes_on = any(reach > 0 for reach, join in zip(reaches, outer.joins, strict=True) if join.opening)
-    around: Around = "endless" if goes_on else "surface"
+    given = ((n, reach) for n, (join, reach) in enumerate(zip(outer.joins, reaches, strict=True)) if join.opening)
+    mouth = next((Mouth.of(outer, inner, number, reach, length is None) for number, reach in given), None)
+    floors = (None, None) if mouth is None else (mouth.floor, mouth.within.low / 4)
+    around: Around = "endless" if mouth is not None and not mouth.ends else "surface"
     inside, beyond = [f"{INSIDE} {t}" for t in titles], outer.partition.frame.scale / FURTHER
     face = f"{INSIDE} blend"
     cavity = body(inner, reaches, inside, face, floors[1], around, beyond)
     ended = [name for name, reach in zip(inside, reaches, strict=True) if reach == 0]
+    if mouth is not None:
+        reaches[mouth.around.number - 1] = mouth.works
+        ended += [] if mouth.goes_on else [inside[mouth.around.number - 1]]
     joints = tuple(joint for joint in cavity.joints if joint.second not in ended)
-    solid = body(outer, length, names, floor=floors[0]) - replace(cavity, joints=joints)
-    return replace(solid, sheets=_wall_sheets(outer, inner, titles, reaches, length is None, floors[0]))
+    solid = body(outer, reaches, names, floor=floors[0]) - replace(cavity, joints=joints)
+    return replace(solid, sheets=_wall_sheets(outer, inner, titles, reaches, mouth))
+
+
+@dataclass(frozen=True, eq=False)
+class Mouth:
+    """A wall at an opening: `around` its outer side and `within` its inner one, up to an `edge`, which is as far around
+    the outer one as `works`."""
+
+    around: AroundOpening
+    within: AroundOpening
+    works: fmpq
+    edge: Polynomial
+
+    @classmethod
+    def of(cls, outer: PiecewiseSurface, inner: PiecewiseSurface, number: int, reach: fmpq, shorter: bool) -> Mouth:
+        """That of contact `number`; raises what `AroundOpening.fitting` raises.
+
+        If it may be `shorter`, the edge of a curved surface is all around the inner side's curve or all inside of it.
+        """
+        around, within = (AroundOpening.of(surface, number) for surface in (outer, inner))
+        works = around.fitting(reach, shorter) if reach > 0 else reach
+        found = cls(around, within, works, around.edge(works) if works > 0 else around.contact.clip)
+        while shorter and not (around.flat or found.goes_on or found.ends):
+            found = replace(found, works=found.works / 2, edge=around.edge(found.works / 2))
+        return found
+
+    @property
+    def floor(self) -> fmpq:
+        """Half the height of the inner opening over the centre, in units of the outer one's axis."""
+        axis = self.around.axis
+        return self.within.low / 2 * dot(axis, axis) / dot(axis, self.within.axis)
+
+    @cached_property
+    def goes_on(self) -> bool:
+        """Whether the inner side's curve is inside the edge, so that its contact goes on from there."""
+        return self.works > 0 and self.within.inside(self.edge)
+
+    @cached_property
+    def ends(self) -> bool:
+        """Whether the inner surface goes on to the edge itself."""
+        return self.works == 0 or (not self.around.flat and self.within.holds(self.edge))
+
+    def chains(self, name: str, inner: PiecewiseSurface) -> tuple[Chain | None, ...]:
+        """What goes on from both sides; None where the inner contact does not, or is not seen to go on so far."""
+        around, within, works = self.around, self.within, self.works
+        if self.ends:
+            within, works = AroundOpening.of(inner, within.number - 1), NOTHING
+        seen = self.ends or (self.goes_on and (within.flat or within.leave(around.wide(works))))
+        if around.center != within.center or not seen:
+            return None, None
+        walled = within.walled(f"{INSIDE} {name}", works, self.edge, scaled(around.at(self.floor)))
+        return around.walled(name, self.works, self.edge), walled
+
+
+def up_to(inner: PiecewiseSurface, number: int, cone: Polynomial) -> PiecewiseSurface:
+    """An inner surface up to a cone inside that of its opening `number`, on which it is a contact of itself."""
+    contacts = [*inner.contacts]
+    if contacts[number].clip.primitive() == cone.primitive():
+        return inner
+    contacts[number] = Contact(inner.polynomials[0], cone)
+    return PiecewiseSurface(inner.partition, contacts, inner.order, inner.patches, inner.degree)
 
 
 def _wall_sheets(
-    outer: PiecewiseSurface,
-    inner: PiecewiseSurface,
-    titles: Sequence[str],
-    reaches: Sequence[fmpq],
-    shorter: bool,
-    floor: fmpq | None,
+    outer: PiecewiseSurface, inner: PiecewiseSurface, names: Sequence[str], reaches: Sequence[fmpq], mouth: Mouth | None
 ) -> SheetBody | None:
     """The sheets of a wall: what goes on inside ends in the planes, edges and cones in which the outer side does."""
-    pairs: list[tuple[Chain | None, Chain | None]] = []
-    for number, (name, reach) in enumerate(zip(titles, reaches, strict=True)):
-        if not outer.joins[number].opening:
-            plane = clip_plane(outer, number)
-            pairs.append(
-                (
-                    chain_beyond(outer, number, name, plane, reach),
-                    chain_beyond(inner, number, f"{INSIDE} {name}", plane, reach),
-                )
-            )
+    if mouth is not None and mouth.ends:
+        inner = up_to(inner, mouth.within.number - 1, mouth.edge)
+    pairs: list[tuple[Chain | None, ...]] = []
+    for number, (name, reach) in enumerate(zip(names, reaches, strict=True)):
+        if mouth is not None and outer.joins[number].opening:
+            pairs.append(mouth.chains(name, inner))
             continue
-        around, within = (AroundOpening.of(surface, number) for surface in (outer, inner))
-        works = around.fitting(reach, shorter) if reach > 0 else reach
-        edge, wide = around.edge(works), around.wide(works)
-        if around.center != within.center or not (within.flat or works == 0 or within.leave(wide)):
-            return None
-        assert floor is not None
-        side = around.walled(name, works, edge), within.walled(f"{INSIDE} {name}", within.radius * (wide - 1), edge)
-        pairs.append((side[0], replace(side[1], floor=scaled(around.at(floor)))))
+        plane, both = clip_plane(outer, number), ((outer, name), (inner, f"{INSIDE} {name}"))
+        pairs.append(tuple(chain_beyond(surface, number, title, plane, reach) for surface, title in both))
     sides = [
         Side(surface, face, tuple(chain for chain in chains if chain is not None))
-        for surface, face, chains in zip(
-            (outer, inner), ("blend", f"{INSIDE} blend"), zip(*pairs, strict=True), strict=True
-        )
+        for surface, face, *chains in zip((outer, inner), ("blend", f"{INSIDE} blend"), *pairs, strict=True)
     ]
-    return SheetBody.of(sides) if all(len(side.chains) == len(titles) for side in sides) else None
+    return SheetBody.of(sides) if all(len(side.chains) == len(names) for side in sides) else None
 
 
 def contact_ends(surface: PiecewiseSurface, length: Length = 0) -> tuple[ContactEnd, ...]:

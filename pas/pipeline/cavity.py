@@ -30,6 +30,7 @@ from pas.fairing.solver import FitSolver
 from pas.fairing.wishes import Wishes
 from pas.layouts.discs import power_of_two
 from pas.layouts.nodes import ContactNode
+from pas.layouts.opened import open_region
 from pas.partition.cells import Partition, Region
 from pas.partition.layout import Layout
 from pas.piecewise import PiecewiseSurface
@@ -85,7 +86,7 @@ class Cavity:
         if not join.opening:
             return contact.rim.points()
         frame = self.outer.surface.partition.frame
-        inner = Join(Contact(frame.localise(contact.surface), join.contact.clip), (), join.partition)
+        inner = Join(Contact(frame.localise(contact.surface), frame.localise(contact.clip)), (), join.partition)
         return frame.global_points(inner.curve())
 
     @property
@@ -122,9 +123,12 @@ class Cavity:
 
     @cached_property
     def _regions(self) -> list[Partition]:
-        """The outer blend's region, and before it one around a deeper centre where its own is not deep enough."""
+        """The outer blend's region, and before it one around a deeper centre where its own is not deep enough; at an
+        opening one for its cone."""
         own = self.outer.surface.partition
-        return [own] if own.open or self._deep_enough else [*self._deeper(), own]
+        if own.open:
+            return [open_region(self.contacts) if len(own.pieces) == 1 else own]
+        return [own] if self._deep_enough else [*self._deeper(), own]
 
     def trials(self) -> Iterator[Trial]:
         """What to try, the likeliest first: the outer degree on each region, and the next; the outer layout with walls

@@ -1,6 +1,8 @@
 """Hollow nodes: an outer and an inner blend, the inner one proved inside the outer one.
 
 Both are blends of the same order with the same clips, mostly around one centre; between their contacts is a thickness.
+At an opening the inner clip is a wider cone from the same point, with its curve below the outer one along normals: on
+one cone the inner side would begin to rise earlier than the outer one, and the wall be up to twice as thick there.
 That the one is inside the other is proved of their polynomials (see `pas.certify.nesting`); how thick the wall is
 between the ends is measured, and proved to be more than a bound (see `pas.certify.thickness`).
 
@@ -22,9 +24,10 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import shown_point
-from pas.algebra.rational import Exact, plain, positive, rational, three
+from pas.algebra.rational import Exact, plain, positive, rational, three, to_float
 from pas.certify.nesting import nesting
 from pas.certify.thickness import thicker_than
+from pas.contacts.cones import apex
 from pas.contacts.contact import Contact, ContactLike, as_contact
 from pas.contacts.ends import ContactEnd
 from pas.contacts.parallels import inner_contact
@@ -33,10 +36,11 @@ from pas.limits import WorkLimits, limited
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
 from pas.mesh.topology import Edges
-from pas.mesh.walls import End, least_distance
+from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of
-from pas.pipeline.cavity import Cavity
+from pas.pipeline.around_opening import AroundOpening
+from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of, up_to
+from pas.pipeline.cavity import EVEN, Cavity
 from pas.pipeline.chosen import B, ChosenBlend, Stages
 from pas.pipeline.search import excess, find
 from pas.pipeline.wall_mesh import WallMesh
@@ -44,6 +48,7 @@ from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
+from pas.surface.depth import Depth
 from pas.verdicts import Findings, Status, Verdict
 
 Rank: TypeAlias = "tuple[bool, float, float]"
@@ -52,18 +57,20 @@ Rank: TypeAlias = "tuple[bool, float, float]"
 
 @dataclass(frozen=True, eq=False)
 class Wall:
-    """The least distance between both sides of a wall as measured between meshes, and a vertex where it is.
+    """The least and the `largest` distance of vertices of the inner side's mesh from the outer side, as measured.
 
-    `within` is how far the meshes are from the surfaces, as measured: the distance may be off by about twice that.
-    All in the model's units.
+    `within` is how far the mesh is from its surface: between vertices distances may be off by as much.  `point` is the
+    vertex that is nearest.  All in the model's units.
     """
 
     distance: float
     point: tuple[float, float, float]
     within: float
+    largest: float
 
     def __str__(self) -> str:
-        return f"{self.distance:.4g} at {shown_point(self.point)} (measured, within {2 * self.within:.2g})"
+        where = shown_point(self.point)
+        return f"{self.distance:.4g} at {where}, at most {self.largest:.4g} (measured, within {self.within:.2g})"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,10 +105,11 @@ class HollowBlend(Shape, Generic[B]):
 
     @cached_property
     def wall(self) -> Wall:
-        """How thick the wall is where it is thinnest, measured."""
-        meshes = self.outer.mesh(self._tolerance), self.inner.mesh(self._tolerance)
-        distance, place = least_distance(*meshes)
-        return Wall(distance, three(place.tolist()), max(mesh.deviation or 0.0 for mesh in meshes))
+        """How thick the wall is where it is thinnest, and where it is thickest, measured."""
+        mesh = self.inner.mesh(self._tolerance)
+        depths = Depth(self.outer.surface)(mesh.points)[0]
+        thinnest = three(mesh.points[depths.argmin()].tolist())
+        return Wall(float(depths.min()), thinnest, mesh.deviation or 0.0, float(depths.max()))
 
     @limited("bounding the thickness of a wall", "a smaller bound")
     def thicker_than(self, bound: Exact, **limits: Unpack[WorkLimits]) -> Verdict:
@@ -149,14 +157,16 @@ class HollowBlend(Shape, Generic[B]):
     def mesh(
         self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> WallMesh:
-        """The closed mesh of the wall up to its ends: both surfaces within `tolerance`, and rings in the clips.
+        """The closed mesh of the wall up to its ends: both surfaces within `tolerance`, and rings in the outer clips.
 
         These are planes, or the cones of openings.  Its faces are "blend", "inside of blend", "end 1", ...  Raises
         `MeshError` as `PiecewiseSurface.mesh` does, and where an end is no ring.
         """
         tolerance = self._tolerance if tolerance is None else tolerance
-        sheets = self.outer.surface, self.inner.surface
-        ends = [self._end(number) for number in range(len(self.outer.surface.contacts))]
+        outer, inner = self.sides
+        for number, join in enumerate(outer.joins):
+            inner = up_to(inner, number, outer.contacts[number].clip) if join.opening else inner
+        sheets, ends = (outer, inner), [self._end(number) for number in range(len(outer.contacts))]
         made, loops = Faces([], 0.0), list[list[Integers]]()
         for sheet, name in zip(sheets, ("blend", "inside of blend"), strict=True):
             mesh = sheet.mesh(tolerance, quality=quality)
@@ -195,6 +205,10 @@ class HollowBlend(Shape, Generic[B]):
             surface = part.surface
             parts.append(f"{name}: GC^{surface.order}, degree {surface.degree}, {surface.partition.title}, {fair}")
         parts.append(f"wall at its thinnest: {self.wall}")
+        if self.thickness is not None:
+            low, high = (size / to_float(self.thickness) for size in (self.wall.distance, self.wall.largest))
+            even = "even" if EVEN[0] <= low and high <= EVEN[1] else "uneven"
+            parts[-1] += f"; {even}, {low:.2f} to {high:.2f} of the thickness"
         parts.append(f"verdicts: {self.certificate.counts}")
         return "\n".join(parts)
 
@@ -237,13 +251,15 @@ def check_sides(outer: ChosenBlend, inner: ChosenBlend, thickness: fmpq | None) 
 
 
 def _same(one: Contact, other: Contact) -> bool:
-    """Whether two contacts have one surface, to the rounding of irrational radii, and one clip."""
+    """Whether two contacts have one surface, to the rounding of irrational radii, and one clip or one apex of clips."""
     # By how much coefficients of an inner surface may be another machine's, over the largest: radii that are
     # irrational are rounded to 32 binary digits (see `pas.contacts.parallels`).
     rounding = 2.0**-29
     a, b = (c.surface.dense(max(one.surface.degree, other.surface.degree)) for c in (one, other))
     rounded = float(np.abs(a - b).max()) <= rounding * float(np.abs(a).max())
-    return rounded and one.clip.primitive() in (other.clip.primitive(), (-other.clip).primitive())
+    tip = apex(one.clip)
+    same = one.clip.primitive() in (other.clip.primitive(), (-other.clip).primitive())
+    return rounded and (same or (tip is not None and tip == apex(other.clip)))
 
 
 def _best(outer: B, cavity: Cavity) -> HollowBlend[B]:
@@ -280,14 +296,20 @@ def _inner_contacts(outer: ChosenBlend, size: fmpq | None, given: Sequence[Conta
     if given is None:
         size = positive(size, "thickness")
         there = [outer.surface.placed.told(number) for number in range(len(contacts))]
-        return [inner_contact(contact, size, number) for number, contact in enumerate(there, start=1)]
+        found = [inner_contact(contact, size, number) for number, contact in enumerate(there, start=1)]
+        for i, join in enumerate(outer.surface.joins if len(outer.surface.patches) == 1 else ()):
+            clip = AroundOpening.of(outer.surface, i).even(size) if join.opening else None
+            found[i] = Contact(found[i].surface, clip or found[i].clip, found[i].near)
+        return found
     found = [as_contact(item, f"inner[{i}]") for i, item in enumerate(given)]
     if len(found) != len(contacts):
         raise ValueError(f"inner must be {len(contacts)} contacts, one for each of the outer ones, not {len(found)}")
     for i, join in enumerate(outer.surface.joins):
-        if join.opening and found[i].clip.primitive() != contacts[i].clip.primitive():
+        one, other = (contact.clip.primitive() for contact in (found[i], contacts[i]))
+        wider = len(outer.surface.patches) == 1 and apex(one) == outer.surface.partition.center
+        if join.opening and one != other and not wider:
             raise GeometryError(
-                f"inner[{i}] must have the clip of contact {i + 1}, {contacts[i].clip}: both sides of a wall end on "
-                "one cone at an opening"
+                f"inner[{i}] must have the clip of contact {i + 1}, {contacts[i].clip}, or, of a blend that is one "
+                "piece, a cone around it from the same point: both sides of a wall open from there"
             )
     return found

@@ -125,12 +125,12 @@ class Blend(ChosenBlend):
 
         The inner contacts are this blend's a `thickness` inside (the model's units), with the same clips: parallel
         planes, pipes, spheres, tori and circular cones; for other quadrics see `pas.contacts.parallels`.  Or `inner`
-        gives them, one for each contact, in planes of the same clips, and along the same cone at an opening.  The inner
-        blend has the same order, and is chosen by the same energy and by how near the wall is to its thickness; this
-        blend's points and handles are not asked of it.  It has the same centre, region and degree where these give a
-        fair surface and a wall between half and twice as thick as wished, else another degree, walls nearer by or,
-        where this surface passes near its centre as that of a sharp bend does, a centre further in.  With `prove=False`
-        the result may be one that is not proved.
+        gives them, one for each contact, in planes of the same clips, at an opening along its cone or one around it
+        from the same point, which makes the wall more even.  The inner blend has the same order, and is chosen by the
+        same energy and by how near the wall is to its thickness; this blend's points and handles are not asked of it.
+        It has the same centre, region and degree where these give a fair surface and a wall between half and twice as
+        thick as wished, else another degree, walls nearer by or, where this surface passes near its centre as that of a
+        sharp bend does, a centre further in.  With `prove=False` the result may be one that is not proved.
 
         The walls of `Solid.shell` have one thickness all over, and inner faces that are no polynomials.
 

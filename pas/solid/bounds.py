@@ -20,7 +20,7 @@ from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import followed_by
-from pas.solid.tree import Bools, Node, Tree, is_contradiction, parts_of
+from pas.solid.tree import Bools, Node, Tree, atoms, is_contradiction, parts_of
 
 FARTHEST = 2.0**24
 """Coordinates beyond which a set counts as unbounded."""
@@ -52,7 +52,7 @@ def bounding_box(tree: Tree) -> Floats:
     if shell is not None:
         return bounding_box(shell[0])
     boxes, seen = [], NOTHING
-    for part in parts_of(tree, union=True):
+    for part in sorted(parts_of(tree, union=True), key=lambda part: sum(1 for _ in atoms(part))):  # quick ones first
         found = _branch_box(part, seen)
         if found is not None:
             boxes.append(found[0])
@@ -65,10 +65,7 @@ def bounding_box(tree: Tree) -> Floats:
 def narrowed(tree: Tree, within: Floats) -> Floats:
     """A box (2, 3) that holds a set in another one, which is kept where points of the set are near its sides."""
     evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
-    points = np.stack(np.meshgrid(*np.linspace(within[0], within[1], PARTS + 1).T), axis=-1).reshape(-1, 3)
-    held = points[evaluator.inside(evaluator.signs(points))]
-    seen = np.stack([held.min(axis=0, initial=np.inf), held.max(axis=0, initial=-np.inf)])
-    found = _shrunk(evaluator, within, seen) if (within[0] <= within[1]).all() else None
+    found = _shrunk(evaluator, within, NOTHING) if (within[0] <= within[1]).all() else None
     if found is None:
         raise GeometryError(EMPTY)
     return found[0]
@@ -76,9 +73,11 @@ def narrowed(tree: Tree, within: Floats) -> Floats:
 
 def _branch_box(tree: Tree, seen: Floats) -> tuple[Floats, Floats] | None:
     """See `_shrunk`."""
+    start = None if is_contradiction(tree) else _linear_box(tree)
+    if start is None or ((seen[0] <= start[0]) & (start[1] <= seen[1])).all():
+        return None if start is None else (start, seen)
     evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
-    start = None if is_contradiction(tree) or evaluator.is_empty else _linear_box(tree)
-    return None if start is None else _shrunk(evaluator, _within_unions(tree, start), seen)
+    return None if evaluator.is_empty else _shrunk(evaluator, _within_unions(tree, start), seen)
 
 
 def _hull(boxes: Sequence[Floats]) -> Floats:
@@ -142,7 +141,20 @@ def _box_of_planes(parts: Sequence[Tree]) -> Floats | None:
         box[side, axis] = least(box[side, axis], limit)
     if (box[0] > box[1]).any():
         return None
-    return box if alone.all() else _programmed(matrix[~alone], box)
+    found = box if alone.all() else _tetrahedron_box(matrix) if len(matrix) == 4 else None
+    return _programmed(matrix[~alone], box) if found is None else found
+
+
+def _tetrahedron_box(matrix: Floats) -> Floats | None:
+    """The box of the tetrahedron which inequalities (4, 4) bound, as those of cells do; None where they bound none."""
+    others = np.nonzero(~np.eye(4, dtype=bool))[1].reshape(4, 3)
+    if not np.linalg.det(matrix[others, 1:]).all():
+        return None
+    corners = np.linalg.solve(matrix[others, 1:], -matrix[others, :1])[..., 0]
+    if not (matrix[:, 0] + (matrix[:, 1:] * corners).sum(axis=1) < 0).all():  # a corner is beyond the other plane
+        return None
+    slack = SLACK * (1 + np.abs(corners))
+    return np.stack([(corners - slack).min(axis=0), (corners + slack).max(axis=0)])
 
 
 def _programmed(matrix: Floats, box: Floats) -> Floats | None:
@@ -168,6 +180,9 @@ def _shrunk(evaluator: TreeEvaluator, start: Floats, seen: Floats) -> tuple[Floa
     Also the box of all points seen: of the set, and of others in the box `seen`.
     """
     hull = _Hull(evaluator, seen)
+    if np.abs(start).max() < FARTHEST:  # points close to its sides
+        steps = (np.indices([PARTS] * 3).reshape(3, -1).T + 0.5) / PARTS
+        hull.see(start[0] + steps[(np.abs(steps - 0.5).max(axis=1) > 0.5 - 1 / PARTS)] * np.ptp(start, axis=0))
     found = search(_first_boxes(start), hull.judge, hull.halved, LIMITS, "bounding a solid")
     if not len(found.open):
         return None
@@ -194,9 +209,7 @@ class _Hull:
         yes, no = self.evaluator.taylor(boxes.centers[new], boxes.halves[new])
         possible[new] = self.evaluator.holds(~no, ~yes)
         fates, left = np.full(len(boxes), Fate.SETTLED.value), boxes.select(possible)
-        within = boxes.centers[new][possible[new]]
-        within = within[self.evaluator.inside(self.evaluator.signs(within))]
-        self.seen = _hull([self.seen, *np.repeat(within[:, None], 2, axis=1)])
+        self.see(boxes.centers[new][possible[new]])
         if len(left):
             low, high = left.centers - left.halves, left.centers + left.halves
             self.box = np.stack([low.min(axis=0), high.max(axis=0)])
@@ -204,6 +217,13 @@ class _Hull:
             fates[possible] = np.where(split, Fate.SPLIT, Fate.WAIT)
         self._waiting = int(np.count_nonzero(fates == Fate.WAIT))
         return fates
+
+    def see(self, points: Floats) -> None:
+        """Add those of some points (N, 3) that are in the set."""
+        within = points[self.evaluator.contains(points)]
+        self.seen = np.stack(
+            [np.vstack([self.seen[:1], within]).min(axis=0), np.vstack([self.seen[1:], within]).max(axis=0)]
+        )
 
     def halved(self, boxes: Boxes) -> Boxes:
         """Boxes halved along their sides that are not small beside the hull."""

@@ -114,6 +114,25 @@ class TreeEvaluator:
         """Where the tree is true (N,), given which columns are <= 0 (M, N)."""
         return self._compiled.holds(signs, ~signs)
 
+    def contains(self, points: Floats) -> Bools:
+        """Where the tree is true (N,) at points (N, 3); in a block of these no values are needed of columns that have
+        one sign all over it, or on which the tree does not depend there."""
+        blocks, most = [np.arange(len(points))], max(64, len(points) // 64)
+        while len(blocks[0]) > most:  # all are halved along the longest sides of their boxes
+            sorted_ = (rows[points[rows, np.ptp(points[rows], axis=0).argmax()].argsort()] for rows in blocks)
+            blocks = [half for rows in sorted_ for half in np.array_split(rows, 2)]
+        if len(blocks) == 1:
+            return self.inside(self.signs(points))
+        low, high = (np.array([end(points[rows], axis=0) for rows in blocks]) for end in (np.min, np.max))
+        yes, no = self.taylor((low + high) / 2, (high - low) / 2)
+        unknown = np.logical_or(*self.relevant(yes, no)) & ~(yes | no)
+        result = np.empty(len(points), dtype=bool)
+        for rows, certain, open_ in zip(blocks, yes.T, unknown.T, strict=True):
+            signs = np.repeat(certain[:, None], len(rows), axis=1)
+            signs[open_] = self.values(points[rows], np.flatnonzero(open_)) <= 0
+            result[rows] = self.inside(signs)
+        return result
+
     def local(self, points: Floats) -> Floats:
         """Points (..., 3) in local coordinates."""
         return (points - self._shift) / to_float(self.scale)
@@ -129,14 +148,14 @@ class TreeEvaluator:
     def signs(self, points: Floats) -> Bools:
         """Which columns (M, N) are <= 0 at points (N, 3)."""
         parts = np.array_split(points, 1 + len(points) * self.used // CHUNK_ENTRIES)
-        return np.concatenate([self.values(part) <= 0 for part in parts], axis=1)
+        return np.concatenate([self.values(part, np.arange(self.used)) <= 0 for part in parts], axis=1)
 
-    def values(self, points: Floats) -> Floats:
-        """Values of the tree's columns (M, N) at points (N, 3), each by a positive factor."""
-        result = np.empty((self.used, len(points)))
-        result[self._rows] = self._bank.values(points)
-        for number in self._fields:
-            result[number] = self._field_jets(number, points)[:, 0]
+    def values(self, points: Floats, columns: Integers) -> Floats:
+        """Values of some of the tree's columns (m, N) at points (N, 3), each by a positive factor."""
+        result, known = np.empty((len(columns), len(points))), np.isin(columns, self._rows)
+        result[known] = self._bank.values(points, np.searchsorted(self._rows, columns[known]))
+        for place in np.flatnonzero(~known).tolist():
+            result[place] = self._field_jets(int(columns[place]), points)[:, 0]
         return result
 
     def field(self, points: Floats) -> Floats:
@@ -144,7 +163,7 @@ class TreeEvaluator:
 
         Inside, walls only select which parts count, so that the value is not 0 where parts adjoin.
         """
-        values = self._true(self.values(points))
+        values = self._true(self.values(points, np.arange(self.used)))
         plain = self._compiled.extremes(values)
         selecting = values.copy()
         selecting[self.walls] = np.where(values[self.walls] <= 0, -np.inf, np.inf)

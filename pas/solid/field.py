@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cached_property
 from itertools import combinations, product
 
@@ -11,10 +12,13 @@ from flint import fmpq
 from numpy.typing import NDArray
 
 from pas.algebra.affine import quadratic_form
+from pas.algebra.inputs import shown_point
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
+from pas.contacts.rims import rim_of
 from pas.errors import GeometryError, MeshError
 from pas.mesh.diagnostics import touching
 from pas.mesh.field import FaceField, ShellWall
@@ -204,7 +208,7 @@ class SolidField:
         return called(self.evaluator.names_within(label // 2, label % 2 == 1, centers, halves)) or self.face(label)
 
     def refuse_coincident(self) -> None:
-        """Raise `GeometryError` where two functions share a surface, `MeshError` at lines of `Seams.pinched`."""
+        """Raise `GeometryError` where two functions share a surface, `MeshError` where `Seams` finds a place."""
         used = enumerate(self.evaluator.columns[: self.evaluator.used])
         faces = {i: c.function for i, c in used if c.names and isinstance(c.function, Polynomial)}
         for a, b in combinations(faces, 2):
@@ -216,6 +220,37 @@ class SolidField:
                 )
         for point, a, b, both in self._seams.pinched():
             raise MeshError(f"the solid could not be meshed: {touching(self, point, a, b, both)}")
+        for number, seam in enumerate(self._seams.given):
+            plane, surface = sorted(seam.functions, key=lambda function: function.degree)
+            if surface.degree > 1 == plane.degree and seam.order:
+                with suppress(GeometryError):  # curves that are not closed
+                    rim = self.evaluator.local(rim_of(surface, plane).points())
+                    self._refuse_passing(number, surface.primitive(), rim)
+
+    def _refuse_passing(self, number: int, surface: Polynomial, rim: Floats) -> None:
+        """Raise `MeshError` where what lies on a surface goes on beyond a rim (N, 3), the seam of that number, where a
+        face touches it, and leaves that without an angle, in some places outwards and in others inwards."""
+        faces = {c: self.evaluator.columns[c].function for c in np.flatnonzero(~self.evaluator.walls).tolist()}
+        for a in (c for c, f in faces.items() if isinstance(f, Polynomial) and f.primitive() == surface):
+            across = np.cross(self.jets(rim, 2 * a)[:, 1:], np.roll(rim, -1, axis=0) - rim)
+            step = 2.0**-6 * np.ptp(rim, axis=0).max() * unit(across)
+            for moved, b in product((rim + step, rim - step), (c for c in faces if number in self._seams.of(c))):
+                jets = self.jets(moved, 2 * a)
+                beside = moved - jets[:, :1] * jets[:, 1:] / (jets[:, 1:] ** 2).sum(axis=1)[:, None]
+                signs, held = self.signs(beside), np.empty((2, 2, len(rim)), dtype=int)
+                inwards = signs[b].copy()
+                for i, j in product(range(2), repeat=2):
+                    signs[a], signs[b] = i == 0, j == 0
+                    held[i, j] = self.inside(signs)
+                both = held.sum(axis=(0, 1)) % 2 == 1  # the set depends on either as the other one is
+                for k in np.flatnonzero(both & np.roll(both, -1) & (inwards != np.roll(inwards, -1)) & (a != b)):
+                    labels = [2 * c + int(held.sum(axis=axis)[:, k].argmax()) for c, axis in ((a, 1), (b, 0))]
+                    going, left = (self.face_within(label, beside[[k]], np.full((1, 3), 2.0**-6)) for label in labels)
+                    raise MeshError(
+                        f"the solid has no mesh: near {shown_point(self.world(beside[k]))} what lies on the surface of "
+                        f"{going!r} goes on beyond the curve in which that meets {left!r}, and leaves it without an "
+                        "angle; end it there, or make one blend of all"
+                    )
 
 
 def _has_lines(function: Function) -> bool:
@@ -249,7 +284,7 @@ def _is_within(tree: Tree, box: Floats) -> bool:
     """Whether a set lies in a box (2, 3), and is not empty."""
     evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
     beyond = box.mean(axis=0) + np.array(list(product((-2.0, 2.0), repeat=3))) * np.ptp(box, axis=0)
-    if evaluator.inside(evaluator.signs(beyond)).any():  # as most complements are there, whose boxes take long
+    if evaluator.contains(beyond).any():  # as most complements are there, whose boxes take long
         return False
     try:
         own = bounding_box(tree)
@@ -288,7 +323,7 @@ def _is_thin(tree: Tree, box: Floats, within: float) -> bool:
     def judge(boxes: Boxes, depth: int) -> Fates:
         open_ = ~evaluator.decided(*evaluator.taylor(boxes.centers, boxes.halves))[1]
         fates = np.where(open_ & (boxes.halves.max(axis=1) >= within), Fate.SPLIT, Fate.SETTLED)
-        return np.where(evaluator.inside(evaluator.signs(boxes.centers)), Fate.REFUTE, fates)
+        return np.where(evaluator.contains(boxes.centers), Fate.REFUTE, fates)
 
     most, task = Limits(cells=1 << 14), "looking for conditions that others imply"
     return search(Boxes.of(box), judge, Boxes.eighths, most, task).status is Status.PROVED

@@ -2,8 +2,7 @@
 
 Where neighbours of one surface end flat in one plane, seen from opposite sides, or overlap without reaching beyond
 where the other one begins, the bodies are linked: their ends are within the union, and what goes on from one is joined
-to what goes on from the other.  Where they reach farther, the surface of the one leaves the other without an angle,
-which no mesh shows: that is refused, with lengths that would do.
+to what goes on from the other.  What reaches farther is refused where it leaves a blend (see `pas.solid.field`).
 
 Elsewhere bodies must be apart, as boxes of them show, or planes that part them: any, or those of ends, in which they
 have nothing but ends whose boxes are apart.  That is looked at on meshes, with their distances from the bodies added,
@@ -12,20 +11,18 @@ so it is as sure as these are measured.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations, product
+from itertools import product
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from pas.algebra.affine import Affine
-from pas.algebra.inputs import shown_point
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational
-from pas.errors import MeshError
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.walls import End, ring
@@ -220,41 +217,15 @@ def united(one: SolidBoundary | None, other: SolidBoundary | None) -> LinkedBodi
     return LinkedBodies((*these.parts, *those.parts), tuple(links))
 
 
-def refuse_passing(parts: Sequence[LinkedPart]) -> None:
-    """Raise `MeshError` where what goes on from one of several bodies passes the curve in which another one begins to
-    go on along the same surface: there their faces part without an angle."""
-    for one, other in combinations(parts, 2):
-        for mine, its, gap, opposite in _facing(one, other):
-            rounding, longest = EQUAL * (1 + np.abs(mine.place).max()), max(mine.length, its.length)
-            passed = -rounding <= gap < longest - rounding
-            if passed if opposite else rounding < abs(gap) <= (mine if gap > 0 else its).length + rounding:
-                names = [part.body.sides[0].chains[k.number].name for part, k in ((one, mine), (other, its))]
-                may = f"give each a length of at most {gap:.4g}" if opposite and gap > rounding else "move them apart"
-                raise MeshError(
-                    f"the solid has no mesh: straight parts of two blends that lie on one another, up to {names[0]!r} "
-                    f"and {names[1]!r}, pass near {shown_point(its.place)}, where one of the blends leaves them "
-                    f"without an angle; {may}, or make one blend of the contacts of both"
-                )
-
-
-def _facing(one: LinkedPart, other: LinkedPart) -> Iterator[tuple[LinkableEnd, LinkableEnd, float, bool]]:
-    """The ends of two parts on one surface, how far the second begins beyond where the first does, seen along that, and
-    whether they go opposite ways."""
-    for mine, its in product(one.ends, other.ends):
-        if len(mine.tubes) == len(its.tubes) and all(map(_same, mine.tubes, its.tubes)):
-            mine_way, its_way = (end.plane.gradient(np.zeros(3)) for end in (mine, its))
-            way = mine_way / np.linalg.norm(mine_way)
-            cosine = float(way @ its_way / np.linalg.norm(its_way))
-            if 1 - abs(cosine) <= EQUAL:
-                yield mine, its, float((its.place - mine.place) @ way), cosine < 0
-
-
 def _links(i: int, one: LinkedPart, j: int, other: LinkedPart) -> Iterator[tuple[Link, Polynomial]]:
     """Where two parts, `i` and `j`, go on in one another, and planes amid what they share, positive towards `j`."""
-    for mine, its, gap, opposite in _facing(one, other):
+    for mine, its in product(one.ends, other.ends):
+        if len(mine.tubes) != len(its.tubes) or not all(map(_same, mine.tubes, its.tubes)):
+            continue
+        way, its_way = (g / np.linalg.norm(g) for g in (end.plane.gradient(np.zeros(3)) for end in (mine, its)))
         rounding, (short, long) = EQUAL * (1 + np.abs(mine.place).max()), sorted((mine.length, its.length))
-        overlap = short + long - gap
-        if opposite and long > rounding and -rounding <= overlap <= short + rounding:
+        overlap = short + long - float((its.place - mine.place) @ way)
+        if way @ its_way <= EQUAL - 1 and long > rounding and -rounding <= overlap <= short + rounding:
             ends, share = [(i, mine.number), (j, its.number)], 1 - overlap / long
             first, second = ends if its.length >= mine.length else ends[::-1]
             raised = float(np.linalg.norm(mine.plane.gradient(mine.place))) * overlap / 2

@@ -8,7 +8,7 @@ Guaranteed: nothing.  The mesh is refined on the faces of the whole, and looked 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol
@@ -28,7 +28,7 @@ from pas.mesh.quality import Quality
 from pas.mesh.rows import cross, dots, norms
 from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.solid.field import SolidField
-from pas.solid.linked import LinkedBodies, LinkedPart, RenamedBoundary, SolidBoundary, refuse_passing, united
+from pas.solid.linked import LinkedBodies, RenamedBoundary, SolidBoundary, united
 from pas.solid.runs import plain_run
 from pas.solid.sheets import SheetBody
 from pas.solid.shell import Hollowable
@@ -96,10 +96,8 @@ class Operands:
 
         None where there is none, or a finer one has other pieces or holes, other faces or one of much less area: where
         rims of both parts are one curve, slivers are left between their polygons; or where a piece encloses nothing, as
-        is left of parts that touch in a face.  Raises `MeshError` where blends
-        cannot be united (see `refuse_passing`).
+        is left of parts that touch in a face.
         """
-        refuse_passing([*_bodies(self)])
         try:
             found, finer = (self._cut(field, tolerance, parts) for parts in (4, 16))
         except (GeometryError, MeshError):  # of a part: what is wrong with the whole, if anything is, that says
@@ -114,17 +112,6 @@ class Operands:
         found, *rest = (_cut(part, field, tolerance, parts) for part in bounded)
         turned = 1 if self.operation == "Subtract" else 0
         return boolean([found, *(other._replace(faces=other.faces ^ turned) for other in rest)], self.operation)
-
-
-def _bodies(known: SolidBoundary | None) -> Iterator[LinkedPart]:
-    """The bodies of which all belongs to what is made of them, up to what is taken from it."""
-    if isinstance(known, Operands) and known.operation != "Intersect":
-        for part in known.parts[: None if known.operation == "Add" else 1]:
-            yield from _bodies(part.sheets)
-    elif isinstance(known, SheetBody):
-        yield LinkedPart(known)
-    elif isinstance(known, LinkedBodies):
-        yield from known.parts
 
 
 def _cut(part: Operand, field: SolidField, tolerance: float, parts: int) -> Triangles:

@@ -149,7 +149,7 @@ class Seams:
     """
 
     def __init__(self, evaluator: TreeEvaluator, given: Sequence[Seam], box: Floats) -> None:
-        self._evaluator, self._given, self._box = evaluator, tuple(given), box
+        self._evaluator, self.given, self._box = evaluator, tuple(given), box
         self._found: dict[tuple[int, int], tuple[int, ...]] = {}
         self._same: dict[tuple[int, int, int], bool] = {}
         self._on: dict[int, set[int]] = {}
@@ -163,8 +163,8 @@ class Seams:
     def _find(self, a: int, b: int) -> tuple[int, ...]:
         columns, used = self._evaluator.columns, self._evaluator.used
         first, second = (polynomials_of(columns[c].function) for c in (a, b))
-        for number in sorted(self._of(a) & self._of(b)):
-            if self._evaluator.walls[[a, b]].any() or self._given[number].joins(first, second):
+        for number in sorted(self.of(a) & self.of(b)):
+            if self._evaluator.walls[[a, b]].any() or self.given[number].joins(first, second):
                 return used + 2 * number, used + 2 * number + 1
         if len(first) != 1 or len(second) != 1 or first[0].degree == second[0].degree == 1:
             return ()  # planes cross
@@ -187,18 +187,18 @@ class Seams:
         below, above = self._evaluator.relevant(*self._evaluator.taylor(centers, halves[None]))
         return np.asarray(below | above)
 
-    def _of(self, column: int) -> set[int]:
+    def of(self, column: int) -> set[int]:
         """The numbers of the seams on which a column's faces are."""
         if column not in self._on:
             surfaces = polynomials_of(self._evaluator.columns[column].function)
-            self._on[column] = {number for number, seam in enumerate(self._given) if seam.is_on(surfaces)}
+            self._on[column] = {number for number, seam in enumerate(self.given) if seam.is_on(surfaces)}
         return self._on[column]
 
     def pinched(self) -> Iterator[tuple[Floats, int, int, bool]]:
         """Points of lines along which two columns' faces touch, and whether beside these the set is on both sides, if
         it is on both or on neither, and not so between them: there its parts touch, or it has no thickness."""
         faces, middle = np.flatnonzero(~self._evaluator.walls).tolist(), self._box.mean(axis=0)
-        for number in (n for n, seam in enumerate(self._given) if seam._place):
+        for number in (n for n, seam in enumerate(self.given) if seam._place):
             values, *slopes = self._jets(np.stack([middle] * 2), self._evaluator.used + 2 * number + np.arange(2)).T
             way = unit(np.cross(*np.transpose(slopes)))
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -209,7 +209,7 @@ class Seams:
                 continue
             points = start + np.linspace(low, high, 66)[1:-1, None] * way
             known = self._evaluator.signs(points)
-            for a, b in combinations([c for c in faces if number in self._of(c)], 2):
+            for a, b in combinations([c for c in faces if number in self.of(c)], 2):
                 f, g = (unit(self._jets(points, c)[:, 1:]) for c in (a, b))
                 aside = points + 2.0**-8 * np.cross(way, f)
                 jets = [self._jets(aside, c) for c in (a, b)]

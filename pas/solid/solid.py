@@ -220,11 +220,10 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         """
         array = points_of(points)
         flat = array.reshape(-1, 3)
-        near = ((flat >= self.box[0]) & (flat <= self.box[1])).all(axis=1)
+        evaluator, wide = self.field.evaluator, np.ptp(self._around, axis=0)
+        near = ((flat >= self._around[0] - wide) & (flat <= self._around[1] + wide)).all(axis=1)
         result = np.zeros(len(flat), dtype=bool)
-        rows, evaluator = np.flatnonzero(near), self.field.evaluator
-        for part in np.array_split(rows, 1 + len(rows) // 2**18):  # signs of all columns are kept at once
-            result[part] = evaluator.inside(evaluator.signs(evaluator.local(flat[part])))
+        result[near] = evaluator.contains(evaluator.local(flat[near]))
         return result.reshape(array.shape[:-1])
 
     def value(self, points: ArrayLike) -> Floats:
@@ -309,16 +308,12 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         key = ("measures", self._tolerance(tolerance))
         if key not in self._cache:
             found = self._sheet_mesh(tolerance, Quality.BALANCED)
-            field = self.field if found is None else self._faces_alone
+            faces = (atom for atom in atoms(self.tree) if atom.face)  # all that is asked about what a mesh shows
+            field = self.field if found is None else self._field_of(combined(True, *faces))
             made = self.face_mesh(tolerance) if found is None else face_mesh(found, field, key[1], Quality.BALANCED)
             self._cache[key] = curved_measures(made, field).scaled(field.scale, field.world(np.zeros(3)))
         measured: Measures = self._cache[key]
         return measured
-
-    @property
-    def _faces_alone(self) -> SolidField:
-        """The functions of all faces, and where faces are joined: all that is asked about what a mesh shows."""
-        return self._field_of(combined(True, *(atom for atom in atoms(self.tree) if atom.face)))
 
     @property
     def description(self) -> str:

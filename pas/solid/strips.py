@@ -109,20 +109,20 @@ class Straight:
 
 @dataclass(frozen=True, eq=False)
 class Outwards:
-    """Rows of a surface where rays from the centre first meet it, up to `wide` times as far from those along `axis`.
+    """Rows of a surface where rays from the centre first meet it, straight away from `axis` up to a cone `edge`.
 
-    The surface, and the axis (3,), are in the local coordinates of a frame, whose centre is 0.
+    The surface, the axis (3,) and the edge are in the local coordinates of a frame, whose centre is 0.
     """
 
     surface: Polynomial
     frame: Frame
     axis: Floats
-    wide: float
+    edge: Polynomial
 
     def __call__(self, points: Floats, share: float) -> Floats:
         local = self.frame.local_points(points)
-        middle = self.axis / (self.axis @ self.axis)
-        rays = middle + (1 + share * (self.wide - 1)) * (local / (local @ self.axis)[:, None] - middle)
+        pole = np.array([*self.axis / (self.axis @ self.axis), 1.0])
+        rays = Straight(self.edge, pole, towards=False)(local / (local @ self.axis)[:, None], share)
         rays /= np.linalg.norm(rays, axis=1)[:, None]
         return self.frame.global_points(rays * first_met(self.surface, rays)[:, None])
 
@@ -189,10 +189,10 @@ class Chain:
 
     def holds(self, inner: Chain) -> bool:
         """Whether the strips of another one, beside these, are inside of them, as points of both show."""
-        if len(self.strips) != len(inner.strips):
+        if len(self.strips) != len(inner.strips) > 0:
             return False
         shares, here = np.linspace(0, 1, 9), inner.curve
-        for mine, other in zip(self.strips, inner.strips, strict=True):
+        for mine, other in zip(self.strips, inner.strips, strict=False):
             rows = [other.rows(here, float(share)) for share in shares]
             if not (mine.surface(np.concatenate(rows)) < 0).all():
                 return False

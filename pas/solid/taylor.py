@@ -31,9 +31,9 @@ class TaylorForms:
     def __len__(self) -> int:
         return len(self.polynomials)
 
-    def values(self, points: Floats) -> Floats:
-        """Values (M, N) at points (N, 3)."""
-        return evaluate(points, self._matrix).T if len(self) else np.empty((0, len(points)))
+    def values(self, points: Floats, chosen: Integers) -> Floats:
+        """Values (m, N) of chosen polynomials at points (N, 3)."""
+        return evaluate(points, self._matrix[:, chosen]).T if len(self) else np.empty((0, len(points)))
 
     def taylor(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Which polynomials (M, N) are certainly <= 0 and > 0 in boxes of half edges (N, 3), or (1, 3) for all."""

@@ -27,8 +27,7 @@ WEIGHT = 100.0
 NEAR, PRESS = 0.06, 2000.0
 """How far from 1 a wall's share of its thickness may be, softly, and the weight of the squares of what is beyond, over
 that of all.  Measured: corners of a T and of a cross, which the limits of fairness round, have 0.89 and more of their
-thickness.  With half of the weight a cross is no longer fair, with half as much again a T at 60 degrees is not; both
-terms large, walls of openings are not, which are uneven by what their ends are."""
+thickness.  With half of the weight a cross is no longer fair, with half as much again a T at 60 degrees is not."""
 
 
 @dataclass(frozen=True, eq=False)
