@@ -21,7 +21,7 @@ from pas.contacts.cones import FARTHEST, first_met, nappe, nappe_rays
 from pas.contacts.contact import Contact
 from pas.contacts.joins import Join
 from pas.errors import GeometryError
-from pas.layouts.discs import power_of_two, rounded
+from pas.layouts.discs import rounded
 from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.neighbours import is_left_once
@@ -82,19 +82,19 @@ class AroundOpening:
     def even(self, thickness: fmpq) -> Polynomial | None:
         """The cone of the inner side of an even wall, None where it is the same: half way between the narrowest and the
         widest one through points that are a thickness inside along normals of the opening, but never narrower."""
-        surface, center = self.contact.surface, np.array(to_floats(self.center))
-        slopes = surface.gradient(self._curve)
-        deep = self._curve - to_float(thickness) * slopes / np.linalg.norm(slopes, axis=1)[:, None] - center
-        axes = nappe(self.contact.clip, self.join.nappe[0])
-        along, *across = np.linalg.solve(axes.T, deep.T)
-        shares = np.hypot(*across) / along
-        parts = 64  # of the width, in which it is rounded, and of the axis: all but too fine to matter
-        wide = round(parts * float(shares.min() + shares.max()) / 2) / parts
+        parts = fmpq(1, 64)  # of the width and the axis, in which these are rounded where they are not exact
+        axis = self.axis if self.flat else rounded(to_floats(self.axis), parts)
+        slopes, up = self.contact.surface.gradient(self._curve), np.array(to_floats(axis))
+        deep = self._curve - to_float(thickness) * slopes / np.linalg.norm(slopes, axis=1)[:, None]
+        raised = Straight(-self.contact.clip, np.array([*up, 0.0]))(deep, 1.0)
+        shares = 1 + (raised - deep) @ up / ((deep - to_floats(self.center)) @ up)
+        wide = round(float(shares.min() + shares.max()) / (2 * to_float(parts))) * parts
         if not wide > 1:
             return None
-        way = (wide * wide - 1) ** 0.5 * axes[0] / (axes[0] @ axes[0])
-        lean = height(self.center, rounded(way, power_of_two(float(np.abs(way).max()) / parts)))
-        return Polynomial.from_raw(self.contact.clip.raw - lean * lean)
+        higher = (wide - 1) / dot(axis, axis) * height(self.center, axis)
+        return Polynomial.from_raw(
+            self.contact.clip.raw.compose(*(g + a * higher for g, a in zip(GENERATORS, axis, strict=True)))
+        )
 
     @property
     def flat(self) -> bool:
