@@ -19,6 +19,7 @@ SLOW = {
     "enclosure": 2,
     "gear": 1,
     "heatsink": 1,
+    "housing": 1,
     "lug": 1,
     "manifold": 1,
     "mug": 1,

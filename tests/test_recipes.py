@@ -98,7 +98,7 @@ def test_there_are_all_recipes():
     assert list(RECIPES) == [*things.split(", "), "A control of the studio", *others.split(", ")]
 
 
-CLOSED = {"PROBLEMS", "FILLET_MAKERS", "DOCUMENTS", "MAKERS"}
+CLOSED = {"PROBLEMS", "DOCUMENTS", "MAKERS"}
 """Registries that are asked in their order, and that of what part files take by the names of functions."""
 
 

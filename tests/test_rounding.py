@@ -274,6 +274,21 @@ def test_tori_that_meet_themselves_cut_off_no_more_than_others(radius):
     assert plate().volume(2e-3) - made.volume(2e-3) == pytest.approx(gone - 2 * (4 - np.pi), rel=2e-3)
 
 
+def test_rounds_of_the_radius_of_an_arc_have_a_part_of_a_ball():
+    made = solid.rounded_rectangle(8, 6, 1).extrude(4).rounded(radius=1)
+    area, far = spandrel(1)
+    gone = 2 * area * (2 * (6 + 4) + 2 * np.pi * far)
+    assert made.proved and len(made.joints) == 48 and "2 (sphere)" in made.description
+    assert made.mesh().is_closed and made.volume() == pytest.approx(4 * (48 - 4 + np.pi) - gone, rel=1e-6)
+
+
+def test_rounds_of_profiles_of_order_2_have_the_section_of_fillets():
+    made = plate().rounded(radius="1/2", order=2)
+    single = solid.box((0, 0, 0), (8, 6, 2)).fillet("box z+", "box y-", "1/2", 2)
+    assert made.proved and made.mesh().is_closed and {joint.order for joint in made.joints} == {1, 2}
+    assert made.polynomials["side 1 / top"][0].primitive() == single.polynomials["fillet"][0].primitive()
+
+
 def test_rounded_profiles_go_on_as_solids():
     made = plate().rounded(radius="1/2") | solid.cylinder((4, 3, 1), (4, 3, 4), 2, face="boss")
     assert made.mesh().is_closed and made.fillet("top", "boss", "1/4").proved
@@ -282,7 +297,8 @@ def test_rounded_profiles_go_on_as_solids():
 
 
 NOT_ROUNDED = {
-    "radius must be below 1, that of the edge 'side 2', not 1": lambda: plate().rounded(radius=1),
+    "radius must be at most 1, that of the edge 'side 2', not 5/4": lambda: plate().rounded(radius="5/4"),
+    "radius must be below 1, that of the edge 'side 2', not 1": lambda: plate().rounded(radius=1, order=2),
     "radius must be below 1/4, where the sides are used up": lambda: (
         solid.rounded_rectangle(8, 6, 1).extrude("1/2").rounded(radius="1/4")
     ),
@@ -295,7 +311,7 @@ NOT_ROUNDED = {
     "go on smoothly in one another; name both or none": lambda: plate().rounded(["top", "side 1"], radius="1/4"),
     "has no face 'topp'; is 'top' meant?": lambda: plate().rounded(["topp"], radius="1/4"),
     "no edge at the top or bottom": lambda: plate().rounded(["top"], radius="1/4"),
-    "order must be 1": lambda: plate().rounded(radius="1/4", order=2),
+    "order is 1 or 2": lambda: plate().rounded(radius="1/4", order=3),
     "are rounded already": lambda: plate().rounded(radius="1/4").rounded(radius="1/8"),
     "is no arc of a circle of rational radius": lambda: solid.text("o", 4).extrude(1).rounded(radius="1/16"),
 }

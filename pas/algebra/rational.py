@@ -108,6 +108,11 @@ def near(value: float) -> fmpq:
     return rational(Fraction(value).limit_denominator(10**9))
 
 
+def decimal(value: float) -> fmpq:
+    """The decimal number of six digits nearest to a double."""
+    return rational(f"{value:.6g}")
+
+
 def square_root(value: fmpq) -> fmpq:
     """The root of a number that is not negative: exact where it is rational, else off by less than 2^-60 of it."""
     p, q = math.isqrt(int(value.p)), math.isqrt(int(value.q))

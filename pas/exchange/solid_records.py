@@ -1,8 +1,8 @@
 """Solids in project files (`.pas.json`): the exact trees, functions and joints.
 
 Guaranteed: what is read back is what was written, term by term: trees with their order and walls, polynomials with
-their rational coefficients, joints, special points, and what bounds a solid, so that it is meshed as before; a tree
-that was edited is bounded by nothing known.  Verdicts are not kept: they are proved anew when asked for.
+their rational coefficients, joints, special points, and what bounds a solid, so that it is meshed as before; where
+one of both was edited nothing known bounds it.  Verdicts are not kept: they are proved anew when asked for.
 Functions that are no polynomials are kept where their class says how, by `to_record()` and a class method
 `from_record(record)`: classes of `pas.solid` are found by their names, others once they are named to `storable`.
 What bounds solids are dataclasses of `pas.solid`, kept by their annotated fields.
@@ -246,15 +246,18 @@ def _body(protocol: type, **entries: Any) -> Any:
     return form.read(entries["data"])
 
 
-def _sum_of(functions: Sequence[Function], tree: dict[str, Any]) -> str:
-    """What tells whether inequalities are those that something bounded when it was written."""
-    return checksum({"functions": [FUNCTION.write(function) for function in functions], "tree": tree})
+_BODY = _form_of(SolidBoundary)
+
+
+def _sum_of(functions: Sequence[Function], tree: dict[str, Any], body: dict[str, Any]) -> str:
+    """What tells whether both inequalities and what bounds a solid, by its record, are as they were written."""
+    return checksum({"functions": [FUNCTION.write(function) for function in functions], "tree": tree, "body": body})
 
 
 def _solid(functions: list[Function], tree: Any, joints: Any, special_points: Any, sheets: Any = None) -> Solid:
     points = tuple((float(x), float(y), float(z)) for x, y, z in special_points)
-    body = sheets["body"] if sheets and sheets["of"] == _sum_of(functions, tree) else None
-    return Solid(_read_tree(tree, functions), tuple(joints), points, body)
+    known = sheets is not None and sheets["of"] == _sum_of(functions, tree, sheets["body"])
+    return Solid(_read_tree(tree, functions), tuple(joints), points, _BODY.read(sheets["body"]) if known else None)
 
 
 def _solid_entries(solid: Solid) -> dict[str, Any]:
@@ -264,8 +267,10 @@ def _solid_entries(solid: Solid) -> dict[str, Any]:
         numbers.setdefault(atom.function, len(numbers))
     tree, most = _tree_record(solid.tree, numbers), 30  # operations in turn, which nest: files are read to some depth
     entries = {"functions": numbers, "tree": tree, "joints": solid.joints, "special_points": solid.special_points}
-    known = solid.sheets is not None and _turns(solid) <= most
-    return entries | ({"sheets": {"of": _sum_of([*numbers], tree), "body": solid.sheets}} if known else {})
+    if solid.sheets is None or _turns(solid) > most:
+        return entries
+    body = _BODY.write(solid.sheets)
+    return {**entries, "sheets": {"of": _sum_of([*numbers], tree, body), "body": body}}
 
 
 def _turns(solid: Any) -> int:
@@ -286,7 +291,7 @@ RECORD: Table = Table(
         "joints": list_of(JOINT),
         "special_points": list_of(list_of(REAL, 3)),
     },
-    {"sheets": Table({"of": TEXT, "body": _form_of(SolidBoundary)})},
+    {"sheets": Table({"of": TEXT, "body": read_by(_BODY, itself, itself)})},
     make=_solid,
     entries=_solid_entries,
 )

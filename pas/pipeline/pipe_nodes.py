@@ -24,7 +24,7 @@ from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, cross, dot, minus, three, to_float, to_floats
+from pas.algebra.rational import Vector, cross, decimal, dot, minus, three, to_float, to_floats
 from pas.contacts.endless import Pipe
 from pas.errors import GeometryError, NoSolutionError, NotProvedError
 from pas.limits import checkpoint
@@ -34,7 +34,7 @@ from pas.pipeline.blend import node
 from pas.pipeline.bodies import clip_plane
 from pas.solid.face_seams import edges_between
 from pas.solid.fillet_forms import revolved
-from pas.solid.fillets import short, strays, title_of
+from pas.solid.fillets import strays, title_of
 from pas.solid.functions import Pieces, region
 from pas.solid.joints import Joint
 from pas.solid.linked import RenamedBoundary
@@ -67,7 +67,7 @@ class PipeFace:
             return None
         (surface,), (value, point, (way,)) = surfaces, found
         square = -surface.raw(*point) / value
-        radius = short(to_float(square) ** 0.5) if square > 0 else fmpq(0)
+        radius = decimal(to_float(square) ** 0.5) if square > 0 else fmpq(0)
         if radius**2 != square or surface.primitive() != Pipe(way, radius, 0, point).contact.surface.primitive():
             return None
         return cls(face, surface, point, way, radius, value < 0)
@@ -185,7 +185,7 @@ class PipeNode:
             if clip >= arm.reach:
                 return f"{arm.tube.face!r} ends {arm.reach:.4g} from where the axes meet, before a ball touches it"
             clips.append(clip)
-            items.append((arm.way, arm.tube.radius, short(clip / float(np.linalg.norm(to_floats(arm.way))))))
+            items.append((arm.way, arm.tube.radius, decimal(clip / float(np.linalg.norm(to_floats(arm.way))))))
         if lost := self._lost(clips):
             return lost
         try:
@@ -281,7 +281,7 @@ class PipeNode:
     def largest(self, above: fmpq) -> float | None:
         """A radius for which there is a node, nearly the largest if that serves before which pipes end; the larger the
         more room a node has, so that it may be above the given one.  None where a quarter of that does not serve."""
-        most = short(59 / 60 * min((a.radius(b, a.reach) for a, b in self._pairs), default=0.0))
+        most = decimal(59 / 60 * min((a.radius(b, a.reach) for a, b in self._pairs), default=0.0))
         tried = (most / share for share in (1, 2, 4) if most > 0)
         return next((to_float(radius) for radius in tried if not isinstance(self.made(radius), str)), None)
 

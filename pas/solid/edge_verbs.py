@@ -39,6 +39,12 @@ class WithEdges(Generic[S]):
         the fillet of planes is a circular cylinder, and that of planes, cylinders, cones and balls about one axis the
         exact torus of a ball that rolls; `print` of the solid says so.  Its face is called "fillet", or "fillet 2",
         unless `face` names it.  `within` are polynomials that are positive where a part of the edges is to be rounded.
+
+        Where a face goes on smoothly as another, by a claimed joint, as sides of profiles with arcs do, so does the
+        fillet: all around a boss's foot, a pocket's floor, a top or a rim from one side's name, or "boss" for "boss 1",
+        "boss 2", ...  One face is then a plane, the others planes and circular cylinders upright on it; of order 1 that
+        gives cylinders, tori and, in arcs of the radius, spheres, of order 2 one section all along.
+
         Where pipes (or bores) of one radius cross, or three and more meet in a point, the blend of `pas.node` is the
         face, in the place of their crossing and of its edges: `radius` is that of a ball that touches two of them where
         it ends, seen from the side.  So it is where axes meet and the edge has no fillet of the radius, if there is no
@@ -98,8 +104,8 @@ class WithEdges(Generic[S]):
         that end as deep below the other faces.  They are named after the planes: "box x+ / box y+".  Their joints are
         claimed, and proved by `verdicts`.  The solid is convex with plane faces, or what other operations took away
         from such a one; its corners at rounded edges are of three planes.  Or it is extruded from a profile with arcs
-        of circles that goes on smoothly: then the edges at "top" and "bottom" are rounded, of order 1, by cylinders and
-        tori.  Raises `GeometryError` where it is not so, and with the largest radius where an edge is used up.
+        of circles that goes on smoothly: then the edges at "top" and "bottom" are rounded, of order 1 or 2, as `fillet`
+        does it.  Raises `GeometryError` where it is not so, and with the largest radius where an edge is used up.
 
             solid.box((0, 0, 0), (4, 3, 2)).rounded(radius="1/2", order=2)
         """

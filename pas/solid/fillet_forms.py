@@ -1,5 +1,8 @@
 """The surfaces of fillets along a seam: the torus of a ball that rolls along a circle, and polynomials elsewhere.
 
+With s and t the faces' polynomials over the heights in which the surface touches the other face and h = 1 - s - t, the
+fillet is the part of it where s, t, h >= 0.
+
 Torus: with R the distance from an axis and z the height along it, planes across it, cylinders, cones and spheres are
 
     round R^2 + square z^2 + slope z + constant = 0,
@@ -14,21 +17,41 @@ has contact of order k with the faces f = 0 and g = 0 along g = b and f = a (Hof
 The heights are those at which a rolling ball touches the other face, in the mean along the edge; mu = 2 + 2 c with the
 mean cosine c between normals, which makes the fillet of two planes a circular cylinder.  Not guaranteed: that the
 fillet of curved faces is near a rolling ball's, which is no algebraic surface of such a degree.
+
+Of even order that curve is turned about the axis, too, of a cylinder that stands on a plane: with t linear in R, it is
+the norm A^2 - B^2 R^2 of mu s t - h^(k+1) = A + B R, as A - B R has one sign where s, t and h count.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from math import comb
 
 from flint import fmpq
 
 from pas.algebra.affine import away, height, slope_at
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, dot, minus, near, square_root, three, to_float, to_floats, two_across
+from pas.algebra.rational import Vector, decimal, dot, minus, near, square_root, three, to_float, to_floats, two_across
 from pas.contacts.parallels import principal_axes, quadratic_terms
 from pas.contacts.torus import torus_polynomial
-from pas.solid.face_seams import FaceSeam
-from pas.solid.fillets import FilletForm, short
+from pas.solid.face_seams import FaceSeam, SmoothEnd
+from pas.solid.joints import Joint
+from pas.solid.seams import on_plane
+from pas.solid.tree import Atom, Tree, combined
+
+
+@dataclass(frozen=True)
+class FilletForm:
+    """A surface, not positive on the side of the seam, how high over each face it touches the other, polynomials that
+    are positive where it counts, and whether it touches each face in a curve, not in a point."""
+
+    surface: Polynomial
+    heights: tuple[fmpq, fmpq]
+    sides: tuple[Polynomial, ...] = ()
+    curves: tuple[bool, bool] = (True, True)
+
 
 Axis = tuple[Vector, Vector]
 """A point and a unit vector."""
@@ -71,7 +94,7 @@ class Meridian:
             square = self.slope**2 / (4 * self.round**2) - self.constant / self.round
             radius = square_root(square)
             moved = self.round * (square - (radius - depth) ** 2)
-            return replace(self, constant=self.constant + moved) if radius > depth and radius**2 == square else None
+            return replace(self, constant=self.constant + moved) if radius >= depth and radius**2 == square else None
         spread, apex = -self.square / self.round, -self.slope / (2 * self.square)
         stretch = square_root((1 + spread) / spread) if spread > 0 else fmpq(0)
         if spread <= 0 or stretch**2 * spread != 1 + spread:
@@ -83,20 +106,80 @@ class Meridian:
         """R^2 and z of the point outwards by a depth from one on this surface; None where they are irrational."""
         rise = 2 * self.square * z + self.slope
         length2 = 4 * self.round**2 * square + rise**2
+        if length2 == 0:  # on the axis of a cylinder
+            return depth**2, z
         length = square_root(length2)
         share = depth / length
         return (square * (1 + 2 * self.round * share) ** 2, z + rise * share) if length**2 == length2 else None
 
 
-def torus(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm | None:
-    """The torus of a ball that rolls along a seam, of order 0 the cone through the circles in which it touches the
-    faces; None of another order, or where there is none."""
-    axis = _axis(seam.faces) if order < 2 else None
+@dataclass(frozen=True, eq=False)
+class FilletPiece:
+    """What a fillet adds or takes away along one seam, with the name of its face."""
+
+    face: str
+    seam: FaceSeam
+    radius: fmpq
+    order: int
+
+    @cached_property
+    def form(self) -> FilletForm:
+        """Its surface."""
+        return form_of(self.seam, self.radius, self.order)
+
+    def tree(self, walls: Sequence[Polynomial] = (), trims: Sequence[Atom] = ()) -> Tree:
+        """The points between its surface and the edge, where walls are positive, too, and in other sets."""
+        pairs = zip(self.seam.faces, self.form.heights, strict=True)
+        s, t = (face * (self.seam.sign / height) for face, height in pairs)
+        own = [s, t, *([1 - s - t] if self.order else []), *self.form.sides]
+        sectors = [[Atom(-wall, "") for wall in sector] for sector in self.seam.sectors]
+        where = [combined(True, *(combined(False, *some) for some in sectors))] if all(sectors) else []
+        bounds = (Atom(-wall, "") for wall in (*own, *walls))
+        return combined(False, Atom(self.form.surface, self.face), *trims, *bounds, *where)
+
+    def claims(self) -> Iterator[Joint]:
+        """The joints with both faces."""
+        (f, g), (a, b), sign = self.seam.faces, self.form.heights, self.seam.sign
+        along = (f, g - b * sign), (g, f - a * sign)
+        for name, curve, there in zip(self.seam.names, along, self.form.curves, strict=True):
+            for sector in self.seam.sectors if there else ():
+                yield Joint(self.face, name, curve, self.order, (*(-wall for wall in self.ended), *sector))
+
+    def section(self, end: SmoothEnd) -> tuple[Polynomial, Polynomial]:
+        """The curve in which it goes on at a smooth end: the plane, and its surface if the faces were flat there."""
+        ends = zip(self.seam.names, end.names, self.seam.faces, strict=True)
+        first, second = (face if name == following else end.tangent for name, following, face in ends)
+        flat = form_of(replace(self.seam, faces=(first, second)), self.radius, self.order)
+        return end.plane.primitive(), flat.surface.primitive()
+
+    def goes_on(self, end: SmoothEnd) -> bool:
+        """Whether its surface goes through that curve."""
+        plane, section = self.section(end)
+        f, g = (on_plane(surface, plane) for surface in (self.form.surface, section))
+        return bool(not g.is_zero() and divmod(f, g)[1].is_zero())
+
+    @property
+    def ended(self) -> tuple[Polynomial, ...]:
+        """What ends it, negative along it."""
+        return self.seam.left if self.seam.sign > 0 else ()
+
+
+def form_of(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm:
+    """The surface along a seam of a radius and an order."""
+    return turned(seam, radius, order) or bent(seam, radius, order)
+
+
+def turned(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm | None:
+    """The torus, or sphere, of a ball that rolls along a seam, of order 0 the cone through the circles in which it
+    touches the faces, of even order the section between planes turned; None where there is no such surface."""
+    axis = _axis(seam.faces)
     if axis is None:
         return None
     f, g = (Meridian.of(face, axis) for face in seam.faces)
     if f is None or g is None:
         return None
+    if order > 1:
+        return _turned_section(seam, (f, g), axis, radius, order) if order % 2 == 0 else None
     middle = float(((seam.centers(to_float(radius)) - to_floats(axis[0])) @ to_floats(axis[1])).mean())
     found = _center((f, g), -seam.sign * radius, middle)
     if found is None:
@@ -108,9 +191,37 @@ def torus(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm | None:
     heights = f(*second) * seam.sign, g(*first) * seam.sign
     if order == 0:
         cone = _cone(axis, first, second, (square, z))
-        return cone and (*cone, heights)
+        return cone and FilletForm(cone[0], heights, cone[1])
     center = [p + z * w for p, w in zip(*axis, strict=True)]
-    return -torus_polynomial(center, axis[1], square, depth**2), (), heights
+    inner = Polynomial.from_raw(dot(away(center), away(center)) - (depth**2 - square))
+    if square == 0:
+        return FilletForm(-inner, heights, (), (first[0] > 0, second[0] > 0))
+    # Where a torus meets itself the ball of that circle parts its outside from what is within.
+    return FilletForm(-torus_polynomial(center, axis[1], square, depth**2), heights, (inner,) * (square < depth**2))
+
+
+def _turned_section(
+    seam: FaceSeam, both: tuple[Meridian, Meridian], axis: Axis, radius: fmpq, order: int
+) -> FilletForm | None:
+    """The surface of even order beside a plane and a cylinder; None for other faces, and where the latter is within the
+    radius or has none that is rational."""
+    (plane, flat), (round_, _) = sorted(zip(both, seam.faces, strict=True), key=lambda pair: pair[0].round != 0)
+    if plane.round != 0 or plane.square != 0 or round_.round == 0 or round_.square != 0 or round_.slope != 0:
+        return None
+    size, side = square_root(-round_.constant / round_.round), seam.sign * (1 if round_.round > 0 else -1)
+    major = size + side * radius
+    if size**2 * round_.round != -round_.constant or major <= 0:
+        return None
+    w, along = away(axis[0]), height(*axis)
+    square, s = Polynomial.from_raw(dot(w, w) - along * along), flat * (seam.sign / (radius * abs(plane.slope)))
+    slope, start = side / radius, -side * size / radius  # t = start + slope R
+    parts, power = [s * (2 * start), s * (2 * slope)], order + 1
+    for k in range(power + 1):
+        term = (1 - s - start) ** (power - k) * square ** (k // 2)
+        parts[k % 2] -= term * (comb(power, k) * (-slope) ** k)
+    surface = (parts[0] ** 2 - square * parts[1] ** 2) * -side
+    heights = radius * abs(plane.slope), seam.sign * round_.round * (major**2 - size**2)
+    return FilletForm(surface, heights if both[0] is plane else heights[::-1])
 
 
 def _cone(axis: Axis, *circles: tuple[fmpq, fmpq]) -> tuple[Polynomial, tuple[Polynomial, ...]] | None:
@@ -131,14 +242,19 @@ def bent(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm:
     """The polynomial mu s t - h^(k+1), or of order 0 -h, which is flat between planes."""
     reach = seam.sign * to_float(radius) * (1 - seam.cosines)[:, None]
     a, b = (
-        short(seam.sign * float(face(seam.points + reach * normal).mean()))
+        decimal(seam.sign * float(face(seam.points + reach * normal).mean()))
         for face, normal in zip(seam.faces, seam.normals, strict=True)
     )
+    cosine, slopes = decimal(float(seam.cosines.mean())), [slope_at(face) for face in seam.faces]
+    sizes = [square_root(dot(slope, slope)) for slope in slopes]
+    if all(f.degree == 1 and dot(w, w) == size**2 for f, w, size in zip(seam.faces, slopes, sizes, strict=True)):
+        cosine = dot(*slopes) / (sizes[0] * sizes[1])
+        a, b = (radius * (1 - cosine) * size for size in sizes)
     if a == 0 or b == 0:
-        return seam.faces[0], (), (a, b)
+        return FilletForm(seam.faces[0], (a, b))
     s, t = (face * (seam.sign / height) for face, height in zip(seam.faces, (a, b), strict=True))
-    bulge, h = short(2 + 2 * float(seam.cosines.mean())), 1 - s - t
-    return s * t * bulge - h ** (order + 1) if order else -h, (), (a, b)
+    bulge, h = 2 + 2 * cosine, 1 - s - t
+    return FilletForm(s * t * bulge - h ** (order + 1) if order else -h, (a, b))
 
 
 def _center(
@@ -169,7 +285,7 @@ def _center(
         both, (a, b, c) = at(depth)
     curved = next(m for m in both if m.round != 0)
     square = -replace(curved, round=fmpq(0))(fmpq(0), z) / curved.round
-    return (both, depth, square, z) if square > 0 and a * z * z + b * z + c == 0 else None
+    return (both, depth, square, z) if square >= 0 and a * z * z + b * z + c == 0 else None
 
 
 def _axis(faces: tuple[Polynomial, Polynomial]) -> Axis | None:
@@ -204,3 +320,10 @@ def revolved(face: Polynomial) -> tuple[fmpq, Vector, list[Vector]] | None:
     if axes is None or double is None:
         return None
     return double, three(-s / (2 * double) for s in slope_at(face)), [way for way, value in axes if value != double]
+
+
+def radius_of_turned(face: Polynomial) -> fmpq | None:
+    """The radius of a cylinder or sphere, which is 0 of a cone; None where it is irrational, and of other faces."""
+    known = revolved(face)
+    square = fmpq(-1) if known is None else -face.raw(*known[1]) / known[0]
+    return square_root(square) if square >= 0 and square_root(square) ** 2 == square else None

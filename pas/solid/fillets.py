@@ -1,8 +1,6 @@
-"""Fillets and chamfers between two faces of a solid.
+"""Fillets and chamfers between two faces of a solid, and all along the edges in which theirs goes on smoothly.
 
-What surface is taken, and how high over each face it touches the other, the first of the makers says that has one for
-the seam (`pas.solid.fillet_forms`).  With s and t the faces' polynomials over these heights and h = 1 - s - t, the
-fillet is the part of it where s, t, h >= 0.
+Which surface each edge gets: `pas.solid.fillet_forms`.
 
 Guaranteed: the joints, which are proved before a fillet is given.  Looked at on its mesh: that it ends nowhere but at
 the solid's own faces.
@@ -12,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import chain, count
 from typing import Protocol
 
@@ -22,12 +19,14 @@ from flint import fmpq
 from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
-from pas.algebra.rational import Vector, dot, plain, rational, square_root, to_float
+from pas.algebra.rational import decimal, plain, to_float
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
-from pas.registry import Registry, loaded
+from pas.registry import loaded
 from pas.solid.face_seams import FaceSeam
+from pas.solid.fillet_forms import FilletPiece, radius_of_turned
 from pas.solid.joints import Joint
+from pas.solid.profile_rounds import filleted
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined, complement
 from pas.verdicts import Verdict
@@ -46,23 +45,12 @@ class Way(Protocol):
         """The largest radius found of a fillet, below one; None where there is none."""
 
 
-FilletForm = tuple[Polynomial, tuple[Polynomial, ...], tuple[fmpq, fmpq]]
-"""A surface, not positive on the side of the seam, polynomials positive where it counts, and how high over each face it
-touches the other."""
-
-FILLET_MAKERS: Registry[Callable[[FaceSeam, fmpq, int], FilletForm | None]] = Registry(
-    "maker of fillets", {"torus": "pas.solid.fillet_forms:torus", "polynomial": "pas.solid.fillet_forms:bent"}
-)
-"""What makes the surface along a seam of a radius and an order: the first that has one there."""
-
-
 @dataclass(frozen=True, eq=False)
 class Filling:
-    """What is asked: a solid, two of its faces with their seam, the order, where, and the name of the new face."""
+    """What is asked: a solid, the seams of two of its faces, the order, where, and the name of the new face."""
 
     solid: Solid
-    names: tuple[str, str]
-    seam: FaceSeam
+    seams: tuple[FaceSeam, ...]
     order: int
     within: tuple[Polynomial, ...]
     face: str
@@ -79,7 +67,9 @@ class Filling:
         """That of arguments of `Solid.fillet`, which are checked but for faces that touch."""
         check_order(order)
         walls = tuple(Polynomial.named(wall, f"within[{i}]", constant=False) for i, wall in enumerate(within))
-        return cls(solid, names, FaceSeam.of(solid, names), order, walls, title_of(solid, order, face))
+        tiny = fmpq(1, 2**20) * decimal(float(np.ptp(solid.mesh().points, axis=0).max()))
+        seams = FaceSeam.chain(solid, names, lambda seam, end: FilletPiece("", seam, tiny, order).goes_on(end))
+        return cls(solid, seams, order, walls, title_of(solid, order, face))
 
     def made(self, radius: fmpq) -> Solid | str:
         """The solid with a fillet of a radius, or why there is none."""
@@ -89,42 +79,50 @@ class Filling:
     def joined(self, radius: fmpq) -> Solid | str:
         """The solid with a fillet whose joints are proved, or why there is none; not looked at on a mesh."""
         checkpoint("proving a fillet")
-        sign, (f, g), size = self.seam.sign, self.seam.faces, to_float(radius)
-        if True in (bent := self.seam.turned_back(size)):
-            return f"{self.names[bent.index(True)]!r} is bent more than a ball of this radius that touches it there"
-        forms = (maker(self.seam, radius, self.order) for maker in FILLET_MAKERS.values())
-        surface, sides, (a, b) = next(form for form in forms if form is not None)
-        ends = self.seam.ends((a, b), size) if a > 0 and b > 0 else None
+        pieces = [FilletPiece(self.face, seam, radius, self.order) for seam in self.seams]
+        trees = list[Tree]()
+        for piece in pieces:
+            found = self._tree(piece)
+            if isinstance(found, str):
+                return found
+            trees.append(found)
+        ends = [(piece, end) for piece in pieces for end in piece.seam.smooth]
+        joined = dict.fromkeys(Joint(self.face, self.face, piece.section(end), 1) for piece, end in ends)
+        claims = tuple(dict.fromkeys([*(claim for piece in pieces for claim in piece.claims()), *joined]))
+        whole, add = self.solid.tree, self.seams[0].sign > 0
+        tree = combined(add, whole, *(tree if add else complement(tree) for tree in trees))
+        sheets = None if self.within else filleted(self.solid.sheets, pieces)
+        made = replace(self.solid, tree=tree, joints=claims, sheets=sheets)
+        goes_on = next((seam.goes_on for seam in self.seams if seam.goes_on), "")
+        wrong = next((_told(v) + goes_on for v in made.verdicts if not v.proved), None)
+        return wrong or self._broken(made) or replace(made, joints=(*self.solid.joints, *claims))
+
+    def _tree(self, piece: FilletPiece) -> Tree | str:
+        """What is added or taken away along one seam, or why there is no fillet."""
+        seam, size = piece.seam, to_float(piece.radius)
+        bent = seam.turned_back(size)
+        if True in bent:
+            return f"{seam.names[bent.index(True)]!r} is bent more than a ball of this radius that touches it there"
+        a, b = piece.form.heights
+        ends = seam.ends((a, b), size, piece.form.curves) if a > 0 and b > 0 else None
         if ends is None:
             return "one of the faces does not go on so far from the edge"
-        s, t = f * (sign / a), g * (sign / b)
-        h = 1 - s - t
-        ended = self.seam.left if sign > 0 else ()
-        walls = [s, t, *([h] if self.order else sides), *self.within, *(-wall for wall in ended)]
-        far, trims = sign < 0 or bool(self.seam.entered or self.seam.goes_on), list[Atom]()
-        walls += _box(np.concatenate([self.seam.points, ends]), self.seam.runs_out(size) if far else size)
-        if sign > 0:
-            hidden = radius / 8  # how deep it goes on in what it runs into
-            walls += [wall + hidden for wall in self.seam.entered]
-            bare = ends[~self.solid.contains(ends - 1e-4 * size * self.seam.outwards(ends))]
-            around = [(name, w) for name, some in self.solid.polynomials.items() for w in some if far and w.degree == 1]
-            inner = (one for one in around if (one[1](np.concatenate([self.seam.points, ends])) < 0).all())
-            over = (one for one in self.seam.beside if (one[1](bare) > 0).any())
-            trims = [Atom(wall, name) for name, wall in dict.fromkeys([*over, *inner])]
-        piece = combined(False, Atom(surface, self.face), *trims, *(Atom(-wall, "") for wall in walls))
-        whole = self.solid.tree
-        tree = combined(True, whole, piece) if sign > 0 else combined(False, whole, complement(piece))
-        claims = (
-            Joint(self.face, self.names[0], (f, g - b * sign), self.order, [-wall for wall in ended]),
-            Joint(self.face, self.names[1], (g, f - a * sign), self.order, [-wall for wall in ended]),
-        )
-        made = replace(self.solid, tree=tree, joints=claims, sheets=None)
-        wrong = next((_told(v) + self.seam.goes_on for v in made.verdicts if not v.proved), None)
-        return wrong or self._broken(made) or replace(made, joints=(*self.solid.joints, *claims))
+        far, around = seam.sign < 0 or bool(seam.entered or seam.goes_on), np.concatenate([seam.points, ends])
+        walls = [*self.within, *(-wall for wall in piece.ended), *_box(around, seam.runs_out(size) if far else size)]
+        if seam.sign < 0:
+            return piece.tree(walls)
+        hidden = piece.radius / 8  # how deep it goes on in what it runs into
+        bare = ends[~self.solid.contains(ends - 1e-4 * size * seam.outwards(ends))]
+        planes = [(name, w) for name, some in self.solid.polynomials.items() for w in some if far and w.degree == 1]
+        inner = (one for one in planes if (one[1](around) < 0).all())
+        over = (one for one in seam.beside if (one[1](bare) > 0).any())
+        trims = [Atom(wall, name) for name, wall in dict.fromkeys([*over, *inner])]
+        return piece.tree([*walls, *(wall + hidden for wall in seam.entered)], trims)
 
     def _broken(self, made: Solid) -> str | None:
         """What joint of the two faces, proved before, is none beside the fillet; None where there is none."""
-        own = tuple(joint for joint in self.solid.joints if {joint.first, joint.second} & {*self.names})
+        names = {name for seam in self.seams for name in seam.names}
+        own = tuple(joint for joint in self.solid.joints if {joint.first, joint.second} & names)
         before, after = (replace(one, joints=own, sheets=None).verdicts for one in (self.solid, made))
         lost = (new for old, new in zip(before, after, strict=True) if old.proved and not new.proved)
         return next((f"make it before another fillet, of which then {_told(verdict)}" for verdict in lost), None)
@@ -132,10 +130,17 @@ class Filling:
     def largest(self, above: fmpq) -> float | None:
         """The largest radius found below one, to a thirtieth, of a fillet that there is; None where there is none.
 
-        Joints are proved for each that is tried.  A mesh is looked at of one a little smaller, as what nearly uses up a
-        face takes long, and of others only where that one has strays.
+        Where no larger ball fits into a cylinder or another one that is that, or a little less, if there is such a
+        fillet.  Joints are proved for each that is tried.  A mesh is looked at of one a little smaller, as what nearly
+        uses up a face takes long, and of others only where that one has strays.
         """
-        found = _largest(self.joined, above)
+        bends = (zip(seam.faces, seam.turned_back(to_float(above)), strict=True) for seam in self.seams)
+        sizes = (radius_of_turned(face) for some in bends for face, bent in some if bent)
+        most = min((size for size in sizes if size), default=None)
+        for size in (most, most * fmpq(59, 60)) if most is not None else ():
+            if not isinstance(self.made(size), str):
+                return to_float(size)
+        found = _largest(self.joined, most or above)
         if found is not None and isinstance(self.made(found := found * fmpq(59, 60)), str):
             found = _largest(self.made, found)
         return None if found is None else to_float(found)
@@ -150,7 +155,7 @@ def _largest(made: Callable[[fmpq], Solid | str], above: fmpq) -> fmpq | None:
         if not attempts:
             return None
     while high - low > low / 60:
-        middle = short(to_float(low + (high - low) * share))
+        middle = decimal(to_float(low + (high - low) * share))
         low, high = (low, middle) if isinstance(made(middle), str) else (middle, high)
     return low
 
@@ -223,7 +228,7 @@ def _largest_of(known: Sequence[Way], above: fmpq) -> float | None:
 
 def largest(solid: Solid, names: tuple[str, str], order: int, within: Sequence[PolynomialLike]) -> float:
     """The largest radius, nearly, of a fillet that is proved; see `Solid.largest_fillet`."""
-    size = short(float(np.ptp(solid.box, axis=0).max()))
+    size = decimal(float(np.ptp(solid.box, axis=0).max()))
     found = _largest_of(ways(solid, names, order, within), size)
     if found is None:
         raise GeometryError(f"no fillet between {names[0]!r} and {names[1]!r} is proved, however small")
@@ -249,38 +254,3 @@ def title_of(solid: Solid, order: int, face: str | None) -> str:
     name = "fillet" if order else "chamfer"
     later = (f"{name} {number}" for number in count(2))
     return face or next(found for found in chain([name], later) if found not in solid.faces)
-
-
-@dataclass(frozen=True, eq=False)
-class PlaneFace:
-    """A plane face: its name ("" for a wall), its polynomial, and normal . x + offset, which that is."""
-
-    name: str
-    polynomial: Polynomial
-    normal: Vector
-    offset: fmpq
-
-    @classmethod
-    def of(cls, part: Tree) -> PlaneFace | None:
-        """That of a part of an intersection; None where it is no half space."""
-        if not isinstance(part, Atom) or not isinstance(part.function, Polynomial) or part.function.degree != 1:
-            return None
-        polynomial = -part.function if part.outside else part.function
-        terms = polynomial.raw.to_dict()
-        x, y, z, offset = (terms.get(key, fmpq(0)) for key in ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0)))
-        return cls(part.face, polynomial, (x, y, z), offset)
-
-    @cached_property
-    def length(self) -> fmpq:
-        """Of the normal, to six digits where it is not rational."""
-        root = square_root(dot(self.normal, self.normal))
-        return root if root * root == dot(self.normal, self.normal) else short(to_float(root))
-
-    def cosine(self, other: PlaneFace) -> fmpq:
-        """Of the angle between the normals."""
-        return fmpq(1) if other is self else dot(self.normal, other.normal) / (self.length * other.length)
-
-
-def short(value: float) -> fmpq:
-    """The decimal number of six digits nearest to a double."""
-    return rational(f"{value:.6g}")

@@ -83,9 +83,10 @@ class Joint:
 
 
 def orders(joints: Sequence[Joint]) -> dict[tuple[Polynomial, Polynomial], int]:
-    """The curves along which faces are joined, each with the least order that is claimed there."""
+    """The curves along which faces are joined, each with the least order that is claimed there; not those of parts of
+    which an angle is claimed, where faces cross."""
     found: dict[tuple[Polynomial, Polynomial], int] = {}
-    for joint in joints:
+    for joint in (joint for joint in joints if joint.order or not joint.within):
         found[joint.along] = min(joint.order, found.get(joint.along, joint.order))
     return found
 

@@ -39,7 +39,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot, plain, to_float, to_floats
 from pas.errors import GeometryError, meant
 from pas.mesh.rows import Integers
-from pas.solid.fillets import PlaneFace
+from pas.solid.face_seams import PlaneFace
 from pas.solid.joints import Joint
 from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operands

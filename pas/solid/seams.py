@@ -215,7 +215,10 @@ class Seams:
                 jets = [self._jets(aside, c) for c in (a, b)]
                 between = aside - sum(j[:, :1] * j[:, 1:] / (j[:, 1:] ** 2).sum(axis=1)[:, None] for j in jets) / 2
                 alike, signs, held = (f * g).sum(axis=1) > 0, known.copy(), []
-                for side in ((True, alike), (False, ~alike), [self._jets(between, c)[:, 0] <= 0 for c in (a, b)]):
+                there = self._evaluator.signs(between)
+                on = [c for c in range(self._evaluator.used) if number in self.of(c)]  # 0 here, so of no sign
+                signs[on] = there[on]
+                for side in ((True, alike), (False, ~alike), there[[a, b]]):
                     signs[[a, b]] = np.broadcast_arrays(*side)
                     held.append(self._evaluator.inside(signs))
                 touch = (lengths(np.cross(f, g)) < SLACK) & (held[0] == held[1]) & (held[1] != held[2])

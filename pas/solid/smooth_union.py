@@ -1,8 +1,8 @@
 """The union of two solids with a fillet wherever a face of one crosses a face of the other.
 
-The mesh of the union shows which faces do.  Each two of them get a fillet (`pas.solid.fillets`) in turn, until the mesh
-shows none.  Where edges of two pairs end in one point, their fillets would meet in a corner, which none can; but pipes
-whose axes meet there are joined by a node.
+The mesh of the union shows which faces do.  Each two of them get a fillet (`pas.solid.fillets`) in turn, with all in
+which their edge goes on smoothly, until the mesh shows none.  Where edges of two pairs else end in one point, their
+fillets would meet in a corner, which none can; but pipes whose axes meet there are joined by a node.
 """
 
 from __future__ import annotations
@@ -84,11 +84,12 @@ def _crossing(solid: Solid, sides: tuple[set[str], set[str]]) -> tuple[dict[tupl
     here, there = np.repeat(mesh.faces, 3), mesh.faces[twins // 3]
     pairs = np.unique(np.stack([here, there], axis=1)[first[here] & second[there]], axis=0)
     found, of_vertex = dict[tuple[str, str], Integers](), dict[int, tuple[str, str]]()
+    joined = {frozenset((joint.first, joint.second)) for joint in solid.joints}
     for one, other in pairs.tolist():
         pair = parts[one][0], parts[other][0]
         found[pair] = np.unique(edges_between(mesh, [one], [other]))
         for vertex in found[pair].tolist():
-            if (known := of_vertex.setdefault(vertex, pair)) != pair:
+            if (known := of_vertex.setdefault(vertex, pair)) != pair and {*known} ^ {*pair} not in joined:
                 return {known: found[known], **found}, (
                     f"the edge of {known[0]!r} and {known[1]!r} goes on as that of {pair[0]!r} and {pair[1]!r} near "
                     f"{shown_point(mesh.points[vertex])}: fillets do not meet in corners, so that only edges are "

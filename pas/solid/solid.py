@@ -23,7 +23,7 @@ from pas.algebra.inputs import check_tolerance, points_of
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, rational, to_float
-from pas.errors import GeometryError
+from pas.errors import GeometryError, meant
 from pas.limits import WorkLimits, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.mesh.mesh import Mesh
@@ -135,9 +135,11 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
             raise TypeError(f"open must be a sequence of names of faces, as in open=[{open!r}]")
         return replace(self, tree=shelled(self, size, open, self._tolerance(tolerance)), sheets=None)
 
-    def renamed(self, name: str) -> Solid:
-        """The solid with all its faces, walls included, under one name; claimed joints stay."""
-        return self._called(dict.fromkeys((*self.faces, ""), name))
+    def renamed(self, name: str | Mapping[str, str]) -> Solid:
+        """The solid with all its faces, walls included, under one name, or some under new ones; claimed joints stay."""
+        if unknown := [] if isinstance(name, str) else [face for face in name if face not in self.faces]:
+            raise GeometryError(f"the solid has no face {unknown[0]!r}{meant(unknown[0], self.faces) or ''}")
+        return self._called(dict.fromkeys((*self.faces, ""), name) if isinstance(name, str) else name)
 
     def _called(self, names: Mapping[str, str]) -> Solid:
         """The solid with other names of some faces."""
