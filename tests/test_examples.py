@@ -15,7 +15,7 @@ CORNERS = ROOT / "examples/corners"
 ENERGIES = {
     "elbow_gc1": (4, 41, 23.71),
     "elbow_gc2": (5, 38, 26.45),
-    "elbow_slim": (5, 34, 53.25),
+    "elbow_slim": (5, 34, 47.70),
     "equal_gc1": (4, 26, 34.23),
     "equal_gc2": (5, 18, 45.24),
     "equal_gc3": (6, 12, 55.40),

@@ -110,7 +110,7 @@ def test_ranges_in_boxes_hold_all_values_and_see_that_blends_touch_their_walls()
     centers, halves = rng.uniform(-1, 1, (400, 3)), rng.uniform(0.05, 0.3, (400, 3))
     yes, no = bank.taylor(centers, halves)
     for shift in rng.uniform(-1, 1, (200, 3)):
-        values = bank.values(centers + shift * halves)
+        values = bank.values(centers + shift * halves, np.arange(len(bank)))
         assert not (yes & (values > 0)).any()
         assert not (no & (values <= 0)).any()
     beside = np.array([[1.0, 0.3, 0.31]])  # where the third would have a double zero just below, but for a little

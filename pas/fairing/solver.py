@@ -51,7 +51,8 @@ class Iterate:
 @dataclass(frozen=True)
 class FittedMember:
     """A member: its exact surface, its working coefficients (1, m), its energy, the inequalities whose optimum it is,
-    at a share of the usual margins, and what is kept for the next step of a slider."""
+    at a share of the usual margins, what is kept for the next step of a slider, and the part of Phi for what is beyond
+    limits."""
 
     surface: PiecewiseSurface
     working: fmpq_mat
@@ -59,6 +60,7 @@ class FittedMember:
     rows: Inequalities
     share: float
     iterate: Iterate | None = None
+    beyond: float = 0.0
 
 
 class _ContradictionError(Exception):
@@ -97,14 +99,22 @@ class FitSolver:
                 raise self.programme.conflict(nothing)
             return self.rounded(Iterate(member, nothing, 0.0), 0.0)
         failed: Inequalities | None = None
-        for share in self.settings.margins[-1:] if self.energy.on_surface else self.settings.margins:
+        fitted: FittedMember | None = None
+        for share in self.settings.margins:
             try:
                 found = self.best(share)
             except _ContradictionError as error:
                 failed = error.rows
                 continue
-            if found is not None:
-                return found
+            if found is None:
+                continue
+            if fitted is None or found.energy + found.beyond < fitted.energy + fitted.beyond:
+                fitted = found
+            stiff = self.space.basis.size < self.settings.stiff * len(self.space.partition.pieces)
+            if stiff or found.beyond <= self.settings.hopeless * found.energy:
+                break  # else few members have such margins, and the first of them was a poor one to begin with
+        if fitted is not None:
+            return fitted
         if failed is not None:
             raise self.programme.conflict(failed)
         raise InfeasibleError(f"no member of degree {self.space.degree} that was found passed the proofs")
@@ -272,7 +282,8 @@ class FitSolver:
         """The member in rational numbers; raises `InfeasibleError` where a user's point is missed by rounding."""
         working = self.programme.rounded(at.member)
         energy = self._energy(to_doubles(working)[0], at.value)
-        return FittedMember(self.space.surface(working), working, energy, at.rows, share)
+        beyond = 0.0 if at.value is None else at.value.beyond
+        return FittedMember(self.space.surface(working), working, energy, at.rows, share, beyond=beyond)
 
     def energy_of(self, surface: PiecewiseSurface) -> float:
         """The energy of a surface of the space; infinite where rays from the centre miss or graze it."""

@@ -35,7 +35,7 @@ class PlaneSet(Protocol):
     def boundary(self) -> tuple[Loop, ...] | None:
         """The loops around it, with what is inside to their left; None where those of parts cross or touch."""
 
-    def operands(self, solid: Callable[[Any], Any]) -> tuple[tuple[Any, ...], str]:
+    def operands(self, over: Callable[[Any], Any]) -> tuple[tuple[Any, ...], str]:
         """The solids over its parts, and the operation, named as for `boolean`, that makes the one over it of them."""
 
 

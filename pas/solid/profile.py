@@ -166,10 +166,10 @@ class Profile:
             if all(other.holds(loop.edges[0].start) != (out != union) for other in self.parts if other is not part)
         ]
 
-    def operands(self, solid: Callable[[Profile], Solid]) -> tuple[tuple[Solid, ...], str]:
+    def operands(self, over: Callable[[Profile], Solid]) -> tuple[tuple[Solid, ...], str]:
         """The solids over its parts, and the operation, named as for `boolean`, that makes the one over it of them."""
         less = self.parts[-1].outside
-        return tuple(solid(replace(part, outside=False)) for part in self.parts), (
+        return tuple(over(replace(part, outside=False)) for part in self.parts), (
             "Add" if self.union else "Subtract" if less else "Intersect"
         )
 
