@@ -307,11 +307,12 @@ def test_walls_around_sharp_bends_may_be_thin_and_thick(thickness, order):
 
 @pytest.mark.slow
 def test_a_centre_further_in_sees_all_contacts():
-    outer = pas.node([((1, 0, 0), 1), ((1, 2, 0), "1/2")], 1)
-    inner = outer.hollow("1/4").inner
-    center = inner.surface.partition.center
-    assert center != outer.surface.partition.center
-    assert min(outlook(contact.surface, contact.rim, center)[0] for contact in inner.space.contacts) > 0
+    outer = pas.node([((1, 0, 0), 1), ((0, 1, 0), "1/4")], 1)
+    hollow = outer.hollow("1/8")
+    assert hollow.certificate.proved and hollow.inner.surface.partition.center != outer.surface.partition.center
+    cavity = Cavity(outer, hollow.inner.surface.contacts, hollow.thickness)
+    center = cavity._moved(cavity.evenness, outer.surface.partition.center)
+    assert min(outlook(contact.surface, contact.rim, center)[0] for contact in cavity.contacts) > 0
 
 
 def seen(inner):
