@@ -16,6 +16,7 @@ from pas import solid
 from pas.cli import main
 from pas.errors import GeometryError
 from pas.solid.fillets import Filling
+from pas.solid.profile_rounds import filleted, pieces_along
 
 
 def plate(height: int = 0) -> solid.Solid:
@@ -141,6 +142,9 @@ def test_the_top_of_an_other_prism_is_not_taken_for_it():
     far = quad(lambda t: (8 - t) * depth(t, 1), 0, 1)[0]
     assert made.proved and made.mesh().is_closed
     assert made.volume() == pytest.approx(volume - 156 * (1 - np.pi / 4) - 2 * np.pi * far, rel=3e-6)
+    body, other = rectangle().extrude(8).sheets, solid.rounded_rectangle(20, 10, 3, face="boss").extrude(8).sheets
+    pieces = pieces_along(body.loops[0], "top", pas.Polynomial("z - 8"), fmpq(2), 1)
+    assert filleted(body, pieces) is not None and filleted(other, pieces) is None
 
 
 def test_a_chain_that_ends_at_corners_and_goes_over_an_edge():

@@ -20,7 +20,7 @@ from pas.mesh.crossings import crossings, near_pairs
 from pas.mesh.diagnostics import PLACES, diagnosis
 from pas.mesh.face_ground import FaceGround
 from pas.mesh.field import FaceField, bounds_set, extent_of, place_of
-from pas.mesh.first import first_lattice, first_mesh, unsound
+from pas.mesh.first import THIN, first_lattice, first_mesh, unsound
 from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.hollowed import mesh_hollowed, too_thick
 from pas.mesh.labelled import Labelled
@@ -34,9 +34,6 @@ from pas.mesh.remesher import Failure, Remesher
 from pas.mesh.rows import norms
 from pas.mesh.surfaces import mesh_apart, together
 from pas.mesh.topology import connected
-
-THIN = 0.3
-"""Share of the cubes of the first lattice that do not show one sheet, above which surfaces are meshed one by one."""
 
 UPRIGHT = 0.3
 """Cosine with the normals below which triangles are untangled before they are cut."""

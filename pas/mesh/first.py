@@ -28,6 +28,10 @@ PARTS, HALVINGS, COMPARED = 25, 9, 3
 """Small cubes along the longest side of the box in the first lattice; how many finer ones are tried at most, and how
 many must show the same pieces, holes and faces, unless all of the boundary is clear."""
 
+THIN = 0.3
+"""Share of the cubes of a lattice that do not show one sheet, above which the set is thin: then surfaces are meshed one
+by one, and a lattice is made finer whatever the next one shows."""
+
 MANY = 0.01
 """Share of the cubes in which more than one sheet may be, above which a lattice is made finer without a look."""
 
@@ -97,8 +101,8 @@ def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
             return Refusal(_sentence(found, octree))
         finer = octree.refined()
         # Along curves there are twice as many in the next lattice, and on surfaces that come close four times as many.
-        fewer, more, few = 0.7 * len(octree.open_places), 3 * len(octree.open_places), 0.3
-        if not finer.crowded and octree.open_share < few and fewer <= len(finer.open_places) <= more:
+        fewer, more = 0.7 * len(octree.open_places), 3 * len(octree.open_places)
+        if not finer.crowded and octree.open_share < THIN and fewer <= len(finer.open_places) <= more:
             break
         octree = finer
     return CROWDED if octree.crowded else octree

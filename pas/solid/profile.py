@@ -168,10 +168,8 @@ class Profile:
 
     def operands(self, over: Callable[[Profile], Solid]) -> tuple[tuple[Solid, ...], str]:
         """The solids over its parts, and the operation, named as for `boolean`, that makes the one over it of them."""
-        less = self.parts[-1].outside
-        return tuple(over(replace(part, outside=False)) for part in self.parts), (
-            "Add" if self.union else "Subtract" if less else "Intersect"
-        )
+        operation = "Add" if self.union else "Subtract" if self.parts[-1].outside else "Intersect"
+        return tuple(over(replace(part, outside=False)) for part in self.parts), operation
 
     def holds(self, point: Point) -> bool:
         """Whether an exact point is inside or on the boundary."""

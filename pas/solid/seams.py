@@ -92,8 +92,7 @@ class Seam:
 def seams_of(tree: Tree, claimed: Mapping[Curve, int], box: Floats | None = None) -> list[Seam]:
     """The seams of claimed curves and of those along which faces of a tree touch, those of several curves first.
 
-    Claimed are orders of continuity by curves.
-    Plane sections are among them where the solid's `box` (2, 3) is given.
+    `claimed` are orders of continuity by curves.  Plane sections are among the seams where the `box` (2, 3) is given.
     """
     curves = {**claimed, **dict.fromkeys(_lines(tree), 1)}
     cut = () if box is None else _smooth_sections(tree, box)
