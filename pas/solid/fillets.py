@@ -25,7 +25,7 @@ from pas.limits import checkpoint
 from pas.registry import loaded
 from pas.solid.face_seams import FaceSeam
 from pas.solid.fillet_forms import FilletPiece, radius_of_turned
-from pas.solid.joints import Joint
+from pas.solid.joints import Joint, prove
 from pas.solid.profile_rounds import filleted
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined, complement
@@ -123,8 +123,9 @@ class Filling:
         """What joint of the two faces, proved before, is none beside the fillet; None where there is none."""
         names = {name for seam in self.seams for name in seam.names}
         own = tuple(joint for joint in self.solid.joints if {joint.first, joint.second} & names)
-        before, after = (replace(one, joints=own, sheets=None).verdicts for one in (self.solid, made))
-        lost = (new for old, new in zip(before, after, strict=True) if old.proved and not new.proved)
+        after = ((joint, prove(joint, made.tree, lambda: made.box)) for joint in own)
+        wrong = ((joint, verdict) for joint, verdict in after if not verdict.proved)
+        lost = (v for joint, v in wrong if prove(joint, self.solid.tree, lambda: self.solid.box).proved)
         return next((f"make it before another fillet, of which then {_told(verdict)}" for verdict in lost), None)
 
     def largest(self, above: fmpq) -> float | None:
