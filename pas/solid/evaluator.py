@@ -96,9 +96,9 @@ class TreeEvaluator:
         columns = np.array([column for column, _ in rows])
         yes, no = (known[columns] for known in self.taylor(centers, halves))
         yes[columns == number] = no[columns == number] = False
-        depends = np.logical_or(*tree.relevant(yes, no)).any(axis=1)  # on no other one with more of them known
+        open_ = np.asarray(np.logical_or(*tree.relevant(yes, no)).any(axis=1))  # no more are, if more is known
         found = []
-        for name in (name for name in names if depends[rows[number, name]]):
+        for name in (name for name in names if open_[rows[number, name]]):
             own = rows[number, name]
             for held in (True, False):
                 yes[columns == number], no[columns == number] = held, not held
