@@ -26,14 +26,6 @@ from pas.mesh.sheet import BadMeshError, given
 from pas.surface.graph import AROUND, delaunay, require_once
 from pas.surface.radial_field import RadialField
 
-SMALLEST = 1e-4
-"""Radians within which a triangle is seen that is not halved further: what is bad there is no graph, or singular."""
-
-
-SHARE = 1 / 8
-"""Of an edge's length, over the least angle at it: an arc that leaves it by half of that angle is so far from it."""
-
-
 def bisected(field: RadialField, tolerance: float, settings: Settings) -> Mesh:
     """A mesh in the user's coordinates within a tolerance, measured.
 
@@ -93,21 +85,23 @@ def _rims(mesh: HalfEdges, halves: Integers) -> Integers:
 def _room(mesh: HalfEdges, halves: Integers) -> Floats:
     """How far curves may be from the half edges (K,) on them: where they turn by an angle of the triangle there, as
     seen from the centre, new vertices are no more inside it."""
+    share = 1 / 8  # of an edge's length times an angle: an arc that leaves it by half of that is so far from it
     units, after = unit_rows(mesh.points), following(halves)
     a, b, c = (units[mesh.corners[side]] for side in (halves, after, following(after)))
     sines = norms(cross(b - a, c - a)) / (norms(b - a) * np.maximum(norms(c - a), norms(c - b)))
-    return SHARE * sines * mesh.lengths(halves)
+    return share * sines * mesh.lengths(halves)
 
 
 def _chosen(mesh: HalfEdges, rim: Integers, bad: NDArray[np.bool_]) -> Integers:
     """The half edges to be halved, the longest first: those on the boundary that are too far from its curves; where
     there are none, the longest of bad triangles (T,)."""
+    smallest = 1e-4  # radians within which a triangle is seen: what is still bad there is no graph, or singular
     units = unit_rows(mesh.points)
     lengths = norms(units[mesh.ends] - units[mesh.corners])
     rows, halves = np.flatnonzero(bad), rim
     if not len(rim):
         halves = 3 * rows + lengths.reshape(-1, 3)[rows].argmax(axis=1)
         halves = np.unique(np.maximum(halves, mesh.twins[halves]))
-    if lengths[halves].min(initial=np.inf) < SMALLEST:
+    if lengths[halves].min(initial=np.inf) < smallest:
         raise BadMeshError("some triangles are folded", mesh.points[mesh.corners[halves[lengths[halves].argmin()]]])
     return halves[np.argsort(-lengths[halves], kind="stable")]
