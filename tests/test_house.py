@@ -16,7 +16,7 @@ from conftest import ROOT, nodes, parsed
 PACKAGE = ROOT / "pas"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 67_623, 341, 2_887, 470
+MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 67_654, 341, 2_887, 470
 """Rounds of profiles with arcs brought the last file, fillets along chains of edges the last 300 lines."""
 
 
