@@ -26,6 +26,7 @@ from pas.mesh.sheet import BadMeshError, given
 from pas.surface.graph import AROUND, delaunay, require_once
 from pas.surface.radial_field import RadialField
 
+
 def bisected(field: RadialField, tolerance: float, settings: Settings) -> Mesh:
     """A mesh in the user's coordinates within a tolerance, measured.
 
