@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
@@ -169,3 +170,71 @@ def test_what_is_no_pipe_is_told(name):
     make, error, words = WRONG[name]
     with pytest.raises(error, match=words):
         make()
+
+
+@pytest.mark.parametrize("axis", [(0, 0, 1), (0, 0, -3), (1, 0, 0), (1, 2, 3), (0.48, -0.6, 0.64)])
+def test_flanges_are_plates_with_a_bore_and_holes(axis):
+    made = solid.flange((1, 2, 3), axis, 10, 25, 5, bolts=6, bolt_radius=2)
+    way = np.array(axis) / np.linalg.norm(axis)
+    side = np.cross(way, (0.3, 0.2, 0.9)) / np.linalg.norm(np.cross(way, (0.3, 0.2, 0.9)))
+    inside = made.contains([np.array((1, 2, 3)) + z * way + 11 * side for z in (-0.01, 0.01, 4.99, 5.01)])
+    assert inside.tolist() == [False, True, True, False]
+    mesh = made.mesh(0.01)
+    assert mesh.is_closed and mesh.euler_characteristic == 2 - 2 * 7
+    assert made.volume() == pytest.approx((25**2 - 10**2 - 6 * 2**2) * np.pi * 5, rel=1e-5)
+    assert made.faces[:3] == ("flange", "flange bore", "flange hole") and made.faces[-2:] == (
+        "flange start",
+        "flange end",
+    )
+    assert solid.flange((0, 0, 0), axis, 0, 2, 1).faces == ("flange", "flange start", "flange end")
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"axis": (0, 0, 0)}, "axis must not be the zero vector"),
+        ({"radius": 26}, "radius must be 0 or more and below outer_radius, 25, not 26"),
+        ({"thickness": 0}, "thickness must be positive, not 0"),
+        ({"bolts": 3}, "bolt_radius is missing: holes take their number and radius"),
+        ({"bolt_radius": 1}, "bolts is missing"),
+        ({"bolts": 3, "bolt_radius": "15/2"}, "bolt_radius must be below 7.5, so that holes meet neither bore"),
+        ({"bolts": 60, "bolt_radius": 1}, "bolt_radius must be below 0.915879"),
+        ({"bolts": 3, "bolt_radius": 1, "bolt_circle": 25}, "bolt_circle must be between 10 and 25, not 25"),
+        ({"bolts": -1}, "bolts must be a whole number from 0 to 1000, not -1"),
+    ],
+)
+def test_flanges_that_cannot_be_are_refused_in_a_sentence(given, words):
+    usual = {"center": (0, 0, 0), "axis": (0, 0, 1), "radius": 10, "outer_radius": 25, "thickness": 5}
+    with pytest.raises(ValueError, match=words):
+        solid.flange(**{**usual, **given})
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize(
+    ("start", "end", "length"),
+    [((3, 3), (5, 2), 8), ((2, 2), (4, 4), 5), ((3, 2), (3, 2), 5), ((1, 1), (10, "1/2"), 1), ((5, 2), (1, 2), 3)],
+)
+def test_transitions_are_proved_and_have_the_volume_of_their_sections(start, end, length, order):
+    made = solid.transition(start, end, length, order, straight=1)
+    assert made.proved and [v.claim[-len(f"GC^{order}") :] for v in made.verdicts] == [f"GC^{order}"] * 2
+    z = (np.arange(20000) + 0.5) / 20000
+    share = z * z * (3 - 2 * z) if order == 1 else z**3 * (6 * z * z - 15 * z + 10)
+    axes = np.array([[float(Fraction(value)) for value in ellipse] for ellipse in (start, end)])
+    squares = axes[0] ** 2 + share[:, None] * (axes[1] ** 2 - axes[0] ** 2)
+    volume = np.pi * (np.sqrt(squares.prod(axis=1)).mean() * length + axes.prod(axis=1).sum())
+    assert made.mesh().euler_characteristic == 2 and made.volume() == pytest.approx(volume, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"start": 3}, "start must be two half axes"),
+        ({"end": (0, 1)}, r"end\[0\] must be positive, not 0"),
+        ({"length": 0}, "length must be positive"),
+        ({"order": 3}, "order must be a whole number from 1 to 2"),
+        ({"straight": -1}, "straight must be positive"),
+    ],
+)
+def test_transitions_that_cannot_be_are_refused_in_a_sentence(given, words):
+    with pytest.raises(ValueError, match=words):
+        solid.transition(**{"start": (1, 1), "end": (2, 1), "length": 1, **given})
