@@ -208,8 +208,8 @@ REFUSED = {
     "no face": (lambda: box().fillet("box x+", "boxx y+", 1), "no face 'boxx y+'; is 'box y+' meant?"),
     "large": (
         lambda: box().fillet("box x+", "box y+", 3),
-        "radius 3 between 'box x+' and 'box y+' is not proved: fillet meets box x+ with GC^1: the regions of the two "
-        "faces do not both reach the curve; one of radius 1.9",
+        "radius 3 between 'box x+' and 'box y+' is not proved: 'box x+' does not go on so far from the edge; one of "
+        "radius 1.9",
     ),
     "no radius": (lambda: box().fillet("box x+", "box y+", 0), "radius must be positive, not 0"),
     "tangent": (

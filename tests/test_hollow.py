@@ -117,6 +117,11 @@ def test_tubes_and_shells_compose_move_and_survive_files(tmp_path):
         (lambda: solid.ball((0, 0, 0), 1).shell(0.1, open=["lid"]), pas.GeometryError, "no face 'lid' to open"),
         (lambda: solid.ball((0, 0, 0), 1).shell(0.1, open=["ball"]), pas.GeometryError, "at least one face"),
         (lambda: solid.ball((0, 0, 0), 1).shell(0.1, open="ball"), TypeError, "sequence of names"),
+        (
+            lambda: solid.box((0, 0, 0), (4, 3, 2)).rounded(radius="1/2").shell(0.1, open=["box z+"]),
+            pas.GeometryError,
+            "'box z[+]' goes on smoothly, or nearly so, in 'box [xy][-+] / box z[+]', where a wall has no edge to end",
+        ),
         (lambda: solid.tube(RING, 2, TURN), pas.GeometryError, "folds over at t = "),
         (lambda: solid.tube(RING, 0, TURN), ValueError, "radius must be positive"),
         (lambda: solid.tube(RING, 1, (1, 1)), ValueError, "two rising numbers"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -152,7 +151,7 @@ def test_straight_ends_that_reach_the_other_blend_are_refused(apart):
 
 
 @pytest.mark.parametrize("thickness", ["1/8", None])
-def test_tubes_that_reach_into_a_blend_are_refused_at_once_where_they_leave_it(thickness):
+def test_tubes_that_reach_into_a_blend_are_refused_at_once_where_they_leave_it(thickness, monkeypatch):
     """Along the run the blend is outside of it here and inside there; on the branch it is outside all around."""
     body = made(thickness)
     tube, branch_tube = (
@@ -160,10 +159,10 @@ def test_tubes_that_reach_into_a_blend_are_refused_at_once_where_they_leave_it(t
         for axis, radius, start in ((X, 1, 1), (Y, "4/5", 1))
     )
     for whole in (body | tube, (body | tube).rotate((1, 2, 2), 40), body - tube, body & tube, tube - body):
-        began = time.process_time()
-        with pytest.raises(pas.MeshError, match=REACH) as found:
+        with monkeypatch.context() as patch, pytest.raises(pas.MeshError, match=REACH) as found:
+            patch.delattr("pas.mesh.closed.first_lattice")  # no lattice is looked at
             whole.mesh(1e-2)
-        assert time.process_time() - began < 2 and "tube" in str(found.value)
+        assert "tube" in str(found.value)
     if thickness is None:
         inside = body | tube | solid.box(("1/2", -2, -2), (3, 2, 2))  # of a third part
         assert inside.mesh(5e-2).components == 1
@@ -213,23 +212,19 @@ def test_a_cubic_lattice_of_struts_is_one_solid(count):
 
 
 def test_a_lattice_less_a_ball_is_meshed_by_what_is_near():
-    """Each function of some thousand with all joints, and each wall with all pairs of faces, took minutes."""
+    """Not by each function of some thousand with all joints, nor by each wall with all pairs of faces."""
     node = pas.blend([pas.Pipe(axis, "1/2", 1) for axis in AXES], 1).solid(1)
     whole = solid.union([node.translate((4 * i, 4 * j, 0)) for i, j in product(range(3), repeat=2)])
     cut = whole - solid.ball((0, 0, 0), "3/2")
-    began = time.process_time()
     mesh = cut.mesh(5e-2)
-    assert time.process_time() - began < 10
     assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 5, 2 * (8 - 10) + 2 * 4)
     assert np.linalg.norm(mesh.points, axis=1).min() == pytest.approx(1.5) and np.ptp(mesh.box, axis=0)[0] == 12
-    began_again = time.process_time()
     points = np.random.default_rng(0).uniform((-3, -3, -3), (11, 11, 3), (2000, 3))
     inside, evaluator = cut.contains(points), cut.field.evaluator
     assert np.array_equal(inside, evaluator.inside(evaluator.signs(evaluator.local(points))))
     assert np.abs(cut.box - [[-2, -2, -2], [10, 10, 2]]).max() < 0.1 and 0 < inside.sum() < 200
-    assert time.process_time() - began_again < 5  # 7 and 10 s when each cell had a linear programme
     turned = cut.rotate((1, 2, 3), 40).mesh(5e-2)  # whose parts are turned by themselves
-    assert turned.volume == pytest.approx(mesh.volume, rel=1e-2) and time.process_time() - began < 20
+    assert turned.volume == pytest.approx(mesh.volume, rel=1e-2)
 
 
 def tube(start, end, radius=1, bore=None, further=1):

@@ -8,6 +8,7 @@ import pytest
 import pas
 from pas import solid
 from pas.designs.teapot import Teapot
+from pas.solid.truths import CompiledTree
 
 PEG = solid.cylinder((3, 0, -1), (3, 0, 2), "1/4", face="hole")
 
@@ -79,3 +80,12 @@ def test_patterns_of_other_shapes():
 def test_patterns_that_cannot_be(make, error, sentence):
     with pytest.raises(error, match=sentence):
         make()
+
+
+def test_names_of_many_pins_on_one_plane_are_not_asked_for_one_by_one(monkeypatch):
+    """In each piece of the mesh all names are asked for together, and then those that may be there."""
+    pins, asked, known = PEG.pattern(6, (1, 0, 0)).pattern(6, (0, 1, 0)), [], CompiledTree.relevant
+    monkeypatch.setattr(CompiledTree, "relevant", lambda *a: (asked.append(None), known(*a))[1])
+    mesh = pins.mesh()
+    assert mesh.components == 36 and {*mesh.names} == {*pins.faces}
+    assert len(asked) < 5 * len(mesh.names)

@@ -333,13 +333,56 @@ def test_volumes_are_those_of_meshes_where_quadrature_does_not_converge(ocp, tmp
     assert is_valid(found) and module.meshed_volume(found, 1e-3) == pytest.approx(5.25 * np.pi, rel=1e-3)
 
 
-@pytest.mark.slow
-def test_tubes_are_followed_to_their_flat_ends(ocp, tmp_path):
-    tube = solid.tube(("cos(t)", "sin(t)", "t/5"), "1/8", (0, 1))
-    (found,), kinds = read_solids(tube.write(tmp_path / "a.step"))
-    length = np.hypot(1, 1 / 5)
-    assert is_valid(found) and {*kinds} == {"BSplineSurface"}  # flat ends are functions near the ends, not planes
-    assert adaptive_volume(found) == pytest.approx(np.pi / 64 * length, rel=1e-6)
+HELIX = ("cos(t)", "sin(t)", "t/5"), "1/8"
+TURN = np.hypot(1, 1 / 5) * np.pi / 64  # the volume of a radian of it
+RING = ("cos(t)", "sin(t)", "0"), "1/8", (0, "6.283185307179586")
+BENT = pas.tube(("cos(t)", "sin(t)", "0"), "1/8", ("cos(t)", "sin(t)", "0"), ("0", "0", "1"), angle=True, domain=(0, 1))
+TUBES = {
+    "flat": (lambda: solid.tube(*HELIX, (0, 1)), TURN, {"BSplineSurface": 2, "Plane": 2}),
+    "round": (
+        lambda: solid.tube(*HELIX, (0, 1), ends="round"),
+        TURN + np.pi / 384,
+        {"BSplineSurface": 2, "SphericalSurface": 4},
+    ),
+    "coil": (lambda: solid.tube(*HELIX, (0, 7)), 7 * TURN, {"BSplineSurface": 2, "Plane": 2}),
+    "moved": (
+        lambda: solid.tube(*HELIX, (0, 1)).mirror((1, 1, 0)).rotate((1, 2, 2), 40).scale(30).translate(90, 0, -7),
+        27000 * TURN,
+        {"BSplineSurface": 2, "Plane": 2},
+    ),
+    "closed": (lambda: solid.tube(*RING), np.pi**2 / 32, {"BSplineSurface": 4}),
+    "parametric": (lambda: BENT.solid(), np.pi / 64, {"BSplineSurface": 2, "Plane": 2}),
+}
+
+
+@pytest.mark.parametrize("name", [*TUBES])
+def test_tubes_are_splines_by_their_own_parameters(ocp, tmp_path, name):
+    make, volume, wanted = TUBES[name]
+    part = step_part(make(), name)
+    with module._quiet():
+        (report,) = write_parts([part], tmp_path / "a.step", name, "MM")
+    assert report.angle < 1e-4 and report.curvature_jump < 0.01
+    (found,), kinds = read_solids(tmp_path / "a.step")
+    assert is_valid(found) and kinds == wanted
+    assert adaptive_volume(found) == pytest.approx(volume, rel=1e-5)
+
+
+def test_tubes_of_varying_radius_are_dupin_cyclides(ocp, tmp_path):
+    pipe = solid.pipe([(0, 0, 0), (0, 0, 50), (30, 0, 50), (30, 40, 50)], [5, 7, 3, 5], bend=14)
+    report = step_part(pipe, "pipe", tolerance=1e-3).report
+    assert report.angle < 1e-4 and report.curvature_jump < 0.01
+    (found,), kinds = read_solids(pipe.write(tmp_path / "a.step"))
+    assert is_valid(found) and kinds == {"BSplineSurface": 4, "ConicalSurface": 3, "Plane": 2}
+
+
+def test_what_is_nearly_a_cyclide_is_none():
+    """Its polynomial differs in one small coefficient; a graph follows it."""
+    cyclide = "(x^2 + y^2 + z^2 - 9/4 + 3)^2 - 4*(2*x - 3/2)^2 - 12*y^2"
+    for polynomial, is_one in ((cyclide, True), (f"{cyclide} + x*y/1000000", False), (f"({cyclide}) * 7", True)):
+        shape = solid.implicit(polynomial, "x", face="ring")
+        atlas = Atlas(shape.face_mesh(0.05).mesh, shape.field)
+        carriers = [s.carrier for s in atlas.sheets.values() if s.polynomial.degree == 4]
+        assert carriers and all((c is not None) == is_one for c in carriers)
 
 
 def test_parts_have_their_names_colours_and_places(ocp, tmp_path):

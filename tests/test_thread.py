@@ -7,9 +7,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from test_step import read_solids
 
 import pas
 from pas import solid
+from pas.exchange.step.model import adaptive_volume, step_part
 from pas.solid.thread import Flank
 
 M8 = 8, "1.25"
@@ -89,13 +91,20 @@ def test_threads_are_saved_and_read(tmp_path):
     assert (read.contains(points) == made.contains(points)).all() and read.faces == made.faces
 
 
-def test_no_step_file_is_written_of_them(tmp_path):
+@pytest.mark.parametrize("name", ["bolt", "nut", "left-handed", "short"])
+def test_threads_are_written_as_step(name, tmp_path):
     pytest.importorskip("OCP")
-    for made in (solid.thread(*M8, 3), solid.thread(*M8, 3).translate(1, 0, 0)):
-        with pytest.raises(pas.GeometryError, match="no spline follows the face 'thread flank'; write triangles"):
-            made.write(tmp_path / "a.step")
-    assert not list(tmp_path.iterdir())
-    assert made.write(tmp_path / "a.3mf").exists()
+    made = {
+        "bolt": lambda: solid.regular_polygon(6, 7).extrude(2).translate(0, 0, -2) | solid.thread(*M8, 4),
+        "nut": lambda: solid.regular_polygon(6, 7).extrude(3) - solid.thread("8.2", "1.25", 6).translate(0, 0, -2),
+        "left-handed": lambda: solid.thread(*M8, 3).mirror((1, 0, 0)).rotate((1, 2, 2), 40).scale(100),
+        "short": lambda: solid.thread(*M8, "3/10"),
+    }[name]()
+    report = step_part(made, name).report
+    assert report.faces - report.exact == 2 and report.distance < 1e-5 * np.ptp(made.box, axis=0).max()
+    ((solid_,), kinds) = read_solids(made.write(tmp_path / "a.step"))  # it is read again and checked
+    assert kinds["BSplineSurface"] == 2 and {*kinds} == {"BSplineSurface", "CylindricalSurface", "Plane"}
+    assert adaptive_volume(solid_) == pytest.approx(made.volume(), rel=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.projection import distances, newton, second_derivatives
-from pas.mesh.rows import Floats, Integers, norms
+from pas.mesh.rows import Floats, Integers, cross, dots, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected
 
@@ -114,15 +114,13 @@ class _Place:
         return min(self._all(), key=lambda found: order.index(found[0]), default=None)
 
     def _all(self) -> Iterator[Found]:
-        for column in self.near:
-            point = self._critical(column)
+        for column, point in zip(self.near, self._critical, strict=True):
             if point is not None and column in self._deciding(point, [column]):
                 yield "singular", self._names([column]), point
             elif self._radii[column] < self.spacing:
                 yield "bent", self._names([column]), self.place
         pairs = [*combinations(self.near, 2)]
-        for a, b in pairs:
-            point = self._parallel(a, b)
+        for (a, b), point in zip(pairs, self._parallel(pairs), strict=True):
             if point is not None and {a, b} <= {*self._deciding(point, [a, b])}:
                 touching = self._distance(point, a) <= ZERO * self.extent
                 kind = self._tangency(point, a, b) if touching else "close"
@@ -212,52 +210,76 @@ class _Place:
         signs[list(columns)] = sides
         return [bool(v) for v in self.field.inside(signs)]
 
-    def _critical(self, column: int) -> Floats | None:
-        """A point where a function and its gradient vanish."""
-        point = self._followed(self.place, lambda p: self._solve(self._slopes(p, column), self._jet(p, column)[1:]))
-        if point is None:
-            return None
-        jet, close = self._jet(point, column), ZERO * self.extent
-        size = max(float(np.abs(self._slopes(p, column)).max()) for p in (self.place, point))
-        return point if np.abs(jet[1:]).max() <= size * close and abs(jet[0]) <= size * close**2 else None
+    @cached_property
+    def _critical(self) -> list[Floats | None]:
+        """Of each function of `near` a point where it and its gradient vanish."""
+        columns, close = np.array(self.near, dtype=np.intp), ZERO * self.extent
+        starts = np.tile(self.place, (len(columns), 1))
 
-    def _parallel(self, a: int, b: int) -> Floats | None:
-        """A point on one surface with the other's normal, less than the spacing away from that one."""
-        foot = self._feet[b]
-        bends = 1 / self._radii[a] + 1 / self._radii[b]
-        if foot is None or self._sine(foot, a, b) > 2 * FARTHEST * self.extent * bends:
-            return None  # where they bend too little for their normals to become parallel
-        scales = [1 / max(float(np.linalg.norm(self._jet(foot, c)[1:])), 1e-300) for c in (a, b)]
+        def step(points: Floats, rows: Integers) -> Floats:
+            return _solved(self._slopes(points, columns[rows]), self._jets(points, columns[rows])[:, 1:])
 
-        def step(point: Floats) -> Floats:
+        ends = self._followed(starts, step)
+        sizes = np.maximum(*(np.abs(self._slopes(points, columns)).max(axis=(1, 2)) for points in (starts, ends)))
+        jets = np.abs(self._jets(ends, columns)) <= sizes[:, None] * close * np.array([close, 1, 1, 1])
+        return [end if zero else None for end, zero in zip(ends, jets.all(axis=1), strict=True)]
+
+    def _parallel(self, pairs: Sequence[tuple[int, int]]) -> list[Floats | None]:
+        """Of each pair a point on the second surface with the first one's normal, less than the spacing away from that.
+
+        None where they bend too little for their normals to become parallel.
+        """
+        both = np.array(pairs, dtype=np.intp).reshape(-1, 2)
+        feet = np.array([self._feet[b] for b in both[:, 1]]).reshape(-1, 3)
+        bends = (1 / np.array([[self._radii[c] for c in pair] for pair in pairs]).reshape(-1, 2)).sum(axis=1)
+        scales = 1 / np.maximum(np.stack([norms(self._jets(feet, c)[:, 1:]) for c in both.T]), 1e-300)
+        rows = np.flatnonzero(self._sines(feet, both) <= 2 * FARTHEST * self.extent * bends)
+        both, scales = both[rows], scales[:, rows]
+
+        def step(points: Floats, rows: Integers) -> Floats:
             """Newton's for a multiple of one gradient that is the other, and the second function's zero."""
-            f, g = (self._jet(point, c) * scale for c, scale in zip((a, b), scales, strict=True))
-            bend_f, bend_g = (self._slopes(point, c) * scale for c, scale in zip((a, b), scales, strict=True))
-            share, matrix = float(f[1:] @ g[1:]) / max(float(g[1:] @ g[1:]), 1e-300), np.zeros((4, 4))
-            matrix[:3, :3], matrix[:3, 3], matrix[3, :3] = bend_f - share * bend_g, -g[1:], g[1:]
-            return self._solve(matrix, np.append(f[1:] - share * g[1:], g[0]))[:3]
+            columns, sizes = both[rows].T, scales[:, rows]
+            f, g = (self._jets(points, c) * size[:, None] for c, size in zip(columns, sizes, strict=True))
+            bend_f, bend_g = (
+                self._slopes(points, c) * size[:, None, None] for c, size in zip(columns, sizes, strict=True)
+            )
+            shares = dots(f[:, 1:], g[:, 1:]) / np.maximum(dots(g[:, 1:], g[:, 1:]), 1e-300)
+            matrix = np.zeros((len(rows), 4, 4))
+            matrix[:, :3, :3], matrix[:, :3, 3] = bend_f - shares[:, None, None] * bend_g, -g[:, 1:]
+            matrix[:, 3, :3] = g[:, 1:]
+            right = np.concatenate([f[:, 1:] - shares[:, None] * g[:, 1:], g[:, :1]], axis=1)
+            return _solved(matrix, right)[:, :3]
 
-        point = self._followed(foot, step)
-        if point is None or self._distance(point, b) >= ZERO * self.extent or self._sine(point, a, b) >= PARALLEL:
-            return None
-        return point if self._distance(point, a) < self.spacing else None
+        ends, found = self._followed(feet[rows], step), list[Floats | None]([None]) * len(pairs)
+        first, second = (self._distances(ends, columns) for columns in both.T)
+        touching = (second < ZERO * self.extent) & (self._sines(ends, both) < PARALLEL) & (first < self.spacing)
+        for k in np.flatnonzero(touching).tolist():
+            found[rows[k]] = ends[k]
+        return found
 
-    def _followed(self, point: Floats, step: Callable[[Floats], Floats]) -> Floats | None:
-        """Where steps against those given lead to, none longer than the reach of the place; None if far away."""
+    def _followed(self, points: Floats, step: Callable[[Floats, Integers], Floats]) -> Floats:
+        """Where steps against those given of some points (n, 3), with their rows (n,), lead to from points (N, 3).
+
+        None is longer than the reach of the place; no numbers are where that leads far away.
+        """
+        points, active = points.copy(), np.arange(len(points))
         for _ in range(STEPS):
-            move = step(point)
-            move = move * min(1.0, NEAR * self.spacing / max(float(np.linalg.norm(move)), 1e-300))
-            point = point - move
-            if not float(np.linalg.norm(point - self.place)) <= FARTHEST * self.extent:  # nor where it is no number
-                return None
-            if np.abs(move).max() < ZERO * self.spacing:
+            if not len(active):
                 break
-        return point
+            moves = step(points[active], active)
+            moves *= np.minimum(1.0, NEAR * self.spacing / np.maximum(norms(moves), 1e-300))[:, None]
+            points[active] -= moves
+            near = norms(points[active] - self.place) <= FARTHEST * self.extent  # not where it is no number
+            points[active[~near]] = np.nan
+            active = active[near & (np.abs(moves).max(axis=1) >= ZERO * self.spacing)]
+        return points
 
     @cached_property
-    def _feet(self) -> dict[int, Floats | None]:
-        """A point of each surface near the place."""
-        return dict(zip(self.near, self._common([[c] for c in self.near]), strict=True))
+    def _feet(self) -> dict[int, Floats]:
+        """A point of each surface near the place; no numbers where there is none."""
+        none = np.full(3, np.nan)
+        found = self._common([[c] for c in self.near])
+        return {c: none if point is None else point for c, point in zip(self.near, found, strict=True)}
 
     def _common(self, groups: Sequence[Sequence[int]]) -> list[Floats | None]:
         """A common zero of the functions of each group, all of one length; None where there is none nearby."""
@@ -269,13 +291,9 @@ class _Place:
             for point, group, close in zip(points, groups, near, strict=True)
         ]
 
-    def _solve(self, matrix: Floats, right: Floats) -> Floats:
-        if not (np.isfinite(matrix).all() and np.isfinite(right).all()):
-            return np.full(len(right), np.nan)
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-9)[0])
-
-    def _jet(self, point: Floats, column: int) -> Floats:
-        return self.field.jets(point[None], 2 * column)[0]
+    def _jets(self, points: Floats, columns: Integers) -> Floats:
+        """Values and gradients (N, 4) of functions (N,) at points (N, 3)."""
+        return self.field.jets(points, 2 * columns)
 
     def _distance(self, point: Floats, column: int) -> float:
         return float(self._distances(point, [column])[0])
@@ -286,20 +304,25 @@ class _Place:
         return distances(self.field, np.broadcast_to(points, (len(labels), 3)), labels)
 
     def _normal(self, point: Floats, column: int) -> Floats:
-        return unit_rows(self._jet(point, column)[1:])
+        return unit_rows(self._jets(point[None], np.array([column]))[0, 1:])
 
-    def _sine(self, point: Floats, a: int, b: int) -> float:
-        """Of the angle between two surfaces' normals."""
-        return float(np.linalg.norm(np.cross(self._normal(point, a), self._normal(point, b))))
+    def _sines(self, points: Floats, pairs: Integers) -> Floats:
+        """Of the angles (N,) between the normals of two surfaces each (N, 2) at points (N, 3)."""
+        first, second = (unit_rows(self._jets(points, columns)[:, 1:]) for columns in pairs.T)
+        return norms(cross(first, second))
 
-    def _slopes(self, point: Floats, column: int) -> Floats:
-        return np.asarray(second_derivatives(self.field, point[None], np.array([2 * column]))[0])
+    def _slopes(self, points: Floats, columns: Integers) -> Floats:
+        """Second derivatives (N, 3, 3) of functions (N,) at points (N, 3)."""
+        return np.asarray(second_derivatives(self.field, points, 2 * columns))
 
     @cached_property
     def _radii(self) -> dict[int, float]:
         """The radius of curvature of each surface where it bends most."""
-        bends = {c: float(np.abs(self._slopes(self.place, c)).max()) for c in self.near}
-        return {c: float(np.linalg.norm(self._jet(self.place, c)[1:])) / max(b, 1e-300) for c, b in bends.items()}
+        columns = np.array(self.near, dtype=np.intp)
+        places = np.tile(self.place, (len(columns), 1))
+        bends = np.abs(self._slopes(places, columns)).max(axis=(1, 2))
+        radii = norms(self._jets(places, columns)[:, 1:]) / np.maximum(bends, 1e-300)
+        return dict(zip(self.near, radii.tolist(), strict=True))
 
     def _names(self, columns: Sequence[int]) -> str:
         """The faces in words; walls, which nobody may have named, where there are no two faces."""
@@ -310,3 +333,11 @@ class _Place:
             words += [f"the wall {self.field.face(2 * c)}" for c in walls]
         listed = " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
         return listed if not times else f"the face{'s' if times.total() > 1 else ''} {listed}"
+
+
+def _solved(matrices: Floats, right: Floats) -> Floats:
+    """The least solutions (N, m) of systems (N, m, m) with right sides (N, m); no numbers where those are none."""
+    result = np.full(right.shape, np.nan)
+    rows = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right).all(axis=1)
+    result[rows] = np.einsum("nij,nj->ni", np.linalg.pinv(matrices[rows], rcond=1e-9), right[rows])
+    return result

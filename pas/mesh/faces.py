@@ -91,17 +91,16 @@ class BoundaryCrossings:
                 return found
             nodes = found
         centers = points[triangles[unclear]].mean(axis=1)
-        reached = nodes.reaches(centers)
-        if not reached.all():
-            return np.asarray(centers[~reached])
-        mesh = _cut(points, triangles, labels)
-        if not len(nodes.points):
-            return mesh
-        drawn = contracted(self.field, mesh.points, mesh.triangles, mesh.labels, nodes)
-        if not isinstance(drawn, Nodes):
-            return Labelled.of(*drawn)
-        # where a node drew in what is no disc, what is unclear within its reach may have been far from it
-        return np.concatenate([drawn.points, centers[drawn.reaches(centers)]])
+        mesh, lost = _cut(points, triangles, labels), [centers[~nodes.reaches(centers)]]
+        if len(nodes.points):
+            drawn = contracted(self.field, mesh.points, mesh.triangles, mesh.labels, nodes)
+            if isinstance(drawn, Nodes):
+                # where a node drew in what is no disc, what is unclear within its reach may have been far from it
+                lost += [drawn.points, centers[drawn.reaches(centers)]]
+            else:
+                mesh = Labelled.of(*drawn)
+        places = np.concatenate(lost)  # all at once, as each finer lattice takes as long
+        return places if len(places) else mesh
 
     def _merged(self) -> tuple[Floats, Integers, Integers]:
         """The mesh with crossings close to nodes merged, but where that would pinch it or close a hole or piece."""

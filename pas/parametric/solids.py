@@ -26,7 +26,7 @@ from pas.mesh.rows import Integers
 from pas.mesh.topology import Edges
 from pas.parametric.maps import ParametricMap
 from pas.parametric.tiling import closes
-from pas.solid.functions import Distance
+from pas.solid.functions import Distance, Parametrized
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Bools, combined
 
@@ -82,7 +82,7 @@ class Feet:
     parameters: Floats
 
 
-class SurfaceDistance(Distance):
+class SurfaceDistance(Distance, Parametrized):
     """The signed distance from a surface with a finite domain that is closed, or ends in planes; negative inside.
 
     Raises `GeometryError` where it has other edges, or is seen to pass through itself.
@@ -92,6 +92,7 @@ class SurfaceDistance(Distance):
         self.surface, self._size = surface, float(np.ptp(mesh.points, axis=0).max())
         self._low, self._width = np.array([[low, high - low] for low, high in surface.domain]).T
         self._closes = np.array([closes(surface, axis, self._size) for axis in (0, 1)])
+        self.domain, self.periods = np.array(surface.domain), np.where(self._closes, self._width, 0.0)
         self.edges, self._side = closed(surface, mesh)
         grid = self._grid(mesh)
         points, normals = surface(grid), surface.normals(grid)
@@ -113,6 +114,14 @@ class SurfaceDistance(Distance):
         counts = np.clip(counts, 16, 1024) * min(1.0, 512 / float(np.sqrt(counts.prod())))
         ends = [np.linspace(lo, lo + w, int(n) + 1) for lo, w, n in zip(self._low, self._width, counts, strict=True)]
         return np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1)
+
+    def places(self, points: Floats) -> Floats:
+        """The parameters (N, 2) of feet."""
+        return self.feet(points).parameters
+
+    def at(self, places: Floats) -> Floats:
+        """The points (N, 3) with parameters (N, 2)."""
+        return self.surface(self._within(places))
 
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4); far from the surface those of the nearest sample."""
@@ -207,6 +216,7 @@ class FlatEnd(Distance):
 
     def __init__(self, distance: SurfaceDistance, number: int) -> None:
         self.distance, self.number = distance, number
+        self.plane = self.edge.middle, self.edge.outwards
 
     @property
     def edge(self) -> FlatEdge:

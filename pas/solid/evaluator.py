@@ -95,8 +95,10 @@ class TreeEvaluator:
         rows, tree = self._named
         columns = np.array([column for column, _ in rows])
         yes, no = (known[columns] for known in self.taylor(centers, halves))
+        yes[columns == number] = no[columns == number] = False
+        open_ = np.asarray(np.logical_or(*tree.relevant(yes, no)).any(axis=1))  # no more are, if more is known
         found = []
-        for name in names:
+        for name in (name for name in names if open_[rows[number, name]]):
             own = rows[number, name]
             for held in (True, False):
                 yes[columns == number], no[columns == number] = held, not held

@@ -25,7 +25,7 @@ from pas.limits import checkpoint
 from pas.registry import loaded
 from pas.solid.face_seams import FaceSeam
 from pas.solid.fillet_forms import FilletPiece, radius_of_turned
-from pas.solid.joints import Joint
+from pas.solid.joints import Joint, prove
 from pas.solid.profile_rounds import filleted
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined, complement
@@ -79,13 +79,10 @@ class Filling:
     def joined(self, radius: fmpq) -> Solid | str:
         """The solid with a fillet whose joints are proved, or why there is none; not looked at on a mesh."""
         checkpoint("proving a fillet")
-        pieces = [FilletPiece(self.face, seam, radius, self.order) for seam in self.seams]
-        trees = list[Tree]()
-        for piece in pieces:
-            found = self._tree(piece)
-            if isinstance(found, str):
-                return found
-            trees.append(found)
+        found = self._trees(radius)
+        if isinstance(found, str):
+            return found
+        pieces, trees = found
         ends = [(piece, end) for piece in pieces for end in piece.seam.smooth]
         joined = dict.fromkeys(Joint(self.face, self.face, piece.section(end), 1) for piece, end in ends)
         claims = tuple(dict.fromkeys([*(claim for piece in pieces for claim in piece.claims()), *joined]))
@@ -97,6 +94,16 @@ class Filling:
         wrong = next((_told(v) + goes_on for v in made.verdicts if not v.proved), None)
         return wrong or self._broken(made) or replace(made, joints=(*self.solid.joints, *claims))
 
+    def _trees(self, radius: fmpq) -> tuple[list[FilletPiece], list[Tree]] | str:
+        """The pieces of a fillet with what is added or taken away, or why there is none, as points of it show."""
+        pieces, trees = [FilletPiece(self.face, seam, radius, self.order) for seam in self.seams], list[Tree]()
+        for piece in pieces:
+            found = self._tree(piece)
+            if isinstance(found, str):
+                return found
+            trees.append(found)
+        return pieces, trees
+
     def _tree(self, piece: FilletPiece) -> Tree | str:
         """What is added or taken away along one seam, or why there is no fillet."""
         seam, size = piece.seam, to_float(piece.radius)
@@ -107,15 +114,18 @@ class Filling:
         ends = seam.ends((a, b), size, piece.form.curves) if a > 0 and b > 0 else None
         if ends is None:
             return "one of the faces does not go on so far from the edge"
+        held = self.solid.contains(ends - 1e-4 * size * seam.outwards(ends))
+        for name, curve, some in zip(seam.names, piece.form.curves, np.split(held, 2), strict=True):
+            if curve and not some.any():
+                return f"{name!r} does not go on so far from the edge"
         far, around = seam.sign < 0 or bool(seam.entered or seam.goes_on), np.concatenate([seam.points, ends])
         walls = [*self.within, *(-wall for wall in piece.ended), *_box(around, seam.runs_out(size) if far else size)]
         if seam.sign < 0:
             return piece.tree(walls)
         hidden = piece.radius / 8  # how deep it goes on in what it runs into
-        bare = ends[~self.solid.contains(ends - 1e-4 * size * seam.outwards(ends))]
         planes = [(name, w) for name, some in self.solid.polynomials.items() for w in some if far and w.degree == 1]
         inner = (one for one in planes if (one[1](around) < 0).all())
-        over = (one for one in seam.beside if (one[1](bare) > 0).any())
+        over = (one for one in seam.beside if (one[1](ends[~held]) > 0).any())
         trims = [Atom(wall, name) for name, wall in dict.fromkeys([*over, *inner])]
         return piece.tree([*walls, *(wall + hidden for wall in seam.entered)], trims)
 
@@ -123,8 +133,9 @@ class Filling:
         """What joint of the two faces, proved before, is none beside the fillet; None where there is none."""
         names = {name for seam in self.seams for name in seam.names}
         own = tuple(joint for joint in self.solid.joints if {joint.first, joint.second} & names)
-        before, after = (replace(one, joints=own, sheets=None).verdicts for one in (self.solid, made))
-        lost = (new for old, new in zip(before, after, strict=True) if old.proved and not new.proved)
+        after = ((joint, prove(joint, made.tree, lambda: made.box)) for joint in own)
+        wrong = ((joint, verdict) for joint, verdict in after if not verdict.proved)
+        lost = (v for joint, v in wrong if prove(joint, self.solid.tree, lambda: self.solid.box).proved)
         return next((f"make it before another fillet, of which then {_told(verdict)}" for verdict in lost), None)
 
     def largest(self, above: fmpq) -> float | None:
@@ -140,16 +151,19 @@ class Filling:
         for size in (most, most * fmpq(59, 60)) if most is not None else ():
             if not isinstance(self.made(size), str):
                 return to_float(size)
-        found = _largest(self.joined, most or above)
+        bound = _largest(self._trees, most or above)  # without proofs, which take long
+        found = None if bound is None else _largest(self.joined, bound)
         if found is not None and isinstance(self.made(found := found * fmpq(59, 60)), str):
             found = _largest(self.made, found)
         return None if found is None else to_float(found)
 
 
-def _largest(made: Callable[[fmpq], Solid | str], above: fmpq) -> fmpq | None:
-    """The largest number found below one, to a sixtieth, for which there is a solid; None where there is none."""
+def _largest(made: Callable[[fmpq], object | str], most: fmpq) -> fmpq | None:
+    """The largest number found up to one, to a sixtieth, for which there is more than a reason; None where none is."""
+    if not isinstance(made(most), str):
+        return most
     share = fmpq(47, 100)  # at halves of the solid's size fillets may just touch its other faces, which takes long
-    low, high, attempts = above * share, above, 10
+    low, high, attempts = most * share, most, 10
     while isinstance(made(low), str):
         low, high, attempts = low * share, low, attempts - 1
         if not attempts:

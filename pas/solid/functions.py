@@ -39,15 +39,34 @@ class Followed:
         return replace(self, tree=mapped(self.tree, move), thickness=self.thickness * map_.similarity())
 
 
+class Parametrized(ABC):
+    """A surface whose points have two parameters: each within a row of `domain` (2, 2), or returning after one of
+    `periods` (2,), which are 0 where it does not.  Where one of the first row's ends is reached there may be `caps`,
+    halves of balls: centres, outward directions, and a radius, by end.
+    """
+
+    domain: Floats
+    periods: Floats
+    caps: tuple[tuple[Floats, Floats, float], ...] = ()
+
+    @abstractmethod
+    def places(self, points: Floats) -> Floats:
+        """The parameters (N, 2) of its points next to points (N, 3) that are near it."""
+
+    @abstractmethod
+    def at(self, places: Floats) -> Floats:
+        """Its points (N, 3) with parameters (N, 2)."""
+
+
 class Distance(ABC):
     """A function whose values change by at most 1 per unit of length, such as a distance less a radius.
 
     `follows` are the faces of a set, if any, on which it is negative: it is a distance from them, less a thickness.
-    Where it is not `smooth`, its gradient jumps as near to its zeros as they are apart, so that no spline follows them.
+    `plane` is a point and the outward normal of the plane in which its zeros are, where they are in one.
     """
 
     follows: Followed | None = None
-    smooth: ClassVar[bool] = True
+    plane: tuple[Floats, Floats] | None = None
     exponent: ClassVar[int] = 0
 
     @abstractmethod
@@ -82,11 +101,6 @@ class Moved(Distance):
     inner: Distance
     map: Affine
     factor: float
-
-    @property
-    def smooth(self) -> bool:  # type: ignore[override]
-        """That of the inner one."""
-        return self.inner.smooth
 
     @property
     def follows(self) -> Followed | None:  # type: ignore[override]

@@ -22,11 +22,13 @@ from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import rational
 from pas.errors import GeometryError, MeshError
 from pas.mesh.booleans import Triangles, boolean
+from pas.mesh.closed import refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import SAME
 from pas.mesh.quality import Quality
 from pas.mesh.rows import cross, dots, norms
 from pas.mesh.topology import connected, euler_characteristic, piece_count
+from pas.settings import RELATIVE_TOLERANCE
 from pas.solid.field import SolidField
 from pas.solid.linked import LinkedBodies, RenamedBoundary, SolidBoundary, united
 from pas.solid.runs import plain_run
@@ -116,15 +118,17 @@ class Operands:
 
 def _cut(part: Operand, field: SolidField, tolerance: float, parts: int) -> Triangles:
     """The mesh of a solid with the labels and in the coordinates of a field that has its functions, so many times as
-    fine as a tolerance; that of a lattice no finer than shows it, as all is refined once it is cut."""
+    fine as a tolerance; that of lattices, which take long, no finer than by default, but refined for more than 4 parts.
+    """
     if isinstance(part.sheets, Operands):
         return part.sheets._cut(field, tolerance, parts)
-    within, size = tolerance * field.scale, float(np.ptp(part._around, axis=0).max())
+    own, size, within = part.field, float(np.ptp(part._around, axis=0).max()), tolerance * field.scale / parts
     if part.sheets is None:
-        within = max(within, size / 128)
-    mesh = part.face_mesh(max(within / parts, FINEST * size)).mesh
-    points = field.evaluator.local(part.field.world(mesh.points))
-    return Triangles(points, mesh.triangles, field.labels_of(part.field, mesh.labels))
+        within = max(within * parts / 4, RELATIVE_TOLERANCE * size)
+    mesh = part.face_mesh(max(within, FINEST * size)).mesh
+    if part.sheets is None and parts > 4:
+        mesh = refined_faces(mesh, own, within * 4 / parts / own.scale, Quality.BALANCED).mesh
+    return Triangles(field.evaluator.local(own.world(mesh.points)), mesh.triangles, field.labels_of(own, mesh.labels))
 
 
 def _areas(cut: Triangles) -> Floats:

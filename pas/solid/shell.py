@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import permutations
 from typing import Protocol
 
 import numpy as np
@@ -277,7 +278,15 @@ def shelled(solid: Hollowable, thickness: float, without: Iterable[str], toleran
     kept = [name for name in dict.fromkeys(names.values()) if name not in left_out]
     if not kept:
         raise GeometryError("a shell needs at least one face that is not open")
-    groups = _groups(LabelEdges.of(mesh, field), names, kept)
+    edges = LabelEdges.of(mesh, field)
+    for pair in np.unique(edges.labels[edges.smooth], axis=0).tolist():
+        for opened, outer in permutations(names[label] for label in pair):
+            if opened in left_out and outer in kept:
+                raise GeometryError(
+                    f"the open face {opened!r} goes on smoothly, or nearly so, in {outer!r}, where a wall has no edge "
+                    "to end in: round other edges alone, as `rounded` does with the names of all faces but the open"
+                )
+    groups = _groups(edges, names, kept)
     walls = [
         Atom(FaceDistance(solid, group, thickness, tolerance), f"inside of {' and '.join(group)}") for group in groups
     ]

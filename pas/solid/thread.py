@@ -18,7 +18,7 @@ from flint import fmpq
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact, plain, positive, square_root, to_float
-from pas.solid.functions import Distance
+from pas.solid.functions import Distance, Parametrized
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
 from pas.solid.swept import FacedBody, jets_of, put_curved, put_flat
@@ -27,10 +27,10 @@ from pas.solid.tree import Atom, combined
 X, Y, Z = GENERATORS
 
 
-class Flank(Distance):
+class Flank(Distance, Parametrized):
     """Below 0 in the ridge of a thread about the z axis; it is meant for points as far from that as the root."""
 
-    smooth = False  # along the middles of ridge and root, which are near
+    periods = np.zeros(2)
 
     def __init__(self, diameter: Exact, pitch: Exact) -> None:
         self.exact_diameter, self.exact_pitch = positive(diameter, "diameter"), positive(pitch, "pitch")
@@ -41,7 +41,8 @@ class Flank(Distance):
             raise ValueError(f"pitch must be below {to_float(most):.6g} for the diameter {plain(self.exact_diameter)}")
         self.pitch, self.crest = to_float(self.exact_pitch), to_float(self.exact_crest)
         self.root, self.tangent = to_float(self.exact_root), 1 / math.sqrt(3)
-        turn = self.pitch / (math.pi * self.root)  # at half the root's radius, from where on it is as it should be
+        self.domain = np.array([(-np.inf, np.inf), (-3 / 8 * self.pitch, 3 / 8 * self.pitch)])
+        turn = self.pitch / (math.pi * self.root)  # more than anywhere, as it is faded out
         self._steepest = math.sqrt(1 + turn * turn) + self.pitch / self.root + self.tangent
 
     def off(self, points: Floats) -> Floats:
@@ -53,12 +54,23 @@ class Flank(Distance):
         """The distance of the thread from the axis that far from the middle of the ridge (N,)."""
         return np.clip(self.crest - (np.abs(off) - self.pitch / 16) / self.tangent, self.root, self.crest)
 
+    def places(self, points: Floats) -> Floats:
+        """At which turn of the middle of the ridge points are, and how far above that (N, 2)."""
+        off = self.off(points)
+        return np.stack([(points[:, 2] - off) / self.pitch, off], axis=1)
+
+    def at(self, places: Floats) -> Floats:
+        """The points (N, 3) of flanks at turns and heights above the middle (N, 2)."""
+        turn, off = places.T
+        r, angle = self.crest - (np.abs(off) - self.pitch / 16) / self.tangent, 2 * np.pi * turn
+        return np.stack([r * np.cos(angle), r * np.sin(angle), self.pitch * turn + off], axis=1)
+
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4) at points (N, 3)."""
         off, r = self.off(points), np.hypot(points[:, 0], points[:, 1])
         # Inside the root, where it is not asked for, the winding is faded out: it is not continuous at the axis.
-        share = np.clip(2 * r / self.root - 1, 0, 1)
-        safe, sign = np.maximum(r, self.root / 2), np.sign(off)
+        share = np.clip(2 * r / self.root - 1 / 2, 0, 1)
+        safe, sign = np.maximum(r, self.root / 4), np.sign(off)
         radial = np.where(share < 1, np.abs(off) * 2 / self.root * (share > 0), 0.0) + self.tangent
         around = -sign * share * self.pitch / (2 * np.pi) / safe
         e = points[:, :2] / np.maximum(r, 1e-300)[:, None]
@@ -153,9 +165,8 @@ def thread(diameter: Exact, pitch: Exact, length: Exact, face: str = "thread") -
     crest", "thread root", "thread flank", "thread start" and "thread end".  What a thread that is wider by some play
     leaves of a block is a nut; `mirror` makes a thread left-handed.
 
-    Flanks are no polynomials: they are evaluated in doubles, meshes are within their tolerance of them as measured, and
-    no STEP file is written of them.
-    Raises `ValueError` for numbers that are not positive and a pitch that leaves no core.
+    Flanks are no polynomials: they are evaluated in doubles, and what is written is within its tolerance of them as
+    measured.  Raises `ValueError` for numbers that are not positive and a pitch that leaves no core.
 
         solid.thread(8, "1.25", 30)
     """

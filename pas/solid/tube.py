@@ -12,15 +12,18 @@ from typing import Any
 
 import numpy as np
 from flint import fmpq
+from scipy.interpolate import BSpline, make_interp_spline
 from scipy.spatial import cKDTree
 
 from pas.algebra.callables import component
 from pas.algebra.inputs import shown, whole
 from pas.algebra.jets import Jet, variables
+from pas.algebra.lengths import across
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, Symbolic, plain, positive, rational, to_float
 from pas.errors import GeometryError
-from pas.solid.functions import Distance
+from pas.mesh.shading import unit_rows
+from pas.solid.functions import Distance, Parametrized
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Bools, combined
 
@@ -95,7 +98,7 @@ class TubeCurve:
         return np.interp(np.linspace(0, length[-1], count), length, t)
 
 
-class Tube(Distance):
+class Tube(Distance, Parametrized):
     """The distance from a curve less a radius; unless ends are `round` the curve goes on a little beyond them."""
 
     def __init__(self, curve: TubeCurve, radius: Any, round: bool = True) -> None:
@@ -151,6 +154,70 @@ class Tube(Distance):
         worse = ((p - points) ** 2).sum(axis=1) > ((kept - points) ** 2).sum(axis=1)
         return np.where(worse, start, t), np.where(worse[:, None], kept, p)
 
+    @property
+    def domain(self) -> Floats:  # type: ignore[override]
+        """That of the curve's parameter; the other one is the angle around it."""
+        return np.array([self.curve.interval, (0.0, 2 * np.pi)])
+
+    @property
+    def periods(self) -> Floats:  # type: ignore[override]
+        """The curve's, where it is closed, and a turn."""
+        return np.array([np.ptp(self.curve.interval) * self.curve.is_closed, 2 * np.pi])
+
+    @property
+    def caps(self) -> tuple[tuple[Floats, Floats, float], ...]:  # type: ignore[override]
+        """Its round ends."""
+        if not self.round or self.curve.is_closed:
+            return ()
+        (start, end), ways = self.curve.ends
+        return (start, -ways[0], self.radius), (end, ways[1], self.radius)
+
+    def places(self, points: Floats) -> Floats:
+        """The parameters of the nearest points of the curve, and the angles there (N, 2)."""
+        t, nearest = self.nearest(points)
+        _, first, second = self._frames(t)
+        x, y = (((points - nearest) * way).sum(axis=1) for way in (first, second))
+        return np.stack([t, np.arctan2(y, x)], axis=1)
+
+    def at(self, places: Floats) -> Floats:
+        """Its points (N, 3) at parameters of the curve and angles (N, 2)."""
+        center, first, second = self._frames(places[:, 0])
+        x, y = self.radius * np.cos(places[:, 1:]), self.radius * np.sin(places[:, 1:])
+        return np.asarray(center + x * first + y * second)
+
+    def _frames(self, t: Floats) -> tuple[Floats, Floats, Floats]:
+        """Points of the curve and two unit vectors across it, each (N, 3), at parameters (N,)."""
+        low, high = self.curve.interval
+        t = low + (t - low) % (high - low) if self.curve.is_closed else t
+        points, slopes, _ = self.curve.jets(t)
+        tangents, normals = unit_rows(slopes), self._normals(t)
+        first = unit_rows(normals - (normals * tangents).sum(axis=1, keepdims=True) * tangents)
+        return points, first, np.cross(tangents, first)
+
+    @cached_property
+    def _normals(self) -> BSpline:
+        """Vectors nearly across the curve, by its parameter, that turn around it as little as may be.
+
+        Each is turned with the tangents from one sample to the next (Bishop 1975), on closed curves a little more.
+        """
+        t = np.linspace(*self.curve.interval, len(self.parameters))
+        tangents = unit_rows(self.curve.jets(t)[1])
+        sines = np.cross(tangents[:-1], tangents[1:])
+        skew = np.cross(np.eye(3), sines[:, None])
+        turns = np.eye(3) + skew + skew @ skew / (1 + (tangents[1:] * tangents[:-1]).sum(axis=1))[:, None, None]
+        done = 1
+        while done < len(turns):  # products of twice as many, until each has all before it
+            turns[done:] = turns[done:] @ turns[:-done]
+            done *= 2
+        start = across(tangents[0])
+        normals = np.concatenate([start[:1], turns @ start[0]])
+        if not self.curve.is_closed:
+            return make_interp_spline(t, normals, k=5)
+        lag = np.arctan2(normals[-1] @ start[1], normals[-1] @ start[0]) * np.linspace(0, 1, len(t))[:, None]
+        normals = np.cos(lag) * normals - np.sin(lag) * np.cross(tangents, normals)
+        normals[-1] = normals[0]
+        return make_interp_spline(t, normals, k=5, bc_type="periodic")
+
     def to_record(self) -> dict[str, Any]:
         """The formulas, the interval and the radius, exact."""
         return {
@@ -180,6 +247,7 @@ class TubeEnd(Distance):
         self.tube, self.side = tube, side
         points, tangents = tube.curve.ends
         self._point, self._outwards = points[side], tangents[side] * (2 * side - 1)
+        self.plane = self._point, self._outwards
 
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4) at points (N, 3)."""

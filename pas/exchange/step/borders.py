@@ -17,8 +17,8 @@ from scipy.interpolate import BSpline, make_interp_spline
 from pas.algebra.lengths import arc_lengths, resampled
 from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
-from pas.exchange.step.carriers import Plane
 from pas.exchange.step.charts import NEAR, Atlas, CommonZeros, Functions, Sheet
+from pas.exchange.step.parametrized import Wall
 from pas.limits import checkpoint
 from pas.mesh.halfedges import following
 from pas.mesh.rows import Integers
@@ -81,7 +81,7 @@ def curve_through(points: Floats, placed: Callable[[Floats], Floats], tolerance:
         error = float(np.linalg.norm(placed(between) - between, axis=1).max())
         if error <= tolerance or number >= most_points:
             return Curve(0.0, float(lengths[-1]), spline=spline)
-        number, dense = 2 * number - 1, knots
+        number, dense = 2 * number - 1, max(dense, knots, key=len)
 
 
 def _evened(points: Floats, number: int, placed: Callable[[Floats], Floats]) -> Floats:
@@ -199,7 +199,7 @@ class Borders:
             order = 9 if one is other else orders(one.label, other.label, atlas.points[chain])  # 9: one function
             functions = atlas.meeting(left, right, atlas.points[chain])
             self.borders.append(ChartBorder(left, right, tuple(chain.tolist()), functions, order))
-        through: dict[int, dict[Sheet | Plane, None]] = defaultdict(dict)
+        through: dict[int, dict[Sheet | Wall, None]] = defaultdict(dict)
         for border in self.borders:
             for end in (border.chain[0], border.chain[-1]):
                 through[end] |= dict.fromkeys(border.functions)

@@ -24,6 +24,9 @@ from pas.contacts.parallels import axis_of_revolution
 from pas.contacts.torus import torus_of
 from pas.parametric.generatrix.quadric import inertia, planes_of, rational_zeros
 
+LEAST = 1e-7
+"""Open Cascade's smallest tolerance."""
+
 
 @dataclass(frozen=True)
 class Plane:

@@ -7,7 +7,7 @@ the walls between these, so that each chart is on one polynomial; `Atlas.cut` di
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -16,7 +16,8 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
-from pas.exchange.step.carriers import Carrier, Plane, carrier_of, reducible_planes
+from pas.exchange.step.carriers import Carrier, Plane, reducible_planes
+from pas.exchange.step.parametrized import PlacedSurface, Wall, surface_of
 from pas.mesh.field import place_of
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
@@ -36,13 +37,14 @@ class Sheet:
     """A smooth function, positive outside, on whose zeros charts are, in a solid's local coordinates.
 
     `jets` gives values and gradients (N, 4) at points (N, 3); `label` is the mesh's; `polynomial`, in these
-    coordinates, is its function where that is one, and `carrier` its surface where that is one that CAD programs have.
+    coordinates, is its function where that is one, and `carrier` its surface where that is one that CAD programs
+    have or that has parameters.
     """
 
     jets: Callable[[Floats], Floats]
     label: int
     polynomial: Polynomial | None = None
-    carrier: Carrier | None = None
+    carrier: Carrier | PlacedSurface | None = None
 
     def normals(self, points: Floats) -> Floats:
         """Outward unit normals (N, 3)."""
@@ -50,7 +52,7 @@ class Sheet:
         return np.asarray(slopes / np.maximum(np.linalg.norm(slopes, axis=1, keepdims=True), 1e-300))
 
 
-Functions = tuple[Sheet | Plane, ...]
+Functions = tuple[Sheet | Wall, ...]
 
 
 @dataclass(frozen=True)
@@ -82,21 +84,26 @@ class Atlas:
         self._between: dict[frozenset[int], list[Plane]] = {}
         self._seams: dict[int, Sheet] = {}
         self._sheets = {label: self._sheet(label) for label in np.unique(mesh.labels).tolist()}
-        self.sheets, self.planes = self._sheets, dict[int, list[Plane]]()
+        self.sheets, self.planes = self._sheets, dict[int, list[Wall]]()
         for label in self._sheets:
-            function = self._pieces(label)
-            self.planes[label] = [] if function is None else _walls(function, field)
+            self.planes[label] = [] if (function := self._pieces(label)) is None else _walls(function, field)
+            self.planes[label] += [wall for wall, _ in self._caps(label)]
             for wall in self.planes[label]:
                 self._cut(label, wall)
         labels, self.chart, self.sheets = self.chart, np.full(len(self.triangles), -1), {}
         for label, sheet in self._sheets.items():
             rows, function = np.flatnonzero(labels == label), self._pieces(label)
+            middles = self.points[self.triangles[rows]].mean(axis=1)
+            if isinstance(sheet.carrier, PlacedSurface):
+                number = sheet.carrier.ends(middles)
+                for end, (_, ball) in enumerate(self._caps(label)):
+                    self._add(rows[number == end], replace(sheet, carrier=ball))
+                rows, function = rows[number < 0], None
             if function is None:
                 self._add(rows, sheet)
                 continue
-            middles = field.world(self.points[self.triangles[rows]].mean(axis=1))
             partition = function.partition
-            number = partition.local.location.pieces(partition.frame.local_points(middles).T, np.inf)
+            number = partition.local.location.pieces(partition.frame.local_points(field.world(middles)).T, np.inf)
             for piece in np.unique(number).tolist():
                 self._add(rows[number == piece], _piece_sheet(function, piece, label, field))
 
@@ -104,10 +111,16 @@ class Atlas:
         function = self.field.evaluator.columns[label // 2].function
         return function if isinstance(function, Pieces) else None
 
+    def _caps(self, label: int) -> list[tuple[Plane, Carrier]]:
+        carrier = self._sheets[label].carrier
+        return carrier.caps() if isinstance(carrier, PlacedSurface) else []
+
     def _sheet(self, label: int) -> Sheet:
+        points = self.points[np.unique(self.triangles[self.chart == label])]
         polynomial = self.field.evaluator.polynomial(label // 2)
-        carrier = None if polynomial is None else carrier_of(polynomial)
-        return Sheet(partial(self.field.jets, label=label), label, polynomial, carrier)
+        return Sheet(
+            partial(self.field.jets, label=label), label, polynomial, surface_of(self.field, label // 2, points)
+        )
 
     def _add(self, rows: Integers, sheet: Sheet) -> list[int]:
         """Each connected part of some triangles as a new chart; returns the charts."""
@@ -131,8 +144,8 @@ class Atlas:
         """The triangles of a chart."""
         return np.flatnonzero(self.chart == chart)
 
-    def cut(self, chart: int, plane: Plane) -> list[int]:
-        """A chart divided by a plane, into the charts that are returned."""
+    def cut(self, chart: int, plane: Wall) -> list[int]:
+        """A chart divided by a wall, into the charts that are returned."""
         sheet = self.sheets[chart]
         self._cut(chart, plane)
         self.planes[sheet.label].append(plane)
@@ -141,11 +154,11 @@ class Atlas:
         above = self._heights(plane)[self.triangles[rows]].sum(axis=1) > 0
         return [*self._add(rows[above], sheet), *self._add(rows[~above], sheet)]
 
-    def _heights(self, plane: Plane) -> Floats:
+    def _heights(self, plane: Wall) -> Floats:
         heights = plane.heights(self.points)
         return np.asarray(np.where(np.abs(heights) < ON_PLANE, 0.0, heights))
 
-    def _cut(self, chart: int, plane: Plane) -> None:
+    def _cut(self, chart: int, plane: Wall) -> None:
         """A chart's triangles divided where a plane crosses them, and their neighbours with them."""
         self._draw(chart, plane)
         mesh, heights = Labelled.of(self.points, self.triangles, self.chart), self._heights(plane)
@@ -161,7 +174,7 @@ class Atlas:
         self.points = np.concatenate([self.points, self._placed(added, edges, charts, plane)])
         self.triangles, self.chart = finer.triangles, finer.labels.copy()
 
-    def _draw(self, chart: int, plane: Plane) -> None:
+    def _draw(self, chart: int, plane: Wall) -> None:
         """The inner vertices of a chart that are nearly on a plane moved onto it.
 
         An edge beside a plane bends across it: points put on that edge later would be on the plane's other side.
@@ -179,14 +192,14 @@ class Atlas:
         self.points = self.points.copy()
         self.points[drawn] = CommonZeros((sheet, plane)).placed(self.points[drawn])
 
-    def _placed(self, added: Floats, edges: Integers, charts: Integers, plane: Plane) -> Floats:
+    def _placed(self, added: Floats, edges: Integers, charts: Integers, plane: Wall) -> Floats:
         """New points (K, 3) on edges (K, 2) between charts (K, 2) moved onto these, and onto a plane."""
         result = added.copy()
         for left, right in np.unique(charts, axis=0).tolist():
             rows = np.flatnonzero((charts == (left, right)).all(axis=1))
             if left != right:
                 for row in rows.tolist():  # of several cuts each point may be on another
-                    functions = (*self.meeting(left, right, added[[row]]), plane)
+                    functions = (*self.meeting(left, right, self.points[edges[row]]), plane)
                     result[[row]] = CommonZeros(functions).placed(added[[row]])
                 continue
             sheet = self.sheets[left]
@@ -230,13 +243,13 @@ class Atlas:
         return self._between[key]
 
 
-def _nearest(planes: Sequence[Plane], points: Floats) -> tuple[Plane | None, float]:
+def _nearest(planes: Sequence[Wall], points: Floats) -> tuple[Wall | None, float]:
     """The plane from which points (N, 3) are least far, and how far; None of none."""
     off = [float(np.abs(plane.heights(points)).max()) for plane in planes]
     return (planes[int(np.argmin(off))], min(off)) if off else (None, np.inf)
 
 
-def _walls(function: Pieces, field: SolidField) -> list[Plane]:
+def _walls(function: Pieces, field: SolidField) -> list[Wall]:
     """The planes between pieces, in a solid's local coordinates, each once."""
     found: dict[tuple[float, ...], Plane] = {}
     for face in function.partition.interior_faces:

@@ -1,4 +1,5 @@
-"""Charts divided until each has parameters: those of its plane, quadric or torus, or a graph over a plane.
+"""Charts divided until each has parameters: those of its plane, quadric or torus, those of another surface that has
+some, by which a quintic spline goes through points of it, or a graph over a plane.
 
 A graph is a quintic spline, fitted by least squares on a grid over the chart's rectangle, whose heights Newton's method
 finds: a chart is on one smooth function, which goes on beyond it, so that splines converge fast, and only coefficients
@@ -11,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, NdBSpline
+from scipy.interpolate import BSpline, NdBSpline, make_interp_spline
 from scipy.linalg import solveh_banded
 from scipy.sparse import diags_array, eye_array, kron, triu
 from scipy.spatial import cKDTree
@@ -22,9 +23,19 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
 from pas.errors import GeometryError
 from pas.exchange.step.borders import DEGREE
-from pas.exchange.step.carriers import Plane
+from pas.exchange.step.carriers import LEAST, Carrier, Plane
 from pas.exchange.step.charts import Atlas, Sheet
-from pas.exchange.step.parameters import Parameters, SplinePatch, carrier_parameters, quadric_patch
+from pas.exchange.step.parameters import (
+    GAP,
+    Parameters,
+    ParametrizedPatch,
+    SeenPatch,
+    SplinePatch,
+    carrier_parameters,
+    free,
+    quadric_patch,
+)
+from pas.exchange.step.parametrized import ParameterWall, PlacedSurface, Wall
 from pas.limits import checkpoint
 from pas.mesh.field import place_of
 from pas.mesh.rows import Integers
@@ -49,13 +60,14 @@ def divide(atlas: Atlas, tolerance: float, angle: float) -> dict[int, Parameters
         chart = waiting.pop()
         sheet, rows = atlas.sheets[chart], atlas.rows(chart)
         corners = atlas.points[atlas.triangles[rows]]
-        made: Parameters | Plane
-        if sheet.carrier is not None:
+        made: Parameters | Wall | None = None
+        if isinstance(sheet.carrier, Carrier):
             filled = np.einsum("sk,tkx->tsx", _CORNERS, corners).reshape(-1, 3)
             made = carrier_parameters(sheet.carrier, filled, _corners(atlas, rows))
-        else:
-            made = _graph(sheet, corners, tolerance, angle)
-        if not isinstance(made, Plane):
+        elif sheet.carrier is not None:
+            made = _by_parameters(sheet, sheet.carrier, corners, _corners(atlas, rows), tolerance, angle)
+        made = made or _graph(sheet, corners, tolerance, angle)
+        if not isinstance(made, Wall):
             found[chart] = made
             continue
         if len(atlas.sheets) > most_charts:
@@ -78,7 +90,63 @@ def _corners(atlas: Atlas, rows: Integers) -> Floats:
     return np.asarray(atlas.points[corners[times[corners] > 2]])
 
 
-def _graph(sheet: Sheet, corners: Floats, tolerance: float, angle: float) -> SplinePatch | Plane:
+def _by_parameters(
+    sheet: Sheet, surface: PlacedSurface, corners: Floats, nodes: Floats, tolerance: float, angle: float
+) -> ParametrizedPatch | ParameterWall | None:
+    """A chart of triangles with corners (T, 3, 3) by its surface's parameters, or the wall that divides it where it
+    goes all the way around, away from nodes (K, 3); None where the parameters have a pole or nothing converges."""
+    samples, tips = np.einsum("sk,tkx->tsx", _SAMPLES, corners), _CORNERS.max(axis=1) == 1
+    outer, start, regular = np.concatenate([samples[:, tips], corners]).reshape(-1, 3), np.zeros(2), 1 / 32
+    checked = samples.reshape(-1, 3)[:: 1 + samples.size // 16384]
+    places = surface.places(outer)
+    areas = np.linalg.norm(np.cross(*surface.slopes(places)), axis=1)
+    if not areas.min() > regular * areas.max():
+        return None
+    for axis in np.flatnonzero(surface.periods).tolist():
+        period = surface.periods[axis]
+        gap, start[axis] = free(places[:, axis], period)
+        if gap < GAP / (2 * np.pi) * period:
+            return ParameterWall(surface, axis, free(surface.places(nodes)[:, axis], period / 2)[1])
+    places = surface.unwound(places, start)
+    low, high = places.min(axis=0), places.max(axis=0)
+    room = 0.02 * (high - low)  # by which a patch is larger than its chart, where there is more of the surface
+    least, most = np.where(surface.periods > 0, [[-np.inf], [np.inf]], surface.domain.T)
+    ends = np.clip([low - room, high + room], least, most)
+    within = np.clip(surface.unwound(surface.places(checked), start), *ends)
+    return _interpolated(sheet, surface, start, within, ends, tolerance, angle)
+
+
+def _interpolated(
+    sheet: Sheet, surface: PlacedSurface, start: Floats, places: Floats, ends: Floats, tolerance: float, angle: float
+) -> ParametrizedPatch | None:
+    """The spline through points of a surface at even parameters between ends (2, 2), half as many more in one direction
+    or the other until edges are on it, and it is within a distance and angle at places (N, 2).
+
+    None where that takes too many.
+    """
+    counts, most = [9, 9], 1 << 15
+    while counts[0] * counts[1] < most:
+        checkpoint()
+        fine = [np.linspace(a, b, 2 * count - 1) for a, b, count in zip(*ends.tolist(), counts, strict=True)]
+        grid = np.stack(np.meshgrid(*fine, indexing="ij"), axis=-1)
+        points = surface.at(grid.reshape(-1, 2)).reshape(*grid.shape[:2], 3)
+        first = make_interp_spline(fine[0][::2], points[::2, ::2], k=DEGREE)
+        second = make_interp_spline(fine[1][::2], first.c, k=DEGREE, axis=1)
+        knots, poles = (first.t, second.t), second.c.swapaxes(0, 1)
+        patch = ParametrizedPatch(degree=DEGREE, knots=knots, poles=poles, surface=surface, start=start)
+        off = np.linalg.norm(BSpline(first.t, second(fine[1]), DEGREE)(fine[0]) - points, axis=2)
+        turns = np.array([off[1::2, ::2].max(), off[::2, 1::2].max()]) / [f[1] - f[0] for f in fine]
+        if off.max() < LEAST / 4:
+            distance, turned = _errors(sheet, patch, places)
+            if distance <= tolerance and turned <= angle:
+                return replace(patch, distance=distance)
+            if turns.max() < angle / 16:  # it follows the surface, but there the function is not zero
+                return None
+        counts[turns.argmax()] += counts[turns.argmax()] // 2
+    return None
+
+
+def _graph(sheet: Sheet, corners: Floats, tolerance: float, angle: float) -> SeenPatch | Plane:
     """A chart of triangles with corners (T, 3, 3) on a quadric or as a graph, or a plane that divides it."""
     middles = corners.mean(axis=1)
     normals = sheet.normals(middles)
@@ -140,7 +208,7 @@ def _dividing(middles: Floats, corners: Floats, normals: Floats) -> Plane:
     return found
 
 
-def fitted(sheet: Sheet, points: Floats, frame: Floats, tolerance: float, angle: float) -> SplinePatch | None:
+def fitted(sheet: Sheet, points: Floats, frame: Floats, tolerance: float, angle: float) -> SeenPatch | None:
     """The graph through a chart with points (N, 3) near it, within a distance and angle; None where there is none."""
     origin = points.mean(axis=0)
     local = (points - origin) @ frame.T
@@ -179,11 +247,11 @@ def fitted(sheet: Sheet, points: Floats, frame: Floats, tolerance: float, angle:
     return None
 
 
-def _through(origin: Floats, frame: Floats, knots: list[Floats], heights: Floats) -> SplinePatch:
+def _through(origin: Floats, frame: Floats, knots: list[Floats], heights: Floats) -> SeenPatch:
     """The graph of a spline with coefficients (m, m)."""
     u, v = (np.array([k[i + 1 : i + 1 + DEGREE].mean() for i in range(len(k) - DEGREE - 1)]) for k in knots)
     poles = origin + np.stack([*np.meshgrid(u, v, indexing="ij"), heights], axis=-1) @ frame
-    return SplinePatch(origin, frame, DEGREE, (knots[0], knots[1]), poles)
+    return SeenPatch(degree=DEGREE, knots=(knots[0], knots[1]), poles=poles, origin=origin, frame=frame)
 
 
 def _heights(

@@ -27,7 +27,6 @@ from pas.mesh.field import place_of
 from pas.settings import RELATIVE_TOLERANCE
 from pas.solid.measures import curved_measures
 from pas.solid.solid import Solid
-from pas.solid.tree import atoms
 
 
 def explored(shape: Any, kind: str) -> list[Any]:
@@ -182,12 +181,6 @@ def step_part(
     By default that is 1e-4 of the longest side of the box.  Raises what meshing raises, and `GeometryError` where a
     face is followed by no spline or Open Cascade finds the result not valid.
     """
-    for atom in atoms(solid.tree):
-        if not getattr(atom.function, "smooth", True):
-            raise GeometryError(
-                f"no STEP file was written, because no spline follows the face {atom.face!r}; write triangles, as .3mf "
-                "or .stl, or put a plain cylinder in the place of a thread"
-            )
     field = solid.field
     size = float(np.ptp(solid.box, axis=0).max())
     within = RELATIVE_TOLERANCE / COARSER * size if tolerance is None else check_tolerance(tolerance, size)

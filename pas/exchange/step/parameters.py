@@ -15,6 +15,7 @@ from pas.algebra.lengths import across, spiral
 from pas.algebra.monomials import Floats
 from pas.exchange.step.carriers import Carrier, CarrierKind, Plane
 from pas.exchange.step.charts import ON_PLANE
+from pas.exchange.step.parametrized import PlacedSurface
 
 GAP = 0.5
 """The angle, in radians, that a chart must leave free around an axis, so that they do not close; half of it is
@@ -66,17 +67,17 @@ def carrier_parameters(carrier: Carrier, points: Floats, corners: Floats) -> Car
     if carrier.kind is CarrierKind.SPHERE:
         return _on_sphere(carrier, moved)
     first, second = across(axis)
-    free, start = _free(_angles(moved, axis, first))
+    gap, start = free(_angles(moved, axis, first))
     height = moved @ axis
-    if free < GAP:
-        _, turn = _free(_angles(corners - carrier.place, axis, first), math.tau / 2)
+    if gap < GAP:
+        _, turn = free(_angles(corners - carrier.place, axis, first), math.tau / 2)
         normal = np.cos(turn) * second - np.sin(turn) * first
         return Plane.of(normal, normal @ carrier.place)
     begin = np.cos(start) * first + np.sin(start) * second
     if carrier.kind is CarrierKind.TORUS:
         radii = np.linalg.norm(moved - height[:, None] * axis, axis=1) - carrier.radius
-        free, tube = _free(np.arctan2(height, radii))
-        if free < GAP:
+        gap, tube = free(np.arctan2(height, radii))
+        if gap < GAP:
             return Plane.of(
                 axis, float(axis @ carrier.place) + 0.0371 * carrier.minor
             )  # where nothing else is expected
@@ -96,8 +97,8 @@ def _on_sphere(carrier: Carrier, moved: Floats) -> CarrierParameters | Plane:
             break
         axis = directions[pole]
         first, second = across(axis)
-        free, start = _free(_angles(moved, axis, first))
-        if free >= GAP:
+        gap, start = free(_angles(moved, axis, first))
+        if gap >= GAP:
             begin = np.cos(start) * first + np.sin(start) * second
             return CarrierParameters(carrier, axis, begin)
     heights = units @ directions.T
@@ -112,7 +113,7 @@ def _angles(moved: Floats, axis: Floats, first: Floats) -> Floats:
     return np.arctan2(y, x)[np.hypot(x, y) > ON_PLANE]
 
 
-def _free(angles: Floats, period: float = math.tau) -> tuple[float, float]:
+def free(angles: Floats, period: float = math.tau) -> tuple[float, float]:
     """The largest angle that is free of given ones (N,), and its middle."""
     if not len(angles):
         return period, 0.3183  # any will do; a round one could be that of something else
@@ -126,22 +127,31 @@ _FROM_VALUES = np.array([[0.0, 1.0, 0.0], [-0.5, 0.0, 0.5], [0.5, -1.0, 0.5]])
 """Coefficients of a parabola, constant first, from its values at -1, 0 and 1."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class SplinePatch:
-    """A spline over what is seen of a chart along the last row of `frame` (3, 3), with the others as axes.
+    """A spline of a `degree` on a chart: `knots` are those of the two directions, `poles` (m, n, 3) the control points,
+    with `weights` (m, n) where it is rational and exact.
 
-    Rational patches of quadrics, with `weights` (m, m), are seen from the point `origin` (3,), graphs of heights over
-    the plane through it from far away.  `knots` are those of the two directions, `poles` (m, m, 3) the control points.
     Of what is not exact `distance` is the largest from the function's zeros, in local coordinates, at many points.
     """
 
-    origin: Floats
-    frame: Floats
     degree: int
     knots: tuple[Floats, Floats]
     poles: Floats
     weights: Floats | None = None
     distance: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SeenPatch(SplinePatch):
+    """One over what is seen of a chart along the last row of `frame` (3, 3), with the others as axes.
+
+    Rational patches of quadrics are seen from the point `origin` (3,), graphs of heights over the plane through it from
+    far away.
+    """
+
+    origin: Floats
+    frame: Floats
 
     def uv(self, points: Floats) -> Floats:
         """The parameters (N, 2) of points (N, 3)."""
@@ -149,10 +159,23 @@ class SplinePatch:
         return np.asarray(seen[:, :2] if self.weights is None else seen[:, :2] / seen[:, 2:])
 
 
-Parameters = CarrierParameters | SplinePatch
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ParametrizedPatch(SplinePatch):
+    """One by the parameters of a surface, of which those that return are from `start` (2,) on."""
+
+    surface: PlacedSurface
+    start: Floats
+
+    def uv(self, points: Floats) -> Floats:
+        """The parameters (N, 2) of points (N, 3)."""
+        uv = self.surface.unwound(self.surface.places(points), self.start)
+        return np.clip(uv, *np.stack([(k[0], k[-1]) for k in self.knots], axis=1))  # its ends, to rounding
 
 
-def quadric_patch(matrix: Floats, points: Floats, middle: Floats, normal: Floats) -> SplinePatch | None:
+Parameters = CarrierParameters | SeenPatch | ParametrizedPatch
+
+
+def quadric_patch(matrix: Floats, points: Floats, middle: Floats, normal: Floats) -> SeenPatch | None:
     """The patch of a quadric with symmetric matrix (4, 4) that has points (N, 3) on it, seen from opposite a middle.
 
     That is through the quadric's centre; where it has none, against the mean unit normal (3,).  None where no point of
@@ -196,5 +219,7 @@ def quadric_patch(matrix: Floats, points: Floats, middle: Floats, normal: Floats
         if weights.min() > 1e-3 * weights.max():
             both_knots = (center[0] + half[0] * knots, center[1] + half[1] * knots)
             poles = control[..., :3] / weights[..., None]
-            return SplinePatch(eye, frame, 2, both_knots, poles, weights / weights.max())
+            return SeenPatch(
+                degree=2, knots=both_knots, poles=poles, weights=weights / weights.max(), origin=eye, frame=frame
+            )
     return None

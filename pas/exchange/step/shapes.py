@@ -15,13 +15,10 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from pas.algebra.monomials import Floats
 from pas.exchange.step.borders import DEGREE, Borders, Curve
-from pas.exchange.step.carriers import CarrierKind
-from pas.exchange.step.parameters import CarrierParameters, Parameters, SplinePatch
+from pas.exchange.step.carriers import LEAST, CarrierKind
+from pas.exchange.step.parameters import CarrierParameters, Parameters, SeenPatch, SplinePatch
 from pas.limits import checkpoint
 from pas.mesh.topology import connected
-
-LEAST = 1e-7
-"""Open Cascade's smallest tolerance."""
 
 
 class ShapeMaker:
@@ -174,7 +171,7 @@ class ShapeMaker:
 
 def flat_curve(found: Parameters, curve: Curve) -> BSpline:
     """A curve in the parameters of a chart, by its own parameter: straight where it is that, else a quintic spline."""
-    if curve.spline is not None and isinstance(found, SplinePatch) and found.weights is None:
+    if curve.spline is not None and isinstance(found, SeenPatch) and found.weights is None:
         return BSpline(curve.spline.t, found.uv(curve.spline.c), DEGREE)
     number = 9
     while True:
