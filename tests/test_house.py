@@ -16,7 +16,7 @@ from conftest import ROOT, nodes, parsed
 PACKAGE = ROOT / "pas"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 68_081, 342, 2_887, 470
+MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 68_164, 342, 2_887, 470
 """Splines by the parameters of tubes and threads brought the last file and the last 400 lines."""
 
 
