@@ -146,10 +146,12 @@ def test_the_top_of_an_other_prism_is_not_taken_for_it():
     pieces = pieces_along(body.loops[0], "top", pas.Polynomial("z - 8"), fmpq(2), 1)
     assert filleted(body, pieces, False) is not None and filleted(other, pieces, False) is None
     assert filleted(body, pieces, True) is None  # these are inside of it
+    amid = pieces_along(body.loops[0], "end", pas.Polynomial("z - 5"), fmpq(2), 1)
+    assert filleted(body, amid, False) is None  # where it does not end
     for plane, fits in (
         ("z - 1", True),
         ("z", True),
-        ("z + 5", False),
+        ("z - 8", False),
         ("7 - z", True),
         ("5/2 - z", True),
         ("1 - z", False),

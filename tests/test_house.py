@@ -16,8 +16,8 @@ from conftest import ROOT, nodes, parsed
 PACKAGE = ROOT / "pas"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 68_164, 342, 2_887, 470
-"""Splines by the parameters of tubes and threads brought the last file and the last 400 lines."""
+MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 68_322, 343, 2_887, 470
+"""Splines by the parameters of tubes and threads and meshes of sharp ridges brought the last files and 500 lines."""
 
 
 def module(path: Path) -> str:

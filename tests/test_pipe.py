@@ -169,3 +169,40 @@ def test_what_is_no_pipe_is_told(name):
     make, error, words = WRONG[name]
     with pytest.raises(error, match=words):
         make()
+
+
+@pytest.mark.parametrize("axis", [(0, 0, 1), (0, 0, -3), (1, 0, 0), (1, 2, 3), (0.48, -0.6, 0.64)])
+def test_flanges_are_plates_with_a_bore_and_holes(axis):
+    made = solid.flange((1, 2, 3), axis, 10, 25, 5, bolts=6, bolt_radius=2)
+    way = np.array(axis) / np.linalg.norm(axis)
+    side = np.cross(way, (0.3, 0.2, 0.9)) / np.linalg.norm(np.cross(way, (0.3, 0.2, 0.9)))
+    inside = made.contains([np.array((1, 2, 3)) + z * way + 11 * side for z in (-0.01, 0.01, 4.99, 5.01)])
+    assert inside.tolist() == [False, True, True, False]
+    mesh = made.mesh(0.01)
+    assert mesh.is_closed and mesh.euler_characteristic == 2 - 2 * 7
+    assert made.volume() == pytest.approx((25**2 - 10**2 - 6 * 2**2) * np.pi * 5, rel=1e-5)
+    assert made.faces[:3] == ("flange", "flange bore", "flange hole") and made.faces[-2:] == (
+        "flange start",
+        "flange end",
+    )
+    assert solid.flange((0, 0, 0), axis, 0, 2, 1).faces == ("flange", "flange start", "flange end")
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"axis": (0, 0, 0)}, "axis must not be the zero vector"),
+        ({"radius": 26}, "radius must be 0 or more and below outer_radius, 25, not 26"),
+        ({"thickness": 0}, "thickness must be positive, not 0"),
+        ({"bolts": 3}, "bolt_radius is missing: holes take their number and radius"),
+        ({"bolt_radius": 1}, "bolts is missing"),
+        ({"bolts": 3, "bolt_radius": "15/2"}, "bolt_radius must be below 7.5, so that holes meet neither bore"),
+        ({"bolts": 60, "bolt_radius": 1}, "bolt_radius must be below 0.915879"),
+        ({"bolts": 3, "bolt_radius": 1, "bolt_circle": 25}, "bolt_circle must be between 10 and 25, not 25"),
+        ({"bolts": -1}, "bolts must be a whole number from 0 to 1000, not -1"),
+    ],
+)
+def test_flanges_that_cannot_be_are_refused_in_a_sentence(given, words):
+    usual = {"center": (0, 0, 0), "axis": (0, 0, 1), "radius": 10, "outer_radius": 25, "thickness": 5}
+    with pytest.raises(ValueError, match=words):
+        solid.flange(**{**usual, **given})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from fractions import Fraction
 from functools import cache
 from itertools import product
@@ -12,9 +13,12 @@ import pytest
 from conftest import EQUAL, UNEQUAL, solved
 
 import pas
-from pas.mesh.quality import smallest_angles
+from pas.mesh.grading import Settings
+from pas.mesh.quality import smallest_angles, soundness
 from pas.mesh.topology import Edges
 from pas.surface import meshing
+from pas.surface.bisection import bisected
+from pas.surface.graph import seen, star
 from pas.surface.local_field import LocalField
 from pas.surface.triangulate import Beginnings, triangulate
 
@@ -77,6 +81,64 @@ def test_nodes_of_struts_are_graphs(no_lattice):
     surface = pas.blend(pipes, 1, energy=pas.ThinPlate()).surface
     tolerance = 3e-3 * float(np.ptp(surface.partition.points, axis=0).max())
     check(surface, surface.mesh(tolerance), tolerance)
+
+
+RIDGES = (
+    (((-185, 49, 111), "5/32"), ((-8, -550, -294), "1/16"), ((235, 453, -278), "3/32"), ((487, 20, 371), "5/64")),
+    (((-83, -31, 22), "3/8"), ((15, -144, -2), "19/64"), ((17, 341, -213), "7/64"), ((601, 488, 390), "3/32")),
+    (((-100, -372, 235), "41/64"), ((-17, -341, 213), "27/32"), ((18, 197, -125), "49/64")),
+)
+"""Axes and clips of struts around nodes of a foam whose surfaces of degree 4 have ridges beyond the tolerance."""
+
+
+def ridged(struts):
+    """A proved surface around struts that bends far more sharply than they do."""
+    pipes = [pas.Pipe(axis, "4096/177", clip) for axis, clip in struts]
+    return pas.blend(pipes, 1, 4, energy=pas.ThinPlate()).surface
+
+
+@pytest.mark.parametrize("struts", RIDGES)
+def test_what_is_proved_is_meshed_however_sharp_its_ridges(no_lattice, struts):
+    surface = ridged(struts)
+    tolerance, mesher = 0.7, surface.mesher
+    assert surface.fairness().sharpness > 50
+    with pytest.raises(ArithmeticError):  # what is smoothed folds
+        star(mesher.radial_field, mesher.first, tolerance / mesher.radial_field.scale, Settings())
+    mesh = surface.mesh(tolerance)
+    check(surface, mesh, tolerance)
+    from_center = mesh.points - surface.partition.frame.global_points(np.zeros(3))
+    assert seen(from_center, mesh.triangles).all()
+    assert "no folds: holds" in str(soundness(mesh.points, mesh.triangles, mesh.normals, None, False))
+    assert len(mesh.triangles) < 10_000
+    shares = np.random.default_rng(0).dirichlet((1, 1, 1), len(mesh.triangles))
+    local = surface.partition.frame.local_points(np.einsum("tk,tkc->tc", shares, mesh.points[mesh.triangles]))
+    field = mesher.radial_field
+    off = np.minimum(field.distances(local), np.linalg.norm(field.met(local) - local, axis=1)) * field.scale
+    assert (off < tolerance).mean() > 0.99  # anywhere on triangles
+    assert off.max() < 5 * tolerance
+    with pytest.raises(pas.MeshError, match="needs more than 1000 triangles"):
+        surface.mesh(tolerance, max_triangles=1000)
+
+
+@pytest.mark.parametrize("radii", [EQUAL, UNEQUAL, THIN])
+def test_bisection_shows_what_the_remesher_does(radii):
+    surface = corner(radii)
+    field, tolerance = surface.mesher.radial_field, 5e-3
+    mesh = bisected(field, tolerance / field.scale, Settings())
+    check(surface, mesh, tolerance)
+    assert "the topology of the surface: proved" in str(surface.certify_mesh(mesh.points, mesh.triangles))
+    assert len(mesh.triangles) < 6 * len(surface.mesh(tolerance).triangles)
+
+
+@pytest.mark.parametrize(
+    ("text", "meshed"), [("x^2 + z^2 - (1 - y^2)^3", True), ("x^2 + y^2 - (1 - z)^2*(1 + z)/4", False)]
+)
+def test_bisection_ends_at_singular_points(text, meshed):
+    """Two cusps, seen from the middle, and an apex beyond which the surface goes on."""
+    surface = pas.piecewise.boxed(pas.Polynomial(text), (-2, -2, -2), (2, 2, 2))
+    field = surface.mesher.radial_field
+    with nullcontext() if meshed else pytest.raises(ArithmeticError):
+        assert bisected(field, 1e-2 / field.scale, Settings()).is_closed
 
 
 def test_meshes_are_the_same_each_time_and_move_with_the_surface(no_lattice):

@@ -10,11 +10,8 @@ wall = pas.node(branches, order=2).hollow("1/8")
 part = wall.solid(length=1)
 for end in wall.ends(1):
     center, axis, radius = np.array(end.center), np.array(end.direction), end.radius
-    across = np.cross(axis, (0.48, -0.6, 0.64))
-    hole = center + (radius + 0.28) * across / np.linalg.norm(across)
-    flange = solid.cylinder(center - 0.3 * axis, center - 0.05 * axis, radius + 0.5, face="flange")
-    part |= flange - solid.cylinder(center - axis, center + axis, radius - 0.06)
-    part -= solid.cylinder(hole - axis, hole + axis, 0.1, face="bolt hole").circular_pattern(4, axis, center)
+    sizes = {"bolts": 4, "bolt_radius": 0.1, "bolt_circle": radius + 0.28}
+    part |= solid.flange(center - 0.05 * axis, -axis, radius - 0.06, radius + 0.5, 0.25, **sizes)
 
 if __name__ == "__main__":
     mesh = part.mesh(5e-3)

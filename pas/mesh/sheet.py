@@ -63,7 +63,7 @@ def remeshed(
         )
     if accept is not None:
         accept(mesh.points[mesh.kinds == VertexKind.INSIDE])
-    return _given(field, remesher.refined(mesh), tolerance, settings)
+    return given(field, remesher.refined(mesh), tolerance, settings)
 
 
 def followed(field: SheetField, points: Floats, triangles: Integers, rim: Integers, tolerance: float) -> Mesh:
@@ -77,10 +77,10 @@ def followed(field: SheetField, points: Floats, triangles: Integers, rim: Intege
     mesh.points[:], mesh.normals[:] = remesher.ground.projected(mesh)
     if not (mesh.cosines >= remesher.settings.folded).all():
         raise ArithmeticError("some triangles are folded")
-    return _given(field, remesher.within(mesh, mend=False), tolerance, remesher.settings)
+    return given(field, remesher.within(mesh, mend=False), tolerance, remesher.settings)
 
 
-def _given(field: SheetField, found: Remeshed | Failure, tolerance: float, settings: Settings) -> Mesh:
+def given(field: SheetField, found: Remeshed | Failure, tolerance: float, settings: Settings) -> Mesh:
     """What was found in the user's coordinates."""
     if isinstance(found, Failure):
         if found.crowded:

@@ -5,10 +5,13 @@ Points are three exact numbers, lengths are exact numbers, both in the model's u
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from flint import fmpq
 
 from pas.algebra.affine import Affine, away, height, translation
+from pas.algebra.inputs import whole
 from pas.algebra.lengths import across
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
 from pas.algebra.rational import (
@@ -30,7 +33,9 @@ from pas.contacts.torus import torus_polynomial
 from pas.solid.edges import Loop, PlaneEdge
 from pas.solid.extrusion import Lean, Prism
 from pas.solid.linked import RenamedBoundary
+from pas.solid.profile import Profile
 from pas.solid.revolution import Turned
+from pas.solid.sketch import circle
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, combined
 
@@ -149,3 +154,53 @@ def torus(center: VectorLike, axis: VectorLike, major: Exact, minor: Exact, face
     if not any(a):
         raise ValueError("axis must not be the zero vector")
     return patch(face, torus_polynomial(vector(center, "center"), a, big * big, small * small))
+
+
+def flange(
+    center: VectorLike,
+    axis: VectorLike,
+    radius: Exact,
+    outer_radius: Exact,
+    thickness: Exact,
+    bolts: int = 0,
+    bolt_radius: Exact | None = None,
+    bolt_circle: Exact | None = None,
+    face: str = "flange",
+) -> Solid:
+    """A round plate from `center` along an axis, with a bore of a radius, 0 for none, and holes for bolts around it.
+
+    The holes are evenly on a circle of radius `bolt_circle`, by default midway between bore and rim; lengths are in the
+    model's units.  Faces are "flange", "flange start", "flange end", "flange bore", "flange hole", "flange hole #2",
+    and so on.  Raises `ValueError` for a zero axis, lengths that are not positive, a bore as wide as the rim, and holes
+    that lack a radius or meet the bore, the rim or each other.
+
+        solid.flange((0, 0, 0), (0, 0, 1), 10, 25, 5, bolts=6, bolt_radius=2)
+    """
+    place, way, bore, rim = vector(center, "center"), vector(axis, "axis"), rational(radius, "radius"), outer_radius
+    if not any(way):
+        raise ValueError("axis must not be the zero vector")
+    if not 0 <= bore < positive(rim, "outer_radius"):
+        raise ValueError(f"radius must be 0 or more and below outer_radius, {rim}, not {radius}")
+    profile = circle((0, 0), rim, face) - circle((0, 0), bore, f"{face} bore") if bore else circle((0, 0), rim, face)
+    if whole(bolts, "bolts", 0, 1000) or (bolt_radius, bolt_circle) != (None, None):
+        profile -= _holes(bore, rational(rim), bolts, bolt_radius, bolt_circle, f"{face} hole")
+    plate = profile.extrude(positive(thickness, "thickness"))
+    angle = math.degrees(math.atan2(math.hypot(*to_floats(way)[:2]), to_float(way[2])))
+    turned = plate.rotate((-way[1], way[0], 0) if way[0] or way[1] else (1, 0, 0), angle).translate(*place)
+    return turned.renamed({"bottom": f"{face} start", "top": f"{face} end"})
+
+
+def _holes(bore: fmpq, rim: fmpq, bolts: int, radius: Exact | None, circle_radius: Exact | None, face: str) -> Profile:
+    """The holes of a flange's profile; raises `ValueError` where they are no holes between bore and rim."""
+    if not bolts or radius is None:
+        raise ValueError(f"{'bolts' if not bolts else 'bolt_radius'} is missing: holes take their number and radius")
+    around = (bore + rim) / 2 if circle_radius is None else positive(circle_radius, "bolt_circle")
+    if not bore < around < rim:
+        raise ValueError(f"bolt_circle must be between {plain(bore)} and {plain(rim)}, not {circle_radius}")
+    between = to_float(around) * math.sin(math.pi / bolts) if bolts > 1 else math.inf
+    room = min(to_float(around - bore), to_float(rim - around), between)
+    if to_float(positive(radius, "bolt_radius")) >= room:
+        raise ValueError(
+            f"bolt_radius must be below {room:.6g}, so that holes meet neither bore, rim nor each other, not {radius}"
+        )
+    return circle((around, 0), radius, face).circular_pattern(bolts)

@@ -21,7 +21,6 @@ from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.quality import AIM
 from pas.mesh.rows import Floats, Integers, cross, dots
 from pas.mesh.shading import unit_rows
 from pas.mesh.sheet import open_mesh, remeshed
@@ -52,13 +51,12 @@ TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 """A rotation that puts no direction of the icosahedron into a plane of symmetry of common models."""
 
 
-def star(field: RadialField, first: Labelled, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:
-    """A mesh in the user's coordinates within a tolerance, measured, of at most `most` triangles, made of the first.
+def star(field: RadialField, first: Labelled, tolerance: float, settings: Settings) -> Mesh:
+    """A mesh in the user's coordinates within a tolerance, measured, made of the first.
 
     Raises `ArithmeticError` where the surface is no graph over directions, as far as its rays show, and `MeshError`
     where there would be too many triangles.
     """
-    settings = Settings(aim=aim) if most is None else Settings(aim=aim, most=most)
     return remeshed(field, first, tolerance, settings, lambda points: require_once(field, points))
 
 
@@ -70,25 +68,27 @@ def require_once(field: RadialField, points: Floats) -> None:
 
 def first(field: RadialField) -> Labelled:
     """Few triangles seen once from the centre; raises `ArithmeticError` where rays do not meet the surface once."""
-    mesh = _seen(field)
+    mesh = _parted(field, delaunay(field))
     if field.rims:
         inside = np.setdiff1d(np.arange(len(mesh.points)), Edges(mesh.triangles, len(mesh.points)).rim)
         require_once(field, mesh.points[inside])
     return mesh
 
 
-def _seen(field: RadialField) -> Labelled:
+def delaunay(field: RadialField, around: int = AROUND) -> Labelled:
+    """Delaunay's triangles of few directions, at least so many of them on each ring, on the surface; raises
+    `ArithmeticError` where they are not seen once from the centre."""
     for level in range(1, LEVELS + 1):
         if not field.rims:  # most of what is in boxes ends at their walls: a few rays say so
             require_once(field, icosphere(level)[0])
         checkpoint("triangulating directions")
         try:
-            points, triangles = hull(field, level)
+            points, triangles = hull(field, level, around)
         except ArithmeticError:
             if level == LEVELS:
                 raise
             continue
-        return _parted(field, open_mesh(field, points, triangles, rim_numbers(field, points, triangles)))
+        return open_mesh(field, points, triangles, rim_numbers(field, points, triangles))
     raise AssertionError
 
 
@@ -155,7 +155,7 @@ def seen(points: Floats, triangles: Integers) -> NDArray[np.bool_]:
     return np.asarray(volume > SEEN * SEEN * lengths)
 
 
-def hull(field: RadialField, level: int) -> tuple[Floats, Integers]:
+def hull(field: RadialField, level: int, around: int) -> tuple[Floats, Integers]:
     """Points on the surface (N, 3) and triangles seen once from 0, whose rim is on the rings.
 
     Raises `ArithmeticError` where these directions do not do.
@@ -166,7 +166,7 @@ def hull(field: RadialField, level: int) -> tuple[Floats, Integers]:
         if not seen(points, triangles).all():
             raise ArithmeticError("the surface is not seen once from the centre")
         return points, triangles
-    rings = [ring.round(AROUND) for ring in field.rims]
+    rings = [ring.round(around) for ring in field.rims]
     for ring in field.rims:
         units = units[ring.inside(units) == ring.opening]
     halvings = 12  # rounds in which edges of rings that are missing are halved

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import cached_property, partial
 
 import numpy as np
 
 from pas.algebra.inputs import shown_point
 from pas.errors import GeometryError, MeshError
+from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.sheet import followed
 from pas.partition.complex import OuterFace
+from pas.surface.bisection import bisected
 from pas.surface.fairness import fairness
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.graph import first, require_once, rim_numbers, star
@@ -83,22 +86,13 @@ class Mesher:
             return followed(cells, local, triangles, wall_numbers(cells, local, triangles), tolerance / cells.scale)
 
     def _triangles(self, tolerance: float, most: int | None, aim: float) -> Mesh:
-        # shares of the tolerance that are tried in turn where triangles fold: finer ones need not
-        finer = (1.0, 0.5, 0.25)
-        field = self.radial_field
+        field, settings = self.radial_field, Settings(aim=aim, most=LARGEST if most is None else most)
         with np.errstate(all="ignore"):  # what is not finite is no graph
-            begin = self.first
-        for share in () if field is None or begin is None else finer:
-            assert field is not None and begin is not None
-            try:
-                with np.errstate(all="ignore"):
-                    return star(field, begin, share * tolerance / field.scale, most, aim)
-            except ArithmeticError:
-                pass
-            except MeshError:  # too many triangles
-                if share == 1:
-                    raise
-                break
+            if field is not None and self.first is not None:
+                with suppress(ArithmeticError):
+                    return star(field, self.first, tolerance / field.scale, settings)
+                with suppress(ArithmeticError):
+                    return bisected(field, tolerance / field.scale, settings)
         try:
             with np.errstate(all="ignore"):  # what is not finite is folded, and refused
                 return triangulate(self.beginnings, tolerance / self.cell_field.scale, most, aim)

@@ -1,0 +1,108 @@
+"""A graph over directions meshed by bisection: edges are halved, the longest as seen from the centre first.
+
+New vertices are where the rays through the middles of edges meet the surface.  So all triangles are seen once from the
+centre, and become small in directions where something is too far (longest-edge bisection, Rivara 1984): that ends
+however sharply the surface bends, as about ridges that are sharper than the tolerance, where triangles that are
+smoothed and moved along gradients fold.  There are more triangles of it, and worse ones, than of the remesher.
+
+Looked at on the result, not proved: that no triangle is folded, and how far their middles and those of their edges are
+from the surface: along the ray there, or to first order.  A ridge that none of these and no vertex is on is missed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.limits import checkpoint
+from pas.mesh.grading import NOWHERE, Settings
+from pas.mesh.halfedges import HalfEdges, VertexKind, following
+from pas.mesh.mesh import Mesh
+from pas.mesh.refusals import too_many
+from pas.mesh.remesher import Remeshed
+from pas.mesh.rows import Floats, Integers, cross, norms
+from pas.mesh.shading import unit_rows
+from pas.mesh.sheet import BadMeshError, given
+from pas.surface.graph import AROUND, delaunay, require_once
+from pas.surface.radial_field import RadialField
+
+
+def bisected(field: RadialField, tolerance: float, settings: Settings) -> Mesh:
+    """A mesh in the user's coordinates within a tolerance, measured.
+
+    Raises `ArithmeticError` where the surface is no graph over directions, as far as its rays show, and `MeshError`
+    where there would be too many triangles.
+    """
+    mesh = _begun(field)
+    while True:
+        checkpoint(f"halving triangles seen from the centre ({len(mesh.labels)})")
+        mesh.normals[:] = unit_rows(field.gradients(mesh.points))[mesh.vertex_of]
+        inside, along = _measured(field, mesh)
+        off = np.maximum(inside, along.reshape(-1, 3).max(axis=1))
+        rim = mesh.boundary[0]
+        rim = rim[along[rim] > np.minimum(tolerance, _room(mesh, rim))]
+        halves = _chosen(mesh, rim, (off > tolerance) | (mesh.cosines < settings.folded))
+        if not len(halves):
+            require_once(field, mesh.points[mesh.kinds == VertexKind.INSIDE])
+            return given(field, Remeshed(mesh.value, float(off.max())), tolerance, settings)
+        if len(mesh.labels) + 2 * len(halves) > settings.most:
+            raise too_many(field, len(mesh.labels), settings.most, tolerance, float(off.max())).error
+        size, middles, rims = len(mesh.points), mesh.middles(NOWHERE, halves)[1], _rims(mesh, halves)
+        mesh.split(halves)
+        mesh.points[size:] = field.met(middles)
+        mesh.points[size:][rims >= 0] = field.on_rims(middles[rims >= 0], rims[rims >= 0])
+
+
+def _begun(field: RadialField) -> HalfEdges:
+    """The first triangles, with rings of so many points that their arcs leave none of these."""
+    finest = 4  # doublings of the points
+    for doubling in range(finest + 1):
+        mesh = HalfEdges(delaunay(field, AROUND << doubling), np.zeros(1, dtype=np.int8))
+        rim = mesh.boundary[0]
+        arcs = field.rim_distances(mesh.middles(NOWHERE, rim)[1], _rims(mesh, rim))
+        if (arcs <= _room(mesh, rim)).all():
+            return mesh
+    raise ArithmeticError("the rings are too close to one another for a triangulation of directions")
+
+
+def _measured(field: RadialField, mesh: HalfEdges) -> tuple[Floats, Floats]:
+    """Distances of triangles' middles (T,) and of those of half edges (3 T,)."""
+    halves = np.flatnonzero(mesh.twins < np.arange(len(mesh.corners)))
+    centres, middles = mesh.middles(np.arange(len(mesh.labels)), halves)
+    points = np.concatenate([centres, middles])
+    found = np.minimum(field.distances(points), norms(points - field.met(points)))
+    along, twins, rims = np.empty(len(mesh.corners)), mesh.twins[halves], _rims(mesh, halves)
+    along[halves] = found[len(centres) :]
+    along[halves[rims >= 0]] = field.rim_distances(middles[rims >= 0], rims[rims >= 0])
+    along[twins[twins >= 0]] = along[halves[twins >= 0]]
+    return found[: len(centres)], along
+
+
+def _rims(mesh: HalfEdges, halves: Integers) -> Integers:
+    """The curves (K,) on which half edges are, -1 inside."""
+    return np.where(mesh.twins[halves] < 0, -1 - mesh.twins[halves], -1)
+
+
+def _room(mesh: HalfEdges, halves: Integers) -> Floats:
+    """How far curves may be from the half edges (K,) on them: where they turn by an angle of the triangle there, as
+    seen from the centre, new vertices are no more inside it."""
+    share = 1 / 8  # of an edge's length times an angle: an arc that leaves it by half of that is so far from it
+    units, after = unit_rows(mesh.points), following(halves)
+    a, b, c = (units[mesh.corners[side]] for side in (halves, after, following(after)))
+    sines = norms(cross(b - a, c - a)) / (norms(b - a) * np.maximum(norms(c - a), norms(c - b)))
+    return share * sines * mesh.lengths(halves)
+
+
+def _chosen(mesh: HalfEdges, rim: Integers, bad: NDArray[np.bool_]) -> Integers:
+    """The half edges to be halved, the longest first: those on the boundary that are too far from its curves; where
+    there are none, the longest of bad triangles (T,)."""
+    smallest = 1e-4  # radians within which a triangle is seen: what is still bad there is no graph, or singular
+    units = unit_rows(mesh.points)
+    lengths = norms(units[mesh.ends] - units[mesh.corners])
+    rows, halves = np.flatnonzero(bad), rim
+    if not len(rim):
+        halves = 3 * rows + lengths.reshape(-1, 3)[rows].argmax(axis=1)
+        halves = np.unique(np.maximum(halves, mesh.twins[halves]))
+    if lengths[halves].min(initial=np.inf) < smallest:
+        raise BadMeshError("some triangles are folded", mesh.points[mesh.corners[halves[lengths[halves].argmin()]]])
+    return halves[np.argsort(-lengths[halves], kind="stable")]
