@@ -272,7 +272,8 @@ def test_a_fillet_ends_in_the_side_of_a_plate_that_is_too_small_for_it(order, x,
     mesh = made.mesh(5e-3)
     assert made.proved and mesh.is_closed and mesh.points[:, 0].min() == pytest.approx(lowest, abs=5e-3)
     corners = mesh.points[mesh.triangles[mesh.faces == mesh.names.index("plate x-")]]
-    assert corners[..., 2].max() > 1.02 and np.abs(corners[..., 0]).max() < 1e-9
+    # of order 2 the section 2 s t = (1 - s - t)^3 of radius 3/4 is .0171 high at 1/2 from the boss
+    assert corners[..., 2].max() > (1.02 if order == 1 else 1.015) and np.abs(corners[..., 0]).max() < 1e-9
     if order == 1 and x != "1":  # as much as a whole one, without what is at x < 0 in either of them
         whole = near_the_edge("4").fillet("plate z+", "boss", "3/4").translate(float(Fraction(x)) - 4, 0, 0)
         part = (whole & solid.half_space("-x")).volume(2e-3) - float(Fraction(x) + 4) * 6

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
@@ -206,3 +207,34 @@ def test_flanges_that_cannot_be_are_refused_in_a_sentence(given, words):
     usual = {"center": (0, 0, 0), "axis": (0, 0, 1), "radius": 10, "outer_radius": 25, "thickness": 5}
     with pytest.raises(ValueError, match=words):
         solid.flange(**{**usual, **given})
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize(
+    ("start", "end", "length"),
+    [((3, 3), (5, 2), 8), ((2, 2), (4, 4), 5), ((3, 2), (3, 2), 5), ((1, 1), (10, "1/2"), 1), ((5, 2), (1, 2), 3)],
+)
+def test_transitions_are_proved_and_have_the_volume_of_their_sections(start, end, length, order):
+    made = solid.transition(start, end, length, order, straight=1)
+    assert made.proved and [v.claim[-len(f"GC^{order}") :] for v in made.verdicts] == [f"GC^{order}"] * 2
+    z = (np.arange(20000) + 0.5) / 20000
+    share = z * z * (3 - 2 * z) if order == 1 else z**3 * (6 * z * z - 15 * z + 10)
+    axes = np.array([[float(Fraction(value)) for value in ellipse] for ellipse in (start, end)])
+    squares = axes[0] ** 2 + share[:, None] * (axes[1] ** 2 - axes[0] ** 2)
+    volume = np.pi * (np.sqrt(squares.prod(axis=1)).mean() * length + axes.prod(axis=1).sum())
+    assert made.mesh().euler_characteristic == 2 and made.volume() == pytest.approx(volume, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"start": 3}, "start must be two half axes"),
+        ({"end": (0, 1)}, r"end\[0\] must be positive, not 0"),
+        ({"length": 0}, "length must be positive"),
+        ({"order": 3}, "order must be a whole number from 1 to 2"),
+        ({"straight": -1}, "straight must be positive"),
+    ],
+)
+def test_transitions_that_cannot_be_are_refused_in_a_sentence(given, words):
+    with pytest.raises(ValueError, match=words):
+        solid.transition(**{"start": (1, 1), "end": (2, 1), "length": 1, **given})

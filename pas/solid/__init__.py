@@ -15,7 +15,7 @@ from pas.solid.assembly import Assembly, Part, assembly, intersection, union
 from pas.solid.joints import Joint
 from pas.solid.lettering import text
 from pas.solid.pipe import pipe
-from pas.solid.primitives import ball, box, cone, cylinder, flange, half_space, implicit, torus
+from pas.solid.primitives import ball, box, cone, cylinder, flange, half_space, implicit, torus, transition
 from pas.solid.profile import Profile
 from pas.solid.sketch import Sketch, circle, polygon, rectangle, regular_polygon, rounded_rectangle, sketch
 from pas.solid.smooth_union import smooth_union
@@ -55,6 +55,7 @@ __all__ = [
     "text",
     "thread",
     "torus",
+    "transition",
     "tube",
     "union",
 ]

@@ -6,12 +6,13 @@ Points are three exact numbers, lengths are exact numbers, both in the model's u
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from flint import fmpq
 
 from pas.algebra.affine import Affine, away, height, translation
-from pas.algebra.inputs import whole
+from pas.algebra.inputs import shown, whole
 from pas.algebra.lengths import across
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
 from pas.algebra.rational import (
@@ -32,6 +33,7 @@ from pas.algebra.rational import (
 from pas.contacts.torus import torus_polynomial
 from pas.solid.edges import Loop, PlaneEdge
 from pas.solid.extrusion import Lean, Prism
+from pas.solid.joints import Joint
 from pas.solid.linked import RenamedBoundary
 from pas.solid.profile import Profile
 from pas.solid.revolution import Turned
@@ -204,3 +206,57 @@ def _holes(bore: fmpq, rim: fmpq, bolts: int, radius: Exact | None, circle_radiu
             f"bolt_radius must be below {room:.6g}, so that holes meet neither bore, rim nor each other, not {radius}"
         )
     return circle((around, 0), radius, face).circular_pattern(bolts)
+
+
+def transition(
+    start: Sequence[Exact],
+    end: Sequence[Exact],
+    length: Exact,
+    order: int = 1,
+    straight: Exact | None = None,
+    face: str = "transition",
+) -> Solid:
+    """From an ellipse of half axes `start` along x and y, at z = 0, to one of half axes `end`, at z = `length`.
+
+    The squares of the half axes are polynomials of the height, of degree 2 `order` + 1, so that the surface is exact,
+    and level at both ends up to that order, 1 or 2.  With `straight` cylinders go on at both ends by so much, and
+    GC^order onto them is claimed.  Faces are "transition", "transition straight 1", "transition straight 2",
+    "transition start" and "transition end"; lengths are in the model's units.  Raises `ValueError` for lengths that are
+    not positive.
+
+        solid.transition((3, 3), (5, 2), 8, straight=2)
+    """
+    height, k = positive(length, "length"), whole(order, "order", 1, 2)
+    s = GENERATORS[2] * (1 / height)
+    step = s**2 * (3 - 2 * s) if k == 1 else s**3 * (6 * s**2 - 15 * s + 10)
+    axes = _half_axes(start, "start"), _half_axes(end, "end")
+    ends = [(a * a, b * b) for a, b in axes]
+    first, second = (a + step * (b - a) for a, b in zip(*ends, strict=True))
+    x, y, _ = GENERATORS
+    common = first.gcd(second)  # is no surface, and positive but for a factor
+    surface = (x**2 * second + y**2 * first - first * second) / common * common(0, 0, 0)
+    low, high = -GENERATORS[2], GENERATORS[2] - height
+    more = fmpq(0) if straight is None else positive(straight, "straight")
+    pieces = [(face, surface, [low, high])]
+    if more:
+        for number, (a, b), sides in zip((1, 2), ends, ([-low], [-high]), strict=True):
+            pieces.append((f"{face} straight {number}", x**2 * b + y**2 * a - a * b, sides))
+    made = [
+        combined(False, *(Atom(Polynomial.from_raw(f), n) for f, n in ((f, name), *((side, "") for side in sides))))
+        for name, f, sides in pieces
+    ]
+    walls = [(low - more, f"{face} start"), (high - more, f"{face} end")]
+    reach = 2 * max(map(max, axes))  # walls beyond the solid, by which boxes around it are found
+    walls += [(sign * g - reach, "") for g in (x, y) for sign in (1, -1)]
+    whole_ = combined(False, combined(True, *made), *(Atom(Polynomial.from_raw(f), name) for f, name in walls))
+    joints = (
+        Joint(face, name, (Polynomial.from_raw(side[0]), Polynomial.from_raw(f)), k) for name, f, side in pieces[1:]
+    )
+    return Solid(whole_, tuple(joints))
+
+
+def _half_axes(given: Sequence[Exact], name: str) -> tuple[fmpq, fmpq]:
+    """Two positive lengths."""
+    if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != 2:
+        raise ValueError(f"{name} must be two half axes, such as (3, 2), not {shown(given)}")
+    return positive(given[0], f"{name}[0]"), positive(given[1], f"{name}[1]")
