@@ -144,7 +144,20 @@ def test_the_top_of_an_other_prism_is_not_taken_for_it():
     assert made.volume() == pytest.approx(volume - 156 * (1 - np.pi / 4) - 2 * np.pi * far, rel=3e-6)
     body, other = rectangle().extrude(8).sheets, solid.rounded_rectangle(20, 10, 3, face="boss").extrude(8).sheets
     pieces = pieces_along(body.loops[0], "top", pas.Polynomial("z - 8"), fmpq(2), 1)
-    assert filleted(body, pieces) is not None and filleted(other, pieces) is None
+    assert filleted(body, pieces, False) is not None and filleted(other, pieces, False) is None
+    assert filleted(body, pieces, True) is None  # these are inside of it
+    amid = pieces_along(body.loops[0], "end", pas.Polynomial("z - 5"), fmpq(2), 1)
+    assert filleted(body, amid, False) is None  # where it does not end
+    for plane, fits in (
+        ("z - 1", True),
+        ("z", True),
+        ("z - 8", False),
+        ("7 - z", True),
+        ("5/2 - z", True),
+        ("1 - z", False),
+    ):
+        around = pieces_along(body.loops[0], "foot", pas.Polynomial(plane), fmpq(2), 1, 1)
+        assert (filleted(body, around, True) is not None) == fits
 
 
 def test_a_chain_that_ends_at_corners_and_goes_over_an_edge():
@@ -161,6 +174,70 @@ def test_a_chain_that_ends_at_corners_and_goes_over_an_edge():
     expected = 56000 + 6 * (200 + 12.5 * np.pi) + 40 * (1 - np.pi / 4)
     expected += np.pi * quad(lambda t: (5 + t) * depth(t, 1), 0, 1)[0]
     assert made.volume() == pytest.approx(expected, rel=1e-5)
+
+
+def on_plate(part: solid.Profile, height: int, number: int = 1) -> solid.Solid:
+    """A boss that is so high on a rounded plate, 5 thick, and goes 1 into it."""
+    return part.extrude(height + 1).translate(0, 0, 4).renamed({"top": f"lid {number}", "bottom": f"foot {number}"})
+
+
+def rounded_plate() -> solid.Solid:
+    return solid.rounded_rectangle(40, 30, 5, face="plate").extrude(5)
+
+
+def pillar() -> solid.Profile:
+    return solid.rounded_rectangle(20, 10, 2, (10, 10), face="boss")
+
+
+ON_PLATE = 5 * (1200 - 25 * (4 - np.pi)) + 12 * (200 - 4 * (4 - np.pi))
+
+
+def foot(straight: float, arc: float, radius: float, order: int = 1, outwards: int = 1) -> float:
+    """The volume of a fillet around straight edges and arcs that make one whole turn, or of a round: see `swept`."""
+    section = quad(lambda t: depth(t, order), 0, 1)[0]
+    turned = quad(lambda t: (arc + outwards * radius * t) * depth(t, order), 0, 1)[0]
+    return radius**2 * (straight * section + TURN * turned)
+
+
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize(("radius", "order"), [("1/10", 1), (3, 1), ("19/2", 1), ("1/2", 2), ("11/2", 2)])
+def test_feet_on_plates_over_profiles_are_as_large_as_the_plate_is(radius, order):
+    """Such plates and bosses are meshed from rows along their edges, where lattices took minutes, or ended."""
+    made = (rounded_plate() | on_plate(pillar(), 12)).fillet("top", "boss", radius, order)
+    mesh = made.mesh()
+    assert made.proved and made.sheets is not None and mesh.is_closed and mesh.euler_characteristic == 2
+    assert made.volume() == pytest.approx(ON_PLATE + foot(44, 2, float(Fraction(radius)), order), rel=3e-6)
+
+
+@pytest.mark.slow
+def test_feet_go_with_holes_and_maps(tmp_path):
+    """Around a tube on a plate, turned and scaled, and in it; drilled, saved and read."""
+    outer, inner = solid.rounded_rectangle(20, 14, 4, (4, 8)), solid.rounded_rectangle(14, 8, 3, (7, 11), "bore")
+    part, drill = rounded_plate() | on_plate(outer - inner, 8), solid.cylinder((33, 15, -1), (33, 15, 9), 1)
+    part, drill = (one.rotate((2, 1, 2), 50).scale(2) for one in (part, drill))
+    made = part.fillet("top", "bore", 4).fillet("top", "side", 6, 2) - drill
+    expected = 5 * (1200 - 25 * (4 - np.pi) - np.pi) + 8 * (280 - 112 - 7 * (4 - np.pi)) + foot(36, 4, 3, 2)
+    bores = 20 * quad(lambda t: depth(t, 1), 0, 1)[0] + TURN * quad(lambda t: (3 - 2 * t) * depth(t, 1), 0, 1)[0]
+    pas.save(made, tmp_path / "part.pas.json")
+    assert made.proved and made.sheets is not None and made.mesh().euler_characteristic == 0
+    assert made.volume() == pytest.approx(8 * (expected + 4 * bores), rel=3e-6)
+    assert len(pas.load(tmp_path / "part.pas.json").mesh().triangles) == len(made.mesh().triangles)
+
+
+@pytest.mark.slow
+def test_feet_of_two_bosses_and_rounds_of_their_tops():
+    """On one plate, one after the other; a foot that would meet the other boss, or pass the edge, is told."""
+    bosses = [on_plate(solid.rounded_rectangle(8, 10, 2, (5, 10), "p"), 9)]
+    bosses.append(on_plate(solid.rounded_rectangle(8, 10, 3, (24, 10), "q"), 9, 2))
+    plain = rounded_plate() | bosses[0] | bosses[1]
+    made = plain.fillet("top", "p", 4).fillet("lid 1", "p", 1).fillet("top", "q", 3, 2)
+    expected = 5 * (1200 - 25 * (4 - np.pi)) + 9 * (160 - 13 * (4 - np.pi))
+    expected += foot(20, 2, 4) - foot(20, 2, 1, 1, -1) + foot(12, 3, 3, 2)
+    assert made.proved and made.sheets is not None
+    assert made.volume() == pytest.approx(expected, rel=3e-6)
+    meets, passes = "fillet 2 meets top with GC^1 on a part of the curve: the regions", "'top' does not go on so far"
+    for whole, name, told in ((plain.fillet("top", "p", "9/2"), "q", meets), (plain, "p", passes)):
+        assert told in Filling.of(whole, ("top", name), 1, ()).made(fmpq(7))
 
 
 TABLES = """

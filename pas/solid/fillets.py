@@ -88,7 +88,7 @@ class Filling:
         claims = tuple(dict.fromkeys([*(claim for piece in pieces for claim in piece.claims()), *joined]))
         whole, add = self.solid.tree, self.seams[0].sign > 0
         tree = combined(add, whole, *(tree if add else complement(tree) for tree in trees))
-        sheets = None if self.within else filleted(self.solid.sheets, pieces)
+        sheets = None if self.within else filleted(self.solid.sheets, pieces, add)
         made = replace(self.solid, tree=tree, joints=claims, sheets=sheets)
         goes_on = next((seam.goes_on for seam in self.seams if seam.goes_on), "")
         wrong = next((_told(v) + goes_on for v in made.verdicts if not v.proved), None)

@@ -1,4 +1,4 @@
-"""Upright solids over profiles with arcs, the edges at whose ends are rounded.
+"""Upright solids over profiles with arcs, the edges at whose ends are rounded, or that have fillets around them.
 
 Rounds of a profile that goes on smoothly, arcs of circles and straight edges, are the fillets of these edges: of order
 1 of the ball that rolls along, tori and cylinders.  Each is between the planes across the profile through its edge's
@@ -10,16 +10,17 @@ Guaranteed: that the rounds of one end do not meet, as they are on the mesh.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from itertools import product
+from itertools import pairwise, product
 from operator import sub
 from typing import Any
 
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.affine import slope_at
 from pas.algebra.inputs import check_order
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
@@ -36,14 +37,17 @@ from pas.solid.operands import Operands
 from pas.solid.rounding import rounded as of_planes
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import SweptBody, flat, jets_of, put_flat, put_side
-from pas.solid.tree import atoms, combined, complement
+from pas.solid.swept import SweptBody, jets_of, put_level, put_side
+from pas.solid.tree import Atom, combined, complement
 
 X, Y, Z = GENERATORS
 
 
-def pieces_along(loop: Loop, end: str, plane: Polynomial, radius: fmpq, order: int) -> list[FilletPiece]:
-    """The fillets of the edges of a loop, in turn, at an end in a plane; of one that is a whole circle of all of it."""
+def pieces_along(
+    loop: Loop, end: str, plane: Polynomial, radius: fmpq, order: int, sign: int = -1
+) -> list[FilletPiece]:
+    """The fillets of the edges of a loop, in turn, at an end in a plane; of one that is a whole circle of all of it; if
+    `sign` is 1 those outside, where the plane's polynomial is positive."""
     found, height = list[FilletPiece](), to_float(-plane.raw(0, 0, 0) / plane.diff(2).raw(0, 0, 0))
     for number, edge in enumerate(loop.edges[:1] if loop.whole else loop.edges):
         smooth = list[SmoothEnd]()
@@ -53,7 +57,7 @@ def pieces_along(loop: Loop, end: str, plane: Polynomial, radius: fmpq, order: i
             after = loop.edges[(number + step) % len(loop.edges)]
             smooth.append(SmoothEnd((end, after.name), across, PlaneEdge.straight((a, b), (a + u, b + v), "").curve))
         points = np.pad(edge.points(2), ((0, 0), (0, 1)), constant_values=height)
-        seam = FaceSeam((end, edge.name), (plane, edge.curve * (edge.bow or 1)), points, -1, tuple(smooth))
+        seam = FaceSeam((end, edge.name), (plane, edge.curve * (edge.bow or 1)), points, sign, tuple(smooth))
         found.append(FilletPiece(f"{edge.name} / {end}", seam, radius, order))
     return found
 
@@ -90,14 +94,52 @@ class RoundFace:
     surface: Polynomial
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class RoundedPrism(SweptBody):
-    """What bounds an upright solid over loops with the edges at some ends of some of them rounded, by number."""
+@dataclass(frozen=True)
+class Rounds:
+    """The faces along the edges of a loop, by its number, in a plane across it at a `level`, above it if `up` is 1 and
+    below if -1: rounds of an end of the loop's solid, or, where `foot` is not 0, fillets around it.
 
-    height: float
+    In the plane fillets end in what the solid stands on.  As rounding says which of two faces in one plane is in front,
+    the row of the sides in which that is left is further on by `foot`.
+    """
+
+    loop: int
+    level: float
+    up: int
+    foot: float
     radius: float
     order: int
-    rounds: Mapping[tuple[int, str], tuple[RoundFace, ...]]
+    faces: tuple[RoundFace, ...]
+
+    @classmethod
+    def of(cls, loop: int, pieces: Sequence[FilletPiece], height: float) -> Rounds:
+        """Those of the fillets along a loop of a solid up to a height; see `pieces_along`."""
+        (plane, _), sign, radius = pieces[0].seam.faces, pieces[0].seam.sign, to_float(pieces[0].radius)
+        slope = plane.diff(2).raw(0, 0, 0)
+        level, up = to_float(-plane.raw(0, 0, 0) / slope), sign if slope > 0 else -sign
+        foot = min(radius / 64, (level if up > 0 else height - level) / 2 or radius) if sign > 0 else 0.0
+        faces = tuple(RoundFace(piece.face, piece.form.surface) for piece in pieces)
+        return cls(loop, level, up, foot, radius, pieces[0].order, faces)
+
+    def fits(self, height: float) -> bool:
+        """Whether they are beside a solid up to a height, or at one of its ends."""
+        within = 0.0 <= self.level <= height and 0.0 < self.level + self.up * self.radius < height
+        return within and (self.foot > 0 or self.level in (0.0, height))
+
+    def rows(self, tolerance: float) -> Floats:
+        """How far inwards, and how high, rows (N, 2) along them are, from above."""
+        turns = max(2, math.ceil(0.9 * self.order * math.sqrt(3 * self.radius / tolerance)))
+        arc = self.radius * _section(self.order, turns) * [-1 if self.foot else 1, self.up]
+        beyond = np.array([[0.0, -self.up * self.foot]] if self.foot else np.empty((0, 2)))
+        return np.concatenate([beyond, arc])[:: -self.up] + [0, self.level]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RoundedPrism(SweptBody):
+    """What bounds an upright solid over loops with rounds, or fillets around it, all along some of them."""
+
+    height: float
+    rounds: tuple[Rounds, ...]
 
     def made(self, tolerance: float) -> Faces | None:
         """Its faces, finer where they are nearly singular, as tori are that nearly meet themselves."""
@@ -107,40 +149,60 @@ class RoundedPrism(SweptBody):
         return found
 
     def _rows(self, tolerance: float) -> Faces | None:
-        """At each end rows of the loops' polygons, moved inwards along the rounds, and all between them."""
+        """Rows of the loops' polygons, moved along the rounds, all between them, and both ends."""
         found = self.polygons(tolerance / 3)
         if found is None:
             return None
-        turns = max(2, math.ceil(0.9 * self.order * math.sqrt(3 * self.radius / tolerance)))
-        arc = self.radius * _section(self.order, turns)  # how deep in, and below the end
-        none, made, rims, first = np.zeros((1, 2)), Faces([], 0.0), dict[str, list[Integers]](top=[], bottom=[]), 0
-        for number, (loop, points, counts) in enumerate(zip(self.loops, found[0], found[1], strict=True)):
-            top, bottom = (arc if (number, end) in self.rounds else none for end in ("top", "bottom"))
-            rows = np.concatenate([top * [1, -1] + [0, self.height], bottom[::-1]])
-            flat_points = points + rows[:, :1, None] * np.concatenate(inwards(loop, points, counts))
-            heights = np.broadcast_to(rows[:, 1, None, None], (*flat_points.shape[:2], 1))
-            made.blocks.append(np.concatenate([flat_points, heights], axis=2).reshape(-1, 3))
-            n, borders = len(points), np.cumsum([0, *counts])
-            numbers = first + np.arange(len(rows) * n).reshape(-1, n)
-            first += numbers.size
-            for row, rim in ((numbers[0], flat_points[0]), (numbers[-1], flat_points[-1])):
-                same = np.linalg.norm(rim - np.roll(rim, 1, axis=0), axis=1) < 2.0**-40 * self.extent
-                row[:] = row[~same][np.cumsum(~same) - 1]  # of an arc of the radius one point is left
-            parts = (("top", 0, len(top)), ("", len(top) - 1, len(top) + 1), ("bottom", len(top), len(rows)))
-            for (end, low, high), (k, edge) in product(parts, enumerate(loop.edges)):
-                found_rounds = self.rounds.get((number, end), ())
-                some = found_rounds[0 if loop.whole else k] if found_rounds else RoundFace(edge.name, edge.curve)
-                if high - low > 1:
-                    across = numbers[low:high, np.arange(borders[k], borders[k + 1] + 1) % n]
-                    put_side(made, some.face, [*across.T], jets_of(some.surface))
-            for end, row in (("top", numbers[0]), ("bottom", numbers[-1])):
-                rims[end].append(row[row != np.roll(row, 1)])
-        for end, sign in (("top", 1), ("bottom", -1)):
-            triangles = flat([made.points[rim, :2] for rim in rims[end]])
-            if triangles is None or not len(triangles):
+        made, rims = Faces([], 0.0), list[tuple[Integers, Integers]]()
+        for number, polygon in enumerate(zip(*found[:2], strict=True)):
+            ends = self._put_sides(made, number, polygon, tolerance)
+            if ends is None:
                 return None
-            put_flat(made, end, np.concatenate(rims[end])[triangles][:, ::sign], np.array([0.0, 0.0, sign]))
-        return made
+            rims.append(ends)
+        tops, bottoms = zip(*rims, strict=True)
+        return made if put_level(made, "top", tops, 1) and put_level(made, "bottom", bottoms, -1) else None
+
+    def _sections(
+        self, made: Faces, number: int, polygon: tuple[Floats, list[int]], tolerance: float
+    ) -> list[tuple[Integers, Rounds | None]] | None:
+        """The rows of vertices of a loop, from above: those of its rounds, and others; None where rounds meet."""
+        rounds = [one for one in self.rounds if one.loop == number]
+        found: list[tuple[Floats, Rounds | None]] = [(one.rows(tolerance), one) for one in rounds]
+        found += [(np.array([[0.0, z]]), None) for z in {self.height, 0.0} - {one.level for one in rounds}]
+        sections = sorted(found, key=lambda section: -section[0][:, 1].mean())
+        rows, ends = np.concatenate([some for some, _ in sections]), np.cumsum([len(some) for some, _ in sections])
+        falls = -np.diff(rows[:, 1])
+        if falls.min() < 0 or falls[ends[:-1] - 1].min() == 0:
+            return None
+        moved = polygon[0] + rows[:, :1, None] * np.concatenate(inwards(self.loops[number], *polygon))
+        heights = np.broadcast_to(rows[:, 1, None, None], (*moved.shape[:2], 1))
+        numbers = made.added(np.concatenate([moved, heights], axis=2).reshape(-1, 3)).reshape(len(rows), -1)
+        for row, rim in zip(numbers, moved, strict=True):
+            same = np.linalg.norm(rim - np.roll(rim, 1, axis=0), axis=1) < 2.0**-40 * self.extent
+            row[:] = row[~same][np.cumsum(~same) - 1]  # of an arc of the radius one point is left
+        return [*zip(np.split(numbers, ends[:-1]), (one for _, one in sections), strict=True)]
+
+    def _put_sides(
+        self, made: Faces, number: int, polygon: tuple[Floats, list[int]], tolerance: float
+    ) -> tuple[Integers, Integers] | None:
+        """The faces of a loop but for both ends, whose rows of vertices are given back; None where they cross."""
+        loop, sections = self.loops[number], self._sections(made, number, polygon, tolerance)
+        if sections is None:
+            return None
+        bands: list[tuple[Integers, Rounds | None]] = [(rows, one) for rows, one in sections if one]
+        bands += [(np.stack([above[-1], below[0]]), None) for (above, _), (below, _) in pairwise(sections)]
+        for place, (rows, one) in enumerate(bands):
+            if one and one.foot:
+                *arc, rim, inner = rows[:: one.up]
+                if not put_level(made, one.faces[0].face, (rim, inner[::-1]), -one.up):
+                    return None
+                bands[place] = np.stack([*arc, rim])[:: one.up], one
+        borders = np.cumsum([0, *polygon[1]])
+        for (rows, one), (k, edge) in product(bands, enumerate(loop.edges)):
+            face = one.faces[0 if loop.whole else k] if one else RoundFace(edge.name, edge.curve)
+            across = rows[:, np.arange(borders[k], borders[k + 1] + 1) % rows.shape[1]]
+            put_side(made, face.face, [*across.T], jets_of(face.surface))
+        return sections[0][0][0], sections[-1][0][-1]
 
 
 def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int) -> Solid:
@@ -186,7 +248,8 @@ def rounded_prism(solid: Solid, body: Prism, faces: Sequence[str] | None, radius
     most = height / len({end for _, end in rounds})
     if radius >= most:
         raise GeometryError(f"radius must be below {plain(most)}, where the sides are used up, not {plain(radius)}")
-    made = _rounded_body(body, radius, order, rounds)
+    known_rounds = tuple(Rounds.of(number, some, body.height) for (number, _), some in rounds.items())
+    made = RoundedPrism(loops=body.loops, height=body.height, rounds=known_rounds, place=body.place)
     if made.coarse is None:
         raise GeometryError(f"radius {plain(radius)} is too large: rounds of the profile's edges would meet on an end")
     rests = (complement(piece.tree()) for some in rounds.values() for piece in some)
@@ -196,50 +259,60 @@ def rounded_prism(solid: Solid, body: Prism, faces: Sequence[str] | None, radius
     return replace(solid, tree=combined(False, solid.tree, moved.tree), joints=joints, sheets=made)
 
 
-def filleted(known: SolidBoundary | None, pieces: Sequence[FilletPiece]) -> SolidBoundary | None:
-    """What bounds a solid with fillets all along the end of an upright one, which it is or set operations are made of.
+def filleted(known: SolidBoundary | None, pieces: Sequence[FilletPiece], gains: bool) -> SolidBoundary | None:
+    """What bounds a solid with fillets all along an end of an upright one, or around it, which it is or set operations
+    are made of; `gains` says whether they are added to it.
 
     None where they are not that, or would meet there.
     """
-    names = {name for piece in pieces for name in piece.seam.names}
+    flat = [face for face in pieces[0].seam.faces if face.degree == 1 and all(face in p.seam.faces for p in pieces)]
+    face = pieces[0].face
+    if len(flat) != 1:
+        return None
+    if isinstance(known, RenamedBoundary):
+        body = filleted(known.body, pieces, gains)
+        return body and RenamedBoundary(body, {**known.names, face: face})
+    if isinstance(known, Prism | RoundedPrism):
+        return _prism_filleted(known, pieces, flat[0], gains)
     if isinstance(known, Operands):
         for number, part in enumerate(known.parts):
-            body = filleted(part.sheets, pieces) if names.issubset(atom.face for atom in atoms(part.tree)) else None
-            if body is not None:
-                tree = combined(False, part.tree, *(complement(piece.tree()) for piece in pieces))
+            more = gains != (known.operation == "Subtract" and number > 0)
+            if (body := filleted(part.sheets, pieces, more)) is not None:
+                trees = (piece.tree((), [Atom(flat[0] * -piece.seam.sign, face)]) for piece in pieces)
+                tree = combined(more, part.tree, *(tree if more else complement(tree) for tree in trees))
                 parts = (*known.parts[:number], Solid(tree, sheets=body), *known.parts[number + 1 :])
                 return replace(known, parts=parts)
-    if isinstance(known, RenamedBoundary):
-        old = {new: name for name, new in known.names.items()}
-        pairs = ((p.seam, [old.get(name, name) for name in p.seam.names]) for p in pieces)
-        seams = [replace(seam, names=(first, second)) for seam, (first, second) in pairs]
-        body = filleted(known.body, [replace(p, seam=seam) for p, seam in zip(pieces, seams, strict=True)])
-        return body and RenamedBoundary(body, {**known.names, pieces[0].face: pieces[0].face})
-    stretch = None if not isinstance(known, Prism) or known.lean.slope else _stretch(known)
-    if not isinstance(known, Prism) or stretch is None:
+    return None
+
+
+def _prism_filleted(
+    known: Prism | RoundedPrism, pieces: Sequence[FilletPiece], plane: Polynomial, gains: bool
+) -> RoundedPrism | None:
+    """What bounds an upright solid with such fillets in a plane; see `filleted`."""
+    old = known.rounds if isinstance(known, RoundedPrism) else ()
+    stretch = None if isinstance(known, Prism) and known.lean.slope else _stretch(known)
+    if stretch is None:
         return None
-    end, size, order = "top" if "top" in names else "bottom", pieces[0].radius / stretch, pieces[0].order
-    plane = Polynomial.from_raw(Z - rational(known.height) if end == "top" else -Z)
-    for number, loop in enumerate(known.loops):
-        if {end, *(edge.name for edge in loop.edges)} == names:
-            own = [replace(p, face=pieces[0].face) for p in pieces_along(loop, end, plane, size, order)]
-            surfaces = (p.form.surface if known.place is None else known.place.polynomial(p.form.surface) for p in own)
-            if {surface.primitive() for surface in surfaces} == {p.form.surface.primitive() for p in pieces}:
-                made = _rounded_body(known, size, order, {(number, end): own})
+    sign, first = 1 if gains else -1, pieces[0]
+
+    def before(polynomial: Polynomial) -> Polynomial:
+        """That of which a polynomial is the image where the solid was moved."""
+        return known.place.inverse.polynomial(polynomial) if known.place else polynomial
+
+    level = before(plane) * (sign * first.seam.sign)
+    faces = {before(face).primitive() for piece in pieces for face in piece.seam.faces}
+    surfaces = {before(piece.form.surface).primitive() for piece in pieces}
+    for number, loop in enumerate(known.loops if not any(slope_at(level)[:2]) else ()):
+        if faces == {level.primitive(), *(edge.curve.primitive() for edge in loop.edges)}:
+            own = pieces_along(loop, "", level, first.radius / stretch, first.order, sign)
+            new = Rounds.of(number, [replace(piece, face=first.face) for piece in own], known.height)
+            if new.fits(known.height) and surfaces == {piece.form.surface.primitive() for piece in own}:
+                made = RoundedPrism(loops=known.loops, height=known.height, rounds=(*old, new), place=known.place)
                 return made if made.coarse is not None else None
     return None
 
 
-def _rounded_body(
-    body: Prism, radius: fmpq, order: int, rounds: dict[tuple[int, str], list[FilletPiece]]
-) -> RoundedPrism:
-    """What bounds a solid over a profile with rounds."""
-    size, place = to_float(radius), body.place
-    known = {key: tuple(RoundFace(piece.face, piece.form.surface) for piece in some) for key, some in rounds.items()}
-    return RoundedPrism(loops=body.loops, height=body.height, radius=size, order=order, rounds=known, place=place)
-
-
-def _stretch(body: Prism) -> fmpq | None:
+def _stretch(body: Prism | RoundedPrism) -> fmpq | None:
     """By how much lengths grew where it was moved; None where not all by the same."""
     if body.place is None:
         return fmpq(1)

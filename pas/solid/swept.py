@@ -117,6 +117,16 @@ def put_flat(made: Faces, name: str, triangles: Integers, normal: Floats) -> Non
     made.add(name, triangles, np.broadcast_to(normal, (len(triangles), 3, 3)))
 
 
+def put_level(made: Faces, name: str, rows: Sequence[Integers], sign: int) -> bool:
+    """Whether a flat face inside rows of vertices is one, seen from above or, where `sign` is -1, from below."""
+    rims = [row[row != np.roll(row, 1)] for row in rows]
+    triangles = flat([made.points[rim, :2] for rim in rims])
+    if triangles is None or not len(triangles):
+        return False
+    put_flat(made, name, np.concatenate(rims)[triangles][:, ::sign], np.array([0.0, 0.0, sign]))
+    return True
+
+
 def weights_and_triangles(n: int, many: int) -> tuple[Integers, Integers]:
     """Weights (N, many) of two or three corners, whole numbers that add up to n, and triangles (T, 3) between them."""
     if many == 2:
