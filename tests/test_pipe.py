@@ -182,11 +182,19 @@ def test_flanges_are_plates_with_a_bore_and_holes(axis):
     mesh = made.mesh(0.01)
     assert mesh.is_closed and mesh.euler_characteristic == 2 - 2 * 7
     assert made.volume() == pytest.approx((25**2 - 10**2 - 6 * 2**2) * np.pi * 5, rel=1e-5)
-    assert made.faces[:3] == ("flange", "flange bore", "flange hole") and made.faces[-2:] == (
-        "flange start",
-        "flange end",
-    )
+    holes = {f"flange hole{number}" for number in ("", " #2", " #3", " #4", " #5", " #6")}
+    assert {*mesh.names} == {"flange", "flange start", "flange end", "flange bore", *holes}
     assert solid.flange((0, 0, 0), axis, 0, 2, 1).faces == ("flange", "flange start", "flange end")
+
+
+def test_bores_of_flanges_are_those_of_pipes():
+    """In a direction whose length is irrational, too."""
+    axis = (1, 1, 1)
+    bore = solid.cylinder((-1, -1, -1), (31, 31, 31), 4, "bore")
+    pipe = solid.cylinder((0, 0, 0), (30, 30, 30), 5, "pipe") - bore
+    whole = pipe | solid.flange((0, 0, 0), axis, 4, 12, 3, bolts=6, bolt_radius=1)
+    mesh = whole.mesh()
+    assert mesh.is_closed and mesh.euler_characteristic == -12 and "bore + flange bore" in mesh.names
 
 
 @pytest.mark.parametrize(

@@ -26,8 +26,11 @@ from pas.algebra.rational import (
     plain,
     positive,
     rational,
+    square_root,
+    three,
     to_float,
     to_floats,
+    two_across,
     vector,
 )
 from pas.contacts.torus import torus_polynomial
@@ -35,9 +38,7 @@ from pas.solid.edges import Loop, PlaneEdge
 from pas.solid.extrusion import Lean, Prism
 from pas.solid.joints import Joint
 from pas.solid.linked import RenamedBoundary
-from pas.solid.profile import Profile
 from pas.solid.revolution import Turned
-from pas.solid.sketch import circle
 from pas.solid.solid import Solid, patch
 from pas.solid.tree import Atom, combined
 
@@ -173,8 +174,8 @@ def flange(
 
     The holes are evenly on a circle of radius `bolt_circle`, by default midway between bore and rim; lengths are in the
     model's units.  Faces are "flange", "flange start", "flange end", "flange bore", "flange hole", "flange hole #2",
-    and so on.  Raises `ValueError` for a zero axis, lengths that are not positive, a bore as wide as the rim, and holes
-    that lack a radius or meet the bore, the rim or each other.
+    and so on; all are exactly about or across the axis.  Raises `ValueError` for a zero axis, lengths that are not
+    positive, a bore as wide as the rim, and holes that lack a radius or meet the bore, the rim or each other.
 
         solid.flange((0, 0, 0), (0, 0, 1), 10, 25, 5, bolts=6, bolt_radius=2)
     """
@@ -183,17 +184,22 @@ def flange(
         raise ValueError("axis must not be the zero vector")
     if not 0 <= bore < positive(rim, "outer_radius"):
         raise ValueError(f"radius must be 0 or more and below outer_radius, {rim}, not {radius}")
-    profile = circle((0, 0), rim, face) - circle((0, 0), bore, f"{face} bore") if bore else circle((0, 0), rim, face)
+    rise = three(w * positive(thickness, "thickness") / square_root(dot(way, way)) for w in way)
+    low, high = (three(p + k * r for p, r in zip(place, rise, strict=True)) for k in (-1, 2))
+    plate = cylinder(place, three(p + r for p, r in zip(place, rise, strict=True)), rim, face)
+    if bore:
+        plate -= cylinder(low, high, bore, f"{face} bore")
     if whole(bolts, "bolts", 0, 1000) or (bolt_radius, bolt_circle) != (None, None):
-        profile -= _holes(bore, rational(rim), bolts, bolt_radius, bolt_circle, f"{face} hole")
-    plate = profile.extrude(positive(thickness, "thickness"))
-    angle = math.degrees(math.atan2(math.hypot(*to_floats(way)[:2]), to_float(way[2])))
-    turned = plate.rotate((-way[1], way[0], 0) if way[0] or way[1] else (1, 0, 0), angle).translate(*place)
-    return turned.renamed({"bottom": f"{face} start", "top": f"{face} end"})
+        size, around = _bolts(bore, rational(rim), bolts, bolt_radius, bolt_circle)
+        aside, _ = two_across(way)
+        first = three(a * around / square_root(dot(aside, aside)) for a in aside)
+        ends = [three(p + f for p, f in zip(end, first, strict=True)) for end in (low, high)]
+        plate -= cylinder(ends[0], ends[1], size, f"{face} hole").circular_pattern(bolts, way, place)
+    return plate
 
 
-def _holes(bore: fmpq, rim: fmpq, bolts: int, radius: Exact | None, circle_radius: Exact | None, face: str) -> Profile:
-    """The holes of a flange's profile; raises `ValueError` where they are no holes between bore and rim."""
+def _bolts(bore: fmpq, rim: fmpq, bolts: int, radius: Exact | None, circle_radius: Exact | None) -> tuple[fmpq, fmpq]:
+    """The radii of a flange's holes and of their circle; raises `ValueError` where they do not fit beside its bore."""
     if not bolts or radius is None:
         raise ValueError(f"{'bolts' if not bolts else 'bolt_radius'} is missing: holes take their number and radius")
     around = (bore + rim) / 2 if circle_radius is None else positive(circle_radius, "bolt_circle")
@@ -201,11 +207,12 @@ def _holes(bore: fmpq, rim: fmpq, bolts: int, radius: Exact | None, circle_radiu
         raise ValueError(f"bolt_circle must be between {plain(bore)} and {plain(rim)}, not {circle_radius}")
     between = to_float(around) * math.sin(math.pi / bolts) if bolts > 1 else math.inf
     room = min(to_float(around - bore), to_float(rim - around), between)
-    if to_float(positive(radius, "bolt_radius")) >= room:
+    size = positive(radius, "bolt_radius")
+    if to_float(size) >= room:
         raise ValueError(
             f"bolt_radius must be below {room:.6g}, so that holes meet neither bore, rim nor each other, not {radius}"
         )
-    return circle((around, 0), radius, face).circular_pattern(bolts)
+    return size, around
 
 
 def transition(

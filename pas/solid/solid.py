@@ -136,7 +136,12 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         return replace(self, tree=shelled(self, size, open, self._tolerance(tolerance)), sheets=None)
 
     def renamed(self, name: str | Mapping[str, str]) -> Solid:
-        """The solid with all its faces, walls included, under one name, or some under new ones; claimed joints stay."""
+        """The solid with all its faces, walls included, under one name, or some under new ones; claimed joints stay.
+
+        Raises `ValueError` for an empty name, which walls have, and `GeometryError` for a face that there is not.
+        """
+        if "" in (name, *(() if isinstance(name, str) else name.values())):
+            raise ValueError("the name of a face must not be empty")
         if unknown := [] if isinstance(name, str) else [face for face in name if face not in self.faces]:
             raise GeometryError(f"the solid has no face {unknown[0]!r}{meant(unknown[0], self.faces) or ''}")
         return self._called(dict.fromkeys((*self.faces, ""), name) if isinstance(name, str) else name)
