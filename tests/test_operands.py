@@ -134,3 +134,13 @@ def test_cones_in_any_position_have_their_apex(start, end, radius, tolerance):
     assert exact * (1 - 3 * tolerance / float(Fraction(radius))) < mesh.volume <= exact
     even = solid.cone(start, end, radius).mesh(tolerance, quality="angles")
     assert even.is_closed and np.linalg.norm(even.points - np.array(end), axis=1).min() < 1e-9
+
+
+@pytest.mark.parametrize(("axis", "angle"), [((-2, 3, 3), 200), ((-2, 1, 2), 321), ((0, -2, -2), 136)])
+def test_a_face_that_covers_another_one_in_its_plane_is_not_lost(axis, angle):
+    """Once turned, which of both is in front is rounding."""
+    plate = solid.rounded_rectangle(40, 30, 5, face="plate").extrude(5)
+    part = plate | solid.box((10, 10, 5), (20, 20, 9), "boss")
+    mesh = part.rotate(axis, angle).mesh()
+    assert mesh.is_closed and mesh.euler_characteristic == 2
+    assert mesh.volume == pytest.approx(5 * (1200 - 25 * (4 - np.pi)) + 400, rel=2e-4)

@@ -86,7 +86,8 @@ def triangulate_faces(
     made = None if first is None else _from_first(first, field, tolerance, quality)
     found = _bounded(field, tolerance, quality) if made is None else made
     if first is not None and isinstance(found, tuple):
-        lost = sorted(field.face(label) for label in {*first.labels.tolist()} - {*found[0].labels.tolist()})
+        missing = {*first.labels.tolist()} - {*found[0].labels.tolist()}
+        lost = sorted(field.face(label) for label in missing if _begins(first, field, tolerance, label))
         if lost:
             found = Refusal(f"the solid could not be meshed: {', '.join(lost)} did not come out; set another tolerance")
     if made is None and isinstance(found, tuple):
@@ -163,6 +164,14 @@ def _joined(mesh: Labelled, field: FaceField) -> Labelled | None:
             return None
         placed = Labelled.of(*drawn)
     return placed
+
+
+def _begins(mesh: Labelled, field: FaceField, tolerance: float, label: int) -> bool:
+    """Whether the set begins at the middle of a triangle of a label: not where faces in one plane cover one another."""
+    middles = mesh.points[mesh.triangles[mesh.labels == label]].mean(axis=1)
+    labels = np.full(len(middles), label)
+    points = newton(middles, field, labels[:, None], np.full(len(middles), tolerance))
+    return bool(bounds_set(field, points, labels).any())
 
 
 def _bounding(mesh: Labelled, field: FaceField, tolerance: float) -> bool:

@@ -219,22 +219,24 @@ class _Place:
         def step(points: Floats, rows: Integers) -> Floats:
             return _solved(self._slopes(points, columns[rows]), self._jets(points, columns[rows])[:, 1:])
 
-        ends = self._followed(starts, step)
-        sizes = np.maximum(*(np.abs(self._slopes(points, columns)).max(axis=(1, 2)) for points in (starts, ends)))
-        jets = np.abs(self._jets(ends, columns)) <= sizes[:, None] * close * np.array([close, 1, 1, 1])
-        return [end if zero else None for end, zero in zip(ends, jets.all(axis=1), strict=True)]
+        rows, ends = self._followed(starts, step)
+        both = (starts[rows], ends)
+        sizes = np.maximum(*(np.abs(self._slopes(points, columns[rows])).max(axis=(1, 2)) for points in both))
+        jets = np.abs(self._jets(ends, columns[rows])) <= sizes[:, None] * close * np.array([close, 1, 1, 1])
+        return _placed(len(columns), rows, ends, jets.all(axis=1))
 
     def _parallel(self, pairs: Sequence[tuple[int, int]]) -> list[Floats | None]:
         """Of each pair a point on the second surface with the first one's normal, less than the spacing away from that.
 
         None where they bend too little for their normals to become parallel.
         """
-        both = np.array(pairs, dtype=np.intp).reshape(-1, 2)
-        feet = np.array([self._feet[b] for b in both[:, 1]]).reshape(-1, 3)
-        bends = (1 / np.array([[self._radii[c] for c in pair] for pair in pairs]).reshape(-1, 2)).sum(axis=1)
+        with_foot = np.array([self._feet[b] is not None for _, b in pairs], dtype=np.bool_)
+        chosen, both = np.flatnonzero(with_foot), np.array(pairs, dtype=np.intp).reshape(-1, 2)[with_foot]
+        feet = np.array([self._feet[b] for b in both[:, 1]], dtype=np.float64).reshape(-1, 3)
+        bends = (1 / np.array([[self._radii[c] for c in pair] for pair in both]).reshape(-1, 2)).sum(axis=1)
+        able = self._sines(feet, both) <= 2 * FARTHEST * self.extent * bends
+        chosen, both, feet = chosen[able], both[able], feet[able]
         scales = 1 / np.maximum(np.stack([norms(self._jets(feet, c)[:, 1:]) for c in both.T]), 1e-300)
-        rows = np.flatnonzero(self._sines(feet, both) <= 2 * FARTHEST * self.extent * bends)
-        both, scales = both[rows], scales[:, rows]
 
         def step(points: Floats, rows: Integers) -> Floats:
             """Newton's for a multiple of one gradient that is the other, and the second function's zero."""
@@ -250,36 +252,29 @@ class _Place:
             right = np.concatenate([f[:, 1:] - shares[:, None] * g[:, 1:], g[:, :1]], axis=1)
             return _solved(matrix, right)[:, :3]
 
-        ends, found = self._followed(feet[rows], step), list[Floats | None]([None]) * len(pairs)
-        first, second = (self._distances(ends, columns) for columns in both.T)
-        touching = (second < ZERO * self.extent) & (self._sines(ends, both) < PARALLEL) & (first < self.spacing)
-        for k in np.flatnonzero(touching).tolist():
-            found[rows[k]] = ends[k]
-        return found
+        rows, ends = self._followed(feet, step)
+        first, second = (self._distances(ends, columns) for columns in both[rows].T)
+        touching = (second < ZERO * self.extent) & (self._sines(ends, both[rows]) < PARALLEL) & (first < self.spacing)
+        return _placed(len(pairs), chosen[rows], ends, touching)
 
-    def _followed(self, points: Floats, step: Callable[[Floats, Integers], Floats]) -> Floats:
-        """Where steps against those given of some points (n, 3), with their rows (n,), lead to from points (N, 3).
-
-        None is longer than the reach of the place; no numbers are where that leads far away.
-        """
-        points, active = points.copy(), np.arange(len(points))
+    def _followed(self, points: Floats, step: Callable[[Floats, Integers], Floats]) -> tuple[Integers, Floats]:
+        """Where steps against those given of some points (n, 3), with their rows (n,), lead to from points (N, 3), and
+        which rows do not lead far away; none is longer than the reach of the place."""
+        points, active, near = points.copy(), np.arange(len(points)), np.ones(len(points), dtype=np.bool_)
         for _ in range(STEPS):
             if not len(active):
                 break
             moves = step(points[active], active)
             moves *= np.minimum(1.0, NEAR * self.spacing / np.maximum(norms(moves), 1e-300))[:, None]
             points[active] -= moves
-            near = norms(points[active] - self.place) <= FARTHEST * self.extent  # not where it is no number
-            points[active[~near]] = np.nan
-            active = active[near & (np.abs(moves).max(axis=1) >= ZERO * self.spacing)]
-        return points
+            near[active] = norms(points[active] - self.place) <= FARTHEST * self.extent  # not where it is no number
+            active = active[near[active] & (np.abs(moves).max(axis=1) >= ZERO * self.spacing)]
+        return np.flatnonzero(near), points[near]
 
     @cached_property
-    def _feet(self) -> dict[int, Floats]:
-        """A point of each surface near the place; no numbers where there is none."""
-        none = np.full(3, np.nan)
-        found = self._common([[c] for c in self.near])
-        return {c: none if point is None else point for c, point in zip(self.near, found, strict=True)}
+    def _feet(self) -> dict[int, Floats | None]:
+        """A point of each surface near the place."""
+        return dict(zip(self.near, self._common([[c] for c in self.near]), strict=True))
 
     def _common(self, groups: Sequence[Sequence[int]]) -> list[Floats | None]:
         """A common zero of the functions of each group, all of one length; None where there is none nearby."""
@@ -333,6 +328,14 @@ class _Place:
             words += [f"the wall {self.field.face(2 * c)}" for c in walls]
         listed = " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
         return listed if not times else f"the face{'s' if times.total() > 1 else ''} {listed}"
+
+
+def _placed(count: int, rows: Integers, points: Floats, right: NDArray[np.bool_]) -> list[Floats | None]:
+    """Points (n, 3) in a list by their rows (n,), where they are right (n,)."""
+    found = list[Floats | None]([None]) * count
+    for row, point in zip(rows[right].tolist(), points[right], strict=True):
+        found[row] = point
+    return found
 
 
 def _solved(matrices: Floats, right: Floats) -> Floats:

@@ -138,8 +138,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     def renamed(self, name: str | Mapping[str, str]) -> Solid:
         """The solid with all its faces, walls included, under one name, or some under new ones; claimed joints stay.
 
-        Raises `ValueError` for an empty name, which walls have, and `GeometryError` for a face that there is not.
-        """
+        Raises `ValueError` for an empty name, as of walls, and `GeometryError` for a face that there is not."""
         if "" in (name, *(() if isinstance(name, str) else name.values())):
             raise ValueError("the name of a face must not be empty")
         if unknown := [] if isinstance(name, str) else [face for face in name if face not in self.faces]:
