@@ -266,8 +266,11 @@ def near_the_edge(x: str) -> solid.Solid:
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize(("x", "lowest"), [("2", 0), ("17/10", 0), ("1", -0.5)])
-def test_a_fillet_ends_in_the_side_of_a_plate_that_is_too_small_for_it(order, x, lowest):
+def test_a_fillet_ends_in_the_side_of_a_plate_that_is_too_small_for_it(order, x, lowest, request):
     """The face beside it goes on over its end; a boss that passes the side has none beyond that."""
+    if (order, x) == (2, "1"):
+        reason = "no lattice shows where the side cuts the joint of order 2, but of radii up to .738"
+        request.applymarker(pytest.mark.xfail(raises=GeometryError, strict=True, reason=reason))
     made = near_the_edge(x).fillet("plate z+", "boss", "3/4", order)
     mesh = made.mesh(5e-3)
     assert made.proved and mesh.is_closed and mesh.points[:, 0].min() == pytest.approx(lowest, abs=5e-3)

@@ -11,6 +11,7 @@ import pytest
 from pas import solid
 from pas.errors import GeometryError, MeshError
 from pas.mesh.closed import _bounding
+from pas.mesh.diagnostics import diagnosis
 from pas.mesh.labelled import Labelled
 from pas.solid.operands import Operands
 
@@ -95,8 +96,12 @@ def test_cut_through_points_where_four_faces_meet():
 
 
 def test_corners_of_smooth_faces_are_no_trouble_for_a_lattice():
-    mesh = replace(soft(), sheets=None).mesh()
+    shape = replace(soft(), sheets=None)
+    mesh = shape.mesh()
     assert mesh.is_closed and {*mesh.names} == {*soft().faces}
+    found = shape.face_mesh().mesh
+    found = diagnosis(shape.field, found.points[found.topology.label_count > 2], 1e-2)
+    assert found is None or not found.stays
 
 
 def test_what_touches_is_refused_by_name():
