@@ -23,8 +23,8 @@ def test_patterns_of_solids_are_unions_of_images():
     )
     manual = PEG.renamed("x") | PEG.translate(0, 1, 0).renamed("x") | PEG.translate(0, 2, 0).renamed("x")
     assert row.renamed("x").tree == manual.tree
-    for names in ("", {row.faces[0]: ""}):
-        with pytest.raises(ValueError, match="the name of a face must not be empty"):
+    for names in ("", {row.faces[0]: ""}, {row.faces[0]: 3}):
+        with pytest.raises(ValueError, match="the name of a face must be a text that is not empty, not "):
             row.renamed(names)
     ring = PEG.circular_pattern(4, (0, 0, 1))
     points = np.array([(3, 0, 0), (0, 3, 0), (-3, 0, 0), (0, -3, 0), (2, 2, 0)], dtype=float)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 import json
 import re
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -18,7 +19,9 @@ from pas.exchange.formats.step import write_parts
 from pas.exchange.step.borders import curve_through
 from pas.exchange.step.carriers import CarrierKind, Plane, carrier_of, reducible_planes
 from pas.exchange.step.charts import Atlas
+from pas.exchange.step.division import _interpolated
 from pas.exchange.step.model import adaptive_volume, explored, is_valid, step_part
+from pas.exchange.step.parametrized import PlacedSurface
 from pas.exchange.write import write_step
 from pas.parametric.patches import RationalPatch
 from pas.parametric.shapes import ball_patches, cone_patches, cylinder_patches, torus_patches
@@ -365,6 +368,19 @@ def test_tubes_are_splines_by_their_own_parameters(ocp, tmp_path, name):
     (found,), kinds = read_solids(tmp_path / "a.step")
     assert is_valid(found) and kinds == wanted
     assert adaptive_volume(found) == pytest.approx(volume, rel=1e-5)
+
+
+def test_points_by_parameters_that_are_not_on_the_function_are_not_taken():
+    """A spline through a tube's points follows its function; through points beside the tube there is none."""
+    shape = solid.tube(*HELIX, (0, 1))
+    atlas = Atlas(shape.face_mesh(0.05).mesh, shape.field)
+    chart, sheet = next((n, s) for n, s in atlas.sheets.items() if isinstance(s.carrier, PlacedSurface))
+    surface, start, points = sheet.carrier, np.zeros(2), atlas.points[atlas.triangles[atlas.chart == chart, 0]]
+    places = surface.unwound(surface.places(points), start)
+    ends = np.stack([places.min(axis=0), places.max(axis=0)])
+    beside = replace(surface, outward=lambda points: 1.0001 * surface.outward(points))
+    for one, is_one in ((surface, True), (beside, False)):
+        assert (_interpolated(sheet, one, start, places, ends, 1e-5, 1e-4) is not None) == is_one
 
 
 def test_tubes_of_varying_radius_are_dupin_cyclides(ocp, tmp_path):

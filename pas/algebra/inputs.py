@@ -190,6 +190,13 @@ def points_of(points: ArrayLike) -> NDArray[np.float64]:
     return array
 
 
+def check_names(names: Iterable[Any]) -> None:
+    """Raise `ValueError` for a name of a face that is no text, or an empty one, as walls have."""
+    for name in names:
+        if not isinstance(name, str) or not name:
+            raise ValueError(f"the name of a face must be a text that is not empty, not {shown(name)}")
+
+
 def check_text(text: str) -> str:
     """An expression of bearable length; raises `ValueError`."""
     if len(text) > LONGEST_TEXT:

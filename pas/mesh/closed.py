@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from pas.mesh.cleaning import FOLD, cleaned
@@ -31,7 +32,7 @@ from pas.mesh.projection import distances, newton, pair_normals, project
 from pas.mesh.quality import Quality
 from pas.mesh.refusals import Made, Refusal, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
-from pas.mesh.rows import norms
+from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.surfaces import mesh_apart, together
 from pas.mesh.topology import connected
 
@@ -126,13 +127,11 @@ def _touching(mesh: Labelled, field: FaceField, tolerance: float) -> Refusal | N
         off = distances(field, here, np.full(len(here), label))
         on, near = here[off < close], here[off < room]
         around = (on[:, None] + beside).reshape(-1, 3)
-        around = newton(around, field, np.full((len(around), 1), label), np.full(len(around), 10 * close))
-        begins = bounds_set(field, around, np.full(len(around), label))
+        around, begins = _beginning(field, around, np.full(len(around), label), 10 * close)
         if begins.any():
             return pinched_at(field, around[begins][0])
-        column = np.full(len(near), label)
-        feet = newton(near, field, column[:, None], np.full(len(near), room))
-        gaps = np.where(bounds_set(field, feet, column), norms(near - feet), np.inf)
+        feet, begins = _beginning(field, near, np.full(len(near), label), room)
+        gaps = np.where(begins, norms(near - feet), np.inf)
         nearest = np.argsort(gaps)[: min(PLACES, np.isfinite(gaps).sum())]
         trouble = diagnosis(field, feet[nearest], room)
         if trouble is not None and trouble.stays:
@@ -169,9 +168,7 @@ def _joined(mesh: Labelled, field: FaceField) -> Labelled | None:
 def _begins(mesh: Labelled, field: FaceField, tolerance: float, label: int) -> bool:
     """Whether the set begins at the middle of a triangle of a label: not where faces in one plane cover one another."""
     middles = mesh.points[mesh.triangles[mesh.labels == label]].mean(axis=1)
-    labels = np.full(len(middles), label)
-    points = newton(middles, field, labels[:, None], np.full(len(middles), tolerance))
-    return bool(bounds_set(field, points, labels).any())
+    return bool(_beginning(field, middles, np.full(len(middles), label), tolerance)[1].any())
 
 
 def _bounding(mesh: Labelled, field: FaceField, tolerance: float) -> bool:
@@ -186,8 +183,13 @@ def _bounding(mesh: Labelled, field: FaceField, tolerance: float) -> bool:
     weights = np.array([(i, j, parts - i - j) for i in range(1, parts) for j in range(1, parts - i)]) / parts
     points = np.einsum("wc,tcx->twx", weights, corners[rows]).reshape(-1, 3)
     labels = np.repeat(mesh.labels[rows], len(weights))
-    points = newton(points, field, labels[:, None], np.full(len(points), tolerance))
-    return bool(bounds_set(field, points, labels).all())
+    return bool(_beginning(field, points, labels, tolerance)[1].all())
+
+
+def _beginning(field: FaceField, points: Floats, labels: Integers, reach: float) -> tuple[Floats, NDArray[np.bool_]]:
+    """Points (N, 3) moved onto the faces of their labels (N,), by at most `reach`, and whether the set begins there."""
+    placed = newton(points, field, labels[:, None], np.full(len(points), reach))
+    return placed, bounds_set(field, placed, labels)
 
 
 def refined_faces(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> FaceMesh:

@@ -158,7 +158,7 @@ class Filling:
         return None if found is None else to_float(found)
 
 
-def _largest(made: Callable[[fmpq], object | str], most: fmpq) -> fmpq | None:
+def _largest(made: Callable[[fmpq], object], most: fmpq) -> fmpq | None:
     """The largest number found up to one, to a sixtieth, for which there is more than a reason; None where none is."""
     if not isinstance(made(most), str):
         return most

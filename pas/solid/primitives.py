@@ -179,22 +179,23 @@ def flange(
 
         solid.flange((0, 0, 0), (0, 0, 1), 10, 25, 5, bolts=6, bolt_radius=2)
     """
-    place, way, bore, rim = vector(center, "center"), vector(axis, "axis"), rational(radius, "radius"), outer_radius
+    place, way, bore = vector(center, "center"), vector(axis, "axis"), rational(radius, "radius")
+    rim = positive(outer_radius, "outer_radius")
     if not any(way):
         raise ValueError("axis must not be the zero vector")
-    if not 0 <= bore < positive(rim, "outer_radius"):
-        raise ValueError(f"radius must be 0 or more and below outer_radius, {rim}, not {radius}")
+    if not 0 <= bore < rim:
+        raise ValueError(f"radius must be 0 or more and below outer_radius, {plain(rim)}, not {radius}")
     rise = three(w * positive(thickness, "thickness") / square_root(dot(way, way)) for w in way)
-    low, high = (three(p + k * r for p, r in zip(place, rise, strict=True)) for k in (-1, 2))
-    plate = cylinder(place, three(p + r for p, r in zip(place, rise, strict=True)), rim, face)
+    below, end, above = (three(p + k * r for p, r in zip(place, rise, strict=True)) for k in (-1, 1, 2))
+    plate = cylinder(place, end, rim, face)
     if bore:
-        plate -= cylinder(low, high, bore, f"{face} bore")
+        plate -= cylinder(below, above, bore, f"{face} bore")
     if whole(bolts, "bolts", 0, 1000) or (bolt_radius, bolt_circle) != (None, None):
-        size, around = _bolts(bore, rational(rim), bolts, bolt_radius, bolt_circle)
+        size, around = _bolts(bore, rim, bolts, bolt_radius, bolt_circle)
         aside, _ = two_across(way)
         first = three(a * around / square_root(dot(aside, aside)) for a in aside)
-        ends = [three(p + f for p, f in zip(end, first, strict=True)) for end in (low, high)]
-        plate -= cylinder(ends[0], ends[1], size, f"{face} hole").circular_pattern(bolts, way, place)
+        low, high = (three(p + f for p, f in zip(at, first, strict=True)) for at in (below, above))
+        plate -= cylinder(low, high, size, f"{face} hole").circular_pattern(bolts, way, place)
     return plate
 
 

@@ -99,8 +99,8 @@ class Rounds:
     """The faces along the edges of a loop, by its number, in a plane across it at a `level`, above it if `up` is 1 and
     below if -1: rounds of an end of the loop's solid, or, where `foot` is not 0, fillets around it.
 
-    In the plane fillets end in what the solid stands on.  As rounding says which of two faces in one plane is in front,
-    the row of the sides in which that is left is further on by `foot`.
+    A fillet ends in the plane, in what the solid stands on, and begins where the sides are left.  Rounding would say
+    which of two faces in one plane is in front, so that the row of the sides is moved on by `foot` beyond it.
     """
 
     loop: int

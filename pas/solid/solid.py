@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.algebra.brief import listed
-from pas.algebra.inputs import check_tolerance, points_of
+from pas.algebra.inputs import check_names, check_tolerance, points_of
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, rational, to_float
@@ -138,9 +138,8 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     def renamed(self, name: str | Mapping[str, str]) -> Solid:
         """The solid with all its faces, walls included, under one name, or some under new ones; claimed joints stay.
 
-        Raises `ValueError` for an empty name, as of walls, and `GeometryError` for a face that there is not."""
-        if "" in (name, *(() if isinstance(name, str) else name.values())):
-            raise ValueError("the name of a face must not be empty")
+        Raises `ValueError` for a name that is empty or no text, and `GeometryError` for a face that there is not."""
+        check_names([name] if isinstance(name, str) else name.values())
         if unknown := [] if isinstance(name, str) else [face for face in name if face not in self.faces]:
             raise GeometryError(f"the solid has no face {unknown[0]!r}{meant(unknown[0], self.faces) or ''}")
         return self._called(dict.fromkeys((*self.faces, ""), name) if isinstance(name, str) else name)

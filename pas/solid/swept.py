@@ -118,7 +118,10 @@ def put_flat(made: Faces, name: str, triangles: Integers, normal: Floats) -> Non
 
 
 def put_level(made: Faces, name: str, rows: Sequence[Integers], sign: int) -> bool:
-    """Whether a flat face inside rows of vertices is one, seen from above or, where `sign` is -1, from below."""
+    """Add the flat face inside rows of vertices, seen from above or, where `sign` is -1, from below.
+
+    Returns whether there is one; nothing is added where the rows bound none.
+    """
     rims = [row[row != np.roll(row, 1)] for row in rows]
     triangles = flat([made.points[rim, :2] for rim in rims])
     if triangles is None or not len(triangles):

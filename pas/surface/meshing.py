@@ -1,4 +1,8 @@
-"""Meshes of piecewise surfaces: as graphs over the directions from the centre, else from a lattice in the cells."""
+"""Meshes of piecewise surfaces.
+
+Graphs over the directions from the centre are remeshed in directions, bisected where triangles fold; what is no graph
+is meshed from a lattice in the cells.
+"""
 
 from __future__ import annotations
 

@@ -36,6 +36,15 @@ class PlacedSurface:
     outward: Map
     unit: Floats
 
+    @classmethod
+    def near(cls, points: Floats, given: Parametrized, inward: Map, outward: Map) -> PlacedSurface:
+        """A surface near points (N, 3), with units in which parameters change as lengths do there."""
+        places = given.places(inward(points))
+        step = np.diag(1e-5 * np.maximum(np.ptp(places, axis=0), 1e-300))
+        by = [outward(given.at(places + s)) - outward(given.at(places - s)) for s in step]
+        rise = np.array([np.linalg.norm(d, axis=1).mean() for d in by])
+        return cls(given, inward, outward, rise / (2 * step.sum(axis=0)))
+
     def places(self, points: Floats) -> Floats:
         """The parameters (N, 2) of its points next to points (N, 3)."""
         return self.given.places(self.inward(points)) * self.unit
@@ -123,21 +132,12 @@ def surface_of(field: SolidField, column: int, points: Floats) -> Carrier | Plac
         return Carrier(CarrierKind.PLANE, place, unit(tip - place))
     if not isinstance(function, Parametrized):
         return None
-    return _measured(
+    return PlacedSurface.near(
+        points,
         function,
         lambda p: map_.inverse.points(field.world(p)),
         lambda p: field.evaluator.local(map_.points(p)),
-        points,
     )
-
-
-def _measured(given: Parametrized, inward: Map, outward: Map, points: Floats) -> PlacedSurface:
-    """A surface near some points, with units in which parameters change as lengths do there."""
-    places = given.places(inward(points))
-    step = np.diag(1e-5 * np.maximum(np.ptp(places, axis=0), 1e-300))
-    by = [outward(given.at(places + s)) - outward(given.at(places - s)) for s in step]
-    rise = np.array([np.linalg.norm(d, axis=1).mean() for d in by])
-    return PlacedSurface(given, inward, outward, rise / (2 * step.sum(axis=0)))
 
 
 @dataclass(frozen=True)
@@ -190,7 +190,7 @@ def _cyclide(polynomial: Polynomial, points: Floats) -> PlacedSurface | None:
         return None
     place = np.array(to_floats(center))
     found = Cyclide(*np.sqrt(squares).tolist())
-    surface = _measured(found, lambda p: (p - place) @ axes.T, lambda p: p @ axes + place, points)
+    surface = PlacedSurface.near(points, found, lambda p: (p - place) @ axes.T, lambda p: p @ axes + place)
     there = surface.at(surface.places(points))
     slopes = np.linalg.norm(polynomial.gradient(there), axis=1)
     return surface if (np.abs(polynomial(there)) <= least * slopes).all() else None
