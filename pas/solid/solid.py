@@ -35,7 +35,7 @@ from pas.solid.bounds import bounding_box, narrowed
 from pas.solid.edge_verbs import WithEdges
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
-from pas.solid.joints import Joint, orders, prove, refuse_unknown, verdict_list
+from pas.solid.joints import Joint, Proved, orders, prove, refuse_unknown, verdict_list
 from pas.solid.linked import SolidBoundary
 from pas.solid.measures import Measures, curved_measures
 from pas.solid.operands import Operands, combined_boundary, renamed_boundary
@@ -62,6 +62,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     joints: tuple[Joint, ...] = ()
     special_points: tuple[tuple[float, float, float], ...] = ()
     sheets: SolidBoundary | None = None
+    known: Proved | None = field(default=None, repr=False)
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False, init=False)
     kind = "solid"
 
@@ -177,7 +178,12 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     @cached_property
     def verdicts(self) -> tuple[Verdict, ...]:
         """The exact verdict on each claimed joint, in the order of the claims."""
-        return tuple(prove(j, self.tree, lambda: self.box) for j in self.joints)
+        return tuple(map(self.verdict, self.joints))
+
+    def verdict(self, joint: Joint) -> Verdict:
+        """The exact verdict on a joint, claimed or not; that which its fillet was given with, if nothing changed."""
+        known = self.known and self.known.of(joint, self.tree)
+        return prove(joint, self.tree, lambda: self.box) if known is None else known
 
     @cached_property
     def certificate(self) -> Findings:
