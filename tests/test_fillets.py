@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -15,6 +16,7 @@ from pas.exchange.step.carriers import CarrierKind, carrier_of
 from pas.solid.face_seams import FaceSeam
 from pas.solid.fillet_forms import bent, turned
 from pas.solid.fillets import Filling
+from pas.solid.joints import prove
 
 
 def box() -> solid.Solid:
@@ -83,6 +85,21 @@ def test_fillets_are_proved_and_mesh(name, order):
     assert (grown > 0) == (name in ("bracket", "boss", "branch", "ball"))
     if order == 1 and added is not None:
         assert made.volume(1e-3) - plain.volume(1e-3) == pytest.approx(added, rel=1e-3)
+
+
+def test_its_verdicts_are_kept_for_its_own_tree_alone(monkeypatch):
+    """Those of its own joints and of those beside it."""
+    whole = box().fillet("box x+", "box y+", "1/4").fillet("box x-", "box y+", "1/4")
+    asked = []
+
+    def prove_again(joint, tree, box):
+        asked.append(joint)
+        return prove(joint, tree, box)
+
+    monkeypatch.setattr("pas.solid.solid.prove", prove_again)
+    assert whole.proved and [*map(str, asked)] == ["fillet meets box x+"]
+    other = replace(whole, tree=box().tree)
+    assert not any(verdict.proved for verdict in other.verdicts) and other.known is not None
 
 
 def test_between_planes_it_is_a_circular_cylinder():

@@ -91,15 +91,16 @@ class Filling:
         sheets = None if self.within else filleted(self.solid.sheets, pieces, add)
         made = replace(self.solid, tree=tree, joints=claims, sheets=sheets)
         goes_on = next((seam.goes_on for seam in self.seams if seam.goes_on), "")
-        for wrong in (v for v in made.verdicts if not v.proved):
-            return _told(wrong) + goes_on
         names = {name for seam in self.seams for name in seam.names}
-        beside = {joint: made.verdict(joint) for joint in self.solid.joints if {joint.first, joint.second} & names}
-        for joint, verdict in beside.items():
+        beside = [joint for joint in self.solid.joints if {joint.first, joint.second} & names]
+        verdicts = dict[Joint, Verdict]()
+        for joint in (*claims, *beside):
+            verdict = verdicts[joint] = made.verdict(joint)
+            if not verdict.proved and joint in claims:
+                return _told(verdict) + goes_on
             if not verdict.proved and self.solid.verdict(joint).proved:
                 return f"make it before another fillet, of which then {_told(verdict)}"
-        proved = Proved(tree, {**beside, **dict(zip(claims, made.verdicts, strict=True))})
-        return replace(made, joints=(*self.solid.joints, *claims), known=proved)
+        return replace(made, joints=(*self.solid.joints, *claims), known=Proved(tree, verdicts))
 
     def _trees(self, radius: fmpq) -> tuple[list[FilletPiece], list[Tree]] | str:
         """The pieces of a fillet with what is added or taken away, or why there is none, as points of it show."""
@@ -186,15 +187,16 @@ class Filling:
         sheets = None if self.within else filleted(self.solid.sheets, pieces, add)
         made = replace(self.solid, tree=tree, joints=claims, sheets=sheets)
         goes_on = next((seam.goes_on for seam in self.seams if seam.goes_on), "")
-        for wrong in (v for v in made.verdicts if not v.proved):
-            return _told(wrong) + goes_on
         names = {name for seam in self.seams for name in seam.names}
-        beside = {joint: made.verdict(joint) for joint in self.solid.joints if {joint.first, joint.second} & names}
-        for joint, verdict in beside.items():
+        beside = [joint for joint in self.solid.joints if {joint.first, joint.second} & names]
+        verdicts = dict[Joint, Verdict]()
+        for joint in (*claims, *beside):
+            verdict = verdicts[joint] = made.verdict(joint)
+            if not verdict.proved and joint in claims:
+                return _told(verdict) + goes_on
             if not verdict.proved and self.solid.verdict(joint).proved:
                 return f"make it before another fillet, of which then {_told(verdict)}"
-        proved = Proved(tree, {**beside, **dict(zip(claims, made.verdicts, strict=True))})
-        return replace(made, joints=(*self.solid.joints, *claims), known=proved)
+        return replace(made, joints=(*self.solid.joints, *claims), known=Proved(tree, verdicts))
 
     def _trees(self, radius: fmpq) -> tuple[list[FilletPiece], list[Tree]] | str:
         """The pieces of a fillet with what is added or taken away, or why there is none, as points of it show."""
