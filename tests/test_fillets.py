@@ -87,19 +87,41 @@ def test_fillets_are_proved_and_mesh(name, order):
         assert made.volume(1e-3) - plain.volume(1e-3) == pytest.approx(added, rel=1e-3)
 
 
-def test_its_verdicts_are_kept_for_its_own_tree_alone(monkeypatch):
-    """Those of its own joints and of those beside it."""
-    whole = box().fillet("box x+", "box y+", "1/4").fillet("box x-", "box y+", "1/4")
-    asked = []
+@pytest.fixture
+def asked(monkeypatch):
+    """The joints that are proved, not known."""
+    found = []
 
-    def prove_again(joint, tree, box):
-        asked.append(joint)
+    def noted(joint, tree, box):
+        found.append((joint.first, joint.second))
         return prove(joint, tree, box)
 
-    monkeypatch.setattr("pas.solid.solid.prove", prove_again)
-    assert whole.proved and [*map(str, asked)] == ["fillet meets box x+"]
+    monkeypatch.setattr("pas.solid.carried.prove", noted)
+    return found
+
+
+def test_verdicts_are_kept_where_nothing_changed_beside_a_joint(asked):
+    """Those of its own joints, of those beside it, and of others that it is away from; of no other tree."""
+    whole = box().fillet("box x+", "box y+", "1/4").fillet("box x-", "box y+", "1/4")
+    asked.clear()
+    assert whole.proved and not asked
+    hole, slot = (solid.cylinder((x, y, -1), (x, y, 2), "1/8") for x, y in (("3/2", 1), (3, "7/4")))
+    assert (whole - hole).proved and (hole | whole).proved and not asked
+    assert [v.proved for v in (whole - slot).verdicts] == [False, True, True, True]
+    assert asked == [("fillet", "box x+")]
+    asked.clear()
     other = replace(whole, tree=box().tree)
-    assert not any(verdict.proved for verdict in other.verdicts) and other.known is not None
+    assert not any(verdict.proved for verdict in other.verdicts) and len(asked) == 4
+
+
+def test_a_verdict_is_not_kept_where_a_face_is_cut_along_the_joint(asked):
+    """By what touches it in a point, in an edge and by what is flat on it; without end, too."""
+    whole = bracket().fillet("a y+", "b x+", "1/4")
+    ball = solid.ball((2, 1, 1), "3/4")  # of the joint with a, at (5/4, 1, z), it has one point
+    for change in (ball, solid.box((1, 1, 0), ("5/4", 2, 2)), solid.half_space("x - 5/4"), whole):
+        asked.clear()
+        assert len((whole | change).verdicts) == len((whole - change).verdicts) == 2
+        assert asked.count(("fillet", "a y+")) == 2
 
 
 def test_between_planes_it_is_a_circular_cylinder():
@@ -198,7 +220,7 @@ def test_no_piece_of_it_is_away_from_the_edge():
     run = solid.cylinder((-4, 0, 0), (4, 0, 0), 1, face="main")
     whole = run | solid.cylinder((0, 0, 0), (0, 0, "9/4"), "3/5", face="branch")
     found = Filling.of(whole, ("main", "branch"), 1, ()).made(fmpq(7, 10))
-    assert isinstance(found, str) and found.startswith("it would end in a wall near")
+    assert isinstance(found, str) and "on a part of the curve fillet is missing" in found
     with pytest.raises(GeometryError, match=r"chamfer of radius 3 .* is not proved"):
         box().chamfer("box x+", "box z+", 3)
 

@@ -23,9 +23,10 @@ from pas.algebra.rational import decimal, plain, to_float
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.registry import loaded
+from pas.solid.carried import Known, verdict
 from pas.solid.face_seams import FaceSeam
 from pas.solid.fillet_forms import FilletPiece, radius_of_turned
-from pas.solid.joints import Joint, Proved
+from pas.solid.joints import Joint
 from pas.solid.profile_rounds import filleted
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined, complement
@@ -95,12 +96,13 @@ class Filling:
         beside = [joint for joint in self.solid.joints if {joint.first, joint.second} & names]
         verdicts = dict[Joint, Verdict]()
         for joint in (*claims, *beside):
-            verdict = verdicts[joint] = made.verdict(joint)
-            if not verdict.proved and joint in claims:
-                return _told(verdict) + goes_on
-            if not verdict.proved and self.solid.verdict(joint).proved:
-                return f"make it before another fillet, of which then {_told(verdict)}"
-        return replace(made, joints=(*self.solid.joints, *claims), known=Proved(tree, verdicts))
+            proof = verdicts[joint] = verdict(made, joint)
+            if not proof.proved and joint in claims:
+                return _told(proof) + goes_on
+            if not proof.proved and verdict(self.solid, joint).proved:
+                return f"make it before another fillet, of which then {_told(proof)}"
+        known = replace(Known.of(tree, (self.solid, combined(True, *trees))), verdicts=verdicts)
+        return replace(made, joints=(*self.solid.joints, *claims), known=known)
 
     def _trees(self, radius: fmpq) -> tuple[list[FilletPiece], list[Tree]] | str:
         """The pieces of a fillet with what is added or taken away, or why there is none, as points of it show."""
@@ -136,111 +138,6 @@ class Filling:
         over = (one for one in seam.beside if (one[1](ends[~held]) > 0).any())
         trims = [Atom(wall, name) for name, wall in dict.fromkeys([*over, *inner])]
         return piece.tree([*walls, *(wall + hidden for wall in seam.entered)], trims)
-
-    def largest(self, above: fmpq) -> float | None:
-        """The largest radius found of a fillet, below one; None where there is none."""
-
-
-@dataclass(frozen=True, eq=False)
-class Filling:
-    """What is asked: a solid, the seams of two of its faces, the order, where, and the name of the new face."""
-
-    solid: Solid
-    seams: tuple[FaceSeam, ...]
-    order: int
-    within: tuple[Polynomial, ...]
-    face: str
-
-    @classmethod
-    def of(
-        cls,
-        solid: Solid,
-        names: tuple[str, str],
-        order: int,
-        within: Sequence[PolynomialLike],
-        face: str | None = None,
-    ) -> Filling:
-        """That of arguments of `Solid.fillet`, which are checked but for faces that touch."""
-        check_order(order)
-        walls = tuple(Polynomial.named(wall, f"within[{i}]", constant=False) for i, wall in enumerate(within))
-        tiny = fmpq(1, 2**20) * decimal(float(np.ptp(solid.mesh().points, axis=0).max()))
-        seams = FaceSeam.chain(solid, names, lambda seam, end: FilletPiece("", seam, tiny, order).goes_on(end))
-        return cls(solid, seams, order, walls, title_of(solid, order, face))
-
-    def made(self, radius: fmpq) -> Solid | str:
-        """The solid with a fillet of a radius, or why there is none."""
-        found = self.joined(radius)
-        return found if isinstance(found, str) else strays(found) or found
-
-    def joined(self, radius: fmpq) -> Solid | str:
-        """The solid with a fillet whose joints are proved, or why there is none; not looked at on a mesh."""
-        checkpoint("proving a fillet")
-        found = self._trees(radius)
-        if isinstance(found, str):
-            return found
-        pieces, trees = found
-        ends = [(piece, end) for piece in pieces for end in piece.seam.smooth]
-        joined = dict.fromkeys(Joint(self.face, self.face, piece.section(end), 1) for piece, end in ends)
-        claims = tuple(dict.fromkeys([*(claim for piece in pieces for claim in piece.claims()), *joined]))
-        whole, add = self.solid.tree, self.seams[0].sign > 0
-        tree = combined(add, whole, *(tree if add else complement(tree) for tree in trees))
-        sheets = None if self.within else filleted(self.solid.sheets, pieces, add)
-        made = replace(self.solid, tree=tree, joints=claims, sheets=sheets)
-        goes_on = next((seam.goes_on for seam in self.seams if seam.goes_on), "")
-        names = {name for seam in self.seams for name in seam.names}
-        beside = [joint for joint in self.solid.joints if {joint.first, joint.second} & names]
-        verdicts = dict[Joint, Verdict]()
-        for joint in (*claims, *beside):
-            verdict = verdicts[joint] = made.verdict(joint)
-            if not verdict.proved and joint in claims:
-                return _told(verdict) + goes_on
-            if not verdict.proved and self.solid.verdict(joint).proved:
-                return f"make it before another fillet, of which then {_told(verdict)}"
-        return replace(made, joints=(*self.solid.joints, *claims), known=Proved(tree, verdicts))
-
-    def _trees(self, radius: fmpq) -> tuple[list[FilletPiece], list[Tree]] | str:
-        """The pieces of a fillet with what is added or taken away, or why there is none, as points of it show."""
-        pieces, trees = [FilletPiece(self.face, seam, radius, self.order) for seam in self.seams], list[Tree]()
-        for piece in pieces:
-            found = self._tree(piece)
-            if isinstance(found, str):
-                return found
-            trees.append(found)
-        return pieces, trees
-
-    def _tree(self, piece: FilletPiece) -> Tree | str:
-        """What is added or taken away along one seam, or why there is no fillet."""
-        seam, size = piece.seam, to_float(piece.radius)
-        bent = seam.turned_back(size)
-        if True in bent:
-            return f"{seam.names[bent.index(True)]!r} is bent more than a ball of this radius that touches it there"
-        a, b = piece.form.heights
-        ends = seam.ends((a, b), size, piece.form.curves) if a > 0 and b > 0 else None
-        if ends is None:
-            return "one of the faces does not go on so far from the edge"
-        held = self.solid.contains(ends - 1e-4 * size * seam.outwards(ends))
-        for name, curve, some in zip(seam.names, piece.form.curves, np.split(held, 2), strict=True):
-            if curve and not some.any():
-                return f"{name!r} does not go on so far from the edge"
-        far, around = seam.sign < 0 or bool(seam.entered or seam.goes_on), np.concatenate([seam.points, ends])
-        walls = [*self.within, *(-wall for wall in piece.ended), *_box(around, seam.runs_out(size) if far else size)]
-        if seam.sign < 0:
-            return piece.tree(walls)
-        hidden = piece.radius / 8  # how deep it goes on in what it runs into
-        planes = [(name, w) for name, some in self.solid.polynomials.items() for w in some if far and w.degree == 1]
-        inner = (one for one in planes if (one[1](around) < 0).all())
-        over = (one for one in seam.beside if (one[1](ends[~held]) > 0).any())
-        trims = [Atom(wall, name) for name, wall in dict.fromkeys([*over, *inner])]
-        return piece.tree([*walls, *(wall + hidden for wall in seam.entered)], trims)
-
-    def _broken(self, made: Solid) -> str | None:
-        """What joint of the two faces, proved before, is none beside the fillet; None where there is none."""
-        names = {name for seam in self.seams for name in seam.names}
-        own = tuple(joint for joint in self.solid.joints if {joint.first, joint.second} & names)
-        after = ((joint, prove(joint, made.tree, lambda: made.box)) for joint in own)
-        wrong = ((joint, verdict) for joint, verdict in after if not verdict.proved)
-        lost = (v for joint, v in wrong if prove(joint, self.solid.tree, lambda: self.solid.box).proved)
-        return next((f"make it before another fillet, of which then {_told(verdict)}" for verdict in lost), None)
 
     def largest(self, above: fmpq) -> float | None:
         """The largest radius found below one, to a thirtieth, of a fillet that there is; None where there is none.

@@ -12,7 +12,7 @@ distances, say of small boxes.  What cannot be decided is UNDECIDED, with the re
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -96,18 +96,6 @@ def refuse_unknown(joint: Joint, faces: Sequence[str]) -> None:
     for name in (joint.first, joint.second):
         if name not in faces:
             raise GeometryError(f"the solid has no face {name!r} for the joint; its faces are {', '.join(faces)}")
-
-
-@dataclass(frozen=True, eq=False)
-class Proved:
-    """Verdicts on joints of the solid with one tree, which hold for no other."""
-
-    tree: Tree
-    verdicts: Mapping[Joint, Verdict]
-
-    def of(self, joint: Joint, tree: Tree) -> Verdict | None:
-        """The verdict on a joint of the solid with a tree; None where it is not known."""
-        return self.verdicts.get(joint) if tree is self.tree else None
 
 
 def prove(joint: Joint, tree: Tree, box: Callable[[], Floats]) -> Verdict:
