@@ -17,6 +17,7 @@ from pas.solid.face_seams import FaceSeam
 from pas.solid.fillet_forms import bent, turned
 from pas.solid.fillets import Filling
 from pas.solid.joints import prove
+from pas.solid.rolling import touching
 
 
 def box() -> solid.Solid:
@@ -159,6 +160,21 @@ def test_along_circles_it_is_the_torus_of_a_ball_that_rolls(name):
     assert found is not None and found.kind is CarrierKind.TORUS
     assert (found.radius, found.minor) == pytest.approx((major, float(Fraction(radius))), rel=1e-8)
     assert "4 (torus)" in made.description
+
+
+def test_balls_that_roll_touch_both_faces():
+    """Beside cylinders centres are as far from the axes as radii say; into half a ball goes one of half the radius."""
+    run, branch = touching(FaceSeam.of(tee(), ("main", "branch")), 0.3)
+    centers = run * [1, 1.3, 1.3]
+    assert np.hypot(run[:, 1], run[:, 2]) == pytest.approx(1) and np.hypot(*branch[:, :2].T) == pytest.approx(0.6)
+    assert centers == pytest.approx(branch * [1.5, 1.5, 1]) and centers[:, 2].min() > 0.9
+    for whole, names in ((plate(), ("plate z+", "hole")), (solid.ball((0, 0, 0), 1) & box(), ("ball", "box z-"))):
+        seam = FaceSeam.of(whole, names)
+        assert touching(seam, 0.45) is not None and (touching(seam, 0.55) is None) == (seam.names[0] == "ball")
+    made = (solid.cylinder((-3, 0, 0), (3, 0, 0), 1, face="a") | solid.ball((0, "1/4", 1), "2/5", face="b")).fillet(
+        "a", "b", "3/5"
+    )
+    assert made.proved and made.mesh().is_closed
 
 
 def test_without_an_axis_in_common_it_is_a_polynomial():

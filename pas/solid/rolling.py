@@ -16,21 +16,16 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.solid.face_seams import FaceSeam
 
-STEPS, ITERATIONS = 8, 6
-"""Radii at which balls are found one after the other, and steps of Newton's method for each."""
-
-CLOSE, SINGULAR = 1e-6, 1e-9
-"""How far off points may be, over the radius, and the determinant from which on no ball can roll on: of orthogonal
-planes it is 1."""
-
 
 def touching(seam: FaceSeam, radius: float) -> Floats | None:
     """Points (2, N, 3) in which balls of a radius that roll along a seam touch its faces; None where one of them
     cannot."""
+    steps, iterations = 8, 6  # radii one after the other, and steps of Newton's method for each
+    close, singular = 1e-6, 1e-9  # distances over the radius, and the determinant, 1 between orthogonal planes
     along = unit(np.cross(*seam.normals))
     points, edge, start = np.stack([seam.points, seam.points]), seam.points, None
-    for reach in seam.sign * radius * np.arange(1, STEPS + 1) / STEPS:
-        for _ in range(ITERATIONS):
+    for reach in seam.sign * radius * np.arange(1, steps + 1) / steps:
+        for _ in range(iterations):
             values, matrix = np.zeros((len(edge), 6)), np.zeros((len(edge), 6, 6))
             for number, (face, some) in enumerate(zip(seam.faces, points, strict=True)):
                 own = slice(3 * number, 3 * number + 3)
@@ -43,11 +38,11 @@ def touching(seam: FaceSeam, radius: float) -> Floats | None:
                 matrix[:, 5, own] = (along[:, None] @ moves)[:, 0]
             sizes = np.linalg.det(matrix)
             start = sizes if start is None else start
-            if not (sizes * np.sign(start) > SINGULAR).all():
+            if not (sizes * np.sign(start) > singular).all():
                 return None
             moved = np.linalg.solve(matrix, values[..., None])[..., 0]
             points = points - np.moveaxis(moved.reshape(-1, 2, 3), 1, 0)
-        if np.abs(values).max() > CLOSE * radius:
+        if np.abs(values).max() > close * radius:
             return None
     return points
 
