@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.errors import GeometryError, optional
-from pas.mesh.booleans import Triangles, boolean
+from pas.mesh.booleans import Step, Triangles, boolean
 from pas.mesh.quality import Quality, smallest_angles, soundness
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
@@ -288,7 +288,7 @@ class Mesh(AffineShape["Mesh"], Shape):
         if not isinstance(other, Mesh):
             refuse_mixed(self, other)
         names = tuple(dict.fromkeys(self.names + other.names))
-        points, triangles, faces = boolean([self._named(names), other._named(names)], operation)
+        points, triangles, faces = boolean([self._named(names), other._named(names)], [Step(2, operation, 2)])
         return Mesh(points, triangles, faces, names, flat_normals(points, triangles))
 
     def _named(self, names: tuple[str, ...]) -> Triangles:

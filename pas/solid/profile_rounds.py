@@ -10,11 +10,11 @@ Guaranteed: that the rounds of one end do not meet, as they are on the mesh.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import pairwise, product
-from operator import sub
+from operator import and_, or_, sub
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import dot, plain, rational, square_root, to_float
 from pas.errors import GeometryError, meant
+from pas.mesh.booleans import carried_out
 from pas.mesh.rows import Integers
 from pas.solid.edges import Loop, PlaneEdge, at, radius_of
 from pas.solid.extrusion import Prism, inwards, square_of
@@ -208,7 +209,9 @@ class RoundedPrism(SweptBody):
 def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int) -> Solid:
     """The solid with the edges of plane faces or of a profile's ends rounded; see `Solid.rounded`."""
     known = solid.sheets
-    first: Any = known.parts[0] if isinstance(known, Operands) and known.operation == "Subtract" else solid
+    first: Any = solid
+    if isinstance(known, Operands) and carried_out(known.steps, [True, *known.parts[1:]], _is_less):
+        first = known.parts[0]
     body = first.sheets
     if isinstance(body, RoundedPrism):
         raise GeometryError("edges of the solid are rounded already: name the faces of all that are to be in one call")
@@ -224,8 +227,15 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
     if first is solid:
         return made
     assert isinstance(known, Operands)
-    made = reduce(sub, known.parts[1:], made)
+    parts: list[Any] = [made, *known.parts[1:]]
+    done: dict[str, Callable[[Any, Any], Any]] = {"Add": or_, "Intersect": and_, "Subtract": sub}
+    made = carried_out(known.steps, parts, lambda operation, some: reduce(done[operation], some))
     return replace(made, joints=tuple(dict.fromkeys((*made.joints, *solid.joints))))
+
+
+def _is_less(operation: str, solids: list[Any]) -> bool:
+    """Whether the first is the one that is asked about, or that less others, and others are taken from it."""
+    return solids[0] is True and operation == "Subtract"
 
 
 def rounded_prism(solid: Solid, body: Prism, faces: Sequence[str] | None, radius: fmpq, order: int) -> Solid:
@@ -276,7 +286,7 @@ def filleted(known: SolidBoundary | None, pieces: Sequence[FilletPiece], gains: 
         return _prism_filleted(known, pieces, flat[0], gains)
     if isinstance(known, Operands):
         for number, part in enumerate(known.parts):
-            more = gains != (known.operation == "Subtract" and number > 0)
+            more = gains != bool(known.turned[number])
             if (body := filleted(part.sheets, pieces, more)) is not None:
                 trees = (piece.tree((), [Atom(flat[0] * -piece.seam.sign, face)]) for piece in pieces)
                 tree = combined(more, part.tree, *(tree if more else complement(tree) for tree in trees))
