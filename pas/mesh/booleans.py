@@ -24,7 +24,7 @@ Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
-class Step:
+class BooleanStep:
     """Once so many operands were `read`, an `operation` of the last `many` of them and of earlier results, which makes
     one result of these: the union ("Add"), the intersection ("Intersect"), or the first less the others ("Subtract").
     """
@@ -34,7 +34,9 @@ class Step:
     many: int
 
 
-def carried_out(steps: Sequence[Step], operands: Sequence[Value], do: Callable[[str, list[Value]], Value]) -> Value:
+def carried_out(
+    steps: Sequence[BooleanStep], operands: Sequence[Value], do: Callable[[str, list[Value]], Value]
+) -> Value:
     """The result of the last of some steps, which are in postfix order, where `do` carries out one."""
     results, first = list[Value](), 0
     for step in steps:
@@ -44,7 +46,7 @@ def carried_out(steps: Sequence[Step], operands: Sequence[Value], do: Callable[[
     return results[0]
 
 
-def boolean(meshes: Sequence[Triangles], steps: Sequence[Step]) -> Triangles:
+def boolean(meshes: Sequence[Triangles], steps: Sequence[BooleanStep]) -> Triangles:
     """What is left of what meshes enclose after the steps.
 
     Raises `GeometryError` where one is refused or the result is empty, `MissingLibraryError` without manifold3d.

@@ -21,7 +21,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import rational
 from pas.errors import GeometryError, MeshError
-from pas.mesh.booleans import Step, Triangles, boolean, carried_out
+from pas.mesh.booleans import BooleanStep, Triangles, boolean, carried_out
 from pas.mesh.closed import refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import SAME
@@ -73,21 +73,21 @@ class Operands:
     """Solids that no set operation made, and the steps in which these made another one of them; see `carried_out`."""
 
     parts: tuple[Operand, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[BooleanStep, ...]
     coarse = None
 
     @classmethod
     def of(cls, solids: Sequence[Operand], operation: str) -> Operands:
         """What an operation makes of at least two solids, in as few steps as there are by their form."""
         known = [s.sheets if isinstance(s.sheets, Operands) else Operands((s,), ()) for s in solids]
-        parts, steps, many = list[Operand](), list[Step](), 0
+        parts, steps, many = list[Operand](), list[BooleanStep](), 0
         for number, one in enumerate(known):  # a - (b | c) is a - b - c
             joined = operation if operation != "Subtract" or number == 0 else "Add"
-            *others, last = one.steps or (Step(1, "", 1),)
+            *others, last = one.steps or (BooleanStep(1, "", 1),)
             opened, count = (others, last.many) if last.operation in ("", joined) else (one.steps, 1)
             steps += (replace(step, read=step.read + len(parts)) for step in opened)
             parts, many = [*parts, *one.parts], many + count
-        return cls(tuple(parts), (*steps, Step(len(parts), operation, many)))
+        return cls(tuple(parts), (*steps, BooleanStep(len(parts), operation, many)))
 
     @cached_property
     def box(self) -> Floats | None:

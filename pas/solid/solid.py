@@ -97,7 +97,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     def _patterned(self, maps: Sequence[Affine]) -> Solid:
         copies = enumerate((self, *map(self._moved, maps)), start=1)
-        return reduce(or_, (copy._called({f: numbered(f, n) for f in copy.faces}) for n, copy in copies))
+        return reduce(or_, (copy._called(numbered(copy.faces, n)) for n, copy in copies))
 
     def cap(self, plane: PolynomialLike, name: str = "cap") -> Solid:
         """The part where `plane <= 0`, with a face of that name where it is cut.
