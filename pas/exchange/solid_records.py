@@ -68,9 +68,6 @@ TREE: Value = choice(
 )
 """How its functions and branches are numbered is said by the whole record, which reads and writes it."""
 
-LEVELS = 32
-"""Of unions and intersections within one another that stand in one tree: files are read to some depth."""
-
 _TUBE = Table({"curve": list_of(TEXT, 3), "interval": list_of(NUMBER, 2), "radius": NUMBER}, {"round": FLAG})
 _DATA = {
     "pas.solid.tube.Tube": _TUBE,
@@ -103,6 +100,7 @@ def storable(kind: Class) -> Class:
 def _tree_record(tree: Tree, numbers: dict[Function, int]) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """The record of a tree, and those of the branches, in turn, for which their numbers stand in later ones."""
     branches: list[dict[str, Any]] = []
+    most = 32  # levels of unions and intersections that stand in one another: files are read to some depth
 
     def leaf(atom: Atom) -> tuple[dict[str, Any], int]:
         record: dict[str, Any] = {"function": numbers[atom.function], "face": atom.face}
@@ -113,7 +111,7 @@ def _tree_record(tree: Tree, numbers: dict[Function, int]) -> tuple[dict[str, An
             {"union" if node.union else "intersection": [part for part, _ in parts]},
             max(h for _, h in parts),
         )
-        if level < LEVELS:
+        if level < most:
             return record, level + 1
         branches.append(record)
         return {"branch": len(branches) - 1}, 0

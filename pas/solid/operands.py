@@ -8,9 +8,10 @@ Guaranteed: nothing.  The mesh is refined on the faces of the whole, and looked 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import and_, or_, sub
 from typing import Any, Protocol
 
 import numpy as np
@@ -98,6 +99,17 @@ class Operands:
     def is_union(self) -> bool:
         """Whether nothing is cut, so that the box is that of what is made."""
         return all(step.operation == "Add" for step in self.steps)
+
+    @property
+    def is_difference(self) -> bool:
+        """Whether it is the first part less others."""
+        parts: list[object] = [None, *self.parts[1:]]
+        return carried_out(self.steps, parts, lambda name, some: some[0] if name == "Subtract" else name) is None
+
+    def made_with(self, first: Any) -> Any:
+        """What the steps make with another solid in the place of the first part."""
+        done: dict[str, Callable[[Any, Any], Any]] = {"Add": or_, "Intersect": and_, "Subtract": sub}
+        return carried_out(self.steps, [first, *self.parts[1:]], lambda name, some: reduce(done[name], some))
 
     @cached_property
     def turned(self) -> list[int]:

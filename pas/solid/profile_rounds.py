@@ -10,11 +10,9 @@ Guaranteed: that the rounds of one end do not meet, as they are on the mesh.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
 from itertools import pairwise, product
-from operator import and_, or_, sub
 from typing import Any
 
 import numpy as np
@@ -26,7 +24,6 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import dot, plain, rational, square_root, to_float
 from pas.errors import GeometryError, meant
-from pas.mesh.booleans import carried_out
 from pas.mesh.rows import Integers
 from pas.solid.edges import Loop, PlaneEdge, at, radius_of
 from pas.solid.extrusion import Prism, inwards, square_of
@@ -209,9 +206,7 @@ class RoundedPrism(SweptBody):
 def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int) -> Solid:
     """The solid with the edges of plane faces or of a profile's ends rounded; see `Solid.rounded`."""
     known = solid.sheets
-    first: Any = solid
-    if isinstance(known, Operands) and carried_out(known.steps, [True, *known.parts[1:]], _is_less):
-        first = known.parts[0]
+    first: Any = known.parts[0] if isinstance(known, Operands) and known.is_difference else solid
     body = first.sheets
     if isinstance(body, RoundedPrism):
         raise GeometryError("edges of the solid are rounded already: name the faces of all that are to be in one call")
@@ -227,15 +222,8 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
     if first is solid:
         return made
     assert isinstance(known, Operands)
-    parts: list[Any] = [made, *known.parts[1:]]
-    done: dict[str, Callable[[Any, Any], Any]] = {"Add": or_, "Intersect": and_, "Subtract": sub}
-    made = carried_out(known.steps, parts, lambda operation, some: reduce(done[operation], some))
+    made = known.made_with(made)
     return replace(made, joints=tuple(dict.fromkeys((*made.joints, *solid.joints))))
-
-
-def _is_less(operation: str, solids: list[Any]) -> bool:
-    """Whether the first is the one that is asked about, or that less others, and others are taken from it."""
-    return solids[0] is True and operation == "Subtract"
 
 
 def rounded_prism(solid: Solid, body: Prism, faces: Sequence[str] | None, radius: fmpq, order: int) -> Solid:
