@@ -97,7 +97,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     def _patterned(self, maps: Sequence[Affine]) -> Solid:
         copies = enumerate((self, *map(self._moved, maps)), start=1)
-        return reduce(or_, (copy._called({f: numbered(f, n) for f in copy.faces}) for n, copy in copies))
+        return reduce(or_, (copy._called(numbered(copy.faces, n)) for n, copy in copies))
 
     def cap(self, plane: PolynomialLike, name: str = "cap") -> Solid:
         """The part where `plane <= 0`, with a face of that name where it is cut.
@@ -207,8 +207,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     def _around(self) -> Floats:
         """Two corners (2, 3) of a box in which it is meshed: where sheets bound it that of a coarse mesh, for speed."""
         if isinstance(self.sheets, Operands) and self.sheets.box is not None:
-            united = self.sheets.operation == "Add"  # whose box is that of its parts
-            return self.sheets.box if united else narrowed(self.tree, self.sheets.box)
+            return self.sheets.box if self.sheets.is_union else narrowed(self.tree, self.sheets.box)
         return roomy(self.sheets.coarse) if self.sheets and self.sheets.coarse else self.box
 
     @cached_property
