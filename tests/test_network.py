@@ -406,6 +406,7 @@ def cube():
     return network.Network(frame().points[:8], frame().edges[:12], "1/10", "1/64")
 
 
+@pytest.mark.slow
 def test_a_wall_has_its_thickness_between_straight_struts():
     """Rings of the mesh at open ends are as thick as the wall, and cylinders inside are of the radius that is left."""
     net, wall = pipework()
