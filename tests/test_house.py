@@ -16,8 +16,9 @@ from conftest import ROOT, nodes, parsed
 PACKAGE = ROOT / "pas"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 68_566, 343, 2_887, 470
-"""Splines by the parameters of tubes and threads and meshes of sharp ridges brought the last files and 500 lines."""
+MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 68_566, 344, 2_887, 470
+"""Splines by the parameters of tubes and threads and meshes of sharp ridges brought the last files and 500 lines; sections
+of faces by planes have a file of their own, as their seams had outgrown one."""
 
 
 def module(path: Path) -> str:
