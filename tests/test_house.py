@@ -16,7 +16,7 @@ from conftest import ROOT, nodes, parsed
 PACKAGE = ROOT / "pas"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 68_801, 343, 2_887, 473
+MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 68_801, 345, 2_887, 473
 """Balls that roll along edges and verdicts carried from solid to solid brought the last files and 200 lines."""
 
 
