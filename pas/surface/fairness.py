@@ -224,7 +224,7 @@ class _Measuring:
         hull = ConvexHull(np.concatenate([radius * spiral(ball), *(n.curve for n in self.neighbours)]))
         points = np.concatenate([points, np.zeros((1, 3))])  # with the centre, which a flat surface keeps away from
         outermost = points[ConvexHull(points).vertices]
-        far = float((hull.equations[:, :3] @ outermost.T + hull.equations[:, 3:]).max())
+        far = max(float((outermost @ plane[:3]).max() + plane[3]) for plane in hull.equations)
         return max(0.0, far) / radius
 
     def waist(self, points: Floats) -> tuple[float, int]:
