@@ -38,12 +38,8 @@ from pas.contacts.parallels import principal_axes, quadratic_terms
 from pas.contacts.torus import torus_polynomial
 from pas.solid.face_seams import FaceSeam, SmoothEnd
 from pas.solid.joints import Joint
-<<<<<<< HEAD
-from pas.solid.sections import on_plane
-=======
 from pas.solid.rolling import touching
-from pas.solid.seams import on_plane
->>>>>>> main
+from pas.solid.sections import on_plane
 from pas.solid.tree import Atom, Tree, combined
 
 

@@ -163,11 +163,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     @property
     def faces(self) -> tuple[str, ...]:
-        """The names of the faces in the order in which they were made.
-
-        A face may be hidden, as the ends are of a cylinder that goes through what it is taken from: `mesh().names` are
-        those that are seen.
-        """
+        """The names of the faces in the order in which they were made; `mesh().names` are those that are not hidden."""
         return tuple(dict.fromkeys(atom.face for atom in atoms(self.tree) if atom.face))
 
     @property
