@@ -84,7 +84,7 @@ CASES = {
 SOME = [("rectangle", 1), ("rectangle", 2), ("slot", 1), ("waisted", 2), ("rectangle", 0)]
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize(("profile", "order"), SOME)
 @pytest.mark.parametrize("case", CASES)
 def test_fillets_go_along_all_edges_of_a_chain(case, profile, order):
@@ -104,6 +104,7 @@ def test_fillets_go_along_all_edges_of_a_chain(case, profile, order):
     assert len(across) == len({edge.name for edge in make().loop.edges})
 
 
+@pytest.mark.slow
 def test_the_largest_has_spheres_at_arcs_of_its_radius():
     pocket = plate() - rectangle().extrude(8).translate(0, 0, -7)
     with pytest.raises(GeometryError, match=r"'boss 2' is bent more than a ball of this radius.*; one of radius 5 is"):
@@ -132,6 +133,7 @@ def test_edges_that_turn_by_more_than_half_a_turn_are_cut_by_one_plane_at_each_e
     assert made.proved and len([joint for joint in parts if joint.first == "fillet"]) == 2
 
 
+@pytest.mark.slow
 def test_the_top_of_an_other_prism_is_not_taken_for_it():
     """Two have faces of one name, of which both meet the upper one's side."""
     step, upper = solid.rounded_rectangle(60, 50, 8, (-10, -10), "step").extrude(3), rectangle().extrude(8)
@@ -199,7 +201,7 @@ def foot(straight: float, arc: float, radius: float, order: int = 1, outwards: i
     return radius**2 * (straight * section + TURN * turned)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(("radius", "order"), [("1/10", 1), (3, 1), ("19/2", 1), ("1/2", 2), ("11/2", 2)])
 def test_feet_on_plates_over_profiles_are_as_large_as_the_plate_is(radius, order):
     """Such plates and bosses are meshed from rows along their edges, where lattices took minutes, or ended."""
@@ -265,6 +267,7 @@ then = [{ kind = "fillet", first = "plate z+", second = "boss", radius = 2 }]
 """
 
 
+@pytest.mark.slow
 def test_parts_go_on_and_files_have_them(tmp_path):
     """Moved, drilled, saved and read, written as STEP with exact faces, and made from a file of tables."""
     made = (plate() | rectangle().extrude(8)).fillet("plate z+", "boss", 2)
@@ -287,6 +290,7 @@ def test_step_has_planes_cylinders_and_tori(tmp_path):
     assert measures(solids[0])[0] == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_smooth_unions_go_along_chains():
     made = solid.smooth_union(plate(), rectangle().extrude(8).translate(0, 0, -2), 1)
     assert made.proved and made.faces[-1] == "fillet"

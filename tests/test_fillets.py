@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -15,6 +16,8 @@ from pas.exchange.step.carriers import CarrierKind, carrier_of
 from pas.solid.face_seams import FaceSeam
 from pas.solid.fillet_forms import bent, turned
 from pas.solid.fillets import Filling
+from pas.solid.joints import prove
+from pas.solid.rolling import touching
 
 
 def box() -> solid.Solid:
@@ -85,6 +88,43 @@ def test_fillets_are_proved_and_mesh(name, order):
         assert made.volume(1e-3) - plain.volume(1e-3) == pytest.approx(added, rel=1e-3)
 
 
+@pytest.fixture
+def asked(monkeypatch):
+    """The joints that are proved, not known."""
+    found = []
+
+    def noted(joint, tree, box):
+        found.append((joint.first, joint.second))
+        return prove(joint, tree, box)
+
+    monkeypatch.setattr("pas.solid.carried.prove", noted)
+    return found
+
+
+def test_verdicts_are_kept_where_nothing_changed_beside_a_joint(asked):
+    """Those of its own joints, of those beside it, and of others that it is away from; of no other tree."""
+    whole = box().fillet("box x+", "box y+", "1/4").fillet("box x-", "box y+", "1/4")
+    asked.clear()
+    assert whole.proved and not asked
+    hole, slot = (solid.cylinder((x, y, -1), (x, y, 2), "1/8") for x, y in (("3/2", 1), (3, "7/4")))
+    assert (whole - hole).proved and (hole | whole).proved and not asked
+    assert [v.proved for v in (whole - slot).verdicts] == [False, True, True, True]
+    assert asked == [("fillet", "box x+")]
+    asked.clear()
+    other = replace(whole, tree=box().tree)
+    assert not any(verdict.proved for verdict in other.verdicts) and len(asked) == 4
+
+
+def test_a_verdict_is_not_kept_where_a_face_is_cut_along_the_joint(asked):
+    """By what touches it in a point, in an edge and by what is flat on it; without end, too."""
+    whole = bracket().fillet("a y+", "b x+", "1/4")
+    ball = solid.ball((2, 1, 1), "3/4")  # of the joint with a, at (5/4, 1, z), it has one point
+    for change in (ball, solid.box((1, 1, 0), ("5/4", 2, 2)), solid.half_space("x - 5/4"), whole):
+        asked.clear()
+        assert len((whole | change).verdicts) == len((whole - change).verdicts) == 2
+        assert asked.count(("fillet", "a y+")) == 2
+
+
 def test_between_planes_it_is_a_circular_cylinder():
     made = box().fillet("box x+", "box y+", "1/2")
     (found,) = made.polynomials["fillet"]
@@ -120,6 +160,21 @@ def test_along_circles_it_is_the_torus_of_a_ball_that_rolls(name):
     assert found is not None and found.kind is CarrierKind.TORUS
     assert (found.radius, found.minor) == pytest.approx((major, float(Fraction(radius))), rel=1e-8)
     assert "4 (torus)" in made.description
+
+
+def test_balls_that_roll_touch_both_faces():
+    """Beside cylinders centres are as far from the axes as radii say; into half a ball goes one of half the radius."""
+    run, branch = touching(FaceSeam.of(tee(), ("main", "branch")), 0.3)
+    centers = run * [1, 1.3, 1.3]
+    assert np.hypot(run[:, 1], run[:, 2]) == pytest.approx(1) and np.hypot(*branch[:, :2].T) == pytest.approx(0.6)
+    assert centers == pytest.approx(branch * [1.5, 1.5, 1]) and centers[:, 2].min() > 0.9
+    for whole, names in ((plate(), ("plate z+", "hole")), (solid.ball((0, 0, 0), 1) & box(), ("ball", "box z-"))):
+        seam = FaceSeam.of(whole, names)
+        assert touching(seam, 0.45) is not None and (touching(seam, 0.55) is None) == (seam.names[0] == "ball")
+    made = (solid.cylinder((-3, 0, 0), (3, 0, 0), 1, face="a") | solid.ball((0, "1/4", 1), "2/5", face="b")).fillet(
+        "a", "b", "3/5"
+    )
+    assert made.proved and made.mesh().is_closed
 
 
 def test_without_an_axis_in_common_it_is_a_polynomial():
@@ -177,10 +232,9 @@ def test_chamfers_are_flat():
 
 
 def test_no_piece_of_it_is_away_from_the_edge():
-    """Below the run the branch would go on to, the surfaces meet as well, and joints would hold there."""
-    run = solid.cylinder((-4, 0, 0), (4, 0, 0), 1, face="main")
-    whole = run | solid.cylinder((0, 0, 0), (0, 0, "9/4"), "3/5", face="branch")
-    found = Filling.of(whole, ("main", "branch"), 1, ()).made(fmpq(7, 10))
+    """Below the ball the peg would go on to, the surfaces meet as well, and joints would hold there."""
+    whole = solid.ball((0, 0, 0), 1, face="a") | solid.cylinder((0, 0, 0), (0, 0, 2), "1/4", face="b")
+    found = Filling.of(whole, ("a", "b"), 2, ()).made(fmpq(2))
     assert isinstance(found, str) and found.startswith("it would end in a wall near")
     with pytest.raises(GeometryError, match=r"chamfer of radius 3 .* is not proved"):
         box().chamfer("box x+", "box z+", 3)

@@ -131,6 +131,7 @@ def test_a_hollow_opening_is_kept_in_files(tmp_path, name):
     assert again.certificate.proved and again.thickness == EIGHTH
 
 
+@pytest.mark.slow
 def test_the_wall_of_a_foot_is_proved_to_be_even():
     wall = made("on a run")
     assert wall.thicker_than(EIGHTH * rational("22/25")).proved
@@ -148,6 +149,7 @@ def test_solids_of_walls_end_inside_or_around_the_inner_cone(length, inside):
     assert wall.contains(middles - 0.01 * outwards / np.linalg.norm(outwards, axis=1)[:, None]).mean() > 0.99
 
 
+@pytest.mark.slow
 def test_the_solid_of_a_hollow_plate_is_the_same_everywhere():
     volumes = []
     for z in (0, 2):

@@ -16,8 +16,8 @@ from conftest import ROOT, nodes, parsed
 PACKAGE = ROOT / "pas"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 68_418, 343, 2_887, 470
-"""Splines by the parameters of tubes and threads and meshes of sharp ridges brought the last files and 500 lines."""
+MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 68_801, 343, 2_887, 473
+"""Balls that roll along edges and verdicts carried from solid to solid brought the last files and 200 lines."""
 
 
 def module(path: Path) -> str:

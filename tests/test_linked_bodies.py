@@ -211,6 +211,7 @@ def test_a_cubic_lattice_of_struts_is_one_solid(count):
     assert (mesh.is_closed, mesh.components, mesh.euler_characteristic) == (True, 1, 2 * (count**3 - struts))
 
 
+@pytest.mark.slow
 def test_a_lattice_less_a_ball_is_meshed_by_what_is_near():
     """Not by each function of some thousand with all joints, nor by each wall with all pairs of faces."""
     node = pas.blend([pas.Pipe(axis, "1/2", 1) for axis in AXES], 1).solid(1)

@@ -149,3 +149,42 @@ def test_a_face_that_covers_another_one_in_its_plane_is_not_lost(axis, angle):
     mesh = part.rotate(axis, angle).mesh()
     assert mesh.is_closed and mesh.euler_characteristic == 2
     assert mesh.volume == pytest.approx(5 * (1200 - 25 * (4 - np.pi)) + 400, rel=1e-3)
+
+
+def cube(x, y, z, size=2):
+    return solid.box((x, y, z), (x + size, y + size, z + size))
+
+
+def test_operands_of_operands_are_one_list():
+    """Of what was made in one way, in one step; of what is taken away a union is several."""
+    a, b, c, d = (cube(k, 0, 0) for k in range(4))
+
+    def steps(made):
+        return [(step.read, step.operation, step.many) for step in made.sheets.steps]
+
+    assert steps((a | b) | (c | d)) == steps(a | b | c | d) == [(4, "Add", 4)]
+    assert steps(a & (b & c)) == [(3, "Intersect", 3)]
+    assert steps(a - (b | c)) == steps(a - b - c) == [(3, "Subtract", 3)]
+    assert steps(a - (b - c)) == [(3, "Subtract", 2), (3, "Subtract", 2)]
+    assert steps((a | b) - c | d) == [(2, "Add", 2), (3, "Subtract", 2), (4, "Add", 2)]
+    assert steps((a - b) | (c - d)) == [(2, "Subtract", 2), (4, "Subtract", 2), (4, "Add", 2)]
+    assert (a - (b - (c | d))).sheets.turned == [0, 1, 0, 0] and (a - b - c).sheets.turned == [0, 1, 1]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_operations_in_any_order_make(seed):
+    """Of cubes, the volume is that of the cells of a grid that are inside, and faces look outwards."""
+    rng = np.random.default_rng(seed)
+    some = [(cube(*place), np.array(place)) for place in rng.integers(0, 3, (6, 3)).tolist()]
+    cells = np.indices((5, 5, 5)).reshape(3, -1).T
+    sets = [(shape, ((cells >= low) & (cells < low + 2)).all(axis=1)) for shape, low in some]
+    while len(sets) > 1:
+        (one, here), (other, there) = (sets.pop(int(rng.integers(len(sets)))) for _ in range(2))
+        ways = [(one | other, here | there), (one & other, here & there), (one - other, here & ~there)]
+        sets.append(next(way for way in [ways[int(rng.integers(3))], ways[0]] if way[1].any()))
+    made, inside = sets[0]
+    cut = made.sheets._cut(made.field, 0.1, 4)
+    a, b, c = np.moveaxis(made.field.world(cut.points)[cut.triangles], 1, 0)
+    assert (a * np.cross(b, c)).sum() / 6 == pytest.approx(inside.sum())
+    slopes = made.field.jets(made.field.evaluator.local((a + b + c) / 3), cut.faces)[:, 1:]
+    assert ((slopes * np.cross(b - a, c - a)).sum(axis=1) > 0).all()

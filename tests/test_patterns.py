@@ -46,7 +46,25 @@ def test_copies_keep_their_joints():
     found = pill.circular_pattern(2, (0, 0, 1), step=180).pattern(2, (0, 5, 0))
     assert len(found.joints) == 4 * len(pill.joints)
     assert found.proved
-    assert {j.first for j in found.joints} >= {"side 1", "side 1 #2", "side 1 #2 #2"}
+    assert {j.first for j in found.joints} >= {"side 1", "side 1 #2", "side 1 #3", "side 1 #4"}
+
+
+def test_names_in_patterns_of_patterns_are_distinct():
+    """Numbers go on, for each name by itself, whatever is patterned."""
+    hole = solid.cylinder((3, 0, -1), (3, 0, 2), "1/4", face="hole").renamed("hole")
+    both = hole | hole.translate(1, 0, 0).renamed("slot #1")
+    grid = both.pattern(3, (0, 1, 0)).pattern(2, (5, 0, 0)).pattern(2, (0, 9, 0))
+    expected = {f"{name}{number}" for name in ("hole", "slot #1") for number in ("", *(f" #{k}" for k in range(2, 13)))}
+    assert {*grid.faces} == expected
+    assert {*hole.mesh(0.1).pattern(2, (2, 0, 0)).pattern(2, (5, 0, 0)).names} == {
+        "hole",
+        *(f"hole #{k}" for k in (2, 3, 4)),
+    }
+    round_ = solid.circle((1, 1), "1/4", face="a").pattern(2, (2, 0)).pattern(2, (0, 2))
+    assert round_.extrude(1).faces[:4] == ("a", "a #2", "a #3", "a #4")
+    parts = solid.assembly(bolt=hole).pattern(2, (0, 1, 0)).pattern(2, (0, 3, 0)).parts
+    assert [*parts] == ["bolt", "bolt #2", "bolt #3", "bolt #4"]
+    assert [round(part.bounding_box.mean(axis=0)[1]) for part in parts.values()] == [0, 1, 3, 4]
 
 
 def test_one_copy_is_the_shape():

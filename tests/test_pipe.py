@@ -217,6 +217,7 @@ def test_flanges_that_cannot_be_are_refused_in_a_sentence(given, words):
         solid.flange(**{**usual, **given})
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize(
     ("start", "end", "length"),

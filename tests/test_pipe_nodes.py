@@ -49,7 +49,7 @@ ALIKE = {"unequal ones in a corner", "cross", "bend", "turned and moved"}
 """Cases that are found, proved and meshed as others are."""
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n in ALIKE else n for n in CASES])
 def test_the_node_is_a_part_of_the_solid_with_proved_joints(name, order):

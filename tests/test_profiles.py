@@ -202,6 +202,7 @@ CROSSING = {
 """Profiles whose loops cross or overlap, and the Euler characteristic of what is extruded."""
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", CROSSING)
 def test_profiles_that_cross_are_meshed_from_their_parts(name):
     make, euler = CROSSING[name]

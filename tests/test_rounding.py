@@ -261,7 +261,7 @@ def test_rounds_of_profiles_with_arcs_are_those_of_a_ball(name):
     assert "side 2 / top" in made.faces
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("radius", ["3/10", "1/2", "4/5", "95/100"])
 def test_tori_that_meet_themselves_cut_off_no_more_than_others(radius):
     """The set of inequalities, not the mesh, beside the volume by Pappus."""
@@ -282,6 +282,7 @@ def test_rounds_of_the_radius_of_an_arc_have_a_part_of_a_ball():
     assert made.mesh().is_closed and made.volume() == pytest.approx(4 * (48 - 4 + np.pi) - gone, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_rounds_of_profiles_of_order_2_have_the_section_of_fillets():
     made = plate().rounded(radius="1/2", order=2)
     single = solid.box((0, 0, 0), (8, 6, 2)).fillet("box z+", "box y-", "1/2", 2)
@@ -289,6 +290,7 @@ def test_rounds_of_profiles_of_order_2_have_the_section_of_fillets():
     assert made.polynomials["side 1 / top"][0].primitive() == single.polynomials["fillet"][0].primitive()
 
 
+@pytest.mark.slow
 def test_rounded_profiles_go_on_as_solids():
     made = plate().rounded(radius="1/2") | solid.cylinder((4, 3, 1), (4, 3, 4), 2, face="boss")
     assert made.mesh().is_closed and made.fillet("top", "boss", "1/4").proved

@@ -64,6 +64,7 @@ def test_corners_become_short(corner, tmp_path):
     assert again.simplified(10**6).certificate.proved  # of files, too
 
 
+@pytest.mark.slow
 def test_nodes_openings_and_walls_become_short():
     node = pas.node([((1, 0, 0), 1), ((-1, 2, 0), 1)], 1)
     short = node.simplified()

@@ -13,6 +13,7 @@ from conftest import EQUAL, solved
 import pas
 from pas import cli, solid
 from pas.algebra.affine import rotation, translation
+from pas.errors import ProjectFileError
 from pas.exchange import files as container
 from pas.exchange.solid_records import FUNCTION, storable
 from pas.mesh.mesh import Mesh
@@ -121,16 +122,29 @@ def test_what_is_read_has_the_same_mesh(name, tmp_path):
         assert np.array_equal(getattr(one, field), getattr(other, field)), field
 
 
-@pytest.mark.parametrize(("turns", "kept"), [(29, True), (60, False)])
-def test_many_operations_in_turn_are_saved(turns, kept, tmp_path):
-    """Operands within operands nest a file, which is read down to some depth."""
-    made = block()
-    for k in range(turns):
-        small = solid.ball((4, 3, 1 + k / 64), "1/8") if k % 2 else solid.box((k / 16, 0, 0), ((k + 1) / 16, 1, 1))
+def test_many_operations_in_turn_are_saved(tmp_path):
+    """Trees that nest deeper than files are read, and what bounds these: a flat list of operands, each once."""
+    made, lengths = block(), {}
+    for k in range(301):
+        small = solid.ball((4, 3, 1 + k / 320), "1/8") if k % 2 else solid.box((k / 80, 0, 0), ((k + 1) / 80, 1, 1))
+        if k in (75, 300):
+            read = pas.load(path := made.save(tmp_path / "a.pas.json"))
+            assert read.tree == made.tree and read.sheets.steps == made.sheets.steps
+            assert len(read.sheets.parts) == k + 1
+            lengths[k] = len(path.read_text())
         made = made | small if k % 2 else made - small
-    read = pas.load(made.save(tmp_path / "a.pas.json"))
-    assert read.tree == made.tree
-    assert len(read.sheets.parts) == len(made.sheets.parts) if kept else read.sheets is None
+    assert lengths[300] < 4.2 * lengths[75]
+
+
+def test_branches_refer_to_earlier_ones(tmp_path):
+    made = solid.ball((0, 0, 0), 1)
+    for k in range(200):
+        small = solid.ball((k, 0, 0), 1)
+        made = made | small if k % 2 else made - small
+    path = made.save(tmp_path / "a.pas.json")
+    rewrite(path, lambda content: content["solid"]["branches"].reverse())
+    with pytest.raises(ProjectFileError, match=r"there is no branch before number \d+; there are \d"):
+        pas.load(path)
 
 
 def test_nothing_known_bounds_what_was_edited(tmp_path):

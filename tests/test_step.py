@@ -358,6 +358,7 @@ TUBES = {
 }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", [*TUBES])
 def test_tubes_are_splines_by_their_own_parameters(ocp, tmp_path, name):
     make, volume, wanted = TUBES[name]

@@ -7,7 +7,7 @@ import pytest
 
 from pas.algebra.polynomial import Polynomial
 from pas.solid import truths
-from pas.solid.tree import Atom, Node
+from pas.solid.tree import Atom, Node, atoms, complement, mapped
 from pas.solid.truths import CompiledTree
 
 COLUMNS = [Polynomial(f"x - {column}") for column in range(6)]
@@ -66,3 +66,24 @@ def test_as_branch_by_branch(seed, number, monkeypatch):
     assert np.array_equal(made.holds(yes, no), holds(code, yes, no))
     assert np.array_equal(made.extremes(values), extremes(code, values))
     assert np.array_equal(np.stack(made.relevant(yes, no)), relevant(code, yes, no))
+
+
+def test_operations_in_turn_nest_without_end():
+    def made(first):
+        tree = Atom(COLUMNS[first], "")
+        for k in range(5000):
+            tree = Node((tree, Atom(COLUMNS[k % 5], f"{k}")), bool(k % 2))
+        return tree
+
+    tree = made(5)
+    assert tree == made(5) != made(4) and complement(complement(tree)) == tree != complement(tree)
+    assert [atom.face for atom in atoms(tree)] == ["", *map(str, range(5000))]
+    assert mapped(tree, lambda atom: atom) == tree and tree != Atom(COLUMNS[5], "") != tree
+    compiled, yes = (
+        CompiledTree(tree, lambda atom: (column(atom), atom.outside)),
+        np.array([[True], [False]])[[0, 1] * 3],
+    )
+    expected = yes[5, 0]
+    for k in range(5000):
+        expected = (expected or yes[k % 5, 0]) if k % 2 else (expected and yes[k % 5, 0])
+    assert compiled.holds(yes, ~yes)[0] == expected

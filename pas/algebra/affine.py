@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -239,9 +240,14 @@ def turns(count: int, axis: VectorLike, center: VectorLike, step: Exact | None) 
     return [rotation(axis, k * degrees, center) for k in range(1, number)]
 
 
-def numbered(name: str, copy: int) -> str:
-    """The name of what is called so in a copy; the first has number 1, and its names as they are."""
-    return name if copy == 1 or not name else f"{name} #{copy}"
+def numbered(names: Iterable[str], copy: int) -> dict[str, str]:
+    """What is named in copy number `copy`, by its names in the first one, which stay as they are: numbers go on, where
+    "hole" and up to "hole #m" are known, with "hole #m+1" for the "hole" of the second copy."""
+    split = {name: re.fullmatch(r"(.*?)(?: #([2-9]|[1-9]\d+))?", name, re.DOTALL) for name in names if name}
+    known = {name: (found[1], int(found[2] or 1)) for name, found in split.items() if found}
+    most = dict(sorted(known.values()))
+    moved = {name: f"{base} #{(copy - 1) * most[base] + number}" for name, (base, number) in known.items()}
+    return {name: moved.get(name, name) if copy > 1 else name for name in names}
 
 
 M = TypeVar("M")
@@ -284,7 +290,8 @@ class AffineShape(ABC, Generic[M]):
     def pattern(self, count: int, offset: VectorLike) -> M:
         """`count` copies as one shape, each moved by `offset` (the model's units) from the one before.
 
-        What is named "hole" is named "hole #2" in the second copy, and so on.  Raises `TypeError` for a shape that has
+        What is named "hole" is named "hole #2" in the second copy, and so on; in a pattern of a pattern of m copies
+        numbers go on, with "hole #m+1".  Raises `TypeError` for a shape that has
         no unions, such as a surface, `ValueError` for a count that is no whole number of at least 1.
         """
         return self._patterned(translations(count, offset))

@@ -107,7 +107,7 @@ class CurvePart:
         key = tuple(p.primitive() for p in polynomials)
         if key not in self._crossings:
             checkpoint("cutting a curve into arcs")
-            rests = [self.ideal.normal_form(p) for p in key]
+            rests = [Polynomial.from_raw(self.ideal.form.remainder(p.raw)) for p in key]
             found = values_at_zeros(Ideal(*self.ideal.groebner_basis(), *rests), self.curve.linear)
             if found is None:
                 raise SplitError(next(p for p in key if not self.ideal.contains(p)))

@@ -90,8 +90,7 @@ class Ideal(Exchanged):
     def members(self, degree: int) -> tuple[Polynomial, ...]:
         """A basis of all members of degree <= `degree`: m - NF(m) over non-standard monomials m."""
         natural(degree, "degree")
-        images = self.form.images(degree)
-        standard = set(self.form.standard(degree))
+        images, standard = self.form.images(degree), set(self.form.standard(degree))
         return tuple(
             Polynomial.from_raw(RING.from_dict({e: fmpq(1)} | {m: -c for m, c in images[e].items()}))
             for e in exponents(degree)
@@ -254,13 +253,14 @@ class NormalForm:
         return tuple(_monic(g).raw for g in basis)
 
     @cached_property
-    def _remainders(self) -> MonomialRemainders:
+    def image(self) -> MonomialRemainders:
+        """The normal forms of monomials."""
         tables = (list(g.terms()) for g in self.basis)
         return MonomialRemainders(((lead, [(e, -c) for e, c in tail]) for (lead, _), *tail in tables), fmpq(1))
 
     def images(self, degree: int) -> dict[Exponents, Sparse]:
-        """The normal form of every monomial of degree <= `degree`, as {monomial: coefficient}."""
-        return {e: self._remainders(e) for e in exponents(degree)}
+        """The normal form of every monomial of degree <= `degree`, as `image` gives it."""
+        return {e: self.image(e) for e in exponents(degree)}
 
     def rows(
         self, columns: Iterable[tuple[int, Iterable[tuple[Exponents, fmpq]]]], degree: int
@@ -282,16 +282,20 @@ class NormalForm:
 
     def standard(self, degree: int) -> list[Exponents]:
         """The monomials of degree <= `degree` that are their own normal form."""
-        return [e for e in exponents(degree) if self._remainders.rule(e) is None]
+        return [e for e in exponents(degree) if self.image.rule(e) is None]
 
     def reduce(self, polynomial: fmpq_mpoly) -> fmpq_mpoly:
         """The normal form of one polynomial (by division, not by `images`)."""
         return divided(polynomial, self.basis)[-1]
 
     def contains(self, polynomial: fmpq_mpoly) -> bool:
-        """Whether the normal form of one polynomial is 0: no more is divided than that takes."""
-        rest: Any = integral(polynomial)
-        return bool(rest.reduction_primitive_part(self._divisors).is_zero())
+        """Whether the normal form of one polynomial is 0."""
+        return bool(self.remainder(polynomial).is_zero())
+
+    def remainder(self, polynomial: fmpq_mpoly) -> fmpq_mpoly:
+        """A multiple of the normal form of one polynomial, found in whole numbers in a fraction of the time."""
+        whole: Any = integral(polynomial)
+        return RING.from_dict(whole.reduction_primitive_part(self._divisors).to_dict())
 
     @cached_property
     def _divisors(self) -> fmpz_mpoly_vec:
@@ -314,8 +318,7 @@ def groebner(generators: Iterable[fmpz_mpoly], context: fmpz_mpoly_ctx) -> list[
         if not complete:  # what did not fit is left out, generators as well
             vector = fmpz_mpoly_vec([*vector, *given], context)
         room = tuple(2 * size for size in room)
-    basis = list(vector.autoreduction())
-    return sorted(basis, key=leading_exponents, reverse=True)
+    return sorted(vector.autoreduction(), key=leading_exponents, reverse=True)
 
 
 def leading_exponents(polynomial: fmpq_mpoly | fmpz_mpoly) -> Exponents:
@@ -325,10 +328,9 @@ def leading_exponents(polynomial: fmpq_mpoly | fmpz_mpoly) -> Exponents:
 
 def divided(polynomial: fmpq_mpoly, divisors: Sequence[fmpq_mpoly]) -> list[fmpq_mpoly]:
     """The quotients by some divisors and the remainder of multivariate division, whose leading terms none divides."""
-    context = polynomial.context()
+    context, rest = polynomial.context(), polynomial
     found: list[Sparse] = [{} for _ in (*divisors, None)]
     heads = [next(iter(divisor.terms())) for divisor in divisors]
-    rest = polynomial
     while not rest.is_zero():
         lead, value = next(iter(rest.terms()))
         for divisor, (head, scale), quotient in zip(divisors, heads, found, strict=False):

@@ -59,12 +59,11 @@ class Quotient:
     def times(self, linear: tuple[int, int, int]) -> fmpq_mat:
         """The matrix of multiplication by a linear form."""
         size = len(self.standard)
-        images = self.form.images(max(map(sum, self.standard)) + 1)
         result = fmpq_mat(size, size)
         for column, e in enumerate(self.standard):
             for axis, factor in enumerate(linear):
                 product = tuple(d + (axis == i) for i, d in enumerate(e))
-                for monomial, c in images[product].items() if factor else ():
+                for monomial, c in self.form.image(product).items() if factor else ():
                     row = self._place[monomial]
                     result[row, column] = result[row, column] + factor * c
         return result

@@ -54,18 +54,19 @@ from pas.piecewise import PiecewiseSurface
 from pas.solid.functions import Distance, Moved, Pieces
 from pas.solid.joints import Joint
 from pas.solid.linked import SolidBoundary
-from pas.solid.operands import Operand, Operands
+from pas.solid.operands import Operand
 from pas.solid.shell import FaceDistance
 from pas.solid.solid import Solid
-from pas.solid.tree import Atom, Function, Node, Tree, atoms
+from pas.solid.tree import Atom, Function, Node, Tree, atoms, folded
 
 TREE: Value = choice(
-    "a tree: a table with a function, a union or an intersection",
+    "a tree: a table with a function, a union, an intersection or a branch",
     Table({"function": WHOLE, "face": TEXT}, {"outside": FLAG}),
     Table({"union": list_of(later(lambda: TREE))}),
     Table({"intersection": list_of(later(lambda: TREE))}),
+    Table({"branch": WHOLE}),
 )
-"""How its functions are numbered is said by the whole record, which reads and writes it."""
+"""How its functions and branches are numbered is said by the whole record, which reads and writes it."""
 
 _TUBE = Table({"curve": list_of(TEXT, 3), "interval": list_of(NUMBER, 2), "radius": NUMBER}, {"round": FLAG})
 _DATA = {
@@ -96,21 +97,43 @@ def storable(kind: Class) -> Class:
     return kind
 
 
-def _tree_record(tree: Tree, numbers: dict[Function, int]) -> dict[str, Any]:
-    if isinstance(tree, Node):
-        return {"union" if tree.union else "intersection": [_tree_record(p, numbers) for p in tree.parts]}
-    record: dict[str, Any] = {"function": numbers[tree.function], "face": tree.face}
-    return record | {"outside": True} if tree.outside else record
+def _tree_record(tree: Tree, numbers: dict[Function, int]) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """The record of a tree, and those of the branches, in turn, for which their numbers stand in later ones."""
+    branches: list[dict[str, Any]] = []
+    most = 32  # levels of unions and intersections that stand in one another: files are read to some depth
+
+    def leaf(atom: Atom) -> tuple[dict[str, Any], int]:
+        record: dict[str, Any] = {"function": numbers[atom.function], "face": atom.face}
+        return (record | {"outside": True} if atom.outside else record), 0
+
+    def branch(node: Node, parts: list[tuple[dict[str, Any], int]]) -> tuple[dict[str, Any], int]:
+        record, level = (
+            {"union" if node.union else "intersection": [part for part, _ in parts]},
+            max(h for _, h in parts),
+        )
+        if level < most:
+            return record, level + 1
+        branches.append(record)
+        return {"branch": len(branches) - 1}, 0
+
+    return folded(tree, leaf, branch)[0], branches
 
 
-def _read_tree(record: dict[str, Any], functions: list[Function]) -> Tree:
+def _numbered(known: Sequence[Any], number: int, what: str) -> Any:
+    if not 0 <= number < len(known):
+        raise ValueError(f"there is no {what} number {number}; there are {len(known)}")
+    return known[number]
+
+
+def _read_tree(record: dict[str, Any], functions: list[Function], branches: Sequence[Tree]) -> Tree:
     if "function" in record:
-        number = record["function"]
-        if not 0 <= number < len(functions):
-            raise ValueError(f"there is no function number {number}; there are {len(functions)}")
-        return Atom(functions[number], record["face"], record.get("outside", False))
+        function = _numbered(functions, record["function"], "function")
+        return Atom(function, record["face"], record.get("outside", False))
+    if "branch" in record:
+        found: Tree = _numbered(branches, record["branch"], "branch before")
+        return found
     union = "union" in record
-    parts = tuple(_read_tree(part, functions) for part in record["union" if union else "intersection"])
+    parts = tuple(_read_tree(part, functions, branches) for part in record["union" if union else "intersection"])
     if not parts:
         raise ValueError("a union or an intersection has no parts")
     return Node(parts, union)
@@ -249,15 +272,22 @@ def _body(protocol: type, **entries: Any) -> Any:
 _BODY = _form_of(SolidBoundary)
 
 
-def _sum_of(functions: Sequence[Function], tree: dict[str, Any], body: dict[str, Any]) -> str:
-    """What tells whether both inequalities and what bounds a solid, by its record, are as they were written."""
-    return checksum({"functions": [FUNCTION.write(function) for function in functions], "tree": tree, "body": body})
+def _sum_of(functions: Sequence[Function], **records: Any) -> str:
+    """What tells whether both inequalities and what bounds a solid, by their records, are as they were written."""
+    return checksum({"functions": [FUNCTION.write(function) for function in functions], **records})
 
 
-def _solid(functions: list[Function], tree: Any, joints: Any, special_points: Any, sheets: Any = None) -> Solid:
+def _solid(
+    functions: list[Function], tree: Any, joints: Any, special_points: Any, sheets: Any = None, branches: Any = None
+) -> Solid:
     points = tuple((float(x), float(y), float(z)) for x, y, z in special_points)
-    known = sheets is not None and sheets["of"] == _sum_of(functions, tree, sheets["body"])
-    return Solid(_read_tree(tree, functions), tuple(joints), points, _BODY.read(sheets["body"]) if known else None)
+    records = {"tree": tree} if branches is None else {"tree": tree, "branches": branches}
+    known = sheets is not None and sheets["of"] == _sum_of(functions, body=sheets["body"], **records)
+    read = list[Tree]()
+    for branch in branches or ():
+        read.append(_read_tree(branch, functions, read))
+    body = _BODY.read(sheets["body"]) if known else None
+    return Solid(_read_tree(tree, functions, read), tuple(joints), points, body)
 
 
 def _solid_entries(solid: Solid) -> dict[str, Any]:
@@ -265,17 +295,13 @@ def _solid_entries(solid: Solid) -> dict[str, Any]:
     numbers: dict[Function, int] = {}
     for atom in atoms(solid.tree):
         numbers.setdefault(atom.function, len(numbers))
-    tree, most = _tree_record(solid.tree, numbers), 30  # operations in turn, which nest: files are read to some depth
-    entries = {"functions": numbers, "tree": tree, "joints": solid.joints, "special_points": solid.special_points}
-    if solid.sheets is None or _turns(solid) > most:
+    tree, branches = _tree_record(solid.tree, numbers)
+    records = {"tree": tree, "branches": branches} if branches else {"tree": tree}
+    entries = {"functions": numbers, **records, "joints": solid.joints, "special_points": solid.special_points}
+    if solid.sheets is None:
         return entries
     body = _BODY.write(solid.sheets)
-    return {**entries, "sheets": {"of": _sum_of([*numbers], tree, body), "body": body}}
-
-
-def _turns(solid: Any) -> int:
-    """How many operations of different kinds made a solid, one of what another one made."""
-    return 1 + max(map(_turns, solid.sheets.parts)) if isinstance(solid.sheets, Operands) else 0
+    return {**entries, "sheets": {"of": _sum_of([*numbers], body=body, **records), "body": body}}
 
 
 JOINT = Table(
@@ -291,7 +317,7 @@ RECORD: Table = Table(
         "joints": list_of(JOINT),
         "special_points": list_of(list_of(REAL, 3)),
     },
-    {"sheets": Table({"of": TEXT, "body": read_by(_BODY, itself, itself)})},
+    {"sheets": Table({"of": TEXT, "body": read_by(_BODY, itself, itself)}), "branches": list_of(TREE)},
     make=_solid,
     entries=_solid_entries,
 )

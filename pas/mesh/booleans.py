@@ -1,9 +1,10 @@
-"""Booleans of closed meshes, by manifold3d."""
+"""Booleans of closed meshes, by manifold3d, and programs of several in turn."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -19,14 +20,43 @@ class Triangles(NamedTuple):
     faces: Integers
 
 
-def boolean(meshes: Sequence[Triangles], operation: str) -> Triangles:
-    """The union ("Add"), intersection ("Intersect") or difference ("Subtract", of the first) of what meshes enclose.
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True)
+class BooleanStep:
+    """Once so many operands were `read`, an `operation` of the last `many` of them and of earlier results, which makes
+    one result of these: the union ("Add"), the intersection ("Intersect"), or the first less the others ("Subtract").
+    """
+
+    read: int
+    operation: str
+    many: int
+
+
+def carried_out(
+    steps: Sequence[BooleanStep], operands: Sequence[Value], do: Callable[[str, list[Value]], Value]
+) -> Value:
+    """The result of the last of some steps, which are in postfix order, where `do` carries out one."""
+    results, first = list[Value](), 0
+    for step in steps:
+        results += operands[first : step.read]
+        first = step.read
+        results[-step.many :] = [do(step.operation, results[-step.many :])]
+    return results[0]
+
+
+def boolean(meshes: Sequence[Triangles], steps: Sequence[BooleanStep]) -> Triangles:
+    """What is left of what meshes enclose after the steps.
 
     Raises `GeometryError` where one is refused or the result is empty, `MissingLibraryError` without manifold3d.
     """
     manifold3d = library("manifold3d", "booleans of meshes need manifold3d: pip install manifold3d")
-    solids = [_manifold(manifold3d, mesh) for mesh in meshes]
-    result = manifold3d.Manifold.batch_boolean(solids, getattr(manifold3d.OpType, operation))
+
+    def do(operation: str, solids: list[Any]) -> Any:
+        return manifold3d.Manifold.batch_boolean(solids, getattr(manifold3d.OpType, operation))
+
+    result = carried_out(steps, [_manifold(manifold3d, mesh) for mesh in meshes], do)
     _check_status(result, "the result")
     if result.is_empty():
         raise GeometryError("the boolean of the meshes is empty")

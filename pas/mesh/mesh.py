@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.errors import GeometryError, optional
-from pas.mesh.booleans import Triangles, boolean
+from pas.mesh.booleans import BooleanStep, Triangles, boolean
 from pas.mesh.quality import Quality, smallest_angles, soundness
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
@@ -188,7 +188,8 @@ class Mesh(AffineShape["Mesh"], Shape):
 
     def _patterned(self, maps: Sequence[Affine]) -> Mesh:
         copies = [self, *(self._moved(map_) for map_ in maps)]
-        named = [replace(m, names=tuple(numbered(n, k) for n in m.names)) for k, m in enumerate(copies, start=1)]
+        called = (numbered(self.names, k) for k in range(1, len(copies) + 1))
+        named = [replace(m, names=tuple(new[n] for n in m.names)) for m, new in zip(copies, called, strict=True)]
         return reduce(Mesh.__or__, named)
 
     @property
@@ -288,7 +289,7 @@ class Mesh(AffineShape["Mesh"], Shape):
         if not isinstance(other, Mesh):
             refuse_mixed(self, other)
         names = tuple(dict.fromkeys(self.names + other.names))
-        points, triangles, faces = boolean([self._named(names), other._named(names)], operation)
+        points, triangles, faces = boolean([self._named(names), other._named(names)], [BooleanStep(2, operation, 2)])
         return Mesh(points, triangles, faces, names, flat_normals(points, triangles))
 
     def _named(self, names: tuple[str, ...]) -> Triangles:

@@ -19,8 +19,8 @@ import numpy as np
 from pas.algebra.inputs import whole
 from pas.errors import PasError
 from pas.exchange.files import replacing
-from pas.limits import in_parts
-from pas.mesh.mesh import Mesh
+from pas.exchange.formats.plain import save_stl
+from pas.limits import checkpoint, in_parts
 from pas.network.placing import MeshShare, PlacedPieces
 
 FACES = ("nodes", "struts")
@@ -55,17 +55,18 @@ def results(
 
 @dataclass(frozen=True, eq=False)
 class BlockJob:
-    """One block to be written: its file, its part of the mesh, and how far that is off the surface, as measured."""
+    """One block to be written: its file, and its part of the mesh."""
 
     path: Path
     share: MeshShare
-    deviation: float
 
 
 def written(job: BlockJob) -> Path:
     """Write a block; returns its path."""
-    points, triangles, normals, faces = job.share.mesh()
-    return Mesh(points, triangles, faces, FACES, normals, deviation=job.deviation).write(job.path, open=True)
+    checkpoint(f"writing {job.path.name}")
+    with replacing(job.path) as path:
+        save_stl(path, job.share.count, job.share.triangles())
+    return job.path
 
 
 def write_blocks(pieces: PlacedPieces, folder: Path, struts: int, map_: Callable[..., Any] = map) -> list[Path]:
@@ -81,7 +82,7 @@ def write_blocks(pieces: PlacedPieces, folder: Path, struts: int, map_: Callable
     _begin(folder, {"mesh": pieces.digest, "struts": struts, "blocks": [path.name for path in paths]})
     nodes, edges = (_grouped(of, numbers) for of in (block, block[network.edges[:, 0]]))
     jobs = [
-        BlockJob(path.absolute(), pieces.share(mine, begun), pieces.deviation)
+        BlockJob(path.absolute(), pieces.share(mine, begun))
         for path, mine, begun in zip(paths, nodes, edges, strict=True)
         if not path.exists()
     ]

@@ -121,9 +121,9 @@ class Kinds:
         """The number of points of each kind."""
         return np.bincount(self.of[self.of >= 0], minlength=len(self.kinds))
 
-    def nodes(self, kinds: Sequence[int]) -> tuple[int, ...]:
+    def nodes(self, kinds: Sequence[int]) -> Numbers:
         """The numbers of the points of some kinds."""
-        return tuple(np.flatnonzero(np.isin(self.of, kinds)).tolist())
+        return np.flatnonzero(np.isin(self.of, kinds)).astype(np.int32)
 
 
 def kinds_of(network: StrutGraph, clips: Any = AUTO) -> Kinds:

@@ -26,6 +26,7 @@ from pas.contacts.endless import Cone, Pipe
 from pas.errors import PasError, ProjectFileError
 from pas.layouts.clips import with_clips
 from pas.limits import checkpoint
+from pas.mesh.rows import Numbers
 from pas.network.blocks import make_folder, results
 from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
@@ -47,13 +48,13 @@ Node = Blend | HollowBlend[Blend]
 
 @dataclass(frozen=True, eq=False)
 class NodeClass:
-    """Nodes that are one another turned: the `kind` that stands for them, and the numbers of their points.
+    """Nodes that are one another turned: the `kind` that stands for them, and the numbers (M,) of their points.
 
     `ends` are where its arms end, in parts of their vectors; None until they have been placed.
     """
 
     kind: NodeKind
-    nodes: tuple[int, ...]
+    nodes: Numbers
     radii: tuple[Fraction, ...]
     ends: tuple[float, ...] | None = None
 
@@ -145,7 +146,8 @@ def _ends(kinds: Kinds, network: StrutGraph, order: int, known: dict[Any, tuple[
     return table
 
 
-def _without(nodes: tuple[int, ...], error: Exception) -> NetworkProblem:
+def _without(points: Numbers, error: Exception) -> NetworkProblem:
+    nodes = tuple(points.tolist())
     told = ", ".join(map(str, nodes[:3])) + (f" and {len(nodes) - 3} more" if len(nodes) > 3 else "")
     return NetworkProblem("no blend", nodes, f"the node{'s' * (len(nodes) > 1)} {told}: {error}")
 

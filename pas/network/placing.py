@@ -8,7 +8,7 @@ size is a few tables and a place for each node.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import acos, ceil, cos, pi, tau
@@ -28,6 +28,9 @@ from pas.pipeline.result import Blend
 
 FEWEST = 8
 """Vertices of the ring at an end of a strut."""
+
+AT_ONCE = 2**16
+"""Triangles of a share that are made together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,43 +72,22 @@ class StrutPiece:
 
 @dataclass(frozen=True, eq=False)
 class MeshShare:
-    """A part of a network's mesh: the pieces of all kinds of `nodes`, of all kinds of struts triangles, normals and
-    both rings, `places` (M, 3) of nodes with their kinds, which of these are its `own`, and of each strut its two nodes
-    in these (E, 2) and its kind."""
+    """A part of a network's mesh: `shapes`, triangles with corners (T, 3, 3) about the nodes that they belong to, which
+    of these each corner has (T, 3), and the nodes of all copies (M, k), as numbers of `places` (N, 3)."""
 
-    nodes: Sequence[NodePiece]
-    strips: Sequence[Any]
+    shapes: Sequence[tuple[Floats, Integers, Numbers]]
     places: Floats
-    of: Any
-    own: Any
-    links: Any
-    strut_kinds: Any
 
-    def mesh(self) -> tuple[Floats, Integers, Floats, Integers]:
-        """Points (N, 3), triangles (T, 3), normals at their corners (T, 3, 3), and whether each is of a strut (T,).
+    @property
+    def count(self) -> int:
+        """The number of triangles."""
+        return sum(len(corners) * len(copies) for corners, _, copies in self.shapes)
 
-        Points of the nodes at the far ends of struts are there, too.
-        """
-        sizes = np.array([len(n.points) for n in self.nodes])[self.of]
-        starts = np.cumsum(sizes) - sizes
-        points = np.empty((int(sizes.sum()), 3))
-        triangles, normals = [np.zeros((0, 3), dtype=np.int64)], [np.zeros((0, 3, 3))]
-        for kind in np.unique(self.of).tolist():
-            piece, all_of = self.nodes[kind], np.flatnonzero(self.of == kind)
-            rows = starts[all_of][:, None] + np.arange(len(piece.points))
-            points[rows] = piece.points + self.places[all_of][:, None]
-            own = all_of[self.own[all_of]]
-            triangles.append((piece.triangles + starts[own][:, None, None]).reshape(-1, 3))
-            normals.append(np.tile(piece.normals, (len(own), 1, 1)))
-        many = sum(map(len, triangles))
-        for kind in np.unique(self.strut_kinds).tolist():
-            strip_, out, *rings = self.strips[kind]
-            links = self.links[self.strut_kinds == kind]
-            both = [starts[links[:, end]][:, None] + rings[end] for end in (0, 1)]
-            triangles.append(np.concatenate(both, axis=1)[:, strip_].reshape(-1, 3))
-            normals.append(np.tile(out, (len(links), 1, 1)))
-        found = np.concatenate(triangles)
-        return points, found, np.concatenate(normals), (np.arange(len(found)) >= many).astype(np.int64)
+    def triangles(self) -> Iterator[Floats]:
+        """The corners (n, 3, 3) of all triangles, some copies at a time, so that memory is bounded."""
+        for corners, owners, copies in self.shapes:
+            for some in np.array_split(copies, 1 + len(copies) * len(corners) // AT_ONCE):
+                yield (corners + self.places[some][:, owners]).reshape(-1, 3, 3)
 
 
 class PlacedPieces:
@@ -191,21 +173,44 @@ class PlacedPieces:
         return largest + far * 2.0**-50
 
     def mesh(self) -> tuple[Floats, Integers, Floats, Integers]:
-        """See `MeshShare.mesh`."""
-        return self.share(np.flatnonzero(self.kinds.of >= 0), np.arange(len(self.network.edges))).mesh()
+        """Points (N, 3), triangles (T, 3), normals at their corners (T, 3, 3), and whether each is of a strut (T,)."""
+        of, edges = self.kinds.of, self.network.edges
+        sizes = np.append([len(n.points) for n in self.nodes], 0)[of]  # the last is that of points without struts
+        starts = np.cumsum(sizes) - sizes
+        points = np.empty((int(sizes.sum()), 3))
+        triangles, normals = [np.zeros((0, 3), dtype=np.int64)], [np.zeros((0, 3, 3))]
+        for kind, piece in enumerate(self.nodes):
+            own = np.flatnonzero(of == kind)
+            points[starts[own][:, None] + np.arange(len(piece.points))] = (
+                piece.points + self.network.points[own][:, None]
+            )
+            triangles.append((piece.triangles + starts[own][:, None, None]).reshape(-1, 3))
+            normals.append(np.tile(piece.normals, (len(own), 1, 1)))
+        many = sum(map(len, triangles))
+        for strut in self.struts:
+            rings = [self.nodes[kind].rings[slot] for kind, slot in zip(strut.kinds, strut.slots, strict=True)]
+            both = [starts[edges[strut.edges, end]][:, None] + rings[end] for end in (0, 1)]
+            triangles.append(np.concatenate(both, axis=1)[:, strut.triangles].reshape(-1, 3))
+            normals.append(np.tile(strut.normals, (len(strut.edges), 1, 1)))
+        found = np.concatenate(triangles)
+        return points, found, np.concatenate(normals), (np.arange(len(found)) >= many).astype(np.int64)
 
     def share(self, nodes: Integers, edges: Integers) -> MeshShare:
         """The part of the mesh that has some nodes and struts."""
-        network, of = self.network, self.kinds.of
-        nodes = nodes[of[nodes] >= 0]
-        needed = np.union1d(nodes, network.edges[edges])
-        links = np.searchsorted(needed, network.edges[edges]).astype(np.int32)
-        strips = [
-            (s.triangles, s.normals, *(self.nodes[k].rings[slot] for k, slot in zip(s.kinds, s.slots, strict=True)))
-            for s in self.struts
-        ]
-        own = np.isin(needed, nodes, assume_unique=True)
-        return MeshShare(self.nodes, strips, network.points[needed], of[needed], own, links, self._strut_kinds[edges])
+        links, of = self.network.edges[edges], self.kinds.of[nodes]
+        needed = np.union1d(nodes, links)
+        shapes = []
+        for kind in np.unique(of[of >= 0]).tolist():
+            corners = self.nodes[kind].points[self.nodes[kind].triangles]
+            copies = np.searchsorted(needed, nodes[of == kind])[:, None]
+            shapes.append((corners, np.zeros(corners.shape[:2], dtype=np.int64), copies.astype(np.int32)))
+        for kind in np.unique(self._strut_kinds[edges]).tolist():
+            strut = self.struts[kind]
+            first, second = (self._circle(*end) for end in zip(strut.kinds, strut.slots, strict=True))
+            copies = np.searchsorted(needed, links[self._strut_kinds[edges] == kind])
+            corners = np.concatenate([first, second])[strut.triangles]
+            shapes.append((corners, (strut.triangles >= len(first)).astype(np.int64), copies.astype(np.int32)))
+        return MeshShare(shapes, self.network.points[needed])
 
     @cached_property
     def _strut_kinds(self) -> Any:

@@ -166,7 +166,8 @@ class Assembly(AffineShape["Assembly"], Shape):
 
     def _patterned(self, maps: Sequence[Affine]) -> Assembly:
         copies = [self, *(self._moved(map_) for map_ in maps)]
-        parts = {numbered(n, k): part for k, copy in enumerate(copies, start=1) for n, part in copy.parts.items()}
+        names = (name for k in range(1, len(copies) + 1) for name in numbered(self.parts, k).values())
+        parts = dict(zip(names, (part for copy in copies for part in copy.parts.values()), strict=True))
         return Assembly(MappingProxyType(parts))
 
     @property

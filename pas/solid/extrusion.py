@@ -48,7 +48,7 @@ def extruded(profile: PlaneSet, height: fmpq, taper: fmpq) -> Solid:
         body = Prism(loops=loops, height=to_float(height), lean=Lean(slope))
         body.refuse_lost_top()
     elif not slope:
-        body = Operands(*profile.operands(lambda part: extruded(part, height, taper)))
+        body = Operands.of(*profile.operands(lambda part: extruded(part, height, taper)))
     claims = dict.fromkeys(claim for loop in loops or profile.all_loops for claim in joints(loop, Lean(slope)))
     return Solid(tree, tuple(claims), (), body)
 

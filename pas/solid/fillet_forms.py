@@ -38,6 +38,7 @@ from pas.contacts.parallels import principal_axes, quadratic_terms
 from pas.contacts.torus import torus_polynomial
 from pas.solid.face_seams import FaceSeam, SmoothEnd
 from pas.solid.joints import Joint
+from pas.solid.rolling import touching
 from pas.solid.seams import on_plane
 from pas.solid.tree import Atom, Tree, combined
 
@@ -240,16 +241,17 @@ def _cone(axis: Axis, *circles: tuple[fmpq, fmpq]) -> tuple[Polynomial, tuple[Po
 
 def bent(seam: FaceSeam, radius: fmpq, order: int) -> FilletForm:
     """The polynomial mu s t - h^(k+1), or of order 0 -h, which is flat between planes."""
-    reach = seam.sign * to_float(radius) * (1 - seam.cosines)[:, None]
-    a, b = (
-        decimal(seam.sign * float(face(seam.points + reach * normal).mean()))
-        for face, normal in zip(seam.faces, seam.normals, strict=True)
-    )
-    cosine, slopes = decimal(float(seam.cosines.mean())), [slope_at(face) for face in seam.faces]
+    slopes = [slope_at(face) for face in seam.faces]
     sizes = [square_root(dot(slope, slope)) for slope in slopes]
     if all(f.degree == 1 and dot(w, w) == size**2 for f, w, size in zip(seam.faces, slopes, sizes, strict=True)):
         cosine = dot(*slopes) / (sizes[0] * sizes[1])
         a, b = (radius * (1 - cosine) * size for size in sizes)
+    else:
+        cosine, touched = decimal(float(seam.cosines.mean())), touching(seam, to_float(radius))
+        if touched is None:
+            return FilletForm(seam.faces[0], (fmpq(0), fmpq(0)))
+        pairs = zip(seam.faces, touched[::-1], strict=True)
+        a, b = (decimal(seam.sign * float(face(points).mean())) for face, points in pairs)
     if a == 0 or b == 0:
         return FilletForm(seam.faces[0], (a, b))
     s, t = (face * (seam.sign / height) for face, height in zip(seam.faces, (a, b), strict=True))

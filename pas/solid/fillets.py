@@ -23,9 +23,10 @@ from pas.algebra.rational import decimal, plain, to_float
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.registry import loaded
+from pas.solid.carried import Known, verdict
 from pas.solid.face_seams import FaceSeam
 from pas.solid.fillet_forms import FilletPiece, radius_of_turned
-from pas.solid.joints import Joint, prove
+from pas.solid.joints import Joint
 from pas.solid.profile_rounds import filleted
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined, complement
@@ -91,8 +92,17 @@ class Filling:
         sheets = None if self.within else filleted(self.solid.sheets, pieces, add)
         made = replace(self.solid, tree=tree, joints=claims, sheets=sheets)
         goes_on = next((seam.goes_on for seam in self.seams if seam.goes_on), "")
-        wrong = next((_told(v) + goes_on for v in made.verdicts if not v.proved), None)
-        return wrong or self._broken(made) or replace(made, joints=(*self.solid.joints, *claims))
+        names = {name for seam in self.seams for name in seam.names}
+        beside = [joint for joint in self.solid.joints if {joint.first, joint.second} & names]
+        verdicts = dict[Joint, Verdict]()
+        for joint in (*claims, *beside):
+            proof = verdicts[joint] = verdict(made, joint)
+            if not proof.proved and joint in claims:
+                return _told(proof) + goes_on
+            if not proof.proved and verdict(self.solid, joint).proved:
+                return f"make it before another fillet, of which then {_told(proof)}"
+        known = replace(Known.of(tree, (self.solid, combined(True, *trees))), verdicts=verdicts)
+        return replace(made, joints=(*self.solid.joints, *claims), known=known)
 
     def _trees(self, radius: fmpq) -> tuple[list[FilletPiece], list[Tree]] | str:
         """The pieces of a fillet with what is added or taken away, or why there is none, as points of it show."""
@@ -128,15 +138,6 @@ class Filling:
         over = (one for one in seam.beside if (one[1](ends[~held]) > 0).any())
         trims = [Atom(wall, name) for name, wall in dict.fromkeys([*over, *inner])]
         return piece.tree([*walls, *(wall + hidden for wall in seam.entered)], trims)
-
-    def _broken(self, made: Solid) -> str | None:
-        """What joint of the two faces, proved before, is none beside the fillet; None where there is none."""
-        names = {name for seam in self.seams for name in seam.names}
-        own = tuple(joint for joint in self.solid.joints if {joint.first, joint.second} & names)
-        after = ((joint, prove(joint, made.tree, lambda: made.box)) for joint in own)
-        wrong = ((joint, verdict) for joint, verdict in after if not verdict.proved)
-        lost = (v for joint, v in wrong if prove(joint, self.solid.tree, lambda: self.solid.box).proved)
-        return next((f"make it before another fillet, of which then {_told(verdict)}" for verdict in lost), None)
 
     def largest(self, above: fmpq) -> float | None:
         """The largest radius found below one, to a thirtieth, of a fillet that there is; None where there is none.

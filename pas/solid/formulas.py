@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from pas.algebra.polynomial import Polynomial
 from pas.solid.edges import Loop, PlaneEdge, Point, across, along, line, minus, radius_of
-from pas.solid.tree import Atom, Tree, combined, complement
+from pas.solid.tree import Atom, Tree, combined, complement, folded
 
 Truth = Tree | bool
 """A set in space, or all of it, or nothing."""
@@ -135,7 +135,9 @@ def plane_wall(edge: PlaneEdge) -> Tree:
 
 def values(tree: Tree, sign: Callable[[Polynomial], Any]) -> Any:
     """Whether points are in a set of polynomials, of which `sign` gives values at them."""
-    if isinstance(tree, Atom):
-        assert isinstance(tree.function, Polynomial)
-        return (sign(tree.function) <= 0) != tree.outside
-    return reduce(or_ if tree.union else and_, (values(part, sign) for part in tree.parts))
+
+    def value(atom: Atom) -> Any:
+        assert isinstance(atom.function, Polynomial)
+        return (sign(atom.function) <= 0) != atom.outside
+
+    return folded(tree, value, lambda node, parts: reduce(or_ if node.union else and_, parts))

@@ -8,6 +8,7 @@ first that does not vanish all along the curve gives the order of contact, and t
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -30,12 +31,19 @@ class Ray:
 
 @dataclass(frozen=True)
 class SheetContact:
-    """How two sheets meet along a curve: the order, and the derivative of `other` along `base` that does not vanish."""
+    """How two sheets meet along a curve: the order, and the derivative of `other` along `base` that does not vanish,
+    as a positive multiple of `side * derivative^power`."""
 
     order: int
     base: int
     other: int
     derivative: Polynomial
+    side: int = 1
+    power: int = 1
+
+    def sign(self, at: RealZero) -> int:
+        """That of the derivative at a point."""
+        return int(self.side * at.sign(self.derivative) ** self.power)
 
 
 @dataclass(frozen=True)
@@ -57,6 +65,7 @@ class Sheets:
         self.part = part
         self.polynomials: list[Polynomial] = []
         self.factors: dict[int, Factors] = {}
+        self._products: dict[tuple[int, int], Polynomial] = {}
         for number, polynomial in enumerate(polynomials):
             if part.contains(polynomial):
                 self.factors[number] = self._factored(polynomial)
@@ -89,6 +98,8 @@ class Sheets:
         base, other = (i, j) if self.polynomials[i].degree <= self.polynomials[j].degree else (j, i)
         ground = self.polynomials[base]
         field = cross(gradient(ground), gradient(self.part.curve.form))
+        for h, power, side in self._powers(ground, self.polynomials[other]):
+            return SheetContact(power - 1, base, other, along(field, h), side, power)
         derivative, order = self.polynomials[other], -1
         while self.part.contains(derivative):
             checkpoint("comparing surfaces along a curve")
@@ -96,6 +107,23 @@ class Sheets:
             derivative = Polynomial.from_raw(divmod(along(field, derivative).raw, ground.raw)[1])
             order += 1
         return SheetContact(order, base, other, self.part.ideal.normal_form(derivative))
+
+    def _powers(self, ground: Polynomial, other: Polynomial) -> Iterator[tuple[Polynomial, int, int]]:
+        """What a polynomial is on the ground, if that is c h^power with one of the curve's own two, h, that is not of
+        the ground, and the sign of c.
+
+        As fillets are beside their faces.  Along the field, h falls to order 0 on a reduced curve: so the derivative
+        that does not vanish is c power! (field h)^power, of far lower degree than as it is found otherwise.
+        """
+        rest = divmod(other.raw, ground.raw)[1]
+        for g, h in (self.part.curve.pair, self.part.curve.pair[::-1]):
+            if not divmod(g.raw, ground.raw)[1].is_zero():
+                continue
+            step = value = divmod(h.raw, ground.raw)[1]
+            for power in range(1, other.degree // h.degree + 1):
+                if Polynomial.from_raw(value).primitive() == Polynomial.from_raw(rest).primitive():
+                    yield h, power, 1 if value.leading_coefficient() * rest.leading_coefficient() > 0 else -1
+                value = divmod(value * step, ground.raw)[1]
 
     @cached_property
     def cuts(self) -> list[RealRoot]:
@@ -118,7 +146,9 @@ class Sheets:
 
     def parallel(self, i: int, j: int, at: RealZero) -> int:
         """Whether the gradients of two sheets that touch point the same way (1) or opposite ways (-1)."""
-        return at.sign(dot(gradient(self.polynomials[i]), gradient(self.polynomials[j])))
+        if (i, j) not in self._products:
+            self._products[i, j] = dot(gradient(self.polynomials[i]), gradient(self.polynomials[j]))
+        return at.sign(self._products[i, j])
 
     def signs(self, ray: Ray, at: RealZero) -> dict[int, int | None]:
         """The signs of all other sheets' polynomials along a ray at a point; None for sheets that are not regular."""
@@ -129,7 +159,7 @@ class Sheets:
         if pair not in self.contacts:
             return None
         contact = self.contacts[pair]
-        sign, power = at.sign(contact.derivative), contact.order + 1
+        sign, power = contact.sign(at), contact.order + 1
         if contact.base == ray.sheet:
             return int(sign * ray.side**power)
         if contact.order == 0:

@@ -8,9 +8,10 @@ Guaranteed: nothing.  The mesh is refined on the faces of the whole, and looked 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import and_, or_, sub
 from typing import Any, Protocol
 
 import numpy as np
@@ -21,7 +22,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import rational
 from pas.errors import GeometryError, MeshError
-from pas.mesh.booleans import Triangles, boolean
+from pas.mesh.booleans import BooleanStep, Triangles, boolean, carried_out
 from pas.mesh.closed import refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import SAME
@@ -60,8 +61,7 @@ def combined_boundary(first: Operand, second: Operand, operation: str) -> SolidB
     blends = [known if isinstance(known, SheetBody | LinkedBodies) else None for known in (before, new)]
     ends = (blend or plain_run(solid.tree) for blend, solid in zip(blends, (first, second), strict=True))
     linked = united(*ends) if operation == "Add" and any(blends) else None
-    parts = before.parts if isinstance(before, Operands) and before.operation == operation else (first,)
-    return linked or Operands((*parts, second), operation)
+    return linked or Operands.of((first, second), operation)
 
 
 def renamed_boundary(body: SolidBoundary | None, names: Mapping[str, str]) -> SolidBoundary | None:
@@ -71,20 +71,50 @@ def renamed_boundary(body: SolidBoundary | None, names: Mapping[str, str]) -> So
 
 @dataclass(frozen=True, eq=False)
 class Operands:
-    """Solids and the operation, named as for `boolean`, that made another one of the first and the others in turn."""
+    """Solids that no set operation made, and the steps in which these made another one of them; see `carried_out`."""
 
     parts: tuple[Operand, ...]
-    operation: str
+    steps: tuple[BooleanStep, ...]
     coarse = None
+
+    @classmethod
+    def of(cls, solids: Sequence[Operand], operation: str) -> Operands:
+        """What an operation makes of at least two solids, in as few steps as there are by their form."""
+        known = [s.sheets if isinstance(s.sheets, Operands) else Operands((s,), ()) for s in solids]
+        parts, steps, many = list[Operand](), list[BooleanStep](), 0
+        for number, one in enumerate(known):  # a - (b | c) is a - b - c
+            joined = operation if operation != "Subtract" or number == 0 else "Add"
+            *others, last = one.steps or (BooleanStep(1, "", 1),)
+            opened, count = (others, last.many) if last.operation in ("", joined) else (one.steps, 1)
+            steps += (replace(step, read=step.read + len(parts)) for step in opened)
+            parts, many = [*parts, *one.parts], many + count
+        return cls(tuple(parts), (*steps, BooleanStep(len(parts), operation, many)))
 
     @cached_property
     def box(self) -> Floats | None:
         """Two corners (2, 3) of a box that holds what is made, as the parts do; None where theirs say nothing."""
-        known = [*map(_box, self.parts[: 1 if self.operation == "Subtract" else None])]
-        boxes = np.array([box for box in known if box is not None]).reshape(-1, 2, 3)
-        if self.operation == "Add":
-            return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)]) if len(boxes) == len(known) else None
-        return np.stack([boxes[:, 0].max(axis=0), boxes[:, 1].min(axis=0)]) if len(boxes) else None
+        return carried_out(self.steps, [*map(_box, self.parts)], _joint_box)
+
+    @property
+    def is_union(self) -> bool:
+        """Whether nothing is cut, so that the box is that of what is made."""
+        return all(step.operation == "Add" for step in self.steps)
+
+    @property
+    def is_difference(self) -> bool:
+        """Whether it is the first part less others."""
+        parts: list[object] = [None, *self.parts[1:]]
+        return carried_out(self.steps, parts, lambda name, some: some[0] if name == "Subtract" else name) is None
+
+    def made_with(self, first: Any) -> Any:
+        """What the steps make with another solid in the place of the first part."""
+        done: dict[str, Callable[[Any, Any], Any]] = {"Add": or_, "Intersect": and_, "Subtract": sub}
+        return carried_out(self.steps, [first, *self.parts[1:]], lambda name, some: reduce(done[name], some))
+
+    @cached_property
+    def turned(self) -> list[int]:
+        """Of each part 1 where it is taken away, from what is not, and so on, else 0."""
+        return carried_out(self.steps, [[0] for _ in self.parts], _turned)
 
     def mesh(self, tolerance: float, quality: Quality) -> None:
         """None: what is cut is only a first mesh."""
@@ -109,19 +139,18 @@ class Operands:
         return Labelled.of(*found) if same and np.all(second > first / 2) else None
 
     def _cut(self, field: SolidField, tolerance: float, parts: int) -> Triangles:
-        first, *others = self.parts
-        bounded = [first, *(_within(other, first._around) if _box(other) is None else other for other in others)]
-        found, *rest = (_cut(part, field, tolerance, parts) for part in bounded)
-        turned = 1 if self.operation == "Subtract" else 0
-        return boolean([found, *(other._replace(faces=other.faces ^ turned) for other in rest)], self.operation)
+        if self.box is None:
+            raise GeometryError("what is made of the parts has no bounds")
+        bounded = [_within(part, self.box) if _box(part) is None else part for part in self.parts]
+        cuts = [_cut(part, field, tolerance, parts) for part in bounded]
+        outside = (cut._replace(faces=cut.faces ^ turn) for cut, turn in zip(cuts, self.turned, strict=True))
+        return boolean([*outside], self.steps)
 
 
 def _cut(part: Operand, field: SolidField, tolerance: float, parts: int) -> Triangles:
     """The mesh of a solid with the labels and in the coordinates of a field that has its functions, so many times as
     fine as a tolerance; that of lattices, which take long, no finer than by default, but refined for more than 4 parts.
     """
-    if isinstance(part.sheets, Operands):
-        return part.sheets._cut(field, tolerance, parts)
     own, size, within = part.field, float(np.ptp(part._around, axis=0).max()), tolerance * field.scale / parts
     if part.sheets is None:
         within = max(within * parts / 4, RELATIVE_TOLERANCE * size)
@@ -157,6 +186,21 @@ def _within(part: Any, box: Floats) -> Any:
     ends = [(g, rational(x)) for g, side in zip(GENERATORS, wider.T.tolist(), strict=True) for x in side]
     walls = (Atom(Polynomial.from_raw(g - x), "", number % 2 == 0) for number, (g, x) in enumerate(ends))
     return replace(part, tree=combined(False, part.tree, *walls), joints=(), sheets=None)
+
+
+def _turned(operation: str, turns: list[list[int]]) -> list[int]:
+    """Of operands in turn 1 if they are taken away, or 0, after an operation, given what they were before."""
+    first, *others = turns
+    return first + [turn ^ (operation == "Subtract") for other in others for turn in other]
+
+
+def _joint_box(operation: str, boxes: list[Floats | None]) -> Floats | None:
+    """The box (2, 3) of what an operation makes of sets in boxes; None where these say nothing."""
+    known = np.array([box for box in boxes if box is not None]).reshape(-1, 2, 3)
+    if operation == "Subtract" or len(known) < (len(boxes) if operation == "Add" else 1):
+        return boxes[0] if operation == "Subtract" else None
+    low, high = (np.min, np.max) if operation == "Add" else (np.max, np.min)
+    return np.stack([low(known[:, 0], axis=0), high(known[:, 1], axis=0)])
 
 
 def _box(part: Operand) -> Floats | None:

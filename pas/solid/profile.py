@@ -8,7 +8,7 @@ A profile is a set of points of the plane, in x and y, between loops of straight
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NoReturn
@@ -92,14 +92,15 @@ class Profile:
         return self._patterned(turns(count, (0, 0, 1), (*plane_point(center, "center"), 0), step))
 
     def _patterned(self, maps: Sequence[Affine]) -> Profile:
-        copies = (self, *(self._moved(map_)._numbered(k) for k, map_ in enumerate(maps, start=2)))
+        names = {edge.name for loop in self.all_loops for edge in loop.edges}
+        copies = (self, *(self._moved(map_)._called(numbered(names, k)) for k, map_ in enumerate(maps, start=2)))
         return Profile(None, copies, union=True) if maps else self
 
-    def _numbered(self, copy: int) -> Profile:
+    def _called(self, names: Mapping[str, str]) -> Profile:
         loop = self.loop
         if loop is not None:
-            loop = replace(loop, edges=tuple(replace(edge, name=numbered(edge.name, copy)) for edge in loop.edges))
-        return replace(self, loop=loop, parts=tuple(part._numbered(copy) for part in self.parts))
+            loop = replace(loop, edges=tuple(replace(edge, name=names[edge.name]) for edge in loop.edges))
+        return replace(self, loop=loop, parts=tuple(part._called(names) for part in self.parts))
 
     def _moved(self, map_: Affine) -> Profile:
         flips = map_.matrix[0][0] * map_.matrix[1][1] < map_.matrix[0][1] * map_.matrix[1][0]

@@ -12,9 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
 from itertools import pairwise, product
-from operator import sub
 from typing import Any
 
 import numpy as np
@@ -208,7 +206,7 @@ class RoundedPrism(SweptBody):
 def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int) -> Solid:
     """The solid with the edges of plane faces or of a profile's ends rounded; see `Solid.rounded`."""
     known = solid.sheets
-    first: Any = known.parts[0] if isinstance(known, Operands) and known.operation == "Subtract" else solid
+    first: Any = known.parts[0] if isinstance(known, Operands) and known.is_difference else solid
     body = first.sheets
     if isinstance(body, RoundedPrism):
         raise GeometryError("edges of the solid are rounded already: name the faces of all that are to be in one call")
@@ -224,7 +222,7 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
     if first is solid:
         return made
     assert isinstance(known, Operands)
-    made = reduce(sub, known.parts[1:], made)
+    made = known.made_with(made)
     return replace(made, joints=tuple(dict.fromkeys((*made.joints, *solid.joints))))
 
 
@@ -276,7 +274,7 @@ def filleted(known: SolidBoundary | None, pieces: Sequence[FilletPiece], gains: 
         return _prism_filleted(known, pieces, flat[0], gains)
     if isinstance(known, Operands):
         for number, part in enumerate(known.parts):
-            more = gains != (known.operation == "Subtract" and number > 0)
+            more = gains != bool(known.turned[number])
             if (body := filleted(part.sheets, pieces, more)) is not None:
                 trees = (piece.tree((), [Atom(flat[0] * -piece.seam.sign, face)]) for piece in pieces)
                 tree = combined(more, part.tree, *(tree if more else complement(tree) for tree in trees))

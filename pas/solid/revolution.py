@@ -55,7 +55,7 @@ def revolved(profile: PlaneSet, degrees: fmpq) -> Solid:
     loops = profile.boundary
     angle = math.atan2(to_float(turn[1]), to_float(turn[0])) % (2 * math.pi) or 2 * math.pi
     body: SolidBoundary = (
-        Operands(*profile.operands(lambda part: revolved(part, degrees)))
+        Operands.of(*profile.operands(lambda part: revolved(part, degrees)))
         if loops is None
         else Turned(loops=loops, angle=angle)
     )

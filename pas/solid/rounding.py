@@ -172,7 +172,7 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
     sheets: SolidBoundary | None = body if simple else None
     if sheets and (others := [part for part in parts if PlaneFace.of(part) is None]):
         whole = Solid(combined(False, *(p for p in parts if p not in others), *rests), sheets=body)
-        sheets = Operands((whole, *(Solid(complement(part)) for part in others)), "Subtract")
+        sheets = Operands.of((whole, *(Solid(complement(part)) for part in others)), "Subtract")
     joints = *solid.joints, *_claims(patches)
     return replace(solid, tree=combined(False, solid.tree, *rests), joints=joints, sheets=sheets)
 

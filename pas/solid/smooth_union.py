@@ -12,7 +12,6 @@ from typing import Unpack
 
 import numpy as np
 
-from pas.algebra.affine import numbered
 from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.rational import Exact, positive
 from pas.errors import GeometryError
@@ -69,7 +68,7 @@ def _told_apart(solid: Solid, taken: set[str]) -> Solid:
     names: dict[str, str] = {}
     for name in (face for face in solid.faces if face in taken):
         known = taken.union(solid.faces, names.values())
-        names[name] = next(copy for number in count(2) if (copy := numbered(name, number)) not in known)
+        names[name] = next(copy for number in count(2) if (copy := f"{name} #{number}") not in known)
     return solid._called(names) if names else solid
 
 

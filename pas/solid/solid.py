@@ -32,10 +32,11 @@ from pas.registry import loaded
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape, refuse_mixed
 from pas.solid.bounds import bounding_box, narrowed
+from pas.solid.carried import Known, verdict
 from pas.solid.edge_verbs import WithEdges
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
-from pas.solid.joints import Joint, orders, prove, refuse_unknown, verdict_list
+from pas.solid.joints import Joint, orders, refuse_unknown, verdict_list
 from pas.solid.linked import SolidBoundary
 from pas.solid.measures import Measures, curved_measures
 from pas.solid.operands import Operands, combined_boundary, renamed_boundary
@@ -52,16 +53,16 @@ CARRIER_OF = "pas.exchange.step.carriers:carrier_of"
 class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     """A closed set of points with named faces; made by the functions of `pas.solid`.
 
-    `a | b`, `a & b` and `a - b` are union, intersection and difference.  Nothing changes a solid: all
-    methods return new ones.  `joints` are the claims of `joined`; `verdicts` proves them.  Where `sheets` bound it, as
-    they do solids of blends, of profiles and rounded ones, it is meshed from these; what set operations make of such
-    from their meshes, cut by one another; all else from a lattice.
+    `a | b`, `a & b` and `a - b` are union, intersection and difference.  All methods return new solids.  `joints` are
+    the claims of `joined`; `verdicts` proves them.  Where `sheets` bound it, as they do solids of blends and profiles,
+    it is meshed from these; what set operations make of such from their meshes; all else from a lattice.
     """
 
     tree: Tree
     joints: tuple[Joint, ...] = ()
     special_points: tuple[tuple[float, float, float], ...] = ()
     sheets: SolidBoundary | None = None
+    known: Known | None = field(default=None, repr=False)
     _cache: dict[Any, Any] = field(default_factory=dict, repr=False, init=False)
     kind = "solid"
 
@@ -84,20 +85,20 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         tree = combined(union, self.tree, complement(other.tree) if less else other.tree)
         joints = tuple(dict.fromkeys(self.joints + other.joints))
         sheets = combined_boundary(self, other, "Add" if union else "Subtract" if less else "Intersect")
-        return Solid(tree, joints, self.special_points + other.special_points, sheets)
+        known = Known.of(tree, *((self, other.tree), (other, self.tree))[: 2 if union else int(less)])
+        return Solid(tree, joints, self.special_points + other.special_points, sheets, known)
 
     def _moved(self, map_: Affine) -> Solid:
         functions = dict.fromkeys(atom.function for atom in atoms(self.tree))
         images = {function: image(function, map_) for function in functions}
         tree = mapped(self.tree, lambda atom: replace(atom, function=images[atom.function]))
         joints = tuple(joint.moved(map_) for joint in self.joints)
-        moved = map_.points(np.array(self.special_points).reshape(-1, 3))
-        points = tuple((x, y, z) for x, y, z in moved.tolist())
+        points = tuple((x, y, z) for x, y, z in map_.points(np.array(self.special_points).reshape(-1, 3)).tolist())
         return Solid(tree, joints, points, self.sheets and self.sheets.moved(map_))
 
     def _patterned(self, maps: Sequence[Affine]) -> Solid:
         copies = enumerate((self, *map(self._moved, maps)), start=1)
-        return reduce(or_, (copy._called({f: numbered(f, n) for f in copy.faces}) for n, copy in copies))
+        return reduce(or_, (copy._called(numbered(copy.faces, n)) for n, copy in copies))
 
     def cap(self, plane: PolynomialLike, name: str = "cap") -> Solid:
         """The part where `plane <= 0`, with a face of that name where it is cut.
@@ -177,7 +178,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     @cached_property
     def verdicts(self) -> tuple[Verdict, ...]:
         """The exact verdict on each claimed joint, in the order of the claims."""
-        return tuple(prove(j, self.tree, lambda: self.box) for j in self.joints)
+        return tuple(verdict(self, joint) for joint in self.joints)
 
     @cached_property
     def certificate(self) -> Findings:
@@ -207,8 +208,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     def _around(self) -> Floats:
         """Two corners (2, 3) of a box in which it is meshed: where sheets bound it that of a coarse mesh, for speed."""
         if isinstance(self.sheets, Operands) and self.sheets.box is not None:
-            united = self.sheets.operation == "Add"  # whose box is that of its parts
-            return self.sheets.box if united else narrowed(self.tree, self.sheets.box)
+            return self.sheets.box if self.sheets.is_union else narrowed(self.tree, self.sheets.box)
         return roomy(self.sheets.coarse) if self.sheets and self.sheets.coarse else self.box
 
     @cached_property
@@ -248,7 +248,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     ) -> Mesh:
         """A closed triangle mesh within `tolerance` (the model's units) of the boundary.
 
-        Every triangle lies on one face; edges between faces lie on their common curve.  Where faces lie on one another,
+        Every triangle lies on one face; edges between faces on their common curve.  Where faces lie on one another,
         seen from one side, that is called "a + b"; equal names are one face.  By default the tolerance is 1e-3 of the
         longest side of the box.  Along straight lines triangles are long; with `quality` "angles" they are not, with
         "count" however long that leaves fewest.  Raises `MeshError` where it is too thin or has an unclaimed tangency,

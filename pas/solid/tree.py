@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from typing import Generic, Protocol, TypeVar, runtime_checkable
+from dataclasses import dataclass, field, replace
+from typing import Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,18 +67,40 @@ class Atom:
             check_coefficients(self.function.raw, f"the face {self.face!r}" if self.face else "a wall")
 
 
-Leaf = TypeVar("Leaf")
+Value = TypeVar("Value")
 
 
-@dataclass(frozen=True)
-class Node(Generic[Leaf]):
-    """The intersection or union of at least one set; leaves are inequalities, or what stands for them."""
+@dataclass(frozen=True, eq=False)
+class Node:
+    """The intersection or union of at least one set.
 
-    parts: tuple[Leaf | Node[Leaf], ...]
+    Operations in turn nest without end, so nothing that is asked of trees calls itself for their parts.
+    """
+
+    parts: tuple[Tree, ...]
     union: bool
+    _hash: int = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_hash", hash((self.parts, self.union)))  # those of its parts are known
+
+    def __eq__(self, other: object) -> bool:
+        pairs: list[tuple[object, object]] = [(self, other)]
+        while pairs:
+            one, its = pairs.pop()
+            if isinstance(one, Node) and isinstance(its, Node):
+                if (one.union, hash(one), len(one.parts)) != (its.union, hash(its), len(its.parts)):
+                    return False
+                pairs += zip(one.parts, its.parts, strict=True) if one is not its else ()
+            elif isinstance(one, Node) or isinstance(its, Node) or one != its:
+                return False
+        return True
+
+    def __hash__(self) -> int:
+        return self._hash
 
 
-Tree = Atom | Node[Atom]
+Tree = Atom | Node
 
 
 def combined(union: bool, *parts: Tree) -> Tree:
@@ -99,11 +121,27 @@ def splits_of(tree: Tree, union: bool) -> Iterator[tuple[Tree, Tree]]:
         yield part, combined(union, *(other for other in parts if other is not part))
 
 
+def folded(tree: Tree, leaf: Callable[[Atom], Value], branch: Callable[[Node, list[Value]], Value]) -> Value:
+    """What becomes of a tree: of its leaves, from left to right, and of branches after their parts, given these."""
+    found, waiting = list[Value](), [(tree, False)]
+    while waiting:
+        part, opened = waiting.pop()
+        if not isinstance(part, Node):
+            found.append(leaf(part))
+        elif opened:
+            found[-len(part.parts) :] = [branch(part, found[-len(part.parts) :])]
+        else:
+            waiting += [(part, True), *((inner, False) for inner in reversed(part.parts))]
+    return found[0]
+
+
 def complement(tree: Tree) -> Tree:
     """The points outside, with the boundary (de Morgan's laws)."""
-    if isinstance(tree, Atom):
-        return replace(tree, outside=not tree.outside)
-    return Node(tuple(map(complement, tree.parts)), not tree.union)
+
+    def branch(node: Node, parts: list[Tree]) -> Tree:
+        return Node(tuple(parts), not node.union)
+
+    return folded(tree, lambda atom: replace(atom, outside=not atom.outside), branch)
 
 
 def is_contradiction(tree: Tree) -> bool:
@@ -112,20 +150,24 @@ def is_contradiction(tree: Tree) -> bool:
     return any(known.issuperset(parts_of(complement(part), False)) for part in known)
 
 
-def mapped(tree: Tree, change: Callable[[Atom], Leaf | Node[Leaf]]) -> Leaf | Node[Leaf]:
+def mapped(tree: Tree, change: Callable[[Atom], Tree]) -> Tree:
     """The tree with something in the place of each of its atoms."""
-    if isinstance(tree, Atom):
-        return change(tree)
-    return Node(tuple(mapped(part, change) for part in tree.parts), tree.union)
+
+    def branch(node: Node, parts: list[Tree]) -> Tree:
+        return Node(tuple(parts), node.union)
+
+    return folded(tree, change, branch)
 
 
 def atoms(tree: Tree) -> Iterator[Atom]:
     """All atoms, from left to right."""
-    if isinstance(tree, Atom):
-        yield tree
-    else:
-        for part in tree.parts:
-            yield from atoms(part)
+    waiting = [tree]
+    while waiting:
+        part = waiting.pop()
+        if isinstance(part, Atom):
+            yield part
+        else:
+            waiting += reversed(part.parts)
 
 
 class Columns:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.limits import checkpoint
-from pas.solid.tree import Atom, Bools, Columns, Integers, Node, Tree, atoms, mapped
+from pas.solid.tree import Atom, Bools, Columns, Integers, Node, Tree, atoms, folded
 
 Bits = NDArray[np.uint8]
 
@@ -52,18 +52,18 @@ class CompiledTree:
         leaves: list[tuple[int, bool]] = []
         heights: list[list[tuple[bool, list[tuple[int, int]]]]] = []
 
-        def visit(tree: Tree) -> tuple[int, int]:
-            """The height of a part, and its place among those of that height."""
-            if isinstance(tree, Atom):
-                leaves.append(column_of(tree))
-                return 0, len(leaves) - 1
-            parts = [visit(part) for part in tree.parts]
+        def leaf(atom: Atom) -> tuple[int, int]:
+            leaves.append(column_of(atom))
+            return 0, len(leaves) - 1
+
+        def branch(node: Node, parts: list[tuple[int, int]]) -> tuple[int, int]:
+            """The height of a branch, and its place among those of that height."""
             height = max(h for h, _ in parts)
             heights.extend([] for _ in range(height + 1 - len(heights)))
-            heights[height].append((tree.union, parts))
+            heights[height].append((node.union, parts))
             return height + 1, len(heights[height]) - 1
 
-        visit(tree)
+        folded(tree, leaf, branch)
         self.columns = 1 + max(column for column, _ in leaves)
         self.rows: Integers = np.array([column + self.columns * negated for column, negated in leaves], dtype=np.intp)
         firsts = np.cumsum([0, len(leaves), *map(len, heights)])
@@ -160,7 +160,12 @@ class LeafTree:
         self.polynomials = [f for f in columns.functions if isinstance(f, Polynomial)]
         costs = [f.degree if isinstance(f := a.function, Polynomial) else math.inf for a in self.leaves]
         asks = {leaf: Ask(n, cost) for n, (leaf, cost) in enumerate(zip(self.leaves, costs, strict=True))}
-        self.code = _ordered(mapped(tree, asks.__getitem__))
+
+        def branch(node: Node, parts: list[Code]) -> Branch:
+            parts.sort(key=lambda part: part.cost)
+            return Branch(tuple(parts), node.union, parts[0].cost)
+
+        self.code: Code = folded(tree, asks.__getitem__, branch)
 
     def holds(self, leaf: int, sign: int) -> bool:
         """Whether a leaf holds where the polynomial of its number has a sign (not 0)."""
@@ -188,13 +193,6 @@ class Ask:
 
 
 Code = Ask | Branch
-
-
-def _ordered(tree: Node[Ask] | Ask) -> Code:
-    if isinstance(tree, Ask):
-        return tree
-    parts = sorted(map(_ordered, tree.parts), key=lambda part: part.cost)
-    return Branch(tuple(parts), tree.union, parts[0].cost)
 
 
 def says(code: Code, truth: Truth) -> bool | None:

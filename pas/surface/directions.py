@@ -35,6 +35,8 @@ EVEN, DEEPEST, FACES = 3, 8, 12
 there, so that the area near their curves is the least certain.  That is for so many outer faces, as six tetrahedra
 have; of more, which are smaller, each is quartered less often."""
 
+AT_ONCE = 256
+"""Rays whose faces are looked for together, so that memory is bounded."""
 
 NOTHING = 1e-9
 """The share of the largest value up to which one counts as none: curves through a corner of a triangle are common."""
@@ -149,11 +151,14 @@ def _ends(local: Partition, units: Floats) -> tuple[Floats, Pieces]:
     """Where rays along unit vectors leave the region, and in which piece: the outer face each is most inside of."""
     corners = np.array([local.points[list(face.vertices)] for face in local.outer_faces])
     inverse = np.linalg.inv(corners.transpose(0, 2, 1))
-    weights = np.einsum("fij,nj->nfi", inverse, units)
-    face = weights.min(axis=2).argmax(axis=1)
-    total = weights[np.arange(len(units)), face].sum(axis=1)
     pieces = np.array([outer.piece for outer in local.outer_faces], dtype=np.intp)
-    return units / total[:, None], pieces[face]
+    ends, faces = [], []
+    for some in np.array_split(units, 1 + len(units) // AT_ONCE):
+        weights = np.einsum("fij,nj->nfi", inverse, some)
+        face = weights.min(axis=2).argmax(axis=1)
+        ends.append(some / weights[np.arange(len(some)), face].sum(axis=1)[:, None])
+        faces.append(face)
+    return np.concatenate(ends), pieces[np.concatenate(faces)]
 
 
 def _quartered(triangles: Floats, pieces: Pieces) -> tuple[Floats, Pieces]:

@@ -221,12 +221,10 @@ class _Measuring:
     def bulge(self, points: Floats, radius: float) -> float:
         """How far points, relative to the centre, are beyond the hull, over the largest radius."""
         ball = 400  # points of the ball around the centre that belongs to the hull
-        planes = ConvexHull(np.concatenate([radius * spiral(ball), *(n.curve for n in self.neighbours)])).equations
+        hull = ConvexHull(np.concatenate([radius * spiral(ball), *(n.curve for n in self.neighbours)]))
         points = np.concatenate([points, np.zeros((1, 3))])  # with the centre, which a flat surface keeps away from
         outermost = points[ConvexHull(points).vertices]
-        together = 64  # planes that all points are held against at once: the table stays in the caches
-        parts = (planes[start : start + together] for start in range(0, len(planes), together))
-        far = max(float((part[:, :3] @ outermost.T + part[:, 3:]).max()) for part in parts)
+        far = max(float((outermost @ plane[:3]).max() + plane[3]) for plane in hull.equations)
         return max(0.0, far) / radius
 
     def waist(self, points: Floats) -> tuple[float, int]:

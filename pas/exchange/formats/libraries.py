@@ -25,6 +25,7 @@ cells into flat ones first); `PiecewiseSurface.mesh` is.  Cells share no points,
 from __future__ import annotations
 
 import ctypes
+import json
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -32,7 +33,7 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.monomials import homogeneous_exponents
+from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.errors import library, optional
 from pas.exchange.formats import Content, Format, Request
 from pas.exchange.parts import (
@@ -73,16 +74,40 @@ def write_glb(parts: Sequence[Piece], path: Path, request: Request) -> None:
         for mesh in tree["meshes"]:
             for primitive in mesh["primitives"]:
                 primitive["material"] = names.index(mesh["name"])
-        nodes, places = tree["nodes"], {part.name: part.places for part in parts if part.places is not None}
-        for node in [node for node in nodes if node["name"] in places]:
-            values, rows = np.unique(places[node["name"]], return_inverse=True)
-            rounded = np.array([float(f"{value:.9g}") for value in values.tolist()], dtype=object)
-            mesh, shifts = node.pop("mesh"), rounded[rows.reshape(-1, 3)]
-            node["children"] = list(range(len(nodes), len(nodes) + len(shifts)))
-            nodes += [{"mesh": mesh, "translation": shift} for shift in zip(*shifts.T, strict=True)]
 
     checkpoint()
-    path.write_bytes(scene.export(file_type="glb", include_normals=True, tree_postprocessor=paint))
+    data = scene.export(file_type="glb", include_normals=True, tree_postprocessor=paint)
+    places = {part.name: part.places for part in parts if part.places is not None}
+    with path.open("wb") as stream:
+        stream.writelines(_placed(data, places) if places else [data])
+
+
+def _placed(data: bytes, places: dict[str, Floats]) -> list[bytes]:
+    """A binary scene (glTF 2.0, 4.4) whose nodes of some names have a child for each place: one text, as objects of
+    Python would take ten times the memory."""
+    size = int.from_bytes(data[12:16], "little")
+    tree = json.loads(data[20 : 20 + size])
+    nodes = tree.pop("nodes")
+    text, children, count = [json.dumps(tree)[:-1].encode() + b', "nodes": ['], list[bytes](), len(nodes)
+    for node in nodes:
+        shifts = places.get(node["name"], np.zeros((0, 3)))
+        if not len(shifts):
+            text.append(json.dumps(node).encode() + b",")
+            continue
+        mesh, numbers = node.pop("mesh"), ",".join(map(str, range(count, count + len(shifts))))
+        text.append(f'{json.dumps(node)[:-1]},"children":[{numbers}]}},'.encode())
+        count += len(shifts)
+        for some in np.array_split(shifts, 1 + len(shifts) // 4096):
+            rows = (f'{{"mesh":{mesh},"translation":[{x:.9g},{y:.9g},{z:.9g}]}},' for x, y, z in some.tolist())
+            children.append("".join(rows).encode())
+    text += children
+    text[-1] = text[-1].rstrip(b",") + b"]}"
+    length = sum(map(len, text))
+    text[-1] += b" " * (-length % 4)
+    length += -length % 4
+    rest = data[20 + size :]
+    head = b"glTF" + b"".join(n.to_bytes(4, "little") for n in (2, 20 + length + len(rest), length)) + b"JSON"
+    return [head, *text, rest]
 
 
 def _material(part: Piece) -> dict[str, Any]:
@@ -162,7 +187,7 @@ def write_3mf(parts: Sequence[Piece], path: Path, request: Request) -> None:
         matrices = np.zeros((len(part.places), 4, 3), dtype="<f4")
         matrices[:, :3], matrices[:, 3] = np.eye(3), part.places
         handle = ctypes.c_void_p()  # `AddComponent` makes a class for each place, which takes twenty times as long
-        for transform in (lib3mf.Transform * len(matrices)).from_buffer_copy(matrices.tobytes()):
+        for transform in (lib3mf.Transform * len(matrices)).from_buffer(matrices):
             placed = together._handle, item._handle, transform, handle
             wrapper.checkError(together, wrapper.lib.lib3mf_componentsobject_addcomponent(*placed))
             wrapper.lib.lib3mf_release(handle)

@@ -16,7 +16,7 @@ have normals where no part has a sharp edge, at which a point has several.
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -36,24 +36,31 @@ from pas.exchange.parts import (
     triangles_of,
 )
 from pas.limits import checkpoint
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Floats
 from pas.solid.measures import PartList
+
+AT_ONCE = 2**16
+"""Triangles that are written together."""
 
 
 def write_stl(parts: Sequence[Piece], path: Path, request: Request) -> None:
     """All parts' triangles, in millimeters if the model has a unit."""
-    path.write_bytes(binary_stl(*joined(in_unit(parts, request, "millimeter"))))
+    points, triangles = joined(in_unit(parts, request, "millimeter"))
+    some = (triangles[start : start + AT_ONCE] for start in range(0, len(triangles), AT_ONCE))
+    save_stl(path, len(triangles), (points[of] for of in some))
 
 
-def binary_stl(points: Floats, triangles: Integers) -> bytes:
-    """A binary STL file of points (N, 3), rounded to single precision, and triangles (T, 3)."""
-    corners = points[triangles]
-    facets = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    facets /= np.maximum(np.linalg.norm(facets, axis=1, keepdims=True), 1e-300)
+def save_stl(path: Path, count: int, triangles: Iterable[Floats]) -> None:
+    """Write so many triangles as binary STL, rounded to single precision; their corners (n, 3, 3), some at a time."""
     record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    data = np.zeros(len(corners), dtype=record)
-    data["normal"], data["corners"] = facets, corners
-    return b"binary STL".ljust(80) + np.uint32(len(corners)).tobytes() + data.tobytes()
+    with path.open("wb") as stream:
+        stream.write(b"binary STL".ljust(80) + np.uint32(count).tobytes())
+        for corners in triangles:
+            facets = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+            facets /= np.maximum(np.linalg.norm(facets, axis=1, keepdims=True), 1e-300)
+            data = np.zeros(len(corners), dtype=record)
+            data["normal"], data["corners"] = facets, corners
+            stream.write(data.tobytes())
 
 
 STL = Format(".stl", TRIANGLES, write_stl, bodies=True)
