@@ -183,7 +183,7 @@ def test_flanges_are_plates_with_a_bore_and_holes(axis):
     assert mesh.is_closed and mesh.euler_characteristic == 2 - 2 * 7
     assert made.volume() == pytest.approx((25**2 - 10**2 - 6 * 2**2) * np.pi * 5, rel=1e-5)
     holes = {f"flange hole{number}" for number in ("", " #2", " #3", " #4", " #5", " #6")}
-    assert {*mesh.names} == {"flange", "flange start", "flange end", "flange bore", *holes}
+    assert {*mesh.names} == {"flange", "flange start", "flange end", "flange bore", *holes} == {*made.faces}
     assert solid.flange((0, 0, 0), axis, 0, 2, 1).faces == ("flange", "flange start", "flange end")
 
 

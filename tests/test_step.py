@@ -573,3 +573,12 @@ def test_cuts_beside_a_vertex_go_through_it(off):
     assert np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).min() > 100 * off
     assert abs(plane.heights(atlas.points[[vertex]])[0]) < 1e-12
     assert abs(np.linalg.norm(ball.field.world(atlas.points[[vertex]])) - 1) < 1e-12
+
+
+@pytest.mark.slow
+def test_hundreds_of_holes_are_not_one_face_that_takes_many_charts(ocp):
+    """Each of 310 cylinders is divided once, into two charts."""
+    holes = solid.cylinder((1, 1, -1), (1, 1, 2), "1/4", face="hole").pattern(31, (1, 0, 0)).pattern(10, (0, 1, 0))
+    part = solid.box((0, 0, 0), (32, 11, 1)) - holes
+    report = step_part(part, "plate").report
+    assert report.exact == report.faces == 6 + 310

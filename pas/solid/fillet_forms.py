@@ -39,7 +39,7 @@ from pas.contacts.torus import torus_polynomial
 from pas.solid.face_seams import FaceSeam, SmoothEnd
 from pas.solid.joints import Joint
 from pas.solid.rolling import touching
-from pas.solid.seams import on_plane
+from pas.solid.sections import on_plane
 from pas.solid.tree import Atom, Tree, combined
 
 

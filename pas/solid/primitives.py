@@ -189,14 +189,21 @@ def flange(
     below, end, above = (three(p + k * r for p, r in zip(place, rise, strict=True)) for k in (-1, 1, 2))
     plate = cylinder(place, end, rim, face)
     if bore:
-        plate -= cylinder(below, above, bore, f"{face} bore")
+        plate = _drilled(plate, cylinder(below, above, bore, f"{face} bore"))
     if whole(bolts, "bolts", 0, 1000) or (bolt_radius, bolt_circle) != (None, None):
         size, around = _bolts(bore, rim, bolts, bolt_radius, bolt_circle)
         aside, _ = two_across(way)
         first = three(a * around / square_root(dot(aside, aside)) for a in aside)
         low, high = (three(p + f for p, f in zip(at, first, strict=True)) for at in (below, above))
-        plate -= cylinder(low, high, size, f"{face} hole").circular_pattern(bolts, way, place)
+        holes = cylinder(low, high, size, f"{face} hole").circular_pattern(bolts, way, place)
+        plate = _drilled(plate, holes)
     return plate
+
+
+def _drilled(part: Solid, drill: Solid) -> Solid:
+    """A part less cylinders whose flat ends reach out of it, and are no faces of it."""
+    ends = (face for face, (polynomial,) in drill.polynomials.items() if polynomial.degree == 1)
+    return (part - drill)._called(dict.fromkeys(ends, ""))
 
 
 def _bolts(bore: fmpq, rim: fmpq, bolts: int, radius: Exact | None, circle_radius: Exact | None) -> tuple[fmpq, fmpq]:

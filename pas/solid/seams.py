@@ -20,34 +20,23 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations, combinations_with_replacement, permutations, product
+from itertools import combinations, combinations_with_replacement, product
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpq_mat, fmpq_mpoly
+from flint import fmpq, fmpq_mat
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, residue_place
-from pas.algebra.rational import cross
+from pas.algebra.rational import cross, to_floats
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import polynomials_of
+from pas.solid.sections import SLACK, multiples, smooth_sections, tangent_line, touch_along
 from pas.solid.tree import Bools, Tree, atoms
 
 Curve = tuple[Polynomial, Polynomial]
-
-HIGHEST = 6
-"""Degree of functions of which plane sections are looked at: that of the blends of pipes with continuous curvature."""
-
-STARTS = 64
-"""Points from which places on a section are looked for."""
-
-SLACK = 1e-9
-"""How far places may be outside the box by rounding, over its longest side."""
-
-ASIDE = (0.01, 0.03)
-"""How far before and behind the plane it is looked, over the longest side of the box."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +66,7 @@ class Seam:
     def joins(self, first: Sequence[Polynomial], second: Sequence[Polynomial]) -> bool:
         """Whether surfaces that hold the curves touch along each, or may cross; else they may cross elsewhere, too."""
         pairs = [*product(first, second)]
-        return self.order == 0 or all(any(_touch(*pair, curve) for pair in pairs) for curve in self.curves)
+        return self.order == 0 or all(any(touch_along(*pair, curve) for pair in pairs) for curve in self.curves)
 
     def is_on(self, surfaces: Sequence[Polynomial]) -> bool:
         """Whether each of the curves is on one of some surfaces."""
@@ -95,7 +84,7 @@ def seams_of(tree: Tree, claimed: Mapping[Curve, int], box: Floats | None = None
     `claimed` are orders of continuity by curves.  Plane sections are among the seams where the `box` (2, 3) is given.
     """
     curves = {**claimed, **dict.fromkeys(_lines(tree), 1)}
-    cut = () if box is None else _smooth_sections(tree, box)
+    cut = () if box is None else smooth_sections(tree, box)
     sections = [Seam((plane, curve), (Ideal(plane, curve),)) for plane, curve in cut]
     single = [Seam(curve, (Ideal(*curve),), order) for curve, order in curves.items()]
     cutting: dict[Polynomial, list[int]] = {}
@@ -103,7 +92,8 @@ def seams_of(tree: Tree, claimed: Mapping[Curve, int], box: Floats | None = None
         for function in curve:
             cutting.setdefault(function.primitive(), []).append(number)
     surfaces = (polynomials_of(f) for f in dict.fromkeys(atom.function for atom in atoms(tree) if atom.face))
-    held = [{n for n, seam in enumerate(single) if seam.is_on(some)} for some in surfaces]
+    places = places_of(single)
+    held = [held_by(some, single, places) for some in surfaces]
     several: dict[tuple[Polynomial, frozenset[int]], Seam] = {}
     for common, numbers in cutting.items():
         if len(numbers) > 1:
@@ -115,17 +105,25 @@ def seams_of(tree: Tree, claimed: Mapping[Curve, int], box: Floats | None = None
     return [*sorted(several.values(), key=lambda seam: -len(seam.curves)), *single, *sections]
 
 
+def places_of(seams: Sequence[Seam]) -> Floats:
+    """A point (N, 3) of each seam that is a line, to rounding; not numbers of others."""
+    return np.array([to_floats(seam._place or ()) or [np.nan] * 3 for seam in seams]).reshape(-1, 3)
+
+
+def held_by(surfaces: Sequence[Polynomial], seams: Sequence[Seam], places: Floats) -> set[int]:
+    """The numbers of the seams that surfaces hold, of which there may be thousands: so values tell most others."""
+    open_, far = np.isnan(places[:, 0]), np.maximum(1.0, np.abs(places).max(axis=1))
+    for surface in surfaces:
+        largest = np.abs(surface.dense(surface.degree)).sum() * far**surface.degree
+        open_ |= np.abs(surface(places)) <= 2.0**-40 * largest
+    return {number for number in np.flatnonzero(open_).tolist() if seams[number].is_on(surfaces)}
+
+
 def _lines(tree: Tree) -> list[Curve]:
     """The lines along which faces on planes touch others on cylinders or cones: each plane, and one across it."""
     faces = dict.fromkeys(a.function.primitive() for a in atoms(tree) if a.face and isinstance(a.function, Polynomial))
     pairs = product((f for f in faces if f.degree == 1), (f for f in faces if f.degree == 2))
     return [(plane, across) for plane, quadric in pairs if (across := tangent_line(plane, quadric)) is not None]
-
-
-def tangent_line(plane: Polynomial, quadric: Polynomial) -> Polynomial | None:
-    """The m that vanishes where a plane touches a quadric along a line: on the plane that is c m^2; None elsewhere."""
-    factors = on_plane(quadric, plane).factor()[1]
-    return Polynomial.from_raw(factors[0][0]) if [power for _, power in factors] == [2] else None
 
 
 def _united(common: Polynomial, seams: Sequence[Seam]) -> Seam:
@@ -173,9 +171,13 @@ class Seams:
             for kept, p, q in ((a, *first, *second), (b, *second, *first)):
                 if isinstance(w, Polynomial) and number not in (a, b):
                     ideal = Ideal(p, w)
-                    if ideal.contains(q) and not ideal.is_whole_ring and _touch(p, q, ideal):
+                    if ideal.contains(q) and not ideal.is_whole_ring and touch_along(p, q, ideal):
                         return kept, number
         return ()
+
+    @cached_property
+    def _places(self) -> Floats:
+        return places_of(self.given)
 
     @cached_property
     def _near(self) -> Bools:
@@ -190,13 +192,16 @@ class Seams:
         """The numbers of the seams on which a column's faces are."""
         if column not in self._on:
             surfaces = polynomials_of(self._evaluator.columns[column].function)
-            self._on[column] = {number for number, seam in enumerate(self.given) if seam.is_on(surfaces)}
+            self._on[column] = held_by(surfaces, self.given, self._places)
         return self._on[column]
 
     def pinched(self) -> Iterator[tuple[Floats, int, int, bool]]:
         """Points of lines along which two columns' faces touch, and whether beside these the set is on both sides, if
         it is on both or on neither, and not so between them: there its parts touch, or it has no thickness."""
-        faces, middle = np.flatnonzero(~self._evaluator.walls).tolist(), self._box.mean(axis=0)
+        on, middle = [list[int]() for _ in self.given], self._box.mean(axis=0)
+        for column, number in ((c, n) for c in range(self._evaluator.used) for n in self.of(c)):
+            on[number].append(column)
+        found = list[tuple[Floats, Floats, int, int, list[int]]]()
         for number in (n for n, seam in enumerate(self.given) if seam._place):
             values, *slopes = self._jets(np.stack([middle] * 2), self._evaluator.used + 2 * number + np.arange(2)).T
             way = unit(np.cross(*np.transpose(slopes)))
@@ -207,22 +212,34 @@ class Seams:
             if low >= high:  # the line misses the box
                 continue
             points = start + np.linspace(low, high, 66)[1:-1, None] * way
-            known = self._evaluator.signs(points)
-            for a, b in combinations([c for c in faces if number in self.of(c)], 2):
-                f, g = (unit(self._jets(points, c)[:, 1:]) for c in (a, b))
-                aside = points + 2.0**-8 * np.cross(way, f)
-                jets = [self._jets(aside, c) for c in (a, b)]
-                between = aside - sum(j[:, :1] * j[:, 1:] / (j[:, 1:] ** 2).sum(axis=1)[:, None] for j in jets) / 2
-                alike, signs, held = (f * g).sum(axis=1) > 0, known.copy(), []
-                there = self._evaluator.signs(between)
-                on = [c for c in range(self._evaluator.used) if number in self.of(c)]  # 0 here, so of no sign
-                signs[on] = there[on]
-                for side in ((True, alike), (False, ~alike), there[[a, b]]):
-                    signs[[a, b]] = np.broadcast_arrays(*side)
-                    held.append(self._evaluator.inside(signs))
-                touch = (lengths(np.cross(f, g)) < SLACK) & (held[0] == held[1]) & (held[1] != held[2])
-                if len(rows := np.flatnonzero(touch)):
-                    yield points[rows[len(rows) // 2]], a, b, bool(held[0][rows[len(rows) // 2]])
+            faces = (c for c in on[number] if not self._evaluator.walls[c])
+            ways = np.broadcast_to(way, points.shape)
+            found += ((points, ways, *pair, on[number]) for pair in combinations(faces, 2))
+        for first in range(0, len(found), 256):
+            yield from self._pinched(found[first : first + 256])
+
+    def _pinched(
+        self, some: Sequence[tuple[Floats, Floats, int, int, list[int]]]
+    ) -> Iterator[tuple[Floats, int, int, bool]]:
+        """Those of lines: for each 64 points and directions (64, 3), two columns, and all columns that hold it."""
+        points, ways = (np.concatenate([one[i] for one in some]) for i in range(2))
+        pair, rows = np.repeat([(one[2], one[3]) for one in some], 64, axis=0).T, np.arange(len(points))
+        f, g = (unit(self._jets(points, columns)[:, 1:]) for columns in pair)
+        aside = points + 2.0**-8 * np.cross(ways, f)
+        jets = [self._jets(aside, columns) for columns in pair]
+        between = aside - sum(j[:, :1] * j[:, 1:] / (j[:, 1:] ** 2).sum(axis=1)[:, None] for j in jets) / 2
+        alike, held = (f * g).sum(axis=1) > 0, []
+        signs, there = self._evaluator.signs(points), self._evaluator.signs(between)
+        for number, (*_, on) in enumerate(some):  # 0 here, so of no sign
+            signs[on, 64 * number : 64 * number + 64] = there[on, 64 * number : 64 * number + 64]
+        for side in ((True, alike), (False, ~alike), there[pair, rows]):
+            signs[pair, rows] = np.broadcast_arrays(*side)
+            held.append(self._evaluator.inside(signs))
+        touch = (lengths(np.cross(f, g)) < SLACK) & (held[0] == held[1]) & (held[1] != held[2])
+        for number, (own, (*_, a, b, _)) in enumerate(zip(touch.reshape(-1, 64), some, strict=True)):
+            if len(where := np.flatnonzero(own)):
+                row = 64 * number + where[len(where) // 2]
+                yield points[row], a, b, bool(held[0][row])
 
     def _jets(self, points: Floats, column: Any) -> Floats:
         return self._evaluator.jets(points, np.broadcast_to(column, len(points)))
@@ -259,87 +276,3 @@ class Seams:
             known = [p for p in found if isinstance(p, Polynomial)]
             self._same[key] = len(known) == 3 and known[0].degree == 1 and multiples(*known)
         return self._same[key]
-
-
-def multiples(plane: Polynomial, first: Polynomial, second: Polynomial) -> bool:
-    """Whether two polynomials are positive multiples of one another on a plane, and not 0; exact."""
-    f, g = on_plane(first, plane), on_plane(second, plane)
-    if f.is_zero() or g.is_zero():
-        return False
-    a, b = f.leading_coefficient(), g.leading_coefficient()
-    return bool((f * b - g * a).is_zero() and a * b > 0)
-
-
-def _smooth_sections(tree: Tree, box: Floats) -> Iterator[tuple[Polynomial, Polynomial]]:
-    """Planes, and functions that vanish with them on sections along which two faces of a solid in a box go on."""
-    faces_of = (a.function.primitive() for a in atoms(tree) if a.face and isinstance(a.function, Polynomial))
-    functions = dict.fromkeys(faces_of)
-    for plane in (f for f in functions if f.degree == 1):
-        faces: dict[Polynomial, list[Polynomial]] = {}
-        for function in (f for f in functions if 1 < f.degree <= HIGHEST):
-            for factor, _ in on_plane(function, plane).factor()[1]:
-                if factor.total_degree() > 1:
-                    faces.setdefault(Polynomial.from_raw(factor).primitive(), []).append(function)
-        for curve, cut in ((c, several) for c, several in faces.items() if len(several) > 1):
-            ideal = Ideal(plane, curve)
-            pairs = (pair for pair in combinations(cut, 2) if _touch(*pair, ideal))
-            if any(_go_on(tree, box, plane, curve, pair) for pair in pairs):
-                yield plane, curve
-
-
-def on_plane(polynomial: Polynomial, plane: Polynomial) -> fmpq_mpoly:
-    """A polynomial in two coordinates of the points of a plane: the plane's first one is replaced by what it is."""
-    return divmod(polynomial.raw, plane.raw)[1]
-
-
-def _touch(first: Polynomial, second: Polynomial, curve: Ideal) -> bool:
-    """Whether two surfaces have the same normals along a curve; where they cross their own functions say where, and a
-    wall through one of the curves in which they do nothing of the others."""
-    a, b = ([f.diff(x) for x in "xyz"] for f in (first, second))
-    return all(curve.contains(a[i] * b[j] - a[j] * b[i]) for i, j in combinations(range(3), 2))
-
-
-def _go_on(tree: Tree, box: Floats, plane: Polynomial, curve: Polynomial, pair: tuple[Polynomial, Polynomial]) -> bool:
-    """Whether one of two faces bounds the solid alone on one side of a plane, and the other on its other side."""
-    size = float(np.ptp(box, axis=0).max())
-    starts = box[0] + np.random.default_rng(0).random((STARTS, 3)) * np.ptp(box, axis=0)
-    points, found = _near(starts, (plane, curve))
-    points = points[
-        found & (points >= box[0] - SLACK * size).all(axis=1) & (points <= box[1] + SLACK * size).all(axis=1)
-    ]
-    normals = unit(pair[0].gradient(points))
-    ways = plane.gradient(points)
-    ways = unit(ways - (ways * normals).sum(axis=1)[:, None] * normals)
-    sides = [np.concatenate([points + side * share * size * ways for share in ASIDE]) for side in (-1, 1)]
-    evaluator = TreeEvaluator(tree, (fmpq(0), fmpq(0), fmpq(0)), fmpq(1))
-    bounding = [[_bounds(evaluator, f, side) for side in sides] for f in pair]
-    return any(bool((a[0] & b[1]).any() and not (a[1] | b[0]).any()) for a, b in permutations(bounding))
-
-
-def _bounds(evaluator: TreeEvaluator, function: Polynomial, points: Floats) -> Bools:
-    """At which points (N, 3), moved onto a face, the solid is on one side of it alone."""
-    points, near = _near(points, (function,))
-    number = next(i for i, c in enumerate(evaluator.columns) if _is(c.function, function))
-    signs = evaluator.signs(points)
-    both = []
-    for side in (True, False):
-        signs[number] = side
-        both.append(evaluator.inside(signs))
-    return np.asarray(near & (both[0] != both[1]))
-
-
-def _is(function: object, primitive: Polynomial) -> bool:
-    return isinstance(function, Polynomial) and function.primitive() == primitive
-
-
-def _near(points: Floats, functions: tuple[Polynomial, ...]) -> tuple[Floats, Bools]:
-    """Common zeros (N, 3) of one function or two near points (N, 3), by the Gauss-Newton method, and which are some."""
-    with np.errstate(all="ignore"):  # some go so far away that they overflow
-        for _ in range(20):
-            values = np.stack([f(points) for f in functions], axis=1)
-            slopes = np.stack([f.gradient(points) for f in functions], axis=1)
-            lost = ~(np.isfinite(values).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2)))
-            values[lost], slopes[lost] = np.nan, 0.0
-            steps = np.einsum("nij,nj->ni", np.linalg.pinv(slopes), values)
-            points = points - steps
-    return points, np.asarray(lengths(steps) <= 1e-9 * np.maximum(lengths(points), 1.0))

@@ -163,7 +163,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
 
     @property
     def faces(self) -> tuple[str, ...]:
-        """The names of the faces in the order in which they were made."""
+        """The names of the faces in the order in which they were made; `mesh().names` are those that are not hidden."""
         return tuple(dict.fromkeys(atom.face for atom in atoms(self.tree) if atom.face))
 
     @property

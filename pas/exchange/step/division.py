@@ -51,13 +51,14 @@ _SAMPLES = 1.15 * (_CORNERS - 1 / 3) + 1 / 3
 def divide(atlas: Atlas, tolerance: float, angle: float) -> dict[int, Parameters]:
     """The parameters of each chart, with graphs within a distance (local) and an angle; divides the atlas.
 
-    Raises `GeometryError` where that takes too many charts.
+    Raises `GeometryError` where that takes too many charts of one.
     """
     found: dict[int, Parameters] = {}
-    waiting, most_charts = list(atlas.sheets), 600  # one that needs more has a place at which nothing converges: a cusp
+    cuts, most_cuts = dict.fromkeys(atlas.sheets, 0), 600  # what needs more has a place where nothing converges: a cusp
+    waiting = [(chart, chart) for chart in atlas.sheets]
     while waiting:
         checkpoint(f"dividing faces ({len(atlas.sheets)} parts)")
-        chart = waiting.pop()
+        chart, first = waiting.pop()
         sheet, rows = atlas.sheets[chart], atlas.rows(chart)
         corners = atlas.points[atlas.triangles[rows]]
         made: Parameters | Wall | None = None
@@ -70,13 +71,14 @@ def divide(atlas: Atlas, tolerance: float, angle: float) -> dict[int, Parameters
         if not isinstance(made, Wall):
             found[chart] = made
             continue
-        if len(atlas.sheets) > most_charts:
+        if cuts[first] > most_cuts:
             raise GeometryError(
                 f"no spline follows the face {atlas.field.face(sheet.label)!r} near "
                 f"{place_of(atlas.field, corners.mean(axis=(0, 1)))}, even in small parts; write it with a coarser "
                 "tolerance, or as triangles"
             )
-        waiting += atlas.cut(chart, made)
+        cuts[first] += 1
+        waiting += ((part, first) for part in atlas.cut(chart, made))
     return found
 
 
