@@ -613,6 +613,8 @@ def test_what_comes_near_is_seen():
     assert touching.status is pas.Status.UNDECIDED
     assert "the struts 0 and 1 come within 0.3" in touching.reason
     reach = np.array([1.95, 0, 0, 0])
+    assert clearance(net, reach, np.array([[0, 0], [0.8, 0]])).proved  # what is not straight is of the nodes there
+    assert not clearance(net, reach, np.array([[0, 0], [0, 0.4]])).proved
     assert "the node 0, which reaches 1.95 far, may meet strut 1" in clearance(net, reach, whole).reason
     assert "how far the node 2 reaches is not proved" in clearance(net, np.array([0, 0, np.inf, 0]), whole).reason
     far = network.Network([*points[:2], (2, -2, 3), (2, 2, 3)], [(0, 1), (2, 3)], "1/10", "1/10")

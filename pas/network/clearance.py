@@ -1,5 +1,5 @@
-"""That nothing of a network meets but what should: nodes lie in balls, struts in cylinders, and those that share no
-point are farther apart than these are thick.
+"""That nothing of a network meets but what should: nodes lie in balls, struts in cylinders from the one's end to the
+other's, and those that share no point are farther apart than these are thick.
 
 What shares a node meets only where it should by the proofs of the node: its surface is crossed once by each ray from
 the centre, and not at all in the directions of its clips' circles, in which the struts go away from it.  Neighbours are
@@ -59,8 +59,9 @@ def _doubts(network: StrutGraph, reach: Floats, ends: Floats) -> Iterator[tuple[
         yield Status.UNDECIDED, reason, points[network.edges[i]].mean(axis=0)
     if not np.isfinite(reach).all():
         yield Status.UNDECIDED, f"how far the node {reach.argmax()} reaches is not proved", points[reach.argmax()]
-    for i, other, free in _near_nodes(network, reach):
-        reason = f"the node {i}, which reaches {reach[i]:.4g} far, may meet {other}, {free:.4g} away"
+    for i, other, free in _near_nodes(network, reach, ends):
+        said = f"the node {i}, which reaches {reach[i]:.4g} far, may meet {other}, {free:.4g} away"
+        reason = f"{said}; thinner struts, or wider angles between those of the node, end nearer to it"
         yield Status.UNDECIDED, reason, points[i]
 
 
@@ -101,15 +102,17 @@ def _near_struts(network: StrutGraph) -> Iterator[tuple[Integers, Integers, Floa
         yield i[close], j[close], segment_distances(points[edges[i[close]]], points[edges[j[close]]])
 
 
-def _near_nodes(network: StrutGraph, reach: Floats) -> Iterator[tuple[int, str, float]]:
-    """Nodes that may meet a strut that does not end there, or a node that is no neighbour: number, what, distance."""
+def _near_nodes(network: StrutGraph, reach: Floats, ends: Floats) -> Iterator[tuple[int, str, float]]:
+    """Nodes that may meet the straight part of a strut that does not end there, or a node that is no neighbour: number,
+    what, distance."""
     edges, points = network.edges, network.points
     used, slack = np.flatnonzero(network.valence), _slack(network)
     far = float(network.lengths.max() / 2 + reach.max() + network.thickness.max())
     for here, strut in _near(points[used], points[edges].mean(axis=1), far):
         apart = (edges[strut] != used[here][:, None]).all(axis=1)
         node, other = used[here[apart]], strut[apart]
-        distance = segment_distances(np.stack([points[node]] * 2, axis=1), points[edges[other]])
+        straight = _straight(network, ends, other)
+        distance = segment_distances(np.stack([points[node]] * 2, axis=1), straight)
         close = distance < reach[node] + network.thickness[other] + slack
         yield from ((n, f"strut {m}", d) for n, m, d in _listed(node, other, distance, close))
     joined = np.sort(np.sort(edges, axis=1) @ (len(points), 1))
@@ -122,6 +125,13 @@ def _near_nodes(network: StrutGraph, reach: Floats) -> Iterator[tuple[int, str, 
         yield from ((n, f"node {m}", d) for n, m, d in _listed(node, other, distance, close))
 
 
+def _straight(network: StrutGraph, ends: Floats, struts: Any) -> Floats:
+    """The axes of some struts (M, 2, 3) where these are straight, from and to `ends` (E, 2)."""
+    first, second = (network.points[network.edges[struts, end]] for end in (0, 1))
+    here, there = (ends[struts, end, None] for end in (0, 1))
+    return np.stack([first + here * (second - first), second - there * (second - first)], axis=1)
+
+
 def _listed(first: Integers, second: Integers, distance: Floats, close: Any) -> Iterator[tuple[int, int, float]]:
     return zip(first[close].tolist(), second[close].tolist(), distance[close].tolist(), strict=True)
 
@@ -131,7 +141,7 @@ def _common(network: StrutGraph, ends: Floats, first: int, second: int) -> Float
     pair = [first, second]
     start, way = network.points[network.edges[pair, 0]], network.vectors[pair] * float(network.grid)
     widths, tops = network.widths[pair], np.stack([ends[pair, 0], 1 - ends[pair, 1]], axis=1)
-    straight = start[:, None] + tops[:, :, None] * way[:, None]
+    straight = _straight(network, ends, pair)
     one, other = near = np.concatenate(nearest_points(straight[:1], straight[1:]))
 
     def along_and_radii(points: Floats) -> tuple[Floats, Floats]:

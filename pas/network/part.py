@@ -191,7 +191,9 @@ class NetworkPart(Shape):
                 arrow = first.exact(arm)
                 before = fmpq(int(plane), parts) * dot(arrow, arrow) - height(ORIGIN, arrow)
                 if not (plane > 0 and (key not in self.blends or _holds(self.blends[key], before))):
-                    reason = f"the node {kinds.nodes(numbers)[0]} may reach beyond a plane across its strut"
+                    along = ", ".join(f"{c:.4g}" for c in first.vectors[arm] * float(self.network.grid))
+                    node = f"the node {kinds.nodes(numbers[:1])[0]} may reach beyond a plane across its strut"
+                    reason = f"{node} along ({along}); a longer or thinner one, or wider angles beside it, leave room"
                     return Verdict(Status.UNDECIDED, claim, reason)
         return Verdict(Status.PROVED, claim, "a plane across each strut is between them", measure=len(pieces.struts))
 
