@@ -147,6 +147,12 @@ def test_branches_refer_to_earlier_ones(tmp_path):
         pas.load(path)
 
 
+@pytest.mark.parametrize(("name", "verb"), [("a.pas.json", "`save` writes project files"), ("a.png", "`draw` makes")])
+def test_what_other_verbs_write_is_said(name, verb, tmp_path):
+    with pytest.raises(ValueError, match=f"cannot write a shape as '{name}'; the suffix must be one of .*; {verb}"):
+        block().write(tmp_path / name)
+
+
 def test_nothing_known_bounds_what_was_edited(tmp_path):
     path = solid.cylinder((0, 0, 0), (0, 0, 9), 5).save(tmp_path / "a.pas.json")
     rewrite(path, lambda content: content["solid"]["functions"][0]["polynomial"][-1].__setitem__(3, "-16"))

@@ -94,7 +94,8 @@ class Written:
 
 def write_as(thing: Writable, path: str | Path, mesh: MeshSettings, **options: Any) -> Written:
     """`write` by settings of the mesh; `options` are the others of a `Request`.  Reports are told to `progress`."""
-    target(path, tuple(FORMATS), "a shape")
+    others = {".json": "; `save` writes project files (.pas.json)", ".png": "; `draw` makes pictures"}
+    target(path, tuple(FORMATS), "a shape", others)
     place = Path(path)
     format_ = FORMATS[place.suffix.lower()]
     request = Request(place.stem, mesh, **options)

@@ -16,6 +16,7 @@ from math import ceil, gcd, pi
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from pas.algebra.monomials import Exponents, Floats, exponents, homogeneous_exponents, monomial_values
 from pas.algebra.rational import to_float
@@ -35,9 +36,10 @@ SAMPLES = 32
 class Margins:
     """How clearly the inequalities shall hold.
 
-    `sheet`: `grad f . (x - O) >= sheet * r * |x - O| / R` where `|f| <= band * r`, and `wall`: `f >= wall * r`, with
-    r the smallest distance of a contact's tangent planes from the centre O (a pipe's radius), R the
-    radius of the region and f of unit mean gradient on the contact curves; `alpha >= alpha` with mean 1.
+    `sheet`: `grad f . (x - O) >= sheet * r * |x - O| / R` where `|f| <= band * r`, and `wall`: `f >= wall * min(d, r)`,
+    with d the distance from the contact curves, on which f is 0, r the smallest distance of a contact's tangent planes
+    from the centre O (a pipe's radius), R the radius of the region and f of unit mean gradient on the contact curves;
+    `alpha >= alpha` with mean 1.
     `depth`: `f <= -depth * r` at O, so that the surface keeps away from the centre.
     """
 
@@ -191,7 +193,8 @@ class SampledConstraints:
         for wall in self.placed.walls:
             points = self._lattice(self.placed.local.points[list(wall.vertices)], subdivisions)
             rows.append(self.basis.values(wall.piece, points))
-            at_least.append(np.full(len(points), margins.wall * self.reach))
+            near = self.basis.scale * self._curves.query(points)[0]
+            at_least.append(margins.wall * np.minimum(near, self.reach))
         for alpha in self.alphas:
             points = self._lattice(alpha.corners, subdivisions)
             rows.append(alpha.rows(points))
@@ -202,6 +205,11 @@ class SampledConstraints:
             rows.append(cone.depths())
             at_least.append(np.full(len(rows[-1]), margins.wall * self.reach))
         return Inequalities(np.concatenate(rows), np.concatenate(at_least))
+
+    @cached_property
+    def _curves(self) -> cKDTree:
+        """The contact curves, as points by which the distance to them is found."""
+        return cKDTree(np.concatenate([join.curve() for join in self.placed.joins]))
 
     def _lattice(self, corners: Floats, subdivisions: int) -> Floats:
         """The points (N, 3) of a lattice on an outer face."""

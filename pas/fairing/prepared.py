@@ -144,8 +144,16 @@ class FitSettings:
     faster: float = 0.1
     """What the damping grows by where Phi does not fall, and shrinks to where it falls as foreseen."""
 
+    brief: int = 40
+    """Steps that are taken while more than `hopeless` is beyond the limits."""
+
     enough: float = 3e-4
     """A step that lowers Phi by a smaller share is the last one."""
+
+    several: int = 8
+    fall: float = 0.03
+    """So many steps that together lower Phi by a smaller share than this are the last ones: in a poor minimum the
+    damping grows and hides that there is nothing to gain."""
 
     met: float = 1e-3
     """What an inequality may lack, as a share of its margin, where a member is said to meet it; solvers leave 1e-9."""
@@ -154,14 +162,9 @@ class FitSettings:
     """Times that rays are added where curvature is beyond the limits between those that there are."""
 
     hopeless: float = 1.0
-    """Where more than this share of the energy is beyond the limits no more rays are added: of 84 corners and nodes one
-    became fair from there, and nodes of five pipes took a sixth longer."""
-
-    stiff: int = 4
-    """Spaces with fewer unknowns for each piece are stiff: few have a fair surface, and no other margins are tried
-    where the end is hopeless.  In others they are: of 60 junctions and the nodes of examples two became fair.  By the
-    first member: around four pipes it had an energy of 280 with a tenth of the margins; with all it had 41 000 and
-    stayed unfair, with the energy alone to begin with too."""
+    """Where more than this share of the energy is beyond the limits no more rays are added, and no finer lattice is
+    taken once a member is proved: of 84 corners and nodes one became fair from there, and nodes of five pipes took a
+    sixth longer."""
 
     loss: float = 0.0
     """The share of Phi that a step may lose to constraints that it adds (single steps of sliders only: they ask for a
@@ -169,5 +172,9 @@ class FitSettings:
 
 
 SETTINGS = FitSettings()
+BRIEF = FitSettings(brief=8)
+"""Where another space follows and few members of this one are fair: of 40 nodes of a foam those that became fair at
+degree 4 were not hopeless after 5 to 8 steps, with one exception of 16."""
+
 LIVE = FitSettings(lattices=(16,), margins=(0.1,), enough=0.0, loss=0.01, faster=1 / 3)
 """For single steps of sliders: damping shrinks as in Nielsen's rule, so that what they hardly move goes slowly."""

@@ -99,22 +99,14 @@ class FitSolver:
                 raise self.programme.conflict(nothing)
             return self.rounded(Iterate(member, nothing, 0.0), 0.0)
         failed: Inequalities | None = None
-        fitted: FittedMember | None = None
         for share in self.settings.margins:
             try:
                 found = self.best(share)
             except _ContradictionError as error:
                 failed = error.rows
                 continue
-            if found is None:
-                continue
-            if fitted is None or found.energy + found.beyond < fitted.energy + fitted.beyond:
-                fitted = found
-            stiff = self.space.basis.size < self.settings.stiff * len(self.space.partition.pieces)
-            if stiff or found.beyond <= self.settings.hopeless * found.energy:
-                break  # else few members have such margins, and the first of them was a poor one to begin with
-        if fitted is not None:
-            return fitted
+            if found is not None:
+                return found
         if failed is not None:
             raise self.programme.conflict(failed)
         raise InfeasibleError(f"no member of degree {self.space.degree} that was found passed the proofs")
@@ -138,7 +130,7 @@ class FitSolver:
             found, start = self.furthest(way, share)
             if found is not None and (best is None or found.energy <= best.energy):
                 best = found
-            if start is way[-1]:
+            if start is way[-1] or (found is not None and self.hopeless(way[-1])):
                 break
         return best
 
@@ -180,9 +172,7 @@ class FitSolver:
     def closer(self, at: Iterate, conditions: SampledConditions) -> Iterator[Iterate]:
         """The way on, with rays where curvature is beyond the limits between those that there are."""
         for _ in range(self.settings.closer):
-            if at.value is None or at.value.beyond > self.settings.hopeless * at.value.energy:
-                return
-            finer = at.value.closer()
+            finer = None if at.value is None or self.hopeless(at) else at.value.closer()
             if finer is None:
                 return
             way = [replace(at, value=finer, damping=self.settings.damping)]
@@ -190,22 +180,30 @@ class FitSolver:
             at = way[-1]
             yield from way
 
+    def hopeless(self, at: Iterate) -> bool:
+        """Whether more is beyond the limits than a finer look can mend."""
+        return at.value is not None and at.value.beyond > self.settings.hopeless * at.value.energy
+
     # --- steps
 
     def descent(self, at: Iterate, conditions: SampledConditions, steps: int | None = None) -> Iterator[Iterate]:
         """Clean members of less and less Phi, until one is as good as settled."""
         if not self.programme.quadratic:
             return
-        for _ in range(self.settings.steps if steps is None else steps):
+        s, found = self.settings, [self.phi(at.member, at.value)]
+        for _ in range(s.steps if steps is None else steps):
             checkpoint("making the surface fair")
             with part(0.1):
                 new = self.step(at, conditions)
             if new is None:
                 return
             yield new
-            lowered = self.phi(new.member, new.value) <= (1 - self.settings.enough) * self.phi(at.member, at.value)
-            free = new.damping <= min(at.damping, self.settings.damping)
-            if free and not lowered and self.programme.holds(at.member):
+            found.append(self.phi(new.member, new.value))
+            lowered = found[-1] <= (1 - s.enough) * found[-2]
+            free = new.damping <= min(at.damping, s.damping)
+            slow = len(found) > s.several and found[-1] > (1 - s.fall) * found[-1 - s.several]
+            hopeless = len(found) > s.brief and self.hopeless(new)
+            if slow or hopeless or (free and not lowered and self.programme.holds(at.member)):
                 return
             at = new
 

@@ -27,6 +27,7 @@ from pas.errors import GeometryError, NotProvedError
 from pas.fairing.basis import BasisChange
 from pas.fairing.contradictions import check_kept
 from pas.fairing.energy import Energy, as_energy
+from pas.fairing.prepared import SETTINGS, FitSettings
 from pas.fairing.solver import FitSolver, FittedMember
 from pas.fairing.wishes import MeanAlpha, UnitCoefficients, Wishes
 from pas.limits import WorkLimits, checkpoint, limited, note, part, stage_line
@@ -261,7 +262,7 @@ class ChosenBlend(Shape):
 B = TypeVar("B", bound=ChosenBlend)
 
 
-def choose(blends: type[B], space: Space, wishes: Wishes, stages: Stages) -> B:
+def choose(blends: type[B], space: Space, wishes: Wishes, stages: Stages, settings: FitSettings = SETTINGS) -> B:
     """The blend of the member that meets wishes best, which are settled and known not to contradict by themselves.
 
     Raises `InfeasibleError` and `NotProvedError`.
@@ -271,7 +272,7 @@ def choose(blends: type[B], space: Space, wishes: Wishes, stages: Stages) -> B:
         space = space.restricted(wishes.basis)
     stage = "fit and prove" if wishes.prove else "fit"  # a member that is not proved is moved further in
     with stages.stage(stage, 0.5, f" (degree {space.degree}, dimension {space.dimension})"):
-        fitted = FitSolver(space.prepared, wishes).fitted()
+        fitted = FitSolver(space.prepared, wishes, settings).fitted()
     certificate = fitted.surface.certificate if wishes.prove else None
     outcome = "fitted" if certificate is None else "proved"
     attempt = Attempt(space.degree, space.dimension, outcome, time.perf_counter() - began, space.partition.title)

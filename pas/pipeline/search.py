@@ -23,6 +23,7 @@ from pas.blending.space import Space
 from pas.contacts.contact import ContactLike
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
 from pas.fairing.contradictions import check_wishes
+from pas.fairing.prepared import BRIEF, SETTINGS
 from pas.fairing.wishes import Wishes
 from pas.layouts.planes import has_whole_planes
 from pas.partition.boxes import SixTetrahedra
@@ -160,7 +161,8 @@ class Search(Generic[B]):
         """The blend of a space, measured where that is of use; None where none is proved."""
         began = time.perf_counter()
         try:
-            found = choose(self.blends, space, self.wishes, self.stages)
+            how = BRIEF if self.raised and settings.is_stiff(space) else SETTINGS
+            found = choose(self.blends, space, self.wishes, self.stages, how)
         except (InfeasibleError, NotProvedError) as error:
             self._note(space, str(error), time.perf_counter() - began)
             self.failure = error

@@ -152,47 +152,60 @@ class FaceDistance(Distance):
     def _feet(self, points: Floats, nearest: Floats, feet: Floats, normals: Floats) -> tuple[Floats, Floats]:
         """The nearest points (N, 3) of the faces and the normals there, given the nearest vertices and theirs."""
         if len(self._targets) == 1:  # beyond its sharp edges a face is continued
-            return self._foot(self._targets[0], points, self._targets[0].tree.query(points)[1])
-        best, result, turned = np.full(len(points), np.inf), feet.copy(), normals.copy()
+            target, index = self._targets[0], self._targets[0].tree.query(points)[1]
+            return self._foot(np.full((len(points), 1), target.labels[0]), points, target.vertices[index])
         most = nearest.max(initial=0.0) + self._longest
+        groups = dict[int, list[tuple[Integers, Integers, Floats]]]()  # of one label, of two, of more
         for target in self._targets:
             away, index = target.tree.query(points, distance_upper_bound=most)
             rows = np.flatnonzero(away <= nearest + self._longest)
-            found, outward = self._foot(target, points[rows], index[rows])
-            square = ((found - points[rows]) ** 2).sum(axis=1)
-            better = square < best[rows]
-            if len(target.labels) == 1:
-                better[better] = ~self._buried(found[better], target.labels[0])
-            elif len(target.labels) == 2:
-                better[better] = ~self._covered(found[better], outward[better])
-            chosen = rows[better]
-            result[chosen], turned[chosen], best[chosen] = found[better], outward[better], square[better]
-        return result, turned
+            labels = np.broadcast_to(target.labels, (len(rows), len(target.labels)))
+            groups.setdefault(len(target.labels), []).append((rows, labels, target.vertices[index[rows]]))
+        found = [self._nearby(points, *map(np.concatenate, zip(*some, strict=True))) for some in groups.values()]
+        rows, square, places, outward = map(np.concatenate, zip(*found, strict=True))
+        order = np.lexsort((square, rows))
+        first = np.unique(rows[order], return_index=True)[1]
+        best = order[first][np.isfinite(square[order[first]])]
+        feet[rows[best]], normals[rows[best]] = places[best], outward[best]
+        return feet, normals
 
-    def _foot(self, target: _Target, points: Floats, nearest: Integers) -> tuple[Floats, Floats]:
-        """Where each point's nearest vertex goes when it follows the point inside its face or groove; the normal."""
-        feet = target.vertices[nearest]
-        active = np.arange(len(points) if len(target.labels) < 3 else 0)  # corners stay
+    def _nearby(
+        self, points: Floats, rows: Integers, labels: Integers, starts: Floats
+    ) -> tuple[Integers, Floats, Floats, Floats]:
+        """Rows (K,) of points, their feet on faces, grooves or corners of given labels (K, m) as `_foot` finds them,
+        and the squares of their distances, infinite where that does not go there."""
+        places, outward = self._foot(labels, points[rows], starts)
+        square = ((places - points[rows]) ** 2).sum(axis=1)
+        if labels.shape[1] < 3:
+            hidden = self._buried(places, labels[:, 0]) if labels.shape[1] == 1 else self._covered(places, outward)
+            square[hidden] = np.inf
+        return rows, square, places, outward
+
+    def _foot(self, labels: Integers, points: Floats, feet: Floats) -> tuple[Floats, Floats]:
+        """Where vertices (N, 3) of faces or grooves of given labels (N, m) go when they follow points there, and the
+        outward normals."""
+        feet, alone = feet.copy(), labels.shape[1] == 1
+        active = np.arange(len(points) if labels.shape[1] < 3 else 0)  # corners stay
         for _ in range(80 if len(active) else 0):  # convergence is linear where faces bend
             checkpoint()
-            p = feet[active]
+            p, own = feet[active], labels[active]
             move = points[active] - p
-            if len(target.labels) == 1:
-                jets = self._field.jets(p, target.labels[0])
+            if alone:
+                jets = self._field.jets(p, own[:, 0])
                 size = np.maximum((jets[:, 1:] ** 2).sum(axis=1), 1e-300)
                 move -= (((move * jets[:, 1:]).sum(axis=1) + jets[:, 0]) / size)[:, None] * jets[:, 1:]
             else:
-                along = unit_rows(cross(*(_normals(self._field, p, label) for label in target.labels)))
-                move = (move * along).sum(axis=1, keepdims=True) * along - least_norm(self._field, target.labels, p)
+                along = unit_rows(cross(*(_normals(self._field, p, column) for column in own.T)))
+                move = (move * along).sum(axis=1, keepdims=True) * along - least_norm(self._field, own, p)
             feet[active] = p + move
             active = active[(move * move).sum(axis=1) > 1e-13**2]  # steps of rounding, where the extent is 2
             if not len(active):
                 break
-        outward = [_normals(self._field, feet, label) for label in target.labels]
+        outward = [_normals(self._field, feet, column) for column in labels.T]
         return feet, np.asarray(np.sum(outward, axis=0))
 
-    def _buried(self, points: Floats, label: int) -> Bools:
-        """Whether the solid is on both sides of points on a label's surface: the face does not go there."""
+    def _buried(self, points: Floats, label: Integers) -> Bools:
+        """Whether the solid is on both sides of points on labels' surfaces (N,): their faces do not go there."""
         step = BESIDE * _normals(self._field, points, label)
         signs = [self._field.signs(points + side * step) for side in (-1, 1)]
         return np.asarray(self._field.inside(signs[0]) & self._field.inside(signs[1]))

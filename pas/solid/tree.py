@@ -74,7 +74,8 @@ Value = TypeVar("Value")
 class Node:
     """The intersection or union of at least one set.
 
-    Operations in turn nest without end, so nothing that is asked of trees calls itself for their parts.
+    Operations in turn nest without end: what makes, compares, changes and lists trees does not call itself for their
+    parts (`folded`, `atoms`); boxes and proofs of joints do, to some hundred levels.
     """
 
     parts: tuple[Tree, ...]
