@@ -95,14 +95,19 @@ def _room(mesh: HalfEdges, halves: Integers) -> Floats:
 
 def _chosen(mesh: HalfEdges, rim: Integers, bad: NDArray[np.bool_]) -> Integers:
     """The half edges to be halved, the longest first: those on the boundary that are too far from its curves; where
-    there are none, the longest of bad triangles (T,)."""
+    there are none, the longest of bad triangles (T,); and of each triangle that has one of them its longest, without
+    which angles become ever smaller (Rivara 1984)."""
     smallest = 1e-4  # radians within which a triangle is seen: what is still bad there is no graph, or singular
     units = unit_rows(mesh.points)
     lengths = norms(units[mesh.ends] - units[mesh.corners])
-    rows, halves = np.flatnonzero(bad), rim
-    if not len(rim):
-        halves = 3 * rows + lengths.reshape(-1, 3)[rows].argmax(axis=1)
-        halves = np.unique(np.maximum(halves, mesh.twins[halves]))
+    own = np.maximum(np.arange(len(mesh.corners)), mesh.twins)  # the half edge that stands for both
+    longest = own[3 * np.arange(len(bad)) + lengths.reshape(-1, 3).argmax(axis=1)]
+    halves = np.unique(own[rim]) if len(rim) else np.unique(longest[bad])
     if lengths[halves].min(initial=np.inf) < smallest:
         raise BadMeshError("some triangles are folded", mesh.points[mesh.corners[halves[lengths[halves].argmin()]]])
-    return halves[np.argsort(-lengths[halves], kind="stable")]
+    while True:
+        sides = np.concatenate([halves, mesh.twins[halves]])
+        more = np.union1d(halves, longest[sides[sides >= 0] // 3])
+        if len(more) == len(halves):
+            return halves[np.argsort(-lengths[halves], kind="stable")]
+        halves = more

@@ -37,9 +37,8 @@ class Neighbour:
 
     `mean` is the mean point of its curve, `radius` the largest distance from that, `curvature` the largest principal
     curvature of its surface on the curve, `across` the largest of the other one in size, `curve`
-    (m, 3) points of it, enough for its hull, `normals` (n, 3) the unit normals of its surface at more of them.
-    `normal` (3,) is that of a surface through which the region is open, as of a plate, in the mean over its curve; None
-    for others.
+    (m, 3) points of it, `normals` (m, 3) the unit normals of its surface there.  `normal` (3,) is that of a surface
+    through which the region is open, as of a plate, in the mean over its curve; None for others.
     """
 
     mean: Floats
@@ -110,12 +109,11 @@ def check_limits(limits: Any) -> FairnessLimits:
 @lru_cache(maxsize=32)
 def neighbour(join: Join, scale: float) -> Neighbour:
     """What the measures need of a contact; `join` is in local coordinates, a unit of which is `scale` of the user's."""
-    subdivisions, few = 96, 48  # of a clip face's edge, and for the hull: its chords leave the curve by a thousandth
+    subdivisions = 96  # of a clip face's edge: chords of a coarser curve would look like bulges
     sizes = [np.ptp(join.partition.points[list(face.vertices)], axis=0).max() for face in join.faces] or [1.0]
     measured = zip(sizes, join.measured_curves(subdivisions), strict=True)
     parts = [(points, weights * size) for size, (points, weights) in measured]
     curve, weights = (np.concatenate(p) for p in zip(*parts, strict=True))
-    hull = np.concatenate([points for points, _ in join.measured_curves(few)])
     contact = join.contact.surface
     jets = derivative_batch([contact.dense(contact.degree)], range(4))
     found = Geometry(jets(curve, np.zeros(len(curve), dtype=np.intp)))
@@ -125,7 +123,7 @@ def neighbour(join: Join, scale: float) -> Neighbour:
         float(np.linalg.norm(curve - mean, axis=1).max()) * scale,
         float(np.abs(found.principal).max()) / scale,
         float(np.abs(found.principal).min(axis=1).max()) / scale,
-        hull * scale,
+        curve * scale,
         found.normals,
         unit(found.normals.mean(axis=0)) if join.opening else None,
     )
