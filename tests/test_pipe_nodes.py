@@ -116,7 +116,7 @@ REFUSED = {
         3,
         "'run' ends 3 from where the axes meet, before a ball touches it; one of",
     ),
-    "too short": (lambda: run() | branch(), "1/20", 'leave room, and clip="auto" finds such; one of radius 0.9'),
+    "too short": (lambda: run() | branch(), "1/20", 'leave room, and clip="auto" finds such; one of radius 1.97'),
     "a common part": (lambda: run() & branch(start=(0, 0, -3)), "1/4", "touch, or nearly so, near"),
     "a collar over its end": (
         lambda: run() | branch() | collar("3/2"),
