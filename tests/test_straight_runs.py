@@ -94,10 +94,10 @@ def test_a_thinner_tube_is_hidden_in_the_run_that_it_crosses():
 
 @pytest.mark.slow
 def test_the_search_goes_on_to_the_degree_that_keeps_a_run_straight():
-    """A T that leans: at degree 5 the space is stiff, at degree 6 the waist is 0.039."""
+    """A T that leans: at degree 5 the space is stiff and the waist is 0.53, at degree 6 it is 0.017."""
     items = [(X, 1), (BACK, 1), (("0.564", "-0.802", "-0.196"), "4/5")]
     blend = pas.node(items, 2)
-    assert [a.degree for a in blend.attempts if "proved" in a.outcome] == [5, 6, 7]
+    assert [a.degree for a in blend.attempts if "proved" in a.outcome] == [5, 6]
     assert not blend.fairness.beyond(blend.limits)
 
 
