@@ -13,6 +13,7 @@ from pas import solid
 from pas.solid import patch
 from pas.solid.joints import Joint
 from pas.solid.tree import Atom, combined, complement
+from pas.verdicts import Status
 
 PROVED, REFUTED, UNDECIDED = pas.Status.PROVED, pas.Status.REFUTED, pas.Status.UNDECIDED
 BALL, FLATTER, CLIP = "x^2 + y^2 + z^2 - 1", "x^2 + y^2 + z^2 - 1 + (z - 1/3)^2", "z - 1/3"
@@ -283,3 +284,14 @@ def test_places_are_on_the_curve():
     found = says(shape, REFUTED, "B is missing")
     assert found.witness[2] == pytest.approx(1 / 3)
     assert Fraction(found.witness[0]) < Fraction(9, 10)
+
+
+@pytest.mark.parametrize("height", [10, 10**8])
+def test_what_hides_a_face_is_seen_wherever_it_is(height):
+    """Of a verdict on the solid before nothing is carried on: boxes end where doubles are too coarse for them."""
+    tube = solid.implicit("x^2 + y^2 - 1", f"{height} - z", f"z - {height - 5}", face="tube")
+    dome = solid.implicit(f"x^2 + y^2 + (z - {height})^2 - 1", f"z - {height}", face="dome")
+    whole = (tube | dome).joined("tube", "dome", (f"z - {height}", "x^2 + y^2 - 1"), 1)
+    assert whole.proved
+    (verdict,) = (whole | solid.box((0, -2, height - 3), (2, 2, height))).verdicts
+    assert verdict.status is Status.REFUTED and "tube is missing" in verdict.reason

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import pickle
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -87,3 +92,19 @@ def test_operations_in_turn_nest_without_end():
     for k in range(5000):
         expected = (expected or yes[k % 5, 0]) if k % 2 else (expected and yes[k % 5, 0])
     assert compiled.holds(yes, ~yes)[0] == expected
+
+
+def test_trees_are_equal_in_another_process(tmp_path):
+    """Where texts have other hashes."""
+    tree = Node((Atom(COLUMNS[0], "a"), Atom(COLUMNS[1], "b")), True)
+    (tmp_path / "tree").write_bytes(pickle.dumps((tree, COLUMNS[:2])))
+    code = (
+        "import pickle, sys; from pas.solid.tree import Atom, Node;"
+        "tree, (f, g) = pickle.load(open(sys.argv[1], 'rb'));"
+        "new = Node((Atom(f, 'a'), Atom(g, 'b')), True); print(tree == new, hash(tree) == hash(new))"
+    )
+    for seed in ("1", "2"):
+        command = [sys.executable, "-c", code, str(tmp_path / "tree")]
+        seeded = os.environ | {"PYTHONHASHSEED": seed}
+        run = subprocess.run(command, env=seeded, capture_output=True, text=True, check=False)
+        assert run.stdout.strip() == "True True", run.stderr

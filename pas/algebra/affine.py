@@ -291,8 +291,8 @@ class AffineShape(ABC, Generic[M]):
         """`count` copies as one shape, each moved by `offset` (the model's units) from the one before.
 
         What is named "hole" is named "hole #2" in the second copy, and so on; in a pattern of a pattern of m copies
-        numbers go on, with "hole #m+1".  Raises `TypeError` for a shape that has
-        no unions, such as a surface, `ValueError` for a count that is no whole number of at least 1.
+        numbers go on, with "hole #m+1".  Raises `TypeError` for a shape that has no unions, such as a surface,
+        `ValueError` for a count that is no whole number of at least 1.
         """
         return self._patterned(translations(count, offset))
 

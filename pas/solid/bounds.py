@@ -20,7 +20,6 @@ from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import followed_by
-from pas.solid.taylor import TaylorForms
 from pas.solid.tree import Bools, Node, Tree, atoms, is_contradiction, parts_of
 
 FARTHEST = 2.0**24
@@ -70,24 +69,6 @@ def narrowed(tree: Tree, within: Floats) -> Floats:
     if found is None:
         raise GeometryError(EMPTY)
     return found[0]
-
-
-def misses(tree: Tree, zeros: Sequence[Polynomial]) -> bool:
-    """Whether polynomials have certainly no common zero in a set: false also where it takes too many boxes to see."""
-    start = None if is_contradiction(tree) else _linear_box(tree)
-    if start is None:
-        return True
-    evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
-    both = TaylorForms([side for f in map(scaled, zeros) for side in (f, -f)])
-
-    def judge(boxes: Boxes, _: int) -> Fates:
-        yes, no = evaluator.taylor(boxes.centers, boxes.halves)
-        apart = both.taylor(boxes.centers, boxes.halves)[1].any(axis=0)
-        return np.where(evaluator.holds(~no, ~yes) & ~apart, Fate.SPLIT, Fate.SETTLED)
-
-    few = Limits(depth=9, cells=4000)  # what passes by a set as closely as a 500th of its size is not seen to do so
-    found = search(_first_boxes(start), judge, Boxes.eighths, few, "looking whether a curve passes by a set")
-    return not len(found.open)
 
 
 def _branch_box(tree: Tree, seen: Floats) -> tuple[Floats, Floats] | None:

@@ -23,10 +23,9 @@ from pas.algebra.rational import decimal, plain, to_float
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.registry import loaded
-from pas.solid.carried import Known, verdict
 from pas.solid.face_seams import FaceSeam
 from pas.solid.fillet_forms import FilletPiece, radius_of_turned
-from pas.solid.joints import Joint
+from pas.solid.joints import Joint, Known, prove
 from pas.solid.profile_rounds import filleted
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined, complement
@@ -96,13 +95,12 @@ class Filling:
         beside = [joint for joint in self.solid.joints if {joint.first, joint.second} & names]
         verdicts = dict[Joint, Verdict]()
         for joint in (*claims, *beside):
-            proof = verdicts[joint] = verdict(made, joint)
+            proof = verdicts[joint] = prove(joint, tree, lambda: made.box)
             if not proof.proved and joint in claims:
                 return _told(proof) + goes_on
-            if not proof.proved and verdict(self.solid, joint).proved:
+            if not proof.proved and prove(joint, whole, lambda: self.solid.box, self.solid.known).proved:
                 return f"make it before another fillet, of which then {_told(proof)}"
-        known = replace(Known.of(tree, (self.solid, combined(True, *trees))), verdicts=verdicts)
-        return replace(made, joints=(*self.solid.joints, *claims), known=known)
+        return replace(made, joints=(*self.solid.joints, *claims), known=Known(tree, verdicts))
 
     def _trees(self, radius: fmpq) -> tuple[list[FilletPiece], list[Tree]] | str:
         """The pieces of a fillet with what is added or taken away, or why there is none, as points of it show."""
@@ -121,7 +119,9 @@ class Filling:
         if True in bent:
             return f"{seam.names[bent.index(True)]!r} is bent more than a ball of this radius that touches it there"
         a, b = piece.form.heights
-        ends = seam.ends((a, b), size, piece.form.curves) if a > 0 and b > 0 else None
+        if a <= 0 or b <= 0:
+            return "no ball of this radius that touches both faces rolls along all of the edge"
+        ends = seam.ends((a, b), size, piece.form.curves)
         if ends is None:
             return "one of the faces does not go on so far from the edge"
         held = self.solid.contains(ends - 1e-4 * size * seam.outwards(ends))

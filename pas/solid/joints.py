@@ -12,7 +12,7 @@ distances, say of small boxes.  What cannot be decided is UNDECIDED, with the re
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -98,12 +98,22 @@ def refuse_unknown(joint: Joint, faces: Sequence[str]) -> None:
             raise GeometryError(f"the solid has no face {name!r} for the joint; its faces are {', '.join(faces)}")
 
 
-def prove(joint: Joint, tree: Tree, box: Callable[[], Floats]) -> Verdict:
-    """The verdict on a joint of the solid with that tree.
+@dataclass(frozen=True, eq=False)
+class Known:
+    """Verdicts on joints of the solid with one tree, which were proved while it was made, and hold for no other."""
+
+    tree: Tree
+    verdicts: Mapping[Joint, Verdict]
+
+
+def prove(joint: Joint, tree: Tree, box: Callable[[], Floats], known: Known | None = None) -> Verdict:
+    """The verdict on a joint of the solid with that tree: the one that is known of that very tree, or a new one.
 
     `box()` gives two corners (2, 3) between which the solid lies; it is asked for only where some face is
     no polynomial.
     """
+    if known is not None and known.tree is tree and joint in known.verdicts:
+        return known.verdicts[joint]
     return _Proof(joint, tree, box).verdict()
 
 

@@ -32,11 +32,10 @@ from pas.registry import loaded
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape, refuse_mixed
 from pas.solid.bounds import bounding_box, narrowed
-from pas.solid.carried import Known, verdict
 from pas.solid.edge_verbs import WithEdges
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
-from pas.solid.joints import Joint, orders, refuse_unknown, verdict_list
+from pas.solid.joints import Joint, Known, orders, prove, refuse_unknown, verdict_list
 from pas.solid.linked import SolidBoundary
 from pas.solid.measures import Measures, curved_measures
 from pas.solid.operands import Operands, combined_boundary, renamed_boundary
@@ -85,8 +84,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         tree = combined(union, self.tree, complement(other.tree) if less else other.tree)
         joints = tuple(dict.fromkeys(self.joints + other.joints))
         sheets = combined_boundary(self, other, "Add" if union else "Subtract" if less else "Intersect")
-        known = Known.of(tree, *((self, other.tree), (other, self.tree))[: 2 if union else int(less)])
-        return Solid(tree, joints, self.special_points + other.special_points, sheets, known)
+        return Solid(tree, joints, self.special_points + other.special_points, sheets)
 
     def _moved(self, map_: Affine) -> Solid:
         functions = dict.fromkeys(atom.function for atom in atoms(self.tree))
@@ -178,7 +176,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     @cached_property
     def verdicts(self) -> tuple[Verdict, ...]:
         """The exact verdict on each claimed joint, in the order of the claims."""
-        return tuple(verdict(self, joint) for joint in self.joints)
+        return tuple(prove(j, self.tree, lambda: self.box, self.known) for j in self.joints)
 
     @cached_property
     def certificate(self) -> Findings:

@@ -100,6 +100,9 @@ class Node:
     def __hash__(self) -> int:
         return self._hash
 
+    def __reduce__(self) -> tuple[type[Node], tuple[tuple[Tree, ...], bool]]:
+        return Node, (self.parts, self.union)  # as texts have other hashes in another process
+
 
 Tree = Atom | Node
 
