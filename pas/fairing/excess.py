@@ -17,12 +17,13 @@ from scipy.spatial import ConvexHull
 
 from pas.algebra.monomials import Floats
 from pas.fairing.basis import WorkingBasis
-from pas.fairing.energy import SurfacePoints
+from pas.fairing.energy import STEP, SurfacePoints
 from pas.fairing.ray_samples import AREA, Numbers, Residuals, SampledGeometry
 from pas.surface.directions import AROUND, Directions, circle, planes, runs
-from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG
+from pas.surface.fairness import BULGE, HOLLOW, NARROW, SHARP, WRONG
 from pas.surface.fairness_limits import FairnessLimits, Neighbour, largest_arc, sharpest_of, widest
 from pas.surface.placed import PlacedContacts
+from pas.surface.straight_runs import straight_runs, waists
 
 PRESS = 40.0
 """The weight of squares of what is beyond the limits, each over its own unit."""
@@ -37,6 +38,9 @@ every eighth."""
 
 ALIKE = 9
 """Digits to which planes of a hull, and the distances at which a ray meets them, are the same."""
+
+TIGHT = NARROW / 4
+"""The unit of the waist here: at the whole unit the energy outweighs what is beyond, by up to a third of the limit."""
 
 TOGETHER = 32
 """Rays that are held against all facets of the hull at once: the table stays in the caches."""
@@ -98,6 +102,27 @@ class BulgeExcess:
         slopes[:, :3] = self.normals / (BULGE * self.widest)
         far = ((sampled.points.points - self.center) * self.normals).sum(axis=1) + self.offsets
         yield from by_area(sampled, (far / self.widest - self.limits.bulge / 2) / BULGE, slopes, self.radius)
+
+
+class WaistExcess:
+    """How far points leave the straight runs that they belong to."""
+
+    def __init__(self, neighbours: Sequence[Neighbour], limits: FairnessLimits, center: Floats):
+        self.limits, self.center = limits, center
+        self.runs = straight_runs(neighbours)
+        self.radius = float(np.mean([n.radius for n in neighbours]))
+
+    def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
+        if not self.runs:
+            return
+        points = sampled.points.points - self.center
+        far = waists(self.runs, points)
+        slopes = np.zeros((len(far), AREA + 1))
+        step = STEP * self.radius
+        for axis, moved in enumerate(step * np.eye(3)):
+            ahead, behind = (waists(self.runs, points + sign * moved) for sign in (1, -1))
+            slopes[:, axis] = np.sign(far) * (ahead - behind) / (2 * step * TIGHT)
+        yield from by_area(sampled, (np.abs(far) - self.limits.waist / 2) / TIGHT, slopes, self.radius)
 
 
 def by_area(sampled: SampledGeometry, over: Floats, slopes: Floats, radius: float) -> Iterator[Residuals]:
