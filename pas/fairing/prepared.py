@@ -60,6 +60,12 @@ class PreparedSpace:
         """The rays to the lattice of so many subdivisions on the outer faces; made once."""
         return lru_cache(maxsize=4)(lambda subdivisions: RayLattice(self.guard, subdivisions))
 
+    def forget(self) -> None:
+        """Let go of what is kept for lattices of points, some 30 MB, as many blends are held at once; made again."""
+        self.rays.cache_clear()
+        if "guard" in vars(self):
+            self.guard.edges.cache_clear()
+
     @cached_property
     def coefficient_gram(self) -> Floats:
         """The squared Euclidean length of the polynomials' coefficients (user's coordinates, all
