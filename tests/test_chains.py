@@ -115,6 +115,7 @@ def test_the_largest_has_spheres_at_arcs_of_its_radius():
     assert pocket.largest_fillet("bottom", "boss") == 5
 
 
+@pytest.mark.slow
 def test_nearly_as_large_as_an_arc_it_is_a_part_of_a_torus_that_meets_itself():
     made = (plate() | rectangle().extrude(8)).fillet("top", "boss", "9/2")
     points = np.random.default_rng(0).random((50_000, 3)) * (40, 30, 8)
@@ -202,7 +203,7 @@ def foot(straight: float, arc: float, radius: float, order: int = 1, outwards: i
     return radius**2 * (straight * section + TURN * turned)
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.slow
 @pytest.mark.parametrize(("radius", "order"), [(3, 1), ("1/10", 1), ("19/2", 1), ("1/2", 2), ("11/2", 2)])
 def test_feet_on_plates_over_profiles_are_as_large_as_the_plate_is(radius, order):
     """Such plates and bosses are meshed from rows along their edges, where lattices took minutes, or ended."""
@@ -309,6 +310,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("order", "taper"), [(3, 0), (1, 5)])
 def test_where_sections_differ_is_told(order, taper):
     whole = plate() | rectangle().extrude(8, taper)
