@@ -203,7 +203,7 @@ def foot(straight: float, arc: float, radius: float, order: int = 1, outwards: i
     return radius**2 * (straight * section + TURN * turned)
 
 
-@pytest.mark.slow
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(("radius", "order"), [(3, 1), ("1/10", 1), ("19/2", 1), ("1/2", 2), ("11/2", 2)])
 def test_feet_on_plates_over_profiles_are_as_large_as_the_plate_is(radius, order):
     """Such plates and bosses are meshed from rows along their edges, where lattices took minutes, or ended."""

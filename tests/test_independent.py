@@ -397,9 +397,7 @@ BROKEN = [
 ]
 
 
-@pytest.mark.parametrize(
-    "how", [pytest.param(how, marks=pytest.mark.slow) if how == "twice around" else how for how in BROKEN]
-)
+@pytest.mark.parametrize("how", BROKEN)
 def test_broken_regions(good, how, tmp_path):
     record = as_tetrahedra(good)
     broken_region(record, how)
