@@ -57,6 +57,7 @@ draw = runpy.run_path(str(ROOT / "benchmarks/random_corners.py"))["draw"]
 """Three pipes with circles that fit their faces with 10% to spare, from a random generator."""
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("order", "count"), [(1, 4), (2, 2), (3, 1)])
 def test_random_corners(order, count):
     generator = random.Random(7)

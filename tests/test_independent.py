@@ -276,8 +276,8 @@ def test_each_outer_face_bitten_alone(good, number, tmp_path):
     assert face.plane.at(witness[:3]) == 0
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("number", range(6))
-@pytest.mark.sampled(2)
 def test_a_bubble_in_each_cell(good, number, tmp_path):
     cell = good.partition.cells[number]
     bubble = ball(middle(good.partition.corners(cell)), "1/20")

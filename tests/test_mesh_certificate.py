@@ -96,7 +96,7 @@ def test_meshes_of_larger_nodes_are_proved():
     proved_near(struts(*ends))
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("size", "most"), [(0.02, 1.25), (0.2, 1.25), (1.0, 1.5)])
 def test_every_piece_that_a_triangle_touches_is_seen_and_few_others(size, most):
     """Points of triangles and the cells that they are in; triangles whose corners are on faces between cells, too."""
@@ -264,8 +264,9 @@ def judge(seed):
     return True
 
 
-def test_generated_cases_are_right_or_undecided():
-    assert sum(judge(seed) for seed in range(8)) >= 3
+@pytest.mark.parametrize(("seeds", "least"), [((1, 3, 4, 5, 6, 7), 3), pytest.param((0, 2), 0, marks=pytest.mark.slow)])
+def test_generated_cases_are_right_or_undecided(seeds, least):
+    assert sum(judge(seed) for seed in seeds) >= least
 
 
 @pytest.mark.slow

@@ -45,7 +45,7 @@ CASES = {
 }
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", CASES)
 def test_closed_with_the_topology_and_the_volume(name):
     make, euler = CASES[name]
@@ -141,6 +141,7 @@ def test_cones_in_any_position_have_their_apex(start, end, radius, tolerance):
     assert even.is_closed and np.linalg.norm(even.points - np.array(end), axis=1).min() < 1e-9
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("axis", "angle"), [((-2, 3, 3), 200), ((-2, 1, 2), 321), ((0, -2, -2), 136)])
 def test_a_face_that_covers_another_one_in_its_plane_is_not_lost(axis, angle):
     """Once turned, which of both is in front is rounding."""

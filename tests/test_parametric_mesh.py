@@ -246,8 +246,8 @@ TRADED = {
 }
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", TRADED)
-@pytest.mark.sampled(3)
 def test_good_angles_or_few_triangles(name):
     surface = TRADED[name]
     angles, usual, count = (surface.mesh(2e-3, quality=q) for q in ("angles", "balanced", "count"))

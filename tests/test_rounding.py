@@ -43,7 +43,7 @@ CASES = {
 }
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", CASES)
 def test_all_joints_are_proved(name, order):
@@ -136,6 +136,7 @@ TOUCHING = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", TOUCHING)
 def test_planes_that_only_touch_are_left_out(name, order):
@@ -244,7 +245,9 @@ PROFILES = {
 }
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if "moved" in n else n for n in PROFILES])
+@pytest.mark.parametrize(
+    "name", [n if n in ("top only", "with a hole") else pytest.param(n, marks=pytest.mark.slow) for n in PROFILES]
+)
 def test_rounds_of_profiles_with_arcs_are_those_of_a_ball(name):
     """By Pappus: what is cut off turns about the arcs' centres, and about the hole's."""
     make, faces, radius, joints, corners, holes = PROFILES[name]
@@ -267,10 +270,10 @@ def test_tori_that_meet_themselves_cut_off_no_more_than_others(radius):
     """The set of inequalities, not the mesh, beside the volume by Pappus."""
     made, size = plate().rounded(radius=radius), float(Fraction(radius))
     assert made.proved and ("4 (torus)" in made.description) == (radius == "3/10")
-    points = np.random.default_rng(0).random((200_000, 3)) * (8, 6, 2)
+    points = np.random.default_rng(0).random((50_000, 3)) * (8, 6, 2)
     area, far = spandrel(size)
     gone = 2 * area * (20 + 2 * np.pi * (1 - size + far)) + 2 * (4 - np.pi)
-    assert (~made.contains(points)).mean() * 96 == pytest.approx(gone, abs=0.15)
+    assert (~made.contains(points)).mean() * 96 == pytest.approx(gone, abs=0.3)
     assert plate().volume(2e-3) - made.volume(2e-3) == pytest.approx(gone - 2 * (4 - np.pi), rel=2e-3)
 
 

@@ -48,7 +48,7 @@ MADE = {
 }
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", MADE)
 def test_all_edges_between_the_solids_are_rounded(name, order):

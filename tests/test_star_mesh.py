@@ -195,6 +195,7 @@ def thin_arms(*arms, order):
     return surface, float(np.ptp(surface.partition.points, axis=0).max())
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("share", [3e-3, 3e-4])
 def test_edges_across_thin_arms_are_cut_where_the_surface_is(no_lattice, share):
     surface, extent = thin_arms(

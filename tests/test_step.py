@@ -317,6 +317,7 @@ def read_solids(path):
     return explored(shape, "SOLID"), kinds
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", BODIES)
 def test_solids_with_exact_faces_come_back(ocp, tmp_path, name):
     make, volume, kinds = BODIES[name]
@@ -358,7 +359,7 @@ TUBES = {
 }
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", [*TUBES])
 def test_tubes_are_splines_by_their_own_parameters(ocp, tmp_path, name):
     make, volume, wanted = TUBES[name]
@@ -481,8 +482,8 @@ def primitive(random, number):
     return made.rotate(axis, int(random.integers(90))).translate(np.round(random.uniform(-1, 1, 3), 3).tolist())
 
 
+@pytest.mark.sampled(60)
 @pytest.mark.parametrize("seed", range(60))
-@pytest.mark.sampled(30)
 def test_random_solids_are_written_or_refused(ocp, tmp_path, seed):
     random = np.random.default_rng(seed)
     body = primitive(random, 0)

@@ -161,6 +161,7 @@ def test_designs_give_the_same_polynomials_bit_for_bit(name):
     assert hashlib.sha256(text.encode()).hexdigest()[:16] == digest
 
 
+@pytest.mark.slow
 def test_the_spout_bends_smoothly_and_its_wall_is_as_thick_as_wished():
     spout = Spout(wall="1/16")
     for number, bend in enumerate(spout.bends, 1):

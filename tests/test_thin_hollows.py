@@ -35,6 +35,7 @@ HOLLOWS = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", HOLLOWS)
 def test_walls_of_a_200th_of_the_size(name):
     shape, volume, pieces = HOLLOWS[name]

@@ -180,8 +180,7 @@ def test_a_bound_is_positive(bound):
 
 
 def test_a_wall_around_an_opening_is_bounded_up_to_its_cone():
-    vessel = pas.Opening("x^2 + y^2 - 4", axis=(1, 0, 0), slope="4/7")
-    wall = pas.blend([vessel, pas.Pipe((1, 0, 0), "1/2", 3)], order=1).hollow("1/8")
+    wall = read("hollow_nozzle")
     verdict = wall.thicker_than("1/20")
     assert verdict.proved and verdict.claim == "a wall thicker than 1/20"
     assert wall.thicker_than("1/4").status is Status.REFUTED
