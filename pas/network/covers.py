@@ -1,8 +1,12 @@
 """Tetrahedra that hold the surfaces of a network's nodes: how far nodes reach, and which surely do not meet.
 
-Of a node these are the cells of its blend, turned as it is; of the straight part of a strut its axis, a tetrahedron of
-no volume, from which what is as far as the strut is thick is apart.  That two are is decided as the thickness of walls
-is (`pas.certify.thickness`), once for all pairs that are placed alike.
+Of a node these are parts of the cells of its blend, turned as it is; of the straight part of a strut its axis, a
+tetrahedron without volume, from which what is farther than the strut is thick is apart.  Two nodes are apart by a plane
+across the way from one point to the other, or as the sides of a wall are (`pas.certify.thickness`), and so are a node
+and an axis; that is decided once for all pairs that are placed alike.
+
+Guaranteed of the surfaces in the regions of their blends, with room for rounding.  What is apart by less than some 250th
+of a node's size may stay undecided.
 """
 
 from __future__ import annotations
@@ -66,7 +70,7 @@ class NodeCovers:
         return found
 
     def held(self, node: int) -> tuple[Simplices, Floats] | None:
-        """The same of a node around its point, turned as it is; None without a blend."""
+        """Tetrahedra and points that hold a node around its point, turned as it is; None without a blend."""
         kind = self.kinds.kinds[self.kinds.of[node]]
         if kind.form.key not in self._first:
             return None
