@@ -5,8 +5,8 @@ tetrahedron without volume, from which what is farther than the strut is thick i
 across the way from one point to the other, or as the sides of a wall are (`pas.certify.thickness`), and so are a node
 and an axis; that is decided once for all pairs that are placed alike.
 
-Guaranteed of the surfaces in the regions of their blends, with room for rounding.  What is apart by less than some 250th
-of a node's size may stay undecided.
+Guaranteed of the surfaces in the regions of their blends, with room for rounding.  What is apart by less than some
+250th of a node's size may stay undecided.
 """
 
 from __future__ import annotations
