@@ -87,11 +87,11 @@ def _build(network: Network, options: argparse.Namespace) -> CommandResult:
         "density": part.density,
         "genus": part.genus,
         **verdict_record(certificate),
+        "unproved": [vars(problem) for problem in part.unproved],
         "written": list(map(str, written)),
     }
-    return CommandResult(
-        "\n".join([*changes, str(part), *written_lines(written)]), record, DONE if certificate.proved else FAILED
-    )
+    lines = [*changes, str(part), *(f"not proved: {problem}" for problem in part.unproved), *written_lines(written)]
+    return CommandResult("\n".join(lines), record, DONE if certificate.proved else FAILED)
 
 
 @contextmanager
