@@ -20,7 +20,9 @@ from pas.pipeline.feet import Tee
 SHARED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 """Of generated cases: no test fails because another program took the processor."""
 settings.register_profile("other cases each time", SHARED)
-settings.register_profile("same cases each time", SHARED, derandomize=True)
+MANY = 100 if "PAS_ALL_CASES" in os.environ else 40
+"""Generated cases of a test; without the slow tests fewer, but for mutants."""
+settings.register_profile("same cases each time", SHARED, derandomize=True, max_examples=MANY)
 
 
 def pytest_configure(config: pytest.Config) -> None:

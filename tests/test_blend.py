@@ -24,7 +24,7 @@ from pas.pipeline.search import GIVEN, SearchSettings
         (UNEQUAL, 2, 5),
         (UNEQUAL, 3, 7),
         (EQUAL, 4, 7),
-        (UNEQUAL, 4, 8),
+        pytest.param(UNEQUAL, 4, 8, marks=pytest.mark.slow),
     ],
 )
 def test_proved_at_the_lowest_degree(radii, order, degree):

@@ -115,6 +115,7 @@ def test_the_largest_has_spheres_at_arcs_of_its_radius():
     assert pocket.largest_fillet("bottom", "boss") == 5
 
 
+@pytest.mark.slow
 def test_nearly_as_large_as_an_arc_it_is_a_part_of_a_torus_that_meets_itself():
     made = (plate() | rectangle().extrude(8)).fillet("top", "boss", "9/2")
     points = np.random.default_rng(0).random((50_000, 3)) * (40, 30, 8)
@@ -309,6 +310,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("order", "taper"), [(3, 0), (1, 5)])
 def test_where_sections_differ_is_told(order, taper):
     whole = plate() | rectangle().extrude(8, taper)

@@ -71,7 +71,7 @@ CASES = {
 }
 
 
-@pytest.mark.sampled(9)
+@pytest.mark.sampled(14)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", CASES)
 def test_fillets_are_proved_and_mesh(name, order):
@@ -308,7 +308,7 @@ def near_the_edge(x: str) -> solid.Solid:
 
 @pytest.mark.sampled(6)
 @pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize(("x", "lowest"), [("2", 0), ("17/10", 0), ("1", -0.5)])
+@pytest.mark.parametrize(("x", "lowest"), [("1", -0.5), ("2", 0), ("17/10", 0)])
 def test_a_fillet_ends_in_the_side_of_a_plate_that_is_too_small_for_it(order, x, lowest, request):
     """The face beside it goes on over its end; a boss that passes the side has none beyond that."""
     if (order, x) == (2, "1"):
@@ -335,6 +335,7 @@ def test_a_fillet_that_runs_into_a_face_is_hidden_there():
     assert mesh.volume - pocket.mesh().volume == pytest.approx(CORNER * 3 / 4, rel=1e-2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("radius", ["3/10"])
 def test_fillets_meet_in_the_corner_of_a_rib(radius):
     parts = {"plate": ((0, 0, 0), (8, 6, 1)), "wall": ((0, 0, "4/5"), (1, 6, 4)), "rib": (("4/5", 2, "4/5"), (5, 3, 3))}
@@ -344,7 +345,7 @@ def test_fillets_meet_in_the_corner_of_a_rib(radius):
     # Where the plate goes on as the first fillet and that as the wall, the second fillet goes on up to the rib's top.
     size, bend = float(Fraction(radius)), quad(lambda t: (0.4 - 0.3 * t) * (1 - np.sqrt(1 - (1 - t) ** 2)), 0, 1)[0]
     grown = CORNER * (0.16 * 5 + size**2 * (3.6 + 1.6)) + np.pi / 2 * size**2 * bend
-    assert made.volume(2e-3) - whole.volume() == pytest.approx(grown, rel=1e-3)
+    assert made.volume(1e-2) - whole.volume() == pytest.approx(grown, rel=1e-3)
 
 
 def bosses() -> solid.Solid:

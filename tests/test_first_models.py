@@ -53,7 +53,7 @@ def bracket_volume(t, rib):
     return 12 * t + (3 - t) * 3 * t + rib * ((2.5 - t) ** 2 - 2.0**2 / 2)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("tolerance", [None, 0.05])
 @pytest.mark.parametrize("axes", [[0], [2], [0, 2], [1, 2], [0, 1, 2]])
 def test_edges_are_rounded_by_cutters_with_flush_ends(axes, tolerance):

@@ -72,6 +72,7 @@ def changed(surface, change) -> pas.PiecewiseSurface:
     return pas.PiecewiseSurface.from_polynomials(surface.partition, surface.contacts, surface.order, polynomials)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("radii", [EQUAL, UNEQUAL])
 @pytest.mark.parametrize("order", [1, 2, pytest.param(3, marks=pytest.mark.slow)])
 def test_corners_are_proved_by_both(radii, order, tmp_path):

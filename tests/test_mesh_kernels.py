@@ -104,6 +104,7 @@ SOLIDS = {
 }
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", SOLIDS)
 def test_meshes_of_solids_are_closed(name):
     mesh = SOLIDS[name]().mesh(1e-2)

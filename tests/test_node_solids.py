@@ -170,6 +170,7 @@ ROUNDED = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", ROUNDED)
 def test_an_edge_is_rounded_by_a_flush_cut(name):
     (w, d, h), radius, beyond = ROUNDED[name]

@@ -137,6 +137,7 @@ def test_the_cofactor_is_exact(blends):
     assert remainder.is_zero() and quotient.total_degree() <= surface.degree - 4
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", CASES)
 def test_meshes(blends, name):
     surface = blends(name).surface

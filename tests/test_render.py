@@ -85,7 +85,7 @@ def near(image, color):
     return (np.abs(scaled - target / target.max()).max(axis=2) < 0.12).mean()
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("style", list(pas.Style))
 def test_parametric_blends_are_drawn_with_their_surfaces(tmp_path, style):
     image = pixels(pas.draw(BLEND, tmp_path / "a.png", style=style, size=(400, 300), domain=TURN))

@@ -43,7 +43,7 @@ CASES = {
 }
 
 
-@pytest.mark.sampled(10)
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", CASES)
 def test_all_joints_are_proved(name, order):
@@ -52,9 +52,9 @@ def test_all_joints_are_proved(name, order):
     assert len(made.joints) == joints and made.proved
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize("name", ["upright edges and top", "wedge", "tetrahedron"])
-@pytest.mark.sampled(2)
 def test_meshes_are_of_the_solid(name, order):
     make, faces, radius, _ = CASES[name]
     made = make().rounded(faces, radius=radius, order=order)
@@ -258,7 +258,7 @@ def test_rounds_of_profiles_with_arcs_are_those_of_a_ball(name):
         n * area * 2 * np.pi * (1.5 - far) for n in holes
     )
     scale = 8 if "moved" in name else 1
-    assert before.volume(2e-3) - made.volume(2e-3) == pytest.approx(scale * gone, rel=2e-3)
+    assert before.volume(1e-2) - made.volume(1e-2) == pytest.approx(scale * gone, rel=2e-3)
     mesh = made.mesh()
     assert mesh.is_closed and {*mesh.names} == {*made.faces} - {"cylinder start", "cylinder end"}
     assert "side 2 / top" in made.faces
@@ -274,9 +274,10 @@ def test_tori_that_meet_themselves_cut_off_no_more_than_others(radius):
     area, far = spandrel(size)
     gone = 2 * area * (20 + 2 * np.pi * (1 - size + far)) + 2 * (4 - np.pi)
     assert (~made.contains(points)).mean() * 96 == pytest.approx(gone, abs=0.3)
-    assert plate().volume(2e-3) - made.volume(2e-3) == pytest.approx(gone - 2 * (4 - np.pi), rel=2e-3)
+    assert plate().volume(1e-2) - made.volume(1e-2) == pytest.approx(gone - 2 * (4 - np.pi), rel=2e-3)
 
 
+@pytest.mark.slow
 def test_rounds_of_the_radius_of_an_arc_have_a_part_of_a_ball():
     made = solid.rounded_rectangle(8, 6, 1).extrude(4).rounded(radius=1)
     area, far = spandrel(1)

@@ -138,7 +138,7 @@ WITH_PROBLEMS = [p for p in PAGES if "```toml\n" in p.read_text(encoding="utf-8"
 LONG_PAGES = {
     *("guide/corners", "guide/hollow", "guide/junctions", "guide/nodes", "guide/pictures"),
     *("tutorials/bracket", "tutorials/lattice", "tutorials/manifold", "tutorials/partition", "coming_from"),
-    "tutorials/energy",  # a notebook of it is run always
+    *("tutorials/energy", "tutorials/node"),  # a notebook of the first is run always
     *("start/teapot", "tutorials/teapot"),
     *("research", "research_studies"),
 }

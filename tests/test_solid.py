@@ -41,6 +41,7 @@ KNOWN = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", KNOWN)
 def test_volume_area_and_topology(name):
     shape, volume, area, euler = KNOWN[name]

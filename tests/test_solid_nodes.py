@@ -78,6 +78,7 @@ KNOWN = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", KNOWN)
 def test_coincident_corners_and_touching_faces_are_meshed(name):
     make, volume, euler = KNOWN[name]

@@ -334,7 +334,7 @@ def test_volumes_are_those_of_meshes_where_quadrature_does_not_converge(ocp, tmp
     monkeypatch.setattr("pas.exchange.formats.step.adaptive_volume", lambda shape, _: 0.97 * adaptive_volume(shape))
     bell = solid.implicit("x^2 + y^2 - 1 - z^2 / 4", "z", "3 - z", face="bell")
     (found,), _ = read_solids(bell.write(tmp_path / "a.step"))
-    assert is_valid(found) and module.meshed_volume(found, 1e-3) == pytest.approx(5.25 * np.pi, rel=1e-3)
+    assert is_valid(found) and module.meshed_volume(found, 1e-2) == pytest.approx(5.25 * np.pi, rel=5e-3)
 
 
 HELIX = ("cos(t)", "sin(t)", "t/5"), "1/8"

@@ -143,7 +143,7 @@ JUNCTIONS = {
 }
 
 
-@pytest.mark.sampled(7)
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("name", JUNCTIONS)
 @pytest.mark.parametrize("order", [1, 2])
 def test_junctions_are_proved_and_straight(name, order):

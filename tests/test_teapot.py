@@ -256,6 +256,7 @@ def test_the_design_of_ones_own(tmp_path, capsys):
     assert pot.solid.polynomials["body lower"] == built("better").solid.polynomials["body lower"]
 
 
+@pytest.mark.slow
 def test_parts_of_both_styles_go_together():
     """The published spout on the other pot: its joint with the body is GC^0, and it has no channel."""
     pot = teapot(spout=PaperSpout())

@@ -39,6 +39,7 @@ def tetrahedra(f, corners, *clips):
     return Simplices.of([form for form, _ in found], corner_points(exact), max(error for _, error in found))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("f", ["x^2 + y^2 + z^2 - 5", "10 - x^2 - y^2", "x*y - z^2 + 1", "z^3 - 3*x*y + y"])
 def test_slices_hold_all_zeros(f):
     generator = np.random.default_rng(1)
@@ -114,6 +115,7 @@ def test_slices_that_are_parted_from_all_others_are_settled(halvings):
         assert distance == 1 or not all(map(np.all, found))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "bound, status",
     [
