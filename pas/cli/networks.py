@@ -12,7 +12,7 @@ from pas.algebra.inputs import whole
 from pas.cli.commands import write_outputs
 from pas.cli.common import DONE, FAILED, Clock, CommandResult, settings_of, verdict_record, written_lines
 from pas.errors import library, meant
-from pas.limits import part
+from pas.limits import part as share
 from pas.settings import MeshSettings
 
 if TYPE_CHECKING:
@@ -79,25 +79,25 @@ def _build(network: Network, options: argparse.Namespace) -> CommandResult:
     if options.collapse:
         network, changes = network.repair(collapse=True)
     with _engine(options) as map_:
-        with part(1 / 3):  # of the time, as blends, proofs and files of large networks take it
-            body = network.blend(options.order, options.degree, wall=options.wall, cache=options.cache, map=map_)
+        with share(1 / 3):  # of the time, as blends, proofs and files of large networks take it
+            part = network.blend(options.order, options.degree, wall=options.wall, cache=options.cache, map=map_)
         clock.passed("blend")
-        with part(1 / 2):
-            certificate = body.certificate
+        with share(1 / 2):
+            certificate = part.certificate
         clock.passed("prove")
-        write_outputs(body, outputs, mesh, options.unit, clock, npz=network.write, csv=network.write)
-        blocks = body.write_blocks(options.blocks, mesh.tolerance, map=map_) if options.blocks else ()
+        write_outputs(part, outputs, mesh, options.unit, clock, npz=network.write, csv=network.write)
+        blocks = part.write_blocks(options.blocks, mesh.tolerance, map=map_) if options.blocks else ()
     written = [*outputs, *blocks]
     record = {
         "changes": list(changes),
-        "density": body.density,
-        "genus": body.genus,
+        "density": part.density,
+        "genus": part.genus,
         **verdict_record(certificate),
+        "unproved": [vars(problem) for problem in part.unproved],
         "written": list(map(str, written)),
     }
-    return CommandResult(
-        "\n".join([*changes, str(body), *written_lines(written)]), record, DONE if certificate.proved else FAILED
-    )
+    lines = [*changes, str(part), *(f"not proved: {problem}" for problem in part.unproved), *written_lines(written)]
+    return CommandResult("\n".join(lines), record, DONE if certificate.proved else FAILED)
 
 
 @contextmanager

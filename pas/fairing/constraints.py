@@ -9,9 +9,8 @@ last bits of its coefficients.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import astuple, dataclass
-from functools import cached_property, lru_cache
+from functools import _lru_cache_wrapper, cached_property, lru_cache
 from math import ceil, gcd, pi
 
 import numpy as np
@@ -184,7 +183,7 @@ class SampledConstraints:
         return self.edges(edge_lattice, margins) + self._depth(margins)
 
     @cached_property
-    def edges(self) -> Callable[[int, Margins], Inequalities]:
+    def edges(self) -> _lru_cache_wrapper[Inequalities]:
         """Rows on lattices of so many subdivisions of the walls and the clip faces; the last ones are kept."""
         return lru_cache(maxsize=8)(self._edges)
 

@@ -5,9 +5,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import _lru_cache_wrapper, cached_property, lru_cache
 
 import numpy as np
 from flint import fmpq_mat
@@ -56,7 +55,7 @@ class PreparedSpace:
         return SampledConstraints(self.basis, self.placed)
 
     @cached_property
-    def rays(self) -> Callable[[int], RayLattice]:
+    def rays(self) -> _lru_cache_wrapper[RayLattice]:
         """The rays to the lattice of so many subdivisions on the outer faces; made once."""
         return lru_cache(maxsize=4)(lambda subdivisions: RayLattice(self.guard, subdivisions))
 

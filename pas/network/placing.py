@@ -168,9 +168,9 @@ class PlacedPieces:
             different.tolist(), groups, vectors, circles, parts, strict=True
         ):
             rise = self._width(self.kinds.kinds[a], i, 1.0) - self._width(self.kinds.kinds[a], i)
-            *mesh, widest = strip(*pair, vector, rise, n if few else 1)
+            points, triangles, normals, widest = strip(*pair, vector, rise, n if few else 1)
             off = float(self.network.thickness[numbers[0]]) * (1 - cos(widest / 2))
-            found.append(StrutPiece((a, b), (i, j), vector, *mesh, off, numbers))
+            found.append(StrutPiece((a, b), (i, j), vector, points, triangles, normals, off, numbers))
         return found
 
     def _circle(self, kind: int, slot: int) -> Floats:

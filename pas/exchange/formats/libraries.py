@@ -201,10 +201,9 @@ def write_3mf(parts: Sequence[Piece], path: Path, request: Request) -> None:
 
 
 def _put_components(path: Path, places: Sequence[Floats]) -> None:
-    """Write a component for each place in the stead of the one of each part, as text: objects of lib3mf take four times
-    as long.  Without the random names of the production extension, which would be most of the file."""
-    written = BytesIO(path.read_bytes())
-    with ZipFile(written) as before, ZipFile(path, "w", ZIP_DEFLATED) as after:
+    """Write a component for each place instead of the one of each part, as text: objects take four times as long; and
+    without the random names of the production extension, which would be most of the file."""
+    with ZipFile(BytesIO(path.read_bytes())) as before, ZipFile(path, "w", ZIP_DEFLATED) as after:
         for entry in before.infolist():
             unnamed = re.sub(rb' (p:UUID|xmlns:p)="[^"]*"', b"", before.read(entry))
             text, *others = re.split(rb'<component objectid="(\d+)"[^>]*/>', unnamed)
