@@ -23,7 +23,7 @@ TOUCHING = {
 }
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", TOUCHING)
 def test_what_touches_is_refused_with_the_faces_and_the_place(name):
     shape, sentence = TOUCHING[name]

@@ -61,6 +61,7 @@ def test_a_ball_is_filled(filled):
     assert away.max() < 0.02 + (1 - np.linalg.norm(SPHERE.triangles_center, axis=1).min())
 
 
+@pytest.mark.slow
 def test_edges_have_at_most_about_the_length_asked_for(filled):
     assert len(volume_mesh(globe(), edge_length=0.2, tolerance=0.02).tetrahedra) > 2 * len(filled.tetrahedra)
 
@@ -150,6 +151,7 @@ def test_very_small_and_very_large(scale):
     assert filled.volume == pytest.approx(globe().volume * scale**3, rel=0.02)
 
 
+@pytest.mark.slow
 def test_far_from_the_origin():
     far = globe((1e6, -2e6, 3e6))
     filled = volume_mesh(far, **COARSE)
