@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+from collections import Counter
 from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from fractions import Fraction
@@ -25,11 +26,13 @@ import pas
 from pas import network, solid
 from pas.algebra.rational import vector
 from pas.cli import main
+from pas.network import rings
 from pas.network.blocks import status
 from pas.network.classes import kinds_of, turn
 from pas.network.clearance import clearance, segment_distances
 from pas.network.covers import NodeCovers, _held
 from pas.network.nodes import placed_ends
+from pas.network.part import NetworkPart
 from pas.network.problems import nearest
 from pas.settings import MeshSettings
 
@@ -337,6 +340,49 @@ def test_struts_of_the_mesh_are_on_their_cylinders():
     assert 0 < off.max() < tolerance
 
 
+@pytest.mark.parametrize("rise", [0.0, 0.5])
+def test_strips_are_cut_into_rings_of_their_cone(rise):
+    vector = np.array([0.0, 0.0, 30.0])
+
+    def ring(count, at, turned):
+        angles = 2 * np.pi * np.arange(count) / count + turned
+        width = 1 + rise * at / 30
+        return np.stack([width * np.cos(angles), width * np.sin(angles), np.full(count, at)], axis=1)
+
+    first, second = ring(24, 2.0, 0.1), ring(20, 28.0, 0.4) - vector
+    parts = rings.parts_of(first, second, vector)
+    whole, cut = (rings.strip(first, second, vector, rise, n) for n in (1, parts))
+    assert len(whole[0]) == 0 and len(cut[0]) == 24 * (parts - 1) > 0
+    wide = 1 + rise * cut[0][:, 2] / 30
+    np.testing.assert_allclose(np.linalg.norm(cut[0][:, :2], axis=1), wide, rtol=1e-14)
+    points = np.concatenate([first, second + vector, cut[0]])
+    assert least_angle(points[whole[1]]) < 5 < least_angle(points[cut[1]])
+    sides = Counter(tuple(sorted(side)) for t in cut[1].tolist() for side in zip(t, t[1:] + t[:1], strict=True))
+    assert sorted(set(sides.values())) == [1, 2] and sum(n == 1 for n in sides.values()) == 44
+    corners = points[cut[1]]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert ((across[:, None] * cut[2]).sum(axis=2) > 0.9 * np.linalg.norm(across, axis=1)[:, None]).all()
+
+
+def least_angle(corners):
+    """Of triangles (T, 3, 3), in degrees."""
+    sides = np.roll(corners, 1, axis=1) - corners
+    units = sides / np.linalg.norm(sides, axis=2, keepdims=True)
+    return float(np.degrees(np.arccos(-(units * np.roll(units, 1, axis=1)).sum(axis=2))).min())
+
+
+def test_struts_are_cut_into_rings_where_that_takes_few_triangles(monkeypatch):
+    body = network.lattice("cubic", 1, "1/8").blend(degree="lowest")
+    cut = body.mesh()
+    assert cut.certificate.proved and all(len(strut.points) for strut in body.pieces().struts)
+    assert least_angle(cut.points[cut.triangles[cut.faces == 1]]) > 5
+    monkeypatch.setattr("pas.network.placing.FEW", 0.0)
+    plain = NetworkPart.of(body.network, 1, body.kinds, body.blends, None)
+    assert not any(len(strut.points) for strut in plain.pieces().struts)
+    assert len(plain.mesh().triangles) < len(cut.triangles) < 1.25 * len(plain.mesh().triangles)
+    assert plain.volume == pytest.approx(body.volume, rel=1e-3)
+
+
 def test_bodies_in_many_places_make_the_whole(tmp_path):
     bodies = part().bodies(MeshSettings())
     assert sum(len(places) for _, places in bodies) == len(frame().points)
@@ -345,11 +391,18 @@ def test_bodies_in_many_places_make_the_whole(tmp_path):
     path = part().write(tmp_path / "frame.3mf", unit="mm")
     lib3mf = pytest.importorskip("lib3mf")
     model = lib3mf.get_wrapper().CreateModel()
-    model.QueryReader("3mf").ReadFromFile(str(path))
+    reader = model.QueryReader("3mf")
+    reader.SetStrictModeActive(True)
+    reader.ReadFromFile(str(path))
+    assert reader.GetWarningCount() == 0
     assert model.GetMeshObjects().Count() == len(bodies)
     components = model.GetComponentsObjects()
     assert components.MoveNext()
-    assert components.GetCurrentComponentsObject().GetComponentCount() == len(frame().points)
+    found = components.GetCurrentComponentsObject()
+    placed = [found.GetComponent(n).GetTransform().Fields[3] for n in range(found.GetComponentCount())]
+    np.testing.assert_allclose(sorted(map(tuple, placed)), sorted(map(tuple, frame().points)), atol=1e-6)
+    before = path.read_bytes()
+    assert part().write(path, unit="mm").read_bytes() == before  # no names at random, no time
 
 
 def test_glb_files_hold_each_body_once(tmp_path):

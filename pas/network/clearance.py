@@ -89,19 +89,26 @@ def _near(points: Floats, others: Floats, distance: float) -> Iterator[tuple[Int
         yield own[found["i"]], found["j"]
 
 
+def _middles(network: StrutGraph) -> Floats:
+    """The middles of all struts (E, 3), axis by axis, as the ends of all together take twice as much."""
+    found = np.empty((len(network.edges), 3))
+    for axis, places in enumerate(network.points.T):
+        found[:, axis] = places[network.edges].mean(axis=1)
+    return found
+
+
 def _near_struts(network: StrutGraph) -> Iterator[tuple[Integers, Integers, Floats]]:
     edges, points = network.edges, network.points
     if not len(edges):
         return
-    middles = points[edges].mean(axis=1)
+    middles = _middles(network)
     far = float(network.lengths.max() + 2 * network.thickness.max())
-    halves: Floats = network.vectors * np.float64(network.grid / 2)
-    slack = network.slack
+    half, slack = np.float64(network.grid / 2), network.slack
     for first, second in _near(middles, middles, far):
         once = first < second
         i, j = first[once], second[once]
         way = middles[j] - middles[i]  # along which struts that come near overlap: seen before their distance is
-        square, along = dots(way, way), np.abs(dots(way, halves[i])) + np.abs(dots(way, halves[j]))
+        square, along = dots(way, way), sum(np.abs(dots(way, network.vectors[k] * half)) for k in (i, j))
         need = network.thickness[i] + network.thickness[j] + slack
         close = square - along <= need * np.sqrt(square)
         for a, b in product(edges.T, edges.T):
@@ -114,7 +121,7 @@ def _near_struts_of_nodes(network: StrutGraph, covers: NodeCovers) -> Iterator[t
     edges, points, reach = network.edges, network.points, covers.reach
     used, slack = np.flatnonzero(reach), network.slack
     far = float(network.lengths.max() / 2 + reach.max() + network.thickness.max())
-    for here, strut in _near(points[used], points[edges].mean(axis=1), far):
+    for here, strut in _near(points[used], _middles(network), far):
         apart = (edges[strut] != used[here][:, None]).all(axis=1)
         node, other = used[here[apart]], strut[apart]
         distance = segment_distances(np.stack([points[node]] * 2, axis=1), covers.axes(other))
