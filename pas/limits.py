@@ -220,10 +220,13 @@ def part(share: float) -> Iterator[None]:
 
 
 def in_parts(things: Collection[T], task: str) -> Iterator[T]:
-    """Things one by one, each an equal part of all but the last eighth of the work, which `task` names."""
+    """Things one by one, each an equal part of all but the last eighth of the work, which `task` names; it is told how
+    many are done, and how long the others take if they take as long."""
+    began, many = time.monotonic(), len(things)
     with part(1 - 1 / _Reports.tasks):
         for number, thing in enumerate(things):
-            checkpoint(task)
+            left = (time.monotonic() - began) * (many - number) / max(number, 1)
+            checkpoint(f"{task}: {number} of {many}, some {left:.0f} s left" if number else task)
             with part(1 / (len(things) - number)):
                 yield thing
 

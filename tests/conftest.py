@@ -15,11 +15,14 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 import pas
+from pas.pipeline.feet import Tee
 
 SHARED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 """Of generated cases: no test fails because another program took the processor."""
 settings.register_profile("other cases each time", SHARED)
-settings.register_profile("same cases each time", SHARED, derandomize=True)
+MANY = 100 if "PAS_ALL_CASES" in os.environ else 40
+"""Generated cases of a test; without the slow tests fewer, but for mutants."""
+settings.register_profile("same cases each time", SHARED, derandomize=True, max_examples=MANY)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -102,6 +105,12 @@ BENT = [
 SOLVED = {
     "bent": lambda: pas.blend(BENT, 1),
     "hollow_elbow": lambda: pas.node([(X, 1), ((0, 1, 0), 1)], 1).hollow("1/10"),
+    "hollow_nozzle": lambda: pas.blend([pas.Opening("x^2 + y^2 - 4", X, "4/7"), pas.Pipe(X, "1/2", 3)], 1).hollow(
+        "1/8"
+    ),
+    "hollow_run": lambda: pas.blend(Tee.of(pas.Pipe(Z, 1, "auto"), pas.Pipe(X, "1/2", "auto")).contacts, 1).hollow(
+        "1/8"
+    ),
     "hollow_foot": lambda: pas.blend([pas.Plate(Z, 2), pas.Pipe(Z, 1, 2)], 1).hollow("1/8"),
     "tee": lambda: pas.node([(X, 1), ((-1, 0, 0), 1), ((0, 1, 0), "4/5")], 1),
     "thick_elbow": lambda: pas.node([(X, 1), ((0, 1, 0), 1)], 1).hollow("3/8"),

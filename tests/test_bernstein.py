@@ -322,6 +322,7 @@ def test_rounding_is_accounted_for():
 SEGMENT = [vector(v) for v in ((0, 0, 0), (1, 0, 0))]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("degree", [2, 4, 8])
 def test_a_double_root_is_neither_proved_nor_refuted(degree):
     """(x - p)^2 times a positive factor: rounding alone makes its coefficients positive in half of the cases."""

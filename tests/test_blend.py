@@ -24,7 +24,7 @@ from pas.pipeline.search import GIVEN, SearchSettings
         (UNEQUAL, 2, 5),
         (UNEQUAL, 3, 7),
         (EQUAL, 4, 7),
-        (UNEQUAL, 4, 8),
+        pytest.param(UNEQUAL, 4, 8, marks=pytest.mark.slow),
     ],
 )
 def test_proved_at_the_lowest_degree(radii, order, degree):
@@ -57,6 +57,7 @@ draw = runpy.run_path(str(ROOT / "benchmarks/random_corners.py"))["draw"]
 """Three pipes with circles that fit their faces with 10% to spare, from a random generator."""
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("order", "count"), [(1, 4), (2, 2), (3, 1)])
 def test_random_corners(order, count):
     generator = random.Random(7)

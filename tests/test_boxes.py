@@ -134,6 +134,7 @@ def test_a_mesh_follows_through_the_walls():
         mesh.follow(moved.surface, 0)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("text", "tolerance", "euler"),
     [

@@ -84,7 +84,7 @@ CASES = {
 SOME = [("rectangle", 1), ("rectangle", 2), ("slot", 1), ("waisted", 2), ("rectangle", 0)]
 
 
-@pytest.mark.sampled(10)
+@pytest.mark.sampled(20)
 @pytest.mark.parametrize(("profile", "order"), SOME)
 @pytest.mark.parametrize("case", CASES)
 def test_fillets_go_along_all_edges_of_a_chain(case, profile, order):
@@ -115,14 +115,16 @@ def test_the_largest_has_spheres_at_arcs_of_its_radius():
     assert pocket.largest_fillet("bottom", "boss") == 5
 
 
+@pytest.mark.slow
 def test_nearly_as_large_as_an_arc_it_is_a_part_of_a_torus_that_meets_itself():
     made = (plate() | rectangle().extrude(8)).fillet("top", "boss", "9/2")
-    points = np.random.default_rng(0).random((200_000, 3)) * (40, 30, 8)
+    points = np.random.default_rng(0).random((50_000, 3)) * (40, 30, 8)
     kept = area_of("rectangle") * 8 - swept("rectangle", 4.5, 1, -1)
-    assert made.proved and made.contains(points).mean() * 9600 == pytest.approx(kept, abs=25)
+    assert made.proved and made.contains(points).mean() * 9600 == pytest.approx(kept, abs=50)
     assert made.volume() == pytest.approx(56000 + kept, rel=3e-6)
 
 
+@pytest.mark.slow
 def test_edges_that_turn_by_more_than_half_a_turn_are_cut_by_one_plane_at_each_end():
     made = (plate() | waisted().extrude(8)).fillet("plate z+", "waist 2", 1)
     x, y = np.array([(-10.5, 0), (-6, 5.5), (-6, -5.5), (10.5, 0), (0, 2.7)]).T
@@ -202,7 +204,7 @@ def foot(straight: float, arc: float, radius: float, order: int = 1, outwards: i
 
 
 @pytest.mark.sampled(5)
-@pytest.mark.parametrize(("radius", "order"), [("1/10", 1), (3, 1), ("19/2", 1), ("1/2", 2), ("11/2", 2)])
+@pytest.mark.parametrize(("radius", "order"), [(3, 1), ("1/10", 1), ("19/2", 1), ("1/2", 2), ("11/2", 2)])
 def test_feet_on_plates_over_profiles_are_as_large_as_the_plate_is(radius, order):
     """Such plates and bosses are meshed from rows along their edges, where lattices took minutes, or ended."""
     made = (rounded_plate() | on_plate(pillar(), 12)).fillet("top", "boss", radius, order)
@@ -280,6 +282,7 @@ def test_parts_go_on_and_files_have_them(tmp_path):
     assert pas.load(tmp_path / "built.pas.json").polynomials == made.polynomials
 
 
+@pytest.mark.slow
 def test_step_has_planes_cylinders_and_tori(tmp_path):
     pytest.importorskip("OCP")
     part = (plate() | rectangle().extrude(8)).fillet("plate z+", "boss 3", 2)
@@ -307,6 +310,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("order", "taper"), [(3, 0), (1, 5)])
 def test_where_sections_differ_is_told(order, taper):
     whole = plate() | rectangle().extrude(8, taper)

@@ -111,10 +111,10 @@ def test_meshes_are_read_by_others(made, tmp_path, capsys, suffix):
     assert vertices < triangles
 
 
+@pytest.mark.sampled(24)
 @pytest.mark.parametrize(
     "style", [[], ["--zebra"], ["--highlights"], ["--curvature"], ["--combs"], *(["--style", name] for name in STYLES)]
 )
-@pytest.mark.sampled(12)
 def test_render(made, tmp_path, capsys, style):
     path = tmp_path / "a.png"
     code, out, _ = run(capsys, "render", made / "equal_gc1.pas.json", "-o", path, "--tolerance", "0.05", *style)

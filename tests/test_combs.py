@@ -226,10 +226,10 @@ def test_the_envelope_comes_down_where_the_sign_changes():
     np.testing.assert_allclose(ends, [[5 / 12, 0, 0], [2 / 3, 0, 0.3], [1, 0, 0.1]])
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     "options", [{}, {"style": "min"}, {"style": "zebra"}, {"cut": True}, {"four_views": True}], ids=str
 )
-@pytest.mark.sampled(3)
 def test_combs_are_seen_in_every_picture(tmp_path, options):
     from PIL import Image
 

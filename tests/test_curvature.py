@@ -48,8 +48,8 @@ def test_members_of_order_two_pass(contact):
         assert result.membership == 0
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("contact", CONTACTS, ids=str)
-@pytest.mark.sampled(2)
 def test_members_of_order_one_only_fail(contact):
     f, h = surface(contact), clip(contact)
     g = f + h**2 * 3

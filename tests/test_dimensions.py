@@ -108,6 +108,7 @@ STARS = {"octahedral split": 2, "star of eight": 1, "worsey-piper split": 2, "tw
 """How many tables there are of each, in special positions or not."""
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("title", STARS)
 def test_stars_of_eight_and_of_24_have_the_dimensions_of_the_formulas(title):
     """For r = 0 and 1, counted here again."""

@@ -52,8 +52,8 @@ def test_every_registered_energy_is_tested_here():
     assert QUADRATIC in ENERGIES
 
 
-@pytest.mark.parametrize("energy", ALL, ids=WORDS)
 @pytest.mark.sampled(2)
+@pytest.mark.parametrize("energy", ALL, ids=WORDS)
 def test_the_exact_form_is_the_one_that_is_made_small(space, energy):
     """Two ways, moments or Gram matrices and Gauss rules, and a frame far from the origin."""
     spaces = [space] if "Box" in repr(energy) else [space, pas.solutions(FAR, 1, 4)]

@@ -66,6 +66,7 @@ def exact_value(polynomial: Polynomial, point: np.ndarray) -> float:
     return float(polynomial.at([Fraction(v) for v in point.tolist()]))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", SURFACES)
 def test_values_and_derivatives_are_exact_to_rounding(name):
     known = evaluator(name)
@@ -410,6 +411,7 @@ def test_a_face_that_cells_do_not_agree_on_is_the_first_ones():
     assert len(along(pas.Evaluator(torn), [0, 0, 0], [1, 1, 1])) == 1
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("degree", [*range(17), 24, HIGHEST])
 def test_forms_are_interpolated_as_well_as_their_bounds_say(degree):
     nodes, to_bernstein, growth = interpolation(degree, False)

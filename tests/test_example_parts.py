@@ -13,8 +13,8 @@ import pas
 from pas.cli import main
 
 PARTS = ROOT / "examples/parts"
-QUICK = {"bottle": 1}
-SLOW = {
+BODIES = {
+    "bottle": 1,
     "bracket": 1,
     "enclosure": 2,
     "gear": 1,
@@ -26,7 +26,7 @@ SLOW = {
     "nameplate": 6,
     "tee": 1,
 }
-"""How many bodies each has; those whose files take longer are written in `make test-all`."""
+"""How many bodies each has."""
 
 
 @cache
@@ -36,13 +36,14 @@ def script(name):
 
 def test_there_are_ten_short_scripts():
     scripts = {path.stem: path.read_text().splitlines() for path in PARTS.glob("*.py")}
-    assert scripts.keys() == QUICK.keys() | SLOW.keys()
+    assert scripts.keys() == BODIES.keys()
     assert len(scripts) >= 10
     assert all(len(lines) <= 30 for lines in scripts.values())
     assert {path.stem for path in PARTS.glob("*.toml")} == scripts.keys() - {"manifold"}  # its flanges follow its ends
 
 
-@pytest.mark.parametrize("name", [*QUICK, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BODIES)
 def test_other_programs_read_the_same_body(name, tmp_path, monkeypatch):
     trimesh = pytest.importorskip("trimesh")
     pytest.importorskip("OCP")
@@ -55,7 +56,7 @@ def test_other_programs_read_the_same_body(name, tmp_path, monkeypatch):
     assert all(mesh.is_watertight for mesh in meshes)
     assert sum(mesh.volume for mesh in meshes) == pytest.approx(volume, rel=0.02)
     solids, _ = read_solids(tmp_path / f"{name}.step")
-    assert len(solids) == (QUICK | SLOW)[name]
+    assert len(solids) == BODIES[name]
     assert sum(measures(solid)[0] for solid in solids) == pytest.approx(volume, rel=0.02)
 
 

@@ -119,9 +119,9 @@ def test_three_perpendicular_pipes(degree):
 POINTS = [(1, 7, "8", 4), ("1", "1/3", "2", "5/7"), (3, 3, 2, 2), ("7/2", "1/2", "2", "4"), (5, 5, 1, 2)]
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("point", POINTS)
 @pytest.mark.parametrize(("order", "degree"), [(0, 2), (1, 3), (1, 4), (2, 4), (2, 5)])
-@pytest.mark.sampled(4)
 def test_dimensions_at_points_are_those_of_ideals(order, degree, point):
     values = {name: Fraction(v) for name, v in zip(("r1", "r2", "d1", "d2"), point, strict=True)}
     found = pas.existence(ELBOW, order, degree, (R1, R2, D1, D2))

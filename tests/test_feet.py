@@ -33,6 +33,7 @@ def concave(blend):
     return -np.linalg.eigvalsh(across @ evaluator.hessians(points) @ across / sizes).min()
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(
     ("angle", "radius", "bend"),
     [
@@ -46,7 +47,6 @@ def concave(blend):
         (85, "4/5", 1.07),
     ],
 )
-@pytest.mark.sampled(4)
 def test_feet_bend_as_measured(angle, radius, bend):
     """Of nodes these are 1.88, 2.23, 1.92, 1.68 at 90 degrees, and 2.45, 2.23, 1.91 at 75."""
     foot = pas.foot(RUN, pas.Pipe(Z if angle == 90 else leaning(angle), radius, "auto"))
@@ -63,6 +63,7 @@ def test_the_cylinder_of_the_run_is_exact_and_met_with_contact():
     assert str(foot.certificate).splitlines()[0].startswith("contact 1 GC^1  proved    in <f, h^2> exactly")
 
 
+@pytest.mark.slow
 def test_a_foot_moves_and_scales_with_its_pipes():
     """In the model's units and about any axis: the cylinder, the contacts and the fillet scale."""
     one = pas.foot(RUN, pas.Pipe(Z, "1/2", "auto"))
@@ -100,6 +101,7 @@ def test_what_is_no_foot_is_refused(branch, error, words):
         pas.foot(RUN, branch)
 
 
+@pytest.mark.sampled(9)
 @pytest.mark.parametrize(
     ("items", "order", "reason"),
     [
@@ -114,7 +116,6 @@ def test_what_is_no_foot_is_refused(branch, error, words):
         ([*HALVES, (Z, 1)], 1, "node: a foot needs a run of two pipes"),
     ],
 )
-@pytest.mark.sampled(8)
 def test_a_junction_is_the_better_one_and_says_which(items, order, reason):
     found = pas.junction(items, order)
     assert found.certificate.proved
@@ -161,6 +162,7 @@ def test_the_branches_of_a_header_may_end_at_their_clips(feet):
     assert header.faces == ("run", "run start", "run end", "foot 1", "branch 1 end") and header.proved
 
 
+@pytest.mark.slow
 def test_a_hollow_header_has_a_bore_through_run_and_branches(feet):
     hollow = [feet[0].hollow("1/8")]
     header = pas.header(RUN, hollow, (-2, 2), "1/2")

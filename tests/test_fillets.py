@@ -71,7 +71,7 @@ CASES = {
 }
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(14)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", CASES)
 def test_fillets_are_proved_and_mesh(name, order):
@@ -137,7 +137,7 @@ TORI = {
 }
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", TORI)
 def test_along_circles_it_is_the_torus_of_a_ball_that_rolls(name):
     make, faces, radius, major = TORI[name]
@@ -185,6 +185,7 @@ BOSS = solid.box((-9, -9, 0), (9, 9, 4), "plate") | solid.cylinder((0, 0, 2), (0
 POST = solid.box((-20, -20, 0), (20, 20, 4), "plate") | solid.cylinder((0, 0, 2), (0, 0, 40), 3, "post")
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "shape, names, distance, volume",
     [
@@ -285,6 +286,7 @@ GOING_OUT = {
 }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", GOING_OUT)
 def test_edges_go_out_where_all_corners_of_a_face_are_on_them(name):
     """No corner of a triangle shows then on which side of the first face the second is."""
@@ -304,9 +306,9 @@ def near_the_edge(x: str) -> solid.Solid:
     return solid.box((0, 0, 0), (8, 6, 1), face="plate") | peg
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize(("x", "lowest"), [("2", 0), ("17/10", 0), ("1", -0.5)])
+@pytest.mark.parametrize(("x", "lowest"), [("1", -0.5), ("2", 0), ("17/10", 0)])
 def test_a_fillet_ends_in_the_side_of_a_plate_that_is_too_small_for_it(order, x, lowest, request):
     """The face beside it goes on over its end; a boss that passes the side has none beyond that."""
     if (order, x) == (2, "1"):
@@ -333,6 +335,7 @@ def test_a_fillet_that_runs_into_a_face_is_hidden_there():
     assert mesh.volume - pocket.mesh().volume == pytest.approx(CORNER * 3 / 4, rel=1e-2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("radius", ["3/10"])
 def test_fillets_meet_in_the_corner_of_a_rib(radius):
     parts = {"plate": ((0, 0, 0), (8, 6, 1)), "wall": ((0, 0, "4/5"), (1, 6, 4)), "rib": (("4/5", 2, "4/5"), (5, 3, 3))}
@@ -342,13 +345,24 @@ def test_fillets_meet_in_the_corner_of_a_rib(radius):
     # Where the plate goes on as the first fillet and that as the wall, the second fillet goes on up to the rib's top.
     size, bend = float(Fraction(radius)), quad(lambda t: (0.4 - 0.3 * t) * (1 - np.sqrt(1 - (1 - t) ** 2)), 0, 1)[0]
     grown = CORNER * (0.16 * 5 + size**2 * (3.6 + 1.6)) + np.pi / 2 * size**2 * bend
-    assert made.volume(2e-3) - whole.volume() == pytest.approx(grown, rel=1e-3)
+    assert made.volume(1e-2) - whole.volume() == pytest.approx(grown, rel=1e-3)
 
 
+def bosses() -> solid.Solid:
+    """Two that cross, on a plate."""
+    foot = solid.box((-20, -20, 0), (20, 20, 4), "plate") | solid.cylinder((-3, 0, 2), (-3, 0, 20), 5, "a")
+    return foot | solid.cylinder((4, 0, 2), (4, 0, 18), 4, "b")
+
+
+def test_joints_of_earlier_fillets_are_asked_again():
+    told = Filling.of(bosses().fillet("a", "b", 1), ("a", "plate z+"), 1, ()).made(fmpq(1))
+    assert told.startswith("make it before another fillet, of which then fillet meets a with GC")
+
+
+@pytest.mark.slow
 def test_fillets_that_meet_in_a_corner_are_made_in_the_order_in_which_joints_hold():
     """Those of two bosses that cross with the plate first, then that of both bosses, which ends on them."""
-    foot = solid.box((-20, -20, 0), (20, 20, 4), "plate") | solid.cylinder((-3, 0, 2), (-3, 0, 20), 5, "a")
-    shape = foot | solid.cylinder((4, 0, 2), (4, 0, 18), 4, "b")
+    shape = bosses()
     with pytest.raises(GeometryError, match="make it before another fillet, of which then fillet meets a with GC"):
         shape.fillet("a", "b", 1).fillet("a", "plate z+", 1)
     made = shape.fillet("a", "plate z+", 1).fillet("b", "plate z+", 1).fillet("a", "b", 1)

@@ -53,7 +53,7 @@ def bracket_volume(t, rib):
     return 12 * t + (3 - t) * 3 * t + rib * ((2.5 - t) ** 2 - 2.0**2 / 2)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("tolerance", [None, 0.05])
 @pytest.mark.parametrize("axes", [[0], [2], [0, 2], [1, 2], [0, 1, 2]])
 def test_edges_are_rounded_by_cutters_with_flush_ends(axes, tolerance):
@@ -136,6 +136,10 @@ def test_a_cut_into_many_triangles_looks_at_the_clock(monkeypatch):
     solid.ball((0, 0, 0), 1).mesh(1e-2)
     first = next(i for i, task in enumerate(seen) if task.startswith("cutting the triangles"))
     assert seen[first + 1] == ""
+
+
+@pytest.mark.slow
+def test_a_cut_into_millions_of_triangles_gives_up():
     with pytest.raises(LimitError, match="gave up after"), limit(0.5):
         solid.torus((0, 0, 0), (0, 0, 1), 2, HALF).mesh(1e-5)
 
@@ -146,7 +150,7 @@ def bars(size, low, high):
     return [solid.box(*zip(*sides, strict=True)) for sides in ends]
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("tolerance", [None, 0.1])
 @pytest.mark.parametrize("flush", [True, False])
 def test_square_bars_and_holes_that_cross_meet_in_corners_of_six_edges(flush, tolerance):
@@ -185,7 +189,7 @@ TANGENT_MODELS = {
 }
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(9)
 @pytest.mark.parametrize("tolerance", [None, 0.05, 0.2])
 @pytest.mark.parametrize("name", TANGENT_MODELS)
 def test_faces_that_touch_along_a_plane_section_go_on_smoothly(name, tolerance):

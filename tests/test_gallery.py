@@ -42,6 +42,7 @@ def test_perpendicular_cylinders(tmp_path, capsys):
     assert "d1**2 - d2**2 + r1**2 - r2**2" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_three_cylinders(tmp_path, capsys):
     blend = run("three_cylinders", tmp_path)
     assert (blend.surface.degree, blend.dimension, blend.certificate.proved) == (5, 9, True)

@@ -294,9 +294,9 @@ FITS = {  # boundaries, whether reversed, partner of the point of the first curv
 }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", FITS)
 @pytest.mark.parametrize("backwards", [False, True])
-@pytest.mark.sampled(3)
 def test_closed_curves_are_turned_to_fit(name, backwards, shift=0.37):
     """However the second curve is given, the same blend results, regular and without crossings."""
     first, second, _ = FITS[name]
@@ -417,6 +417,7 @@ def test_tangent_planes_for_any_shape(l1, l2, lambda1, lambda2, quartic):
     np.testing.assert_allclose(legs, l2, rtol=1e-9)  # T is of length one
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("middle", [None, ("s", "3/2", "2 - s")])
 @pytest.mark.parametrize("slant", [0, "3/5"])
 def test_exact_blend(middle, slant):
@@ -468,6 +469,7 @@ def test_why_a_blend_is_not_exact(change, reason):
         _ = blend.surface.components
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "first", [pipe("z", 3), pas.quadric_intersection("x^2 + y^2 - 1", "x^2/2 + y^2 + z^2 - 9")[0].on(0)]
 )

@@ -72,6 +72,7 @@ def test_boundaries_of_every_kind_come_back(tmp_path, name):
     assert pas.save_parametric(found, tmp_path / "b.pas.json").read_bytes() == path.read_bytes()
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", SHAPES)
 def test_shapes_come_back(tmp_path, name):
     pair = pas.boundary_from(TABLES["section"]), pas.boundary_from(PLANES)
@@ -270,6 +271,7 @@ def test_curvature_of_a_cylinder():
     np.testing.assert_allclose(np.abs(own.principal()).min(axis=1), 0, atol=1e-4)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", ["section", "intersection", "implicit", "iso-curve", "path", "hyperbola"])
 def test_collars_lie_on_the_surface(name):
     """Strips start at the curve, lie on the surface beyond it, and have its normals."""
@@ -350,6 +352,7 @@ def test_every_file_has_a_case_and_a_picture():
     assert all(p.stat().st_size < 150_000 for p in pictures)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=pytest.mark.slow if n == "helicoid_twisted" else ()) for n in CASES]
 )

@@ -69,6 +69,7 @@ def test_the_distance_to_a_smooth_joint_of_two_faces():
     assert hollow.mesh(2e-2).euler_characteristic == 4
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "ends, volume, euler",
     [("flat", pi / 64 * 6 * np.sqrt(1.04), 2), ("round", pi / 64 * 6 * np.sqrt(1.04) + 4 / 3 * pi / 512, 2)],
@@ -83,6 +84,7 @@ def test_a_helix(ends, volume, euler):
         assert mesh.face_areas["tube end"] == pytest.approx(pi / 64, rel=8e-2)
 
 
+@pytest.mark.slow
 def test_a_closed_tube_is_a_torus():
     ring = solid.tube(RING, "1/4", TURN)
     assert ring.faces == ("tube",)

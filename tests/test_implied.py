@@ -24,6 +24,7 @@ CUBIC = solid.implicit("z - x^3")
 FINE = 1e-3
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("g", "h", "k", "expected"),
     [
@@ -59,8 +60,8 @@ SOLIDS = {
 }
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", SOLIDS)
-@pytest.mark.sampled(4)
 def test_three_faces_that_meet_in_a_curve_where_two_are_enough(name):
     shape, volume = SOLIDS[name]
     extent = float(np.ptp(shape.box, axis=0).max())
@@ -72,6 +73,7 @@ def test_three_faces_that_meet_in_a_curve_where_two_are_enough(name):
     assert set(mesh.face_areas) <= {*shape.faces, *(f for f in mesh.face_areas if f.endswith(" = 0"))}
 
 
+@pytest.mark.sampled(7)
 @pytest.mark.parametrize("name", SOLIDS)
 def test_without_what_is_implied_it_is_the_same_set(name):
     shape, _ = SOLIDS[name]

@@ -72,6 +72,7 @@ def changed(surface, change) -> pas.PiecewiseSurface:
     return pas.PiecewiseSurface.from_polynomials(surface.partition, surface.contacts, surface.order, polynomials)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("radii", [EQUAL, UNEQUAL])
 @pytest.mark.parametrize("order", [1, 2, pytest.param(3, marks=pytest.mark.slow)])
 def test_corners_are_proved_by_both(radii, order, tmp_path):
@@ -276,8 +277,8 @@ def test_each_outer_face_bitten_alone(good, number, tmp_path):
     assert face.plane.at(witness[:3]) == 0
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("number", range(6))
-@pytest.mark.sampled(2)
 def test_a_bubble_in_each_cell(good, number, tmp_path):
     cell = good.partition.cells[number]
     bubble = ball(middle(good.partition.corners(cell)), "1/20")

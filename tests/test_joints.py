@@ -56,6 +56,7 @@ def test_a_claim_of_a_part_of_a_curve(tmp_path):
         assert pas.load(made.save(tmp_path / "a.pas.json")).joints == made.joints
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("wall", ["x", "-x", "y + 9/10", "1/3 - x*y", "x^2 + y/10"])
 def test_a_face_missing_on_a_part_is_found(wall):
     """As in `upper` and `lower` halves of which one ends at x = 0: the joint goes on where it is not."""

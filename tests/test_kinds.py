@@ -166,8 +166,8 @@ def test_the_certificate_speaks_the_one_protocol(name):
     assert sample(name).certificate.verdicts == certificate.verdicts
 
 
+@pytest.mark.sampled(7)
 @every_kind
-@pytest.mark.sampled(5)
 def test_it_meshes_draws_and_writes(name, tmp_path):
     shape, tolerance = sample(name), TOLERANCE
     mesh = shape.mesh(tolerance)
@@ -249,7 +249,7 @@ def test_a_window_is_opened_where_there_is_a_screen(monkeypatch):
     shown[0].close()
 
 
-@pytest.mark.sampled(7)
+@pytest.mark.sampled(15)
 @every_kind
 def test_the_commands_take_it(name, tmp_path, capsys):
     project, tolerance = sample(name).save(tmp_path / "a.pas.json"), str(TOLERANCE)

@@ -64,9 +64,9 @@ def check_fair(name, order, slenderness, title):
 
 
 FAIR = [
-    ("cubic 6", 1, 0.32, "4 planes"),
-    ("cubic 5", 1, 0.25, "4 planes"),
     ("cubic 4", 1, 0.25, "4 planes"),
+    ("cubic 5", 1, 0.25, "4 planes"),
+    ("cubic 6", 1, 0.32, "4 planes"),
     ("BCC 8", 1, 0.24, "3 planes"),
     ("BCC 4", 1, 0.20, "3 planes"),
     ("octet 5", 1, 0.14, "6 planes"),

@@ -43,8 +43,8 @@ TABLE = [
 ]
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(("number", "order", "degree", "constant", "each", "less"), TABLE)
-@pytest.mark.sampled(3)
 def test_pipes_on_fans_have_the_dimensions_of_the_formula(number, order, degree, constant, each, less):
     layout = fan(number)
     for count in (0, 2, 3)[: 2 + (number > 5)]:
@@ -66,6 +66,7 @@ def test_tables_have_a_row_for_each_degree():
 CASES = [(5, 2, 1, 4), (6, 3, 1, 4), (6, 2, 2, 5)]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("number", "count", "order", "degree"), CASES)
 def test_the_rank_in_floating_point_says_the_same(number, count, order, degree):
     layout = fan(number)

@@ -126,6 +126,7 @@ def directional(points, direction, exponents, times):
     return coefficients[times].reshape(len(points), -1)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", DIMENSIONS)
 def test_named_nodes_have_their_dimensions(name):
     placed = next(ended(NODES[name], 1, "fan").places())
@@ -207,8 +208,8 @@ def arcs(layout, piece):
     return tuple(rays[start:] + rays[:start])
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("name", ["elbow", "unequal at 120 degrees", "T", "Y", "off centre"])
-@pytest.mark.sampled(3)
 def test_nodes_are_proved_and_fair(name):
     blend = pas.blend(NODES[name], 1)
     assert blend.certificate.proved
@@ -226,6 +227,7 @@ def test_all_named_nodes_are_proved_and_fair(name, order):
     assert blend.fairness.beyond(blend.limits) == ()
 
 
+@pytest.mark.slow
 def test_the_six_way_node_has_full_planes_and_is_symmetric():
     blend = pas.blend(NODES["six-way"], 2, 6, wishes=pas.Wishes(energy=pas.ThinPlate()))
     assert (blend.surface.partition.title, len(blend.surface.patches), blend.dimension) == ("4 planes", 14, 18)

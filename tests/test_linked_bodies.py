@@ -112,6 +112,7 @@ def test_bodies_that_meet_elsewhere_have_no_sheets(offset):
     assert isinstance((made() | made().translate(offset)).sheets, Operands)
 
 
+@pytest.mark.sampled(7)
 @pytest.mark.parametrize(
     ("first", "second", "apart"),
     [(1, 1, 5), (1, "1/2", "11/2"), (2, "1/2", 6), (0, 2, 6), (2, [0, 1, 1], 6), (2, [1, 0, 1], 6), (2, 2, "13/2")],
@@ -139,6 +140,7 @@ def test_overlaps_are_those_of_the_inequalities(thickness):
 REACH = r"near .* '(.*)' goes on beyond the curve in which that meets 'blend', and leaves it without an angle"
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("apart", ["9/2", 4, 1])
 def test_straight_ends_that_reach_the_other_blend_are_refused(apart):
     """Its surface leaves theirs without an angle, so that no mesh shows where they cross."""
@@ -150,7 +152,8 @@ def test_straight_ends_that_reach_the_other_blend_are_refused(apart):
     assert (half_way | half_way.translate(("9/2", 0, 0))).mesh(1e-2).components == 1
 
 
-@pytest.mark.parametrize("thickness", ["1/8", None])
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize("thickness", [None, "1/8"])
 def test_tubes_that_reach_into_a_blend_are_refused_at_once_where_they_leave_it(thickness, monkeypatch):
     """Along the run the blend is outside of it here and inside there; on the branch it is outside all around."""
     body = made(thickness)
@@ -177,6 +180,7 @@ def test_ends_are_those_of_one_pipe():
     assert isinstance((made() | narrower.translate((1, 0, 0))).sheets, LinkedBodies)
 
 
+@pytest.mark.slow
 def test_crosses_in_a_square_are_one():
     """Those at opposite corners are apart by slanting planes alone."""
     node = pas.node([(axis, 1) for axis in (X, (-1, 0, 0), Y, (0, -1, 0))], 1).solid("5/2")
@@ -233,6 +237,7 @@ def tube(start, end, radius=1, bore=None, further=1):
     return made if bore is None else made - solid.cylinder((start - further, 0, 0), (end + further, 0, 0), bore, "bore")
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("thickness", [None, "1/8"])
 def test_a_plain_tube_between_two_blends_is_linked_to_both(thickness):
     one, bore = made(thickness), None if thickness is None else "7/8"

@@ -51,7 +51,7 @@ CASES = [
 ]
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(("make", "tolerance"), CASES)
 @pytest.mark.parametrize("quality", ["balanced", "angles"])
 def test_of_triangles_inside_bent_faces_one_in_a_hundred_has_an_angle_below_thirty_degrees(make, tolerance, quality):

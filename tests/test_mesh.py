@@ -45,6 +45,7 @@ def test_mesh_of_a_blend(radii, order):
     assert np.percentile(mesh.smallest_angles, 1) > 25
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("radii", "order"), [(EQUAL, 2), (UNEQUAL, 1)])
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
 def test_deviation_is_below_the_tolerance(radii, order, tolerance):
@@ -105,6 +106,7 @@ def test_pyvista_mesh_has_normals():
     assert data.n_open_edges > 0
 
 
+@pytest.mark.slow
 def test_surfaces_that_are_refuted_are_meshed_all_the_same():
     good = solved(UNEQUAL, 1).surface
     bubble = pas.Polynomial("(x - 1/20)^2 + y^2 + z^2 - 1/100")

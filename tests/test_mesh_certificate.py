@@ -96,24 +96,24 @@ def test_meshes_of_larger_nodes_are_proved():
     proved_near(struts(*ends))
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("size", "most"), [(0.02, 1.25), (0.2, 1.25), (1.0, 1.5)])
 def test_every_piece_that_a_triangle_touches_is_seen_and_few_others(size, most):
     """Points of triangles and the cells that they are in; triangles whose corners are on faces between cells, too."""
     local = struts((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)).framed
     rng = np.random.default_rng(38)
-    inside = rng.dirichlet(np.ones(4), 300)
-    inside[:150, rng.integers(0, 4)] = 0  # on faces
+    inside = rng.dirichlet(np.ones(4), 100)
+    inside[:50, rng.integers(0, 4)] = 0  # on faces
     inside /= inside.sum(axis=1, keepdims=True)
-    first = np.einsum("ni,nij->nj", inside, local.corners[rng.integers(0, len(local.corners), 300)])
-    triangles = first[:, None] + size * rng.uniform(-1, 1, (300, 3, 3)) * [[[0.0], [1.0], [1.0]]]
+    first = np.einsum("ni,nij->nj", inside, local.corners[rng.integers(0, len(local.corners), 100)])
+    triangles = first[:, None] + size * rng.uniform(-1, 1, (100, 3, 3)) * [[[0.0], [1.0], [1.0]]]
     weights = rng.dirichlet(np.full(3, 0.5), 200)
     points = np.concatenate([triangles, np.einsum("wi,nij->nwj", weights, triangles)], axis=1)
     within = (local.cells.barycentric(points.reshape(-1, 3)) >= -1e-12).all(axis=1).reshape(-1, *points.shape[:2])
     counts = np.zeros(2)
     for piece, cells in enumerate(local.cells.pieces):
         met = within[list(cells)].any(axis=(0, 2))
-        seen = np.isin(np.arange(300), local.touched(triangles)[piece])
+        seen = np.isin(np.arange(100), local.touched(triangles)[piece])
         assert not (met & ~seen).any()
         counts += [met.sum(), seen.sum()]
     assert counts[1] < most * counts[0]  # 1.6, 1.6 and 2.0 without planes through the centre
@@ -197,6 +197,7 @@ def test_a_coarse_mesh_that_passes_by_a_place_of_rest_is_not_refuted():
     assert topology(coarse.certificate).status in (Status.PROVED, Status.UNDECIDED)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("text", "place"),
     [
@@ -213,7 +214,6 @@ def test_a_coarse_mesh_that_passes_by_a_place_of_rest_is_not_refuted():
         ("(x + y/3)^2*(x^2 + y^2 + z^2 - 1/2)", None),
     ],
 )
-@pytest.mark.sampled(2)
 def test_what_is_singular_or_unseen_is_named_or_right(text, place):
     try:
         mesh = boxed(text)
@@ -264,8 +264,9 @@ def judge(seed):
     return True
 
 
-def test_generated_cases_are_right_or_undecided():
-    assert sum(judge(seed) for seed in range(8)) >= 3
+@pytest.mark.parametrize(("seeds", "least"), [((1, 3, 4, 5, 6, 7), 3), pytest.param((0, 2), 0, marks=pytest.mark.slow)])
+def test_generated_cases_are_right_or_undecided(seeds, least):
+    assert sum(judge(seed) for seed in seeds) >= least
 
 
 @pytest.mark.slow

@@ -18,6 +18,7 @@ MOVES = {
 }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("move", MOVES)
 def test_assemblies_move_as_their_solids_and_their_meshes_do(move):
     moved, mesh = getattr(PAIR, move)(*MOVES[move]), PAIR.mesh(0.05)

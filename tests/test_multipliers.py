@@ -57,8 +57,8 @@ SPACES = [
 ]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("clips", "radii", "order", "degree"), SPACES)
-@pytest.mark.sampled(3)
 def test_the_space_is_that_of_normal_forms(clips, radii, order, degree):
     partition, system = corner(clips, radii, order)
     space = solve(PlacedContacts(partition, system.contacts, order), degree)

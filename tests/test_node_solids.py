@@ -170,6 +170,7 @@ ROUNDED = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", ROUNDED)
 def test_an_edge_is_rounded_by_a_flush_cut(name):
     (w, d, h), radius, beyond = ROUNDED[name]
@@ -218,7 +219,7 @@ def test_tangent_faces_are_named_with_the_place_and_what_would_be_right(name):
 
 def test_a_plate_that_touches_a_run_is_refused_at_once_with_how_far_to_move_it(monkeypatch):
     """By which they cross as steeply as meshes need."""
-    body = pas.blend([pas.Pipe(X, 1, 2), pas.Pipe((-1, 0, 0), 1, 2), pas.Pipe(Y, "4/5", 2)], 1).hollow("1/8").solid(4)
+    body = read("hollow_elbow").solid(4)
     plate = solid.box((3, -3, 1), (5, 3, "3/2"))
     told = r"near \([^,]*, 0, 1\).*do not overlap there.*move one by 0\.022\)"
     with monkeypatch.context() as patch, pytest.raises(pas.MeshError, match=told):

@@ -24,6 +24,7 @@ def octree(shape, parts=12):
     return Octree(shape.field, float(np.ptp(shape.field.box, axis=0).max()) / parts)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", range(6))
 def test_tetrahedra_fit_together_wherever_cubes_are_halved(seed):
     rng = np.random.default_rng(seed)
@@ -65,6 +66,7 @@ def test_one_sheet_is_proved_and_two_are_not():
     assert finer.levels == BASE + 2
 
 
+@pytest.mark.slow
 def test_only_thin_places_are_refined():
     shape = BALL - solid.ball((0, 0, "3/10"), "69/100")  # the wall is 1/100 thick at the top, 61/100 at the bottom
     mesh = shape.mesh(3e-2)

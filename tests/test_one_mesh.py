@@ -110,6 +110,7 @@ def test_a_grid_is_asked_for_by_its_size():
         sphere().mesh((30, 10))
 
 
+@pytest.mark.slow
 def test_a_blend_whose_surface_is_turned_keeps_its_normals():
     blend = neck()
     turned = pas.generatrix_blend(*(circle(*data) for data in ((2, 1, "narrow"), (-2, 2, "wide"))))

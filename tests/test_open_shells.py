@@ -54,7 +54,7 @@ def thicknesses(mesh, names, most=150):
     return np.array(result)
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(16)
 @pytest.mark.parametrize("name", OPEN)
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
 def test_thin_walls(name, tolerance):

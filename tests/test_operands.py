@@ -45,7 +45,7 @@ CASES = {
 }
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(16)
 @pytest.mark.parametrize("name", CASES)
 def test_closed_with_the_topology_and_the_volume(name):
     make, euler = CASES[name]
@@ -60,6 +60,7 @@ def test_closed_with_the_topology_and_the_volume(name):
     assert abs(inside - mesh.volume) < 4 * spread + mesh.deviation * mesh.area
 
 
+@pytest.mark.slow
 def test_volume_of_a_drilled_rounded_box():
     """Steiner's formula, less a cylinder."""
     r, a, b, c = 2.0, 36.0, 26.0, 6.0
@@ -78,6 +79,7 @@ def test_faces_of_what_is_taken_away_look_into_it():
     assert ((slopes * np.cross(b - a, c - a)).sum(axis=1) > 0).all()
 
 
+@pytest.mark.slow
 def test_rounded_twice():
     """Two edges that do not meet, each with a quarter of a circle instead of a square."""
     once = solid.box((0, 0, 0), (4, 3, 2)).rounded(["box x+", "box y+"], radius="1/4")
@@ -141,6 +143,7 @@ def test_cones_in_any_position_have_their_apex(start, end, radius, tolerance):
     assert even.is_closed and np.linalg.norm(even.points - np.array(end), axis=1).min() < 1e-9
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("axis", "angle"), [((-2, 3, 3), 200), ((-2, 1, 2), 321), ((0, -2, -2), 136)])
 def test_a_face_that_covers_another_one_in_its_plane_is_not_lost(axis, angle):
     """Once turned, which of both is in front is rounding."""

@@ -47,8 +47,8 @@ def test_links_of_the_readme_exist():
         assert (FOLDER / link).exists(), link
 
 
+@pytest.mark.sampled(9)
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n in SLOW else ()) for n in BLENDS])
-@pytest.mark.sampled(3)
 def test_blend(script, name):
     order, degrees, regular, number = BLENDS[name]
     blend = script["solve"](FOLDER / f"{name}.toml")

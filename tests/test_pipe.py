@@ -41,6 +41,7 @@ def path_of(points, bends):
     return np.concatenate([a + np.linspace(0, 1, 50)[:, None] * (b - a) for a, b in pairwise(corners)])
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", CASES)
 def test_pipes_are_closed_and_their_joints_proved(name):
     (points, radius), options = CASES[name]
@@ -55,6 +56,7 @@ def test_pipes_are_closed_and_their_joints_proved(name):
     )
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", ["elbow", "hollow", "bends side by side", "sharp turn"])
 def test_points_of_pipes_are_those_that_balls_along_the_path_cover(name):
     (points, radius), options = CASES[name]
@@ -99,6 +101,7 @@ def test_pipes_that_cross_themselves_are_unions():
     assert mesh.is_closed and mesh.components == 1 and mesh.euler_characteristic == 0
 
 
+@pytest.mark.slow
 def test_a_handle_stands_on_a_plate_and_has_fillets():
     bar = solid.pipe([(0, 0, 0), (0, 0, 30), (80, 0, 30), (80, 0, 0)], 5, bend=12, face="handle")
     part = solid.box((-15, -12, -6), (95, 12, 0), face="plate") | bar
@@ -172,6 +175,7 @@ def test_what_is_no_pipe_is_told(name):
         make()
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("axis", [(0, 0, 1), (0, 0, -3), (1, 0, 0), (1, 2, 3), (0.48, -0.6, 0.64)])
 def test_flanges_are_plates_with_a_bore_and_holes(axis):
     made = solid.flange((1, 2, 3), axis, 10, 25, 5, bolts=6, bolt_radius=2)
@@ -217,7 +221,7 @@ def test_flanges_that_cannot_be_are_refused_in_a_sentence(given, words):
         solid.flange(**{**usual, **given})
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(9)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize(
     ("start", "end", "length"),

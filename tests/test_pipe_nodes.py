@@ -49,7 +49,7 @@ ALIKE = {"unequal ones in a corner", "cross", "bend", "turned and moved"}
 """Cases that are found, proved and meshed as others are."""
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n in ALIKE else n for n in CASES])
 def test_the_node_is_a_part_of_the_solid_with_proved_joints(name, order):
@@ -74,8 +74,9 @@ def test_it_fills_the_corner_as_a_ball_would_and_leaves_the_rest():
 
 def test_bores_take_the_corner_away():
     made = bored().fillet("run", "branch", "1/2")
+    assert made.proved and isinstance(made.sheets, Operands)
     assert not made.contains([[1.05, 0, 1.1]]).any() and bored().contains([[1.05, 0, 1.1]]).all()
-    assert made.contains([[1.5, 0, 1.5]]).all() and made.volume() < 47.8171
+    assert made.contains([[1.5, 0, 1.5]]).all() and made.volume(5e-2) < 47.8171
 
 
 @pytest.mark.slow
@@ -137,7 +138,13 @@ REFUSED = {
 
 
 @pytest.mark.sampled(2)
-@pytest.mark.parametrize("name", REFUSED)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(n, marks=pytest.mark.slow) if n in ("axes that miss", "a fillet in its place") else n
+        for n in REFUSED
+    ],
+)
 def test_refused(name):
     make, radius, sentence = REFUSED[name]
     with pytest.raises(GeometryError, match="'run' and 'branch'") as caught:
@@ -145,11 +152,12 @@ def test_refused(name):
     assert sentence in str(caught.value) and "\n" not in str(caught.value)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("cut", "face"),
     [
-        (lambda: run() & solid.half_space("y + z/2 - 9/10", "flat"), "flat"),
         (lambda: run() - solid.cylinder((-9, "3/10", 0), (9, "3/10", 0), "3/10", "hole"), "hole"),
+        (lambda: run() & solid.half_space("y + z/2 - 9/10", "flat"), "flat"),
     ],
 )
 def test_a_face_that_would_be_lost_is_told(cut, face):

@@ -202,7 +202,7 @@ CROSSING = {
 """Profiles whose loops cross or overlap, and the Euler characteristic of what is extruded."""
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", CROSSING)
 def test_profiles_that_cross_are_meshed_from_their_parts(name):
     make, euler = CROSSING[name]
@@ -211,7 +211,7 @@ def test_profiles_that_cross_are_meshed_from_their_parts(name):
     body = profile.extrude(2)
     mesh = body.mesh(1e-2)
     low, high = mesh.points.min(axis=0)[:2], mesh.points.max(axis=0)[:2]
-    u, v = np.meshgrid(*((np.arange(2000) + 0.5) / 2000,) * 2)
+    u, v = np.meshgrid(*((np.arange(700) + 0.5) / 700,) * 2)
     points = low + np.stack([u, v], axis=-1) * (high - low)
     assert mesh.is_closed and mesh.euler_characteristic == euler
     assert mesh.volume == pytest.approx(2 * profile.contains(points).mean() * np.prod(high - low), rel=4e-3)
@@ -219,11 +219,12 @@ def test_profiles_that_cross_are_meshed_from_their_parts(name):
 
 def test_turned_profiles_that_cross_are_meshed_from_their_parts():
     ring = (solid.rectangle(10, 4, (2, 0)) - solid.circle((6, 4), 3)).revolve()
-    mesh = ring.mesh(1e-2)
+    mesh = ring.mesh(3e-2)
     assert mesh.is_closed and mesh.euler_characteristic == 0
     assert mesh.volume == pytest.approx(np.pi * (144 - 4) * 4 - np.pi * 9 / 2 * 12 * np.pi, rel=2e-3)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("letter", ["o", "R", "g", "8", "i", "%"])
 def test_letters_are_exact(letter):
     profile = solid.text(letter, 10)

@@ -125,6 +125,7 @@ def _other_claims(content):
         verdict["claim"] = "the moon is round"
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("change", "words"),
     [

@@ -85,8 +85,8 @@ def near(image, color):
     return (np.abs(scaled - target / target.max()).max(axis=2) < 0.12).mean()
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("style", list(pas.Style))
-@pytest.mark.sampled(2)
 def test_parametric_blends_are_drawn_with_their_surfaces(tmp_path, style):
     image = pixels(pas.draw(BLEND, tmp_path / "a.png", style=style, size=(400, 300), domain=TURN))
     rows = np.flatnonzero(np.abs(image - image[:, :1]).max(axis=(1, 2)) > 30)
@@ -164,6 +164,7 @@ def plate(path, **options):
     return pixels(pas.draw(PLATE, path / "a.png", **SMALL | options))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("view", list(VIEWS))
 def test_named_views_look_from_where_they_say(tmp_path, view):
     """The face that is turned to the camera is seen, and the one on the other side is not."""

@@ -43,7 +43,7 @@ CASES = {
 }
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", CASES)
 def test_all_joints_are_proved(name, order):
@@ -52,9 +52,9 @@ def test_all_joints_are_proved(name, order):
     assert len(made.joints) == joints and made.proved
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize("name", ["upright edges and top", "wedge", "tetrahedron"])
-@pytest.mark.sampled(2)
 def test_meshes_are_of_the_solid(name, order):
     make, faces, radius, _ = CASES[name]
     made = make().rounded(faces, radius=radius, order=order)
@@ -136,6 +136,7 @@ TOUCHING = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", TOUCHING)
 def test_planes_that_only_touch_are_left_out(name, order):
@@ -244,7 +245,9 @@ PROFILES = {
 }
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if "moved" in n else n for n in PROFILES])
+@pytest.mark.parametrize(
+    "name", [n if n in ("top only", "with a hole") else pytest.param(n, marks=pytest.mark.slow) for n in PROFILES]
+)
 def test_rounds_of_profiles_with_arcs_are_those_of_a_ball(name):
     """By Pappus: what is cut off turns about the arcs' centres, and about the hole's."""
     make, faces, radius, joints, corners, holes = PROFILES[name]
@@ -255,7 +258,7 @@ def test_rounds_of_profiles_with_arcs_are_those_of_a_ball(name):
         n * area * 2 * np.pi * (1.5 - far) for n in holes
     )
     scale = 8 if "moved" in name else 1
-    assert before.volume(2e-3) - made.volume(2e-3) == pytest.approx(scale * gone, rel=2e-3)
+    assert before.volume(1e-2) - made.volume(1e-2) == pytest.approx(scale * gone, rel=2e-3)
     mesh = made.mesh()
     assert mesh.is_closed and {*mesh.names} == {*made.faces} - {"cylinder start", "cylinder end"}
     assert "side 2 / top" in made.faces
@@ -267,13 +270,14 @@ def test_tori_that_meet_themselves_cut_off_no_more_than_others(radius):
     """The set of inequalities, not the mesh, beside the volume by Pappus."""
     made, size = plate().rounded(radius=radius), float(Fraction(radius))
     assert made.proved and ("4 (torus)" in made.description) == (radius == "3/10")
-    points = np.random.default_rng(0).random((200_000, 3)) * (8, 6, 2)
+    points = np.random.default_rng(0).random((50_000, 3)) * (8, 6, 2)
     area, far = spandrel(size)
     gone = 2 * area * (20 + 2 * np.pi * (1 - size + far)) + 2 * (4 - np.pi)
-    assert (~made.contains(points)).mean() * 96 == pytest.approx(gone, abs=0.15)
-    assert plate().volume(2e-3) - made.volume(2e-3) == pytest.approx(gone - 2 * (4 - np.pi), rel=2e-3)
+    assert (~made.contains(points)).mean() * 96 == pytest.approx(gone, abs=0.3)
+    assert plate().volume(1e-2) - made.volume(1e-2) == pytest.approx(gone - 2 * (4 - np.pi), rel=2e-3)
 
 
+@pytest.mark.slow
 def test_rounds_of_the_radius_of_an_arc_have_a_part_of_a_ball():
     made = solid.rounded_rectangle(8, 6, 1).extrude(4).rounded(radius=1)
     area, far = spandrel(1)

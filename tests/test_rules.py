@@ -108,6 +108,7 @@ def test_each_face_at_each_power(name, number):
             assert set(changes(name, surface)) == {f"face {number + 1}"}
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("name", "number"), each(CONTACTS))
 def test_each_contact_at_each_power_on_each_piece(name, number):
     """A patch plus h^m: it meets the one contact with exactly GC^(m-1), and without m = 0 no clip face differs."""
@@ -175,6 +176,7 @@ def between_surface_and_wall(patch: Polynomial, center: Point, corners: list[Poi
     return mean([center, end], [100 - p, p]), mean([center, end], [100 - q, q])
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("name", "number"), each(WALLS, but="corner GC^2"))
 def test_each_wall_is_reached_alone(name, number):
     """One patch is lowered on one wall; it is unchanged on all other walls, faces and clip faces."""
@@ -286,6 +288,7 @@ REGIONS = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("name", "number"), [(n, i) for n, (_, count) in REGIONS.items() for i in range(count)])
 def test_each_outer_triangle_is_reached_alone(name, number):
     """A spindle ends before the triangle, touches it, or goes through it: enclosed, undecided, refuted."""

@@ -149,7 +149,7 @@ def plain(kind: Callable[[Fraction], Made]) -> Made:
     return kind(Fraction(1))
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(7)
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
 @pytest.mark.parametrize("factor", FACTORS)

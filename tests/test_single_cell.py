@@ -126,6 +126,7 @@ def test_trivial_part_of_a_corner():
     assert trivial.products is None
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(("contacts", "box", "order"), [
     (COAXIAL, ((-1, -3, -3), (1, 3, 3)), 1),
     (COAXIAL, ((-1, -3, -3), (1, 3, 3)), 2),
@@ -133,7 +134,6 @@ def test_trivial_part_of_a_corner():
     (THREE, BOX, 1),
     (SPHERES, ((-2, -3, -3), (1, 3, 3)), 2),
 ])  # fmt: skip
-@pytest.mark.sampled(3)
 def test_single_surface_blends_are_proved(contacts, box, order, tmp_path):
     blend = pas.blend(contacts, order, partition=pas.SingleCell(*box))
     assert blend.certificate.proved

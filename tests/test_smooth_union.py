@@ -48,7 +48,7 @@ MADE = {
 }
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(16)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("name", MADE)
 def test_all_edges_between_the_solids_are_rounded(name, order):
@@ -67,6 +67,7 @@ def test_all_edges_between_the_solids_are_rounded(name, order):
         assert not len(edges_between(mesh, [one], others))
 
 
+@pytest.mark.slow
 def test_the_material_of_a_cross_is_that_of_four_cylinders():
     a, b = bars()
     assert solid.smooth_union(a, b, "1/4").volume() == pytest.approx((a | b).volume() + 4 * CORNER / 16, rel=1e-4)
@@ -80,6 +81,7 @@ def test_the_solids_stay_what_they_were_away_from_the_edge():
     assert made.contains([[0.78, 0, 0.03]]).all() and not (plate() | peg()).contains([[0.78, 0, 0.03]]).any()
 
 
+@pytest.mark.slow
 def test_faces_of_one_name_are_told_apart():
     """The joint that the second solid claims is kept, under the new name."""
     ball = solid.ball((0, 0, "1/2"), 1)
@@ -136,7 +138,9 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSED)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name == "too large" else name for name in REFUSED]
+)
 def test_refused(name):
     make, sentence = REFUSED[name]
     a, b, radius, *order = *make(), *(["1/4"] if len(make()) == 2 else [])

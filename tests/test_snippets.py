@@ -138,10 +138,18 @@ WITH_PROBLEMS = [p for p in PAGES if "```toml\n" in p.read_text(encoding="utf-8"
 LONG_PAGES = {
     *("guide/corners", "guide/hollow", "guide/junctions", "guide/nodes", "guide/pictures"),
     *("tutorials/bracket", "tutorials/lattice", "tutorials/manifold", "tutorials/partition", "coming_from"),
+    *("tutorials/energy", "tutorials/node"),  # a notebook of the first is run always
     *("start/teapot", "tutorials/teapot"),
     *("research", "research_studies"),
 }
 """Pages of `docs` whose programs take more than some three seconds: what they use other tests have as well."""
+
+LONG_BLOCKS = {
+    "guide/networks": ("corner = ",),
+    "guide/solids": ("cover = ", "tee = "),
+    "start/parts": ("print(round(part.measures().volume))", "import pas\n\nnode = "),
+}
+"""How those programs begin that take long, on pages of which the others are run always."""
 
 
 def named(paths: list[Path]) -> list[Any]:
@@ -164,10 +172,28 @@ def told(block: str) -> list[str]:
     return re.findall(r"print\(.*\)  # (.*)", block) + re.findall(r"^# (.*)", body[1], re.M)
 
 
-@pytest.mark.parametrize("page", named(WITH_PROGRAMS))
-def test_programs_of_pages_print_what_they_say(page, tmp_path, monkeypatch, capsys):
+def shortened() -> list[Any]:
+    """Pages without their long programs, and whole ones, which are slow."""
+    pages = {ROOT / "docs" / f"{name}.md": starts for name, starts in LONG_BLOCKS.items()}
+    whole = [pytest.param(p, (), id=f"{p.stem}, whole", marks=pytest.mark.slow) for p in pages]
+    cases = (
+        pytest.param(*case.values, pages.get(case.values[0], ()), id=case.id, marks=case.marks)
+        for case in named(WITH_PROGRAMS)
+    )
+    return [*cases, *whole]
+
+
+def test_long_programs_are_those_of_pages():
+    for name, starts in LONG_BLOCKS.items():
+        text = (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+        assert name not in LONG_PAGES and [text.count(f"```python\n{start}") for start in starts] == [1] * len(starts)
+
+
+@pytest.mark.parametrize(("page", "long"), shortened())
+def test_programs_of_pages_print_what_they_say(page, long, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     blocks = re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
+    blocks = [block for block in blocks if not block.startswith(tuple(long))]
     program = "".join(blocks)  # a reader goes from the top down
     if "register" in program:  # for all that comes after, so in a process of its own
         paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])

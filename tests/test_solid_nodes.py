@@ -78,6 +78,7 @@ KNOWN = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", KNOWN)
 def test_coincident_corners_and_touching_faces_are_meshed(name):
     make, volume, euler = KNOWN[name]
@@ -233,6 +234,7 @@ def _undecided(shape):
     return yes, no, *program.relevant(yes, no)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("height", ["59/100", "65/100"])
 def test_a_corner_where_the_sum_of_the_normals_points_into_no_side(height):
     """A plane cuts the rim of a cylinder, close to the bisector of its end and its side; the wedge is sharp."""
@@ -243,6 +245,7 @@ def test_a_corner_where_the_sum_of_the_normals_points_into_no_side(height):
     assert sum(part.volume for part in parts) == pytest.approx(rod.mesh(2e-3).volume, rel=1e-3)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("height", ["0", "1/100", "-2/5"])
 def test_a_hole_along_one_of_two_equal_pipes_ends_in_the_other(height):
     """It comes close to where the pipes touch, and is no part of what is drawn into that point."""

@@ -77,11 +77,11 @@ def regular_rank(space: pas.SolutionSpace) -> int:
     return fmpq_mat([[row[i].to_dict().get(e, 0) for i, e in monomials] for row in rows]).rank()
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(
     ("radii", "order", "degree"),
     [(EQUAL, 1, 3), (EQUAL, 2, 4), (EQUAL, 3, 5), (EQUAL, 3, 6), (UNEQUAL, 1, 4), (UNEQUAL, 2, 5)],
 )
-@pytest.mark.sampled(3)
 def test_every_member_satisfies_every_condition(radii, order, degree):
     """By sympy's substitution and division alone: no normal form, no code of the construction."""
     space = pas.solutions(pipes(radii), order, degree)

@@ -157,9 +157,9 @@ def test_pieces_of_several_cells_are_one_polynomial():
     assert by_net(single, 1, 3).dimension == 20
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("radii", [EQUAL, UNEQUAL])
 @pytest.mark.parametrize(("order", "degree"), [(1, 3), (1, 4), (2, 4), (2, 5), (3, 5)])
-@pytest.mark.sampled(3)
 def test_contacts_on_the_net(radii, order, degree):
     placed = place(pipes(radii), order)
     space = Space(placed, degree, Net(placed, degree).solve())

@@ -317,6 +317,7 @@ def read_solids(path):
     return explored(shape, "SOLID"), kinds
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", BODIES)
 def test_solids_with_exact_faces_come_back(ocp, tmp_path, name):
     make, volume, kinds = BODIES[name]
@@ -333,7 +334,7 @@ def test_volumes_are_those_of_meshes_where_quadrature_does_not_converge(ocp, tmp
     monkeypatch.setattr("pas.exchange.formats.step.adaptive_volume", lambda shape, _: 0.97 * adaptive_volume(shape))
     bell = solid.implicit("x^2 + y^2 - 1 - z^2 / 4", "z", "3 - z", face="bell")
     (found,), _ = read_solids(bell.write(tmp_path / "a.step"))
-    assert is_valid(found) and module.meshed_volume(found, 1e-3) == pytest.approx(5.25 * np.pi, rel=1e-3)
+    assert is_valid(found) and module.meshed_volume(found, 1e-2) == pytest.approx(5.25 * np.pi, rel=5e-3)
 
 
 HELIX = ("cos(t)", "sin(t)", "t/5"), "1/8"
@@ -358,7 +359,7 @@ TUBES = {
 }
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", [*TUBES])
 def test_tubes_are_splines_by_their_own_parameters(ocp, tmp_path, name):
     make, volume, wanted = TUBES[name]
@@ -481,8 +482,8 @@ def primitive(random, number):
     return made.rotate(axis, int(random.integers(90))).translate(np.round(random.uniform(-1, 1, 3), 3).tolist())
 
 
+@pytest.mark.sampled(60)
 @pytest.mark.parametrize("seed", range(60))
-@pytest.mark.sampled(30)
 def test_random_solids_are_written_or_refused(ocp, tmp_path, seed):
     random = np.random.default_rng(seed)
     body = primitive(random, 0)

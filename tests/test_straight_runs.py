@@ -143,9 +143,9 @@ JUNCTIONS = {
 }
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("name", JUNCTIONS)
 @pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.sampled(4)
 def test_junctions_are_proved_and_straight(name, order):
     blend = pas.node(JUNCTIONS[name], order)
     assert blend.certificate.proved and not blend.fairness.beyond(blend.limits)

@@ -54,8 +54,8 @@ def test_normals_and_curvatures_agree_across_contacts(radii, order):
         assert gap < 1e-4 if order >= 2 else gap > 1e-3
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("radii", "order"), CASES)
-@pytest.mark.sampled(2)
 def test_normals_and_curvatures_agree_across_faces(radii, order):
     surface = solved(radii, order).surface
     gaps = []

@@ -42,9 +42,9 @@ def test_closed_surfaces_and_such_with_plane_ends_become_solids(name):
     body = make().solid("side")
     assert body.faces == ("side", "side start", "side end")[: 1 + ends]
     size = float(np.ptp(body.box, axis=0).max())
-    mesh = body.mesh(0.01 * size)
+    mesh = body.mesh(0.03 * size)
     assert mesh.is_closed and mesh.components == 1 and set(mesh.names) == set(body.faces)
-    assert body.volume(0.01 * size) == pytest.approx(volume, rel=2e-3)
+    assert body.volume(0.03 * size) == pytest.approx(volume, rel=2e-3)
 
 
 def test_what_is_inside_is_told_apart_at_ends_and_far_away():

@@ -161,6 +161,7 @@ def test_designs_give_the_same_polynomials_bit_for_bit(name):
     assert hashlib.sha256(text.encode()).hexdigest()[:16] == digest
 
 
+@pytest.mark.slow
 def test_the_spout_bends_smoothly_and_its_wall_is_as_thick_as_wished():
     spout = Spout(wall="1/16")
     for number, bend in enumerate(spout.bends, 1):
@@ -255,6 +256,7 @@ def test_the_design_of_ones_own(tmp_path, capsys):
     assert pot.solid.polynomials["body lower"] == built("better").solid.polynomials["body lower"]
 
 
+@pytest.mark.slow
 def test_parts_of_both_styles_go_together():
     """The published spout on the other pot: its joint with the body is GC^0, and it has no channel."""
     pot = teapot(spout=PaperSpout())

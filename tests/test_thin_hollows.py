@@ -35,6 +35,7 @@ HOLLOWS = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", HOLLOWS)
 def test_walls_of_a_200th_of_the_size(name):
     shape, volume, pieces = HOLLOWS[name]
@@ -48,6 +49,7 @@ def test_walls_of_a_200th_of_the_size(name):
     assert len(shape.field.shells()) == pieces
 
 
+@pytest.mark.slow
 def test_a_slot_across_a_bore_is_in_no_vertex_of_either():
     """Each passes through the other's sides, far from their corners: they are no surfaces apart."""
     block = box((0, 0, 0), (10, 1, 1)) - box(("4.9", "1/5", -1), ("5.1", 2, 2), "slot")

@@ -91,7 +91,9 @@ def test_threads_are_saved_and_read(tmp_path):
     assert (read.contains(points) == made.contains(points)).all() and read.faces == made.faces
 
 
-@pytest.mark.parametrize("name", ["bolt", "nut", "left-handed", "short"])
+@pytest.mark.parametrize(
+    "name", [*(pytest.param(n, marks=pytest.mark.slow) for n in ("bolt", "nut", "left-handed")), "short"]
+)
 def test_threads_are_written_as_step(name, tmp_path):
     pytest.importorskip("OCP")
     made = {

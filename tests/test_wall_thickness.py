@@ -39,6 +39,7 @@ def tetrahedra(f, corners, *clips):
     return Simplices.of([form for form, _ in found], corner_points(exact), max(error for _, error in found))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("f", ["x^2 + y^2 + z^2 - 5", "10 - x^2 - y^2", "x*y - z^2 + 1", "z^3 - 3*x*y + y"])
 def test_slices_hold_all_zeros(f):
     generator = np.random.default_rng(1)
@@ -114,6 +115,7 @@ def test_slices_that_are_parted_from_all_others_are_settled(halvings):
         assert distance == 1 or not all(map(np.all, found))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "bound, status",
     [
@@ -180,8 +182,7 @@ def test_a_bound_is_positive(bound):
 
 
 def test_a_wall_around_an_opening_is_bounded_up_to_its_cone():
-    vessel = pas.Opening("x^2 + y^2 - 4", axis=(1, 0, 0), slope="4/7")
-    wall = pas.blend([vessel, pas.Pipe((1, 0, 0), "1/2", 3)], order=1).hollow("1/8")
+    wall = read("hollow_nozzle")
     verdict = wall.thicker_than("1/20")
     assert verdict.proved and verdict.claim == "a wall thicker than 1/20"
     assert wall.thicker_than("1/4").status is Status.REFUTED

@@ -166,7 +166,7 @@ def nearby_forms(
     """
     if not polynomials:
         return np.empty((0, 0)), UNIT_ROUNDOFF
-    near = {id(p): scaled(Polynomial.from_raw(p)) for p in polynomials}
+    near = {key: scaled(Polynomial.from_raw(p)) for key, p in {id(p): p for p in polynomials}.items()}
     with np.errstate(all="ignore"):  # what is not finite is rounded
         forms, errors = polar_forms([near[id(p)] for p in polynomials], corner_points(simplices), degree)
         largest = np.abs(forms).max(axis=1)

@@ -7,8 +7,9 @@ tetrahedron, and it is as thin as the square of the size.
 
 A bound holds if all slices of one surface are farther than it from all of the other: for each two there is a direction
 n in which `min n . a - max n . b` over their corners is more than the bound times |n|.  Any n will do; tried are the
-normals of both and from middle to middle.  Tetrahedra with slices that are not parted from all that are still there of
-the other surface are halved.  Those that are parted go, as parts of what is there are parted from them as well.
+normals of both and from middle to middle, and before that some for each slice and all of the other surface.  Tetrahedra
+with slices that are not parted from all that are still there of the other surface are halved.  Those that are parted
+go, as parts of what is there are parted from them as well.
 
 The bound is refuted where two edges, one of each surface's, each hold a zero, as f changes its sign between their ends,
 and both slices' corners on them are nearer to one another than the bound.  Looked at are each slice and the nearest one
@@ -22,7 +23,7 @@ clips, where pipes go on, and bounds as near to the least distance as what round
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from typing import TypeAlias
 
@@ -34,7 +35,7 @@ from pas.algebra.inputs import shown_point
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.rational import Vector, plain, three, to_float
 from pas.bernstein.forms import corner_points, nearby_forms
-from pas.bernstein.search import Cells, Fate, Fates, Limits, search
+from pas.bernstein.search import Cells, Fate, Fates, Limits, Searched, search
 from pas.bernstein.simplices import Simplices, at_vertices, edges
 from pas.certify.certificate import Proposition
 from pas.certify.nesting import in_frame_of
@@ -122,49 +123,79 @@ def thicker_than(inner: PiecewisePolynomial, outer: PiecewisePolynomial, bound: 
     claim = Proposition(outer, f"a wall thicker than {plain(bound)}")
     if not all(join.confined for surface in (inner, outer) for join in surface.joins):
         return claim.undecided("a clip passes through a region, so that a part of it only is in use")
-    batch, start = _tetrahedra(inner, outer)
-    reach = float(np.abs(batch.corners).max())
-    distance, clear = to_float(bound / outer.partition.frame.scale), CLEAR * reach
-    witness: list[Floats] = []
-
-    def judge(cells: Simplices, _: int) -> Fates:
-        checkpoint("bounding the thickness of a wall")
-        found, there = slices(cells)
-        fates = np.where(there, Fate.WAIT, Fate.SETTLED).astype(np.intp)
-        large = there & (found.radii > LARGE * np.median(found.radii[there] if there.any() else found.radii))
-        if large.any():
-            fates[large] = Fate.SPLIT
-            return fates
-        numbers = [np.flatnonzero(there & side) for side in (cells.source < start, cells.source >= start)]
-        fates[there] = Fate.SETTLED
-        if not all(map(len, numbers)):
-            return fates
-        sides = found.select(numbers[0]), found.select(numbers[1])
-        nearest = nearest_pairs(*sides)
-        nearer = np.flatnonzero(_nearer(*sides, nearest, distance - clear))
-        if len(nearer):
-            number = nearest[0][nearer[0]]
-            fates[numbers[0][number]] = Fate.REFUTE
-            witness.append(sides[0].middles[number])
-            return fates
-        for some, left in zip(numbers, close(*sides, nearest, distance + clear), strict=True):
-            fates[some[left]] = Fate.SPLIT
-        return fates
-
-    result = search(batch, judge, Simplices.halved, LIMITS, "bounding the thickness of a wall")
+    sides = _tetrahedra(inner, outer)
+    reach = max(float(np.abs(side.corners).max()) for side in sides)
+    distance = to_float(bound / outer.partition.frame.scale)
+    result, witness = parted(*sides, distance, CLEAR * reach, LIMITS, np.eye(3))
     if result.status is Status.PROVED:
         return claim.proved(
             f"slices that hold the two surfaces are parted; {result.examined} tetrahedra", result.examined
         )
     if result.status is Status.REFUTED:
-        return claim.refuted("the two surfaces are nearer to one another somewhere", witness[0], result.examined)
+        return claim.refuted("the two surfaces are nearer to one another somewhere", witness, result.examined)
     place = shown_point(outer.partition.frame.place(result.open.corners.mean(axis=1)[0]))
     return claim.undecided(f"{len(result.open)} tetrahedra undecided, one around {place}")
 
 
-def _tetrahedra(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple[Simplices, int]:
+def parted(
+    first: Simplices, second: Simplices, distance: float, clear: float, limits: Limits, ways: Floats
+) -> tuple[Searched[Simplices], Floats | None]:
+    """The search for how all zeros of the first form in tetrahedra are farther than a distance from those in others,
+    with room for rounding, and a place where they are nearer if it is refuted.
+
+    Planes across `ways` (M, 3) are tried first, each for all of one side.  Forms are of the same degrees on both sides.
+    One that is 0 has zeros everywhere: so a tetrahedron without volume stands for a segment.
+    """
+    error = max(first.error, second.error)
+    sides = [replace(side, source=np.full(len(side), n), error=error) for n, side in enumerate((first, second))]
+    witness: list[Floats] = []
+
+    def judge(cells: Simplices, _: int) -> Fates:
+        checkpoint("bounding how far surfaces are apart")
+        found, there = slices(cells)
+        there[there] = _facing(found.corners[there], cells.source[there], distance + clear, ways)
+        fates = np.where(there, Fate.WAIT, Fate.SETTLED).astype(np.intp)
+        large = there & (found.radii > LARGE * np.median(found.radii[there] if there.any() else found.radii))
+        if large.any():
+            fates[large] = Fate.SPLIT
+            return fates
+        numbers = [np.flatnonzero(there & (cells.source == side)) for side in (0, 1)]
+        fates[there] = Fate.SETTLED
+        if not all(map(len, numbers)):
+            return fates
+        one, other = found.select(numbers[0]), found.select(numbers[1])
+        nearest = nearest_pairs(one, other)
+        nearer = np.flatnonzero(_nearer(one, other, nearest, distance - clear)) if distance > clear else np.arange(0)
+        if len(nearer):
+            number = nearest[0][nearer[0]]
+            fates[numbers[0][number]] = Fate.REFUTE
+            witness.append(one.middles[number])
+            return fates
+        for some, left in zip(numbers, close(one, other, nearest, distance + clear), strict=True):
+            fates[some[left]] = Fate.SPLIT
+        return fates
+
+    result = search(sides[0].joined(sides[1:]), judge, Simplices.halved, limits, "bounding how far surfaces are apart")
+    return result, witness[0] if witness else None
+
+
+def _facing(corners: Floats, side: NDArray[np.intp], distance: float, ways: Floats) -> NDArray[np.bool_]:
+    """Which slices by their corners (N, 12, 3) no plane across one of some ways parts from all of the other side, 0 or
+    1 (N,)."""
+    rows = [side == n for n in (0, 1)]
+    if not all(some.any() for some in rows):
+        return np.zeros(len(side), dtype=bool)
+    along, gap = corners @ ways.T, distance * np.linalg.norm(ways, axis=1)
+    low, high = along.min(axis=1), along.max(axis=1)
+    least, most = (
+        np.stack([f(v[some], axis=0) for some in rows])[1 - side] for f, v in ((np.min, low), (np.max, high))
+    )
+    return np.asarray(~((least - high > gap) | (low - most > gap)).any(axis=1))
+
+
+def _tetrahedra(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple[Simplices, Simplices]:
     """The cells of both regions in the outer one's local coordinates with the forms of their functions, then those of
-    the clips of openings, negative where a surface is in use; and how many are the inner region's.
+    the clips of openings, negative where a surface is in use.
 
     Where openings have two cones, also the inner cells twice as large with the outer contact, in use between these.
     """
@@ -190,11 +221,12 @@ def _tetrahedra(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> tuple
             cells += [tuple(three(2 * c for c in v) for v in local.corners(cell)) for cell in local.cells]
             raws += [join.contact.surface.raw] * len(local.cells)
             clips += [[-join.contact.clip.raw, frame.localise(ours.clip).raw]] * len(local.cells)
-    found = [nearby_forms(raws, cells, degree)]
+    made = [nearby_forms(raws, cells, degree)]
     for column in zip(*clips, strict=True):
-        found.append(nearby_forms(column, cells, max(1, *(int(p.total_degree()) for p in column))))
-    forms, error = [form for form, _ in found], max(off for _, off in found)
-    return Simplices.of(forms, corner_points(cells), error), len(inner.partition.cells)
+        made.append(nearby_forms(column, cells, max(1, *(int(p.total_degree()) for p in column))))
+    forms, error = [form for form, _ in made], max(off for _, off in made)
+    found, start = Simplices.of(forms, corner_points(cells), error), len(inner.partition.cells)
+    return found.select(np.arange(start)), found.select(np.arange(start, len(found)))
 
 
 def nearest_pairs(first: Slices, second: Slices) -> Pairs:

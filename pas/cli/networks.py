@@ -12,6 +12,7 @@ from pas.algebra.inputs import whole
 from pas.cli.commands import write_outputs
 from pas.cli.common import DONE, FAILED, Clock, CommandResult, settings_of, verdict_record, written_lines
 from pas.errors import library, meant
+from pas.limits import part as share
 from pas.settings import MeshSettings
 
 if TYPE_CHECKING:
@@ -64,20 +65,25 @@ def _classes(network: Network, options: argparse.Namespace) -> CommandResult:
 def _build(network: Network, options: argparse.Namespace) -> CommandResult:
     from pas.exchange.files import target
     from pas.exchange.formats import suffixes_of
+    from pas.network.blocks import make_folder
 
     outputs = [Path(name) for name in options.output]
     for path in outputs:
         target(path, (".npz", ".csv", ".pas.json", ".png", *suffixes_of("triangles")), "a network")
-    if options.blocks and not options.resume and any(Path(options.blocks).glob("block-*.stl")):
-        raise ValueError(f"{options.blocks} has blocks of an earlier run; go on with it by --resume, or empty it")
+    if options.blocks:
+        make_folder(Path(options.blocks))  # that it cannot is said before hours of work
+        if not options.resume and any(Path(options.blocks).glob("block-*.stl")):
+            raise ValueError(f"{options.blocks} has blocks of an earlier run; go on with it by --resume, or empty it")
     clock, mesh = Clock(), settings_of(MeshSettings, options)
     changes: tuple[str, ...] = ()
     if options.collapse:
         network, changes = network.repair(collapse=True)
     with _engine(options) as map_:
-        part = network.blend(options.order, options.degree, wall=options.wall, cache=options.cache, map=map_)
+        with share(1 / 3):  # of the time, as blends, proofs and files of large networks take it
+            part = network.blend(options.order, options.degree, wall=options.wall, cache=options.cache, map=map_)
         clock.passed("blend")
-        certificate = part.certificate
+        with share(1 / 2):
+            certificate = part.certificate
         clock.passed("prove")
         write_outputs(part, outputs, mesh, options.unit, clock, npz=network.write, csv=network.write)
         blocks = part.write_blocks(options.blocks, mesh.tolerance, map=map_) if options.blocks else ()
@@ -87,11 +93,11 @@ def _build(network: Network, options: argparse.Namespace) -> CommandResult:
         "density": part.density,
         "genus": part.genus,
         **verdict_record(certificate),
+        "unproved": [vars(problem) for problem in part.unproved],
         "written": list(map(str, written)),
     }
-    return CommandResult(
-        "\n".join([*changes, str(part), *written_lines(written)]), record, DONE if certificate.proved else FAILED
-    )
+    lines = [*changes, str(part), *(f"not proved: {problem}" for problem in part.unproved), *written_lines(written)]
+    return CommandResult("\n".join(lines), record, DONE if certificate.proved else FAILED)
 
 
 @contextmanager

@@ -9,9 +9,8 @@ last bits of its coefficients.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import astuple, dataclass
-from functools import cached_property, lru_cache
+from functools import _lru_cache_wrapper, cached_property, lru_cache
 from math import ceil, gcd, pi
 
 import numpy as np
@@ -184,7 +183,7 @@ class SampledConstraints:
         return self.edges(edge_lattice, margins) + self._depth(margins)
 
     @cached_property
-    def edges(self) -> Callable[[int, Margins], Inequalities]:
+    def edges(self) -> _lru_cache_wrapper[Inequalities]:
         """Rows on lattices of so many subdivisions of the walls and the clip faces; the last ones are kept."""
         return lru_cache(maxsize=8)(self._edges)
 
@@ -241,38 +240,29 @@ class RayLattice:
 
     def __init__(self, guard: SampledConstraints, subdivisions: int) -> None:
         self.guard, self.degree = guard, guard.basis.degree
-        ends = _ends(guard, subdivisions)
-        self.pieces = sorted(ends)
-        self.ends = np.concatenate([np.empty((0, 3)), *(ends[piece] for piece in self.pieces)])
-        self.piece_of = np.repeat(self.pieces, [len(ends[piece]) for piece in self.pieces])
-        self._monomials = {piece: monomial_values(points, self.degree) for piece, points in ends.items()}
+        self.ends = dict(sorted(_ends(guard, subdivisions).items()))
+        """Where they end, by the pieces in which they are: (N, 3)."""
+        self._monomials = {piece: monomial_values(points, self.degree) for piece, points in self.ends.items()}
         degrees = [sum(e) for e in exponents(self.degree)]
         self._degrees = np.equal.outer(np.arange(self.degree + 1), degrees).astype(float)
-        self._lengths = np.sqrt((self.ends * self.ends).sum(axis=1))
         self._shares = np.arange(SAMPLES + 1) / SAMPLES
 
     def missed(self, member: Floats, margins: Margins, share: float) -> Inequalities:
         """The condition where a member takes the values 0 and +-band, to a step's second order, and rises by less than
         a share of what margins ask."""
-        guard, lengths = self.guard, self._lengths
-        rays, shares, slopes = crossed(self._profiles(member), self._shares, margins.band * guard.reach)
-        asked = margins.sheet * guard.reach * lengths / guard.radius
-        flat = slopes < share * asked[rays]
-        rays, shares = rays[flat], shares[flat]
-        points, pieces = self.ends[rays] * shares[:, None], self.piece_of[rays]
-        found = Inequalities.none(guard.basis.size)
-        for piece in np.unique(pieces).tolist():
-            here = pieces == piece
-            found += Inequalities(guard.basis.radial(piece, points[here]), (shares * asked[rays])[here])
+        guard, found = self.guard, Inequalities.none(self.guard.basis.size)
+        for piece, ends in self.ends.items():
+            rays, shares, slopes = crossed(self._profiles(piece, member), self._shares, margins.band * guard.reach)
+            asked = margins.sheet * guard.reach * _lengths(ends)[rays] / guard.radius
+            flat = slopes < share * asked
+            points = ends[rays[flat]] * shares[flat, None]
+            found += Inequalities(guard.basis.radial(piece, points), (shares * asked)[flat])
         return found
 
-    def _profiles(self, unknowns: Floats) -> Floats:
-        """The coefficients of the member as a polynomial in the share of each ray: (n + 1, rays)."""
-        blocks = [np.empty((self.degree + 1, 0))]
-        for piece in self.pieces:
-            terms = self._degrees * (unknowns @ self.guard.basis.coefficients[piece])
-            blocks.append(terms @ self._monomials[piece])
-        return np.concatenate(blocks, axis=1)
+    def _profiles(self, piece: int, member: Floats) -> Floats:
+        """The coefficients of the member as a polynomial in the share of each ray of a piece: (n + 1, N)."""
+        terms = self._degrees * (member @ self.guard.basis.coefficients[piece])
+        return np.asarray(terms @ self._monomials[piece])
 
 
 def crossed(profiles: Floats, shares: Floats, band: float) -> tuple[NDArray[np.intp], Floats, Floats]:

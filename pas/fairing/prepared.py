@@ -5,9 +5,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import _lru_cache_wrapper, cached_property, lru_cache
 
 import numpy as np
 from flint import fmpq_mat
@@ -56,9 +55,15 @@ class PreparedSpace:
         return SampledConstraints(self.basis, self.placed)
 
     @cached_property
-    def rays(self) -> Callable[[int], RayLattice]:
+    def rays(self) -> _lru_cache_wrapper[RayLattice]:
         """The rays to the lattice of so many subdivisions on the outer faces; made once."""
         return lru_cache(maxsize=4)(lambda subdivisions: RayLattice(self.guard, subdivisions))
+
+    def forget(self) -> None:
+        """Let go of what is kept for lattices of points, some 30 MB, as many blends are held at once; made again."""
+        self.rays.cache_clear()
+        if "guard" in vars(self):
+            self.guard.edges.cache_clear()
 
     @cached_property
     def coefficient_gram(self) -> Floats:

@@ -18,7 +18,7 @@ import numpy as np
 
 from pas.algebra.inputs import whole
 from pas.errors import PasError
-from pas.exchange.files import replacing
+from pas.exchange.files import check_folder, replacing
 from pas.exchange.formats.plain import save_stl
 from pas.limits import checkpoint, in_parts
 from pas.network.placing import MeshShare, PlacedPieces
@@ -113,10 +113,14 @@ def _begin(folder: Path, plan: dict[str, Any]) -> None:
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder where there is none; raises `ValueError` where there is a file."""
+    """Make a folder where there is none; raises `ValueError` where there is a file, or nothing can be written."""
     if folder.exists() and not folder.is_dir():
         raise ValueError(f"a folder is needed, and {folder} is a file; give another name")
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"the folder {folder} cannot be made: {error.strerror}") from None
+    check_folder(folder)
 
 
 def plan_of(folder: Path) -> dict[str, Any] | None:

@@ -1,11 +1,15 @@
-"""That nothing of a network meets but what should: nodes lie in balls, struts in cylinders from the one's end to the
-other's, and those that share no point are farther apart than these are thick.
+"""That nothing of a network meets but what should: the surfaces of nodes, of the straight parts of struts between them,
+and of their flat ends.
 
 What shares a node meets only where it should by the proofs of the node: its surface is crossed once by each ray from
-the centre, and not at all in the directions of its clips' circles, in which the struts go away from it.  Neighbours are
-kept apart by a plane across their strut.  That nodes are in their balls and before these planes is proved on their
-polynomials; as they are seen from the centre, they are where their surfaces are.  Distances are compared with room for
-rounding.
+the centre, and not at all in the directions of its clips' circles, in which the struts go away from it.  Struts that
+share no point are farther apart than they are thick.  Nodes are apart from others, neighbours or not, and from struts
+that do not end there, where balls around them are, or where it is proved of their surfaces (`pas.network.covers`).
+Distances are compared with room for rounding.
+
+So each connected piece has one closed surface that does not meet itself, and every point off it is as often inside of
+its nodes and struts as the surface winds around it: in one at most.  Of several pieces none is inside of another, as
+each has a point that is in no node of another one.
 """
 
 from __future__ import annotations
@@ -18,11 +22,9 @@ import numpy as np
 
 from pas.limits import checkpoint
 from pas.mesh.rows import Floats, Integers, dots
-from pas.network.graph import StrutGraph
+from pas.network.covers import NodeCovers
+from pas.network.graph import NetworkProblem, StrutGraph, told
 from pas.verdicts import Status, Verdict
-
-ROUNDING = 1e-9
-"""Of the longest strut: distances are taken to be so much smaller than they come out."""
 
 AT_ONCE = 4096
 """Struts whose neighbours are looked at together, so that memory is bounded."""
@@ -31,42 +33,47 @@ AT_ONCE = 4096
 def crossing(network: StrutGraph) -> Iterator[tuple[int, int, float]]:
     """Struts without a common point that come nearer than their radii: two numbers and the distance of their axes."""
     for first, second, distance in _near_struts(network):
-        close = distance < network.thickness[first] + network.thickness[second] + _slack(network)
+        close = distance < network.thickness[first] + network.thickness[second] + network.slack
         yield from _listed(first, second, distance, close)
 
 
-def clearance(network: StrutGraph, reach: Floats, ends: Floats) -> Verdict:
-    """The verdict that no two struts, nodes of so much `reach` (N,), or node and strut meet that share no point.
+def clearance(network: StrutGraph, covers: NodeCovers) -> tuple[Verdict, tuple[NetworkProblem, ...]]:
+    """The verdict that nothing meets that shares no point, nor neighbours, and all that may, with numbers of points and
+    struts.
 
-    Of each pair the least distance is that of segments and points in doubles.  It is refuted where a point is inside of
-    two struts, which are straight from and to `ends` (E, 2), in parts of their lengths.
+    It is refuted where a point is inside of the straight parts of two struts.
     """
-    for status, reason, place in _doubts(network, reach, ends):
-        x, y, z = place.tolist()
-        return Verdict(status, "nothing else meets", reason, (x, y, z))
-    reason = "struts and nodes that share no point are farther apart than they are thick"
-    return Verdict(Status.PROVED, "nothing else meets", reason, measure=len(network.edges))
+    found = [*_doubts(network, covers)]
+    problems = tuple(problem for _, problem in found)
+    for place, problem in found:
+        status, claim = Status.REFUTED if problem.kind == "overlap" else Status.UNDECIDED, "nothing else meets"
+        return Verdict(status, claim, told(problems), tuple(place.tolist())), problems
+    reason = "nodes, also neighbours, and struts that share no point are apart"
+    return Verdict(Status.PROVED, "nothing else meets", reason, measure=len(network.edges)), ()
 
 
-def _doubts(network: StrutGraph, reach: Floats, ends: Floats) -> Iterator[tuple[Status, str, Floats]]:
-    """What meets, first, and what may meet: why, and where."""
-    close, points = list(crossing(network)), network.points
-    for i, j, distance in close:
-        if (point := _common(network, ends, i, j)) is not None:
-            yield Status.REFUTED, f"the struts {i} and {j}, {distance:.4g} from one another, overlap", point
-    for i, j, distance in close:
-        reason = f"the struts {i} and {j} come within {distance:.4g} of one another"
-        yield Status.UNDECIDED, reason, points[network.edges[i]].mean(axis=0)
-    if not np.isfinite(reach).all():
-        yield Status.UNDECIDED, f"how far the node {reach.argmax()} reaches is not proved", points[reach.argmax()]
-    for i, other, free in _near_nodes(network, reach, ends):
-        said = f"the node {i}, which reaches {reach[i]:.4g} far, may meet {other}, {free:.4g} away"
-        reason = f"{said}; thinner struts, or wider angles between those of the node, end nearer to it"
-        yield Status.UNDECIDED, reason, points[i]
-
-
-def _slack(network: StrutGraph) -> float:
-    return ROUNDING * float(network.lengths.max(initial=0) + np.abs(network.points).max(initial=0))
+def _doubts(network: StrutGraph, covers: NodeCovers) -> Iterator[tuple[Floats, NetworkProblem]]:
+    """What meets, first, and what may meet: where, and what."""
+    points, left = network.points, []
+    for i, j, distance in crossing(network):
+        if (point := _common(network, covers, i, j)) is None:
+            left.append((i, j, distance))
+        else:
+            sentence = f"the struts {i} and {j}, {distance:.4g} from one another, overlap"
+            yield point, NetworkProblem("overlap", (i, j), sentence)
+    for i, j, distance in left:
+        sentence = f"the struts {i} and {j} come within {distance:.4g} of one another"
+        yield points[network.edges[i]].mean(axis=0), NetworkProblem("near struts", (i, j), sentence)
+    advice = "thinner struts, or wider angles between those of a node, end nearer to it"
+    for i, j, distance in _near_struts_of_nodes(network, covers):
+        sentence = f"the node {i} and the strut {j}, {distance:.4g} from its point, may meet; {advice}"
+        yield points[i], NetworkProblem("node and strut", (i, j), sentence)
+    for i, j, distance in _near_nodes(network, covers):
+        sentence = f"the nodes {i} and {j}, {distance:.4g} from one another, may meet; {advice}"
+        yield points[i], NetworkProblem("nodes", (i, j), sentence)
+    for piece in _enclosed(network, covers):
+        sentence = f"the piece of point {piece[0]} may be inside of another one"
+        yield points[piece[0]], NetworkProblem("enclosed", tuple(piece), sentence)
 
 
 def _near(points: Floats, others: Floats, distance: float) -> Iterator[tuple[Integers, Integers]]:
@@ -82,19 +89,26 @@ def _near(points: Floats, others: Floats, distance: float) -> Iterator[tuple[Int
         yield own[found["i"]], found["j"]
 
 
+def _middles(network: StrutGraph) -> Floats:
+    """The middles of all struts (E, 3), axis by axis, as the ends of all together take twice as much."""
+    found = np.empty((len(network.edges), 3))
+    for axis, places in enumerate(network.points.T):
+        found[:, axis] = places[network.edges].mean(axis=1)
+    return found
+
+
 def _near_struts(network: StrutGraph) -> Iterator[tuple[Integers, Integers, Floats]]:
     edges, points = network.edges, network.points
     if not len(edges):
         return
-    middles = points[edges].mean(axis=1)
+    middles = _middles(network)
     far = float(network.lengths.max() + 2 * network.thickness.max())
-    halves: Floats = network.vectors * np.float64(network.grid / 2)
-    slack = _slack(network)
+    half, slack = np.float64(network.grid / 2), network.slack
     for first, second in _near(middles, middles, far):
         once = first < second
         i, j = first[once], second[once]
         way = middles[j] - middles[i]  # along which struts that come near overlap: seen before their distance is
-        square, along = dots(way, way), np.abs(dots(way, halves[i])) + np.abs(dots(way, halves[j]))
+        square, along = dots(way, way), sum(np.abs(dots(way, network.vectors[k] * half)) for k in (i, j))
         need = network.thickness[i] + network.thickness[j] + slack
         close = square - along <= need * np.sqrt(square)
         for a, b in product(edges.T, edges.T):
@@ -102,46 +116,56 @@ def _near_struts(network: StrutGraph) -> Iterator[tuple[Integers, Integers, Floa
         yield i[close], j[close], segment_distances(points[edges[i[close]]], points[edges[j[close]]])
 
 
-def _near_nodes(network: StrutGraph, reach: Floats, ends: Floats) -> Iterator[tuple[int, str, float]]:
-    """Nodes that may meet the straight part of a strut that does not end there, or a node that is no neighbour: number,
-    what, distance."""
-    edges, points = network.edges, network.points
-    used, slack = np.flatnonzero(network.valence), _slack(network)
+def _near_struts_of_nodes(network: StrutGraph, covers: NodeCovers) -> Iterator[tuple[int, int, float]]:
+    """Nodes that may meet the straight part of a strut that does not end there: both numbers, distance."""
+    edges, points, reach = network.edges, network.points, covers.reach
+    used, slack = np.flatnonzero(reach), network.slack
     far = float(network.lengths.max() / 2 + reach.max() + network.thickness.max())
-    for here, strut in _near(points[used], points[edges].mean(axis=1), far):
+    for here, strut in _near(points[used], _middles(network), far):
         apart = (edges[strut] != used[here][:, None]).all(axis=1)
         node, other = used[here[apart]], strut[apart]
-        straight = _straight(network, ends, other)
-        distance = segment_distances(np.stack([points[node]] * 2, axis=1), straight)
+        distance = segment_distances(np.stack([points[node]] * 2, axis=1), covers.axes(other))
         close = distance < reach[node] + network.thickness[other] + slack
-        yield from ((n, f"strut {m}", d) for n, m, d in _listed(node, other, distance, close))
-    joined = np.sort(np.sort(edges, axis=1) @ (len(points), 1))
+        close[close] = ~covers.struts_apart(node[close], other[close])
+        yield from _listed(node, other, distance, close)
+
+
+def _near_nodes(network: StrutGraph, covers: NodeCovers) -> Iterator[tuple[int, int, float]]:
+    """Nodes that may meet: both numbers, distance."""
+    points, reach, slack = network.points, covers.reach, network.slack
+    used = np.flatnonzero(reach)
     for first, second in _near(points[used], points[used], 2 * float(reach.max()) + slack):
         node, other = used[first[first < second]], used[second[first < second]]
         distance = np.linalg.norm(points[node] - points[other], axis=1)
         close = distance < reach[node] + reach[other] + slack
-        pairs = node[close] * len(points) + other[close]
-        close[close] = joined[np.searchsorted(joined, pairs).clip(max=len(joined) - 1)] != pairs
-        yield from ((n, f"node {m}", d) for n, m, d in _listed(node, other, distance, close))
+        close[close] = ~covers.nodes_apart(node[close], other[close])
+        yield from _listed(node, other, distance, close)
 
 
-def _straight(network: StrutGraph, ends: Floats, struts: Any) -> Floats:
-    """The axes of some struts (M, 2, 3) where these are straight, from and to `ends` (E, 2)."""
-    first, second = (network.points[network.edges[struts, end]] for end in (0, 1))
-    here, there = (ends[struts, end, None] for end in (0, 1))
-    return np.stack([first + here * (second - first), second - there * (second - first)], axis=1)
+def _enclosed(network: StrutGraph, covers: NodeCovers) -> Iterator[list[int]]:
+    """The points of each piece all of which are in balls around nodes of others."""
+    if network.pieces < 2:
+        return
+    points, reach, of, slack = network.points, covers.reach, network.components, network.slack
+    used, free = np.flatnonzero(network.valence), network.valence > 0
+    for here, node in _near(points[used], points[used], float(reach.max()) + slack):
+        point, other = used[here], used[node]
+        inside = np.linalg.norm(points[point] - points[other], axis=1) < reach[other] + slack
+        free[point[inside & (of[point] != of[other])]] = False
+    for piece in np.setdiff1d(of[used], of[free]).tolist():
+        yield used[of[used] == piece].tolist()
 
 
 def _listed(first: Integers, second: Integers, distance: Floats, close: Any) -> Iterator[tuple[int, int, float]]:
     return zip(first[close].tolist(), second[close].tolist(), distance[close].tolist(), strict=True)
 
 
-def _common(network: StrutGraph, ends: Floats, first: int, second: int) -> Floats | None:
+def _common(network: StrutGraph, covers: NodeCovers, first: int, second: int) -> Floats | None:
     """A point inside of the straight parts of two struts, with room for rounding; None where none was found."""
     pair = [first, second]
     start, way = network.points[network.edges[pair, 0]], network.vectors[pair] * float(network.grid)
-    widths, tops = network.widths[pair], np.stack([ends[pair, 0], 1 - ends[pair, 1]], axis=1)
-    straight = _straight(network, ends, pair)
+    widths, tops = network.widths[pair], np.stack([covers.ends[pair, 0], 1 - covers.ends[pair, 1]], axis=1)
+    straight = covers.axes(pair)
     one, other = near = np.concatenate(nearest_points(straight[:1], straight[1:]))
 
     def along_and_radii(points: Floats) -> tuple[Floats, Floats]:
@@ -156,7 +180,7 @@ def _common(network: StrutGraph, ends: Floats, first: int, second: int) -> Float
         along, thick = along_and_radii(point)
         off = np.linalg.norm(point - start - along[:, None] * way, axis=1)
         room = np.min([along - tops[:, 0], tops[:, 1] - along], axis=0) * network.lengths[pair]
-        if (np.minimum(room, thick - off) > _slack(network)).all():
+        if (np.minimum(room, thick - off) > network.slack).all():
             return np.asarray(point)
     return None
 

@@ -25,6 +25,10 @@ LARGEST = 2**20
 """Components of a strut in the grid: their products in three factors fit into 64 bits with their sums."""
 
 
+ROUNDING = 1e-9
+"""Of the longest strut and the largest coordinate: by so much more than it comes out things are to be apart."""
+
+
 @dataclass(frozen=True)
 class NetworkProblem:
     """What is wrong with a network: the kind in a word or two, the numbers of its points or struts, and a sentence."""
@@ -44,13 +48,18 @@ class NetworkError(GeometryError):
     """
 
     def __init__(self, problems: Sequence[NetworkProblem]) -> None:
-        kinds = Counter(problem.kind for problem in problems)
-        told = []
-        for kind, count in kinds.items():
-            more = f" (and {count - 1} more like this)" if count > 1 else ""
-            told.append(f"{next(problem for problem in problems if problem.kind == kind)}{more}")
-        super().__init__("; ".join(told))
+        super().__init__(told(problems))
         self.problems = tuple(problems)
+
+
+def told(problems: Sequence[NetworkProblem]) -> str:
+    """The first problem of each kind, and how many others of the kind there are."""
+    kinds = Counter(problem.kind for problem in problems)
+    found = []
+    for kind, count in kinds.items():
+        more = f" (and {count - 1} more like this)" if count > 1 else ""
+        found.append(f"{next(problem for problem in problems if problem.kind == kind)}{more}")
+    return "; ".join(found)
 
 
 class StrutGraph:
@@ -86,6 +95,11 @@ class StrutGraph:
     def lengths(self) -> Floats:
         """Of the struts (E,), in the model's units."""
         return np.asarray(np.linalg.norm(self.vectors, axis=1) * float(self.grid))
+
+    @cached_property
+    def slack(self) -> float:
+        """What distances in doubles may be off by, with much to spare, in the model's units."""
+        return ROUNDING * float(self.lengths.max(initial=0) + np.abs(self.points).max(initial=0))
 
     @property
     def widths(self) -> Floats:

@@ -47,12 +47,16 @@ class HollowPieces(PlacedPieces):
                 [len(pieces.nodes[kind].rings[slot]) for kind, slot in zip(outer.kinds, outer.slots, strict=True)]
                 for pieces in (self.outer, self.inner)
             )
-            numbers = np.concatenate([np.arange(a), np.arange(b) + a + c])
-            inside = np.concatenate([np.arange(c) + a, np.arange(d) + a + b + c])
+            own, within = len(outer.points), len(inner.points)
+            numbers = np.concatenate([np.arange(a), np.arange(b) + a + c, np.arange(own) + a + b + c + d])
+            inside = np.concatenate(
+                [np.arange(c) + a, np.arange(d) + a + b + c, np.arange(within) + a + b + c + d + own]
+            )
+            points = np.concatenate([outer.points, inner.points])
             triangles = np.concatenate([numbers[outer.triangles], inside[inner.triangles[:, ::-1]]])
             normals = np.concatenate([outer.normals, -inner.normals[:, ::-1]])
             off = max(outer.deviation, inner.deviation)
-            made.append(replace(outer, triangles=triangles, normals=normals, deviation=off))
+            made.append(replace(outer, points=points, triangles=triangles, normals=normals, deviation=off))
         return made
 
     def _body(self, kind: int, cuts: Floats) -> tuple[Floats, Integers, Floats]:
@@ -74,5 +78,5 @@ class HollowPieces(PlacedPieces):
 
 def annulus(points: Floats, outer: Integers, inner: Integers, axis: Floats) -> tuple[Integers, Floats]:
     """The triangles between two rings in a plane, seen from where a unit vector points, and their corners' normals."""
-    found = np.concatenate([outer, inner])[strip(points[outer], points[inner], axis)[0]]
+    found = np.concatenate([outer, inner])[strip(points[outer], points[inner], axis)[1]]
     return found, np.broadcast_to(axis, (len(found), 3, 3))

@@ -137,7 +137,7 @@ def _ends(kinds: Kinds, network: StrutGraph, order: int, known: dict[Any, tuple[
                 pipes = pipes_of(first, network, order)
                 known[key] = tuple(float(pipes[i].clip) for i in first.form.order)
             except PasError as error:
-                problems.append(_without(kinds.nodes(numbers), error))
+                problems.append(of_nodes("no blend", kinds.nodes(numbers), error))
                 continue
         for number in numbers:
             table[number, list(kinds.kinds[number].form.order)] = known[key]
@@ -146,10 +146,11 @@ def _ends(kinds: Kinds, network: StrutGraph, order: int, known: dict[Any, tuple[
     return table
 
 
-def _without(points: Numbers, error: Exception) -> NetworkProblem:
+def of_nodes(kind: str, points: Numbers, said: object) -> NetworkProblem:
+    """What is wrong with some nodes, with the numbers of the first three in the sentence."""
     nodes = tuple(points.tolist())
     told = ", ".join(map(str, nodes[:3])) + (f" and {len(nodes) - 3} more" if len(nodes) > 3 else "")
-    return NetworkProblem("no blend", nodes, f"the node{'s' * (len(nodes) > 1)} {told}: {error}")
+    return NetworkProblem(kind, nodes, f"the node{'s' * (len(nodes) > 1)} {told}: {said}")
 
 
 def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe | Cone]:
@@ -183,7 +184,7 @@ def blends(
     given = results(map_, solved, list(wanted.values()), folder, "blending nodes")
     for key, result in zip(wanted, given, strict=True):
         if isinstance(result, str):
-            problems.append(_without(kinds.nodes(kinds.classes[key]), PasError(result)))
+            problems.append(of_nodes("no blend", kinds.nodes(kinds.classes[key]), result))
         else:
             found[key] = _kept(result, wanted[key]) if isinstance(result, Path) else result
     if problems:

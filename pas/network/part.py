@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -10,14 +10,11 @@ from pathlib import Path
 from typing import Any, Unpack
 
 import numpy as np
-from flint import fmpq, fmpq_mpoly
 
-from pas.algebra.affine import ORIGIN, height
+from pas.algebra.affine import ORIGIN
 from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
-from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import cross, dot, exact, rational, vector
-from pas.certify.proofs import zeros_signs
+from pas.algebra.rational import cross, dot, rational, vector
 from pas.errors import MeshError
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
@@ -26,9 +23,10 @@ from pas.network.blocks import FACES, write_blocks
 from pas.network.certified_mesh import NetworkMesh
 from pas.network.classes import Kinds
 from pas.network.clearance import clearance
-from pas.network.graph import StrutGraph
+from pas.network.covers import NodeCovers
+from pas.network.graph import NetworkProblem, StrutGraph, told
 from pas.network.hollow import HollowPieces
-from pas.network.nodes import NodeClass, classes_of
+from pas.network.nodes import NodeClass, classes_of, of_nodes
 from pas.network.placing import PlacedPieces
 from pas.pipeline.hollow import HollowBlend
 from pas.pipeline.result import Blend
@@ -101,38 +99,50 @@ class NetworkPart(Shape):
         A node is the blend of its class under an exact rotation or reflection, which keeps every claim of it; struts
         are the cylinders and cones that these blends are proved to meet, on one exact axis from node to node.
         """
-        apart = clearance(self.network, self._reach, self._ends)
-        return Findings((self._nodes(), self._struts(), self._apart(), apart, *self._inside()))
+        return Findings(tuple(verdict for verdict, _ in self._proofs))
 
-    def _inside(self) -> Iterator[Verdict]:
+    @property
+    def unproved(self) -> tuple[NetworkProblem, ...]:
+        """All that its certificate does not prove, with the numbers of points and struts."""
+        return tuple(problem for _, problems in self._proofs for problem in problems)
+
+    @cached_property
+    def _proofs(self) -> tuple[tuple[Verdict, tuple[NetworkProblem, ...]], ...]:
+        covers = NodeCovers(self.network, self.kinds, self.blends)
+        return (self._nodes(), _straight(covers.ends), clearance(self.network, covers), *self._inside())
+
+    def _inside(self) -> Iterator[tuple[Verdict, tuple[NetworkProblem, ...]]]:
         """Of a hollow body that its cavity meets its struts, and is inside: then nothing of it meets, as outside."""
         if self.cavity is None:
             return
-        nodes = self.cavity._nodes()
-        yield replace(nodes, claim=nodes.claim.replace("its struts", "its struts inside"))
-        claim = "the cavity is inside"
+        nodes, problems = self.cavity._nodes()
+        yield replace(nodes, claim=nodes.claim.replace("its struts", "its struts inside")), problems
+        reason = f"of every node, and every strut has a wall of {self.wall} across its axis"
+        yield _found("the cavity is inside", self._cavities(), reason, len(self.hollow))
+
+    def _cavities(self) -> Iterator[NetworkProblem]:
         for one in self.classes:
             found = self.hollow.get(one.kind.form.key)
             if one.blended and (found is None or not found.certificate.proved):
-                yield Verdict(Status.UNDECIDED, claim, f"that of {one} is not proved")
-                return
-        reason = f"of every node, and every strut has a wall of {self.wall} across its axis"
-        yield Verdict(Status.PROVED, claim, reason, measure=len(self.hollow))
+                yield of_nodes("not proved", one.nodes, f"the cavity of {one} is not proved")
 
-    def _nodes(self) -> Verdict:
-        claim = f"every node meets its struts with GC^{self.order}"
-        for one in self.classes:
-            found = self.blend_of(one)
-            if found is None and one.blended:
-                return Verdict(Status.UNDECIDED, claim, f"there is no blend of {one}")
-            if found is not None and not found.certificate.proved:
-                reason = f"the blend of {one} is not proved ({found.certificate.counts})"
-                return Verdict(Status.UNDECIDED, claim, reason)
-            if found is not None and not self._seen(one, found):
-                return Verdict(Status.UNDECIDED, claim, f"the blend of {one} has a centre away from its struts")
+    def _nodes(self) -> tuple[Verdict, tuple[NetworkProblem, ...]]:
         turned = len(self.kinds.kinds)
         reason = f"{len(self.blends)} proved blends in {turned} exact positions; exact struts between them"
-        return Verdict(Status.PROVED, claim, reason, measure=turned)
+        return _found(f"every node meets its struts with GC^{self.order}", self._wrong(), reason, turned)
+
+    def _wrong(self) -> Iterator[NetworkProblem]:
+        """The classes whose nodes are not proved, and why."""
+        for one in self.classes:
+            found, said = self.blend_of(one), ""
+            if found is None:
+                said = f"there is no blend of {one}" if one.blended else ""
+            elif not found.certificate.proved:
+                said = f"the blend of {one} is not proved ({found.certificate.counts})"
+            elif not self._seen(one, found):
+                said = f"the blend of {one} has a centre away from its struts"
+            if said:
+                yield of_nodes("not proved", one.nodes, said)
 
     def _seen(self, one: NodeClass, blend: Blend) -> bool:
         """Whether the centre of a blend is inside of all struts, were they to go on.
@@ -149,53 +159,6 @@ class NetworkPart(Shape):
             if width <= 0 or dot(off, off) >= width**2 * dot(axis, axis):
                 return False
         return True
-
-    def _struts(self) -> Verdict:
-        claim = "every strut is straight between its nodes"
-        free = 1 - self._ends.sum(axis=1)
-        number = int(free.argmin())
-        status = Status.PROVED if free[number] > 0 else Status.REFUTED
-        return Verdict(status, claim, f"at least {100 * free[number]:.3g} % of its length, of strut {number}")
-
-    @property
-    def _ends(self) -> Floats:
-        """Where each strut begins and ends (E, 2), in parts of its length."""
-        return np.asarray(self.kinds.ends[self.kinds.of[self.network.edges], self.kinds.slots])
-
-    @cached_property
-    def _reach(self) -> Floats:
-        """The radius of a ball around each point that holds its node (N,), proved on the polynomials; inf if not."""
-        pieces, step = self.pieces(), self.network.grid
-        found = np.array([np.linalg.norm(piece.points, axis=1).max() for piece in pieces.nodes]) + pieces.tolerance
-        for key, numbers in self.kinds.classes.items():
-            found[numbers] = most = found[numbers].max()
-            square = exact(most / step) ** 2 - dot(GENERATORS, GENERATORS)
-            if key in self.blends and not _holds(self.blends[key], square):
-                found[numbers] = np.inf
-        return np.where(self.kinds.of >= 0, found[self.kinds.of], 0.0)
-
-    def _apart(self) -> Verdict:
-        """By planes across the struts, at so many parts of each, where the meshes leave as much room on both sides."""
-        claim, pieces, kinds = "neighbouring nodes are apart", self.pieces(), self.kinds
-        parts, least = 1024, np.full(kinds.ends.shape, np.inf)
-        for strut in pieces.struts:
-            way = strut.vector / (strut.vector @ strut.vector)
-            here, there = (pieces.nodes[kind].points @ way for kind in strut.kinds)
-            plane = round(parts * (1 + here.max() + there.min()) / 2)
-            for kind, slot, at in zip(strut.kinds, strut.slots, (plane, parts - plane), strict=True):
-                least[kind, slot] = min(least[kind, slot], at)
-        for key, numbers in kinds.classes.items():
-            first = kinds.kinds[numbers[0]]
-            rows = least[np.array(numbers)[:, None], [kinds.kinds[number].form.order for number in numbers]]
-            for arm, plane in zip(first.form.order, rows.min(axis=0).tolist(), strict=True):
-                arrow = first.exact(arm)
-                before = fmpq(int(plane), parts) * dot(arrow, arrow) - height(ORIGIN, arrow)
-                if not (plane > 0 and (key not in self.blends or _holds(self.blends[key], before))):
-                    along = ", ".join(f"{c:.4g}" for c in first.vectors[arm] * float(self.network.grid))
-                    node = f"the node {kinds.nodes(numbers[:1])[0]} may reach beyond a plane across its strut"
-                    reason = f"{node} along ({along}); a longer or thinner one, or wider angles beside it, leave room"
-                    return Verdict(Status.UNDECIDED, claim, reason)
-        return Verdict(Status.PROVED, claim, "a plane across each strut is between them", measure=len(pieces.struts))
 
     @property
     def genus(self) -> int:
@@ -315,7 +278,20 @@ class NetworkPart(Shape):
         return f"<NetworkPart: {len(self.network.places)} nodes, {len(self.network.edges)} struts, GC^{self.order}>"
 
 
-def _holds(blend: Blend, value: fmpq_mpoly) -> bool:
-    """Whether a polynomial in the blend's coordinates is proved to be positive on the whole surface."""
-    local = blend.surface.partition.frame.localise(Polynomial.from_raw(value)).raw
-    return zeros_signs(blend.surface, [local] * len(blend.surface.patches)).status is Status.PROVED
+def _straight(ends: Floats) -> tuple[Verdict, tuple[NetworkProblem, ...]]:
+    """The verdict on all struts being straight between their ends (E, 2), in parts of their lengths."""
+    free = 1 - ends.sum(axis=1)
+    number, short = int(free.argmin()), np.flatnonzero(free <= 0).tolist()
+    wrong = tuple(NetworkProblem("no straight part", (n,), f"strut {n} has no straight part") for n in short)
+    reason = f"at least {100 * free[number]:.3g} % of its length, of strut {number}"
+    status = Status.REFUTED if wrong else Status.PROVED
+    return Verdict(status, "every strut is straight between its nodes", reason), wrong
+
+
+def _found(
+    claim: str, problems: Iterable[NetworkProblem], reason: str, measure: int
+) -> tuple[Verdict, tuple[NetworkProblem, ...]]:
+    """The verdict on a claim that problems leave undecided, and these."""
+    if wrong := tuple(problems):
+        return Verdict(Status.UNDECIDED, claim, told(wrong)), wrong
+    return Verdict(Status.PROVED, claim, reason, measure=measure), ()

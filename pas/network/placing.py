@@ -23,11 +23,14 @@ from pas.errors import MeshError
 from pas.mesh.rows import Integers, Numbers
 from pas.network.classes import Kinds, NodeKind, ranked, turn
 from pas.network.graph import StrutGraph
-from pas.network.rings import angles_around, outwards, rings_of, strip
+from pas.network.rings import angles_around, outwards, parts_of, rings_of, strip
 from pas.pipeline.result import Blend
 
 FEWEST = 8
 """Vertices of the ring at an end of a strut."""
+
+FEW = 1 / 4
+"""Of the triangles of nodes: so many more are laid on struts, at most, for the sake of their angles."""
 
 AT_ONCE = 2**16
 """Triangles of a share that are made together."""
@@ -56,7 +59,8 @@ class NodePiece:
 
 @dataclass(frozen=True, eq=False)
 class StrutPiece:
-    """The strip of one kind of strut: triangles over the vertices of its first ring, then of its second.
+    """The strip of one kind of strut: triangles over the vertices of its first ring, then of its second, then `points`
+    of its own about the first node, in the model's units.
 
     `kinds` are those of its nodes, `slots` its arms there, `edges` the numbers of the struts.
     """
@@ -64,6 +68,7 @@ class StrutPiece:
     kinds: tuple[int, int]
     slots: tuple[int, int]
     vector: Floats
+    points: Floats
     triangles: Integers
     normals: Floats
     deviation: float
@@ -144,7 +149,7 @@ class PlacedPieces:
 
     @cached_property
     def struts(self) -> list[StrutPiece]:
-        """The piece of each kind of strut."""
+        """The piece of each kind of strut, cut into rings where all of these together add few triangles."""
         edges, kinds, slots = self.network.edges, self.kinds.of, self.kinds.slots
         rows = kinds[edges[:, 0]], slots[:, 0], kinds[edges[:, 1]], slots[:, 1]
         of, firsts = ranked(rows)
@@ -152,13 +157,20 @@ class PlacedPieces:
         order = np.argsort(of, kind="stable").astype(np.int32)
         groups = np.split(order, np.cumsum(np.bincount(of))[:-1]) if len(of) else []
         step = float(self.network.grid)
+        vectors = [self.network.vectors[numbers[0]] * step for numbers in groups]
+        circles = [(self._circle(a, i), self._circle(b, j)) for a, i, b, j in different.tolist()]
+        parts = [parts_of(*pair, vector) for pair, vector in zip(circles, vectors, strict=True)]
+        again = [2 * len(pair[0]) * (n - 1) for pair, n in zip(circles, parts, strict=True)]
+        sizes = [len(node.triangles) for node in self.nodes]
+        few = np.dot(again, np.bincount(of, minlength=len(again))) <= FEW * np.dot(sizes, self.kinds.counts)
         found = []
-        for (a, i, b, j), numbers in zip(different.tolist(), groups, strict=True):
-            vector = self.network.vectors[numbers[0]] * step
+        for (a, i, b, j), numbers, vector, pair, n in zip(
+            different.tolist(), groups, vectors, circles, parts, strict=True
+        ):
             rise = self._width(self.kinds.kinds[a], i, 1.0) - self._width(self.kinds.kinds[a], i)
-            triangles, normals, widest = strip(self._circle(a, i), self._circle(b, j), vector, rise)
+            points, triangles, normals, widest = strip(*pair, vector, rise, n if few else 1)
             off = float(self.network.thickness[numbers[0]]) * (1 - cos(widest / 2))
-            found.append(StrutPiece((a, b), (i, j), vector, triangles, normals, off, numbers))
+            found.append(StrutPiece((a, b), (i, j), vector, points, triangles, normals, off, numbers))
         return found
 
     def _circle(self, kind: int, slot: int) -> Floats:
@@ -177,7 +189,8 @@ class PlacedPieces:
         of, edges = self.kinds.of, self.network.edges
         sizes = np.append([len(n.points) for n in self.nodes], 0)[of]  # the last is that of points without struts
         starts = np.cumsum(sizes) - sizes
-        points = np.empty((int(sizes.sum()), 3))
+        count = int(sizes.sum())
+        points = np.empty((count + sum(len(s.points) * len(s.edges) for s in self.struts), 3))
         triangles, normals = [np.zeros((0, 3), dtype=np.int64)], [np.zeros((0, 3, 3))]
         for kind, piece in enumerate(self.nodes):
             own = np.flatnonzero(of == kind)
@@ -189,8 +202,12 @@ class PlacedPieces:
         many = sum(map(len, triangles))
         for strut in self.struts:
             rings = [self.nodes[kind].rings[slot] for kind, slot in zip(strut.kinds, strut.slots, strict=True)]
-            both = [starts[edges[strut.edges, end]][:, None] + rings[end] for end in (0, 1)]
-            triangles.append(np.concatenate(both, axis=1)[:, strut.triangles].reshape(-1, 3))
+            corners = [starts[edges[strut.edges, end]][:, None] + rings[end] for end in (0, 1)]
+            own = strut.points + self.network.points[edges[strut.edges, 0]][:, None]
+            corners.append(count + np.arange(own.size // 3).reshape(own.shape[:2]))
+            points[count : count + own.size // 3] = own.reshape(-1, 3)
+            count += own.size // 3
+            triangles.append(np.concatenate(corners, axis=1)[:, strut.triangles].reshape(-1, 3))
             normals.append(np.tile(strut.normals, (len(strut.edges), 1, 1)))
         found = np.concatenate(triangles)
         return points, found, np.concatenate(normals), (np.arange(len(found)) >= many).astype(np.int64)
@@ -208,8 +225,9 @@ class PlacedPieces:
             strut = self.struts[kind]
             first, second = (self._circle(*end) for end in zip(strut.kinds, strut.slots, strict=True))
             copies = np.searchsorted(needed, links[self._strut_kinds[edges] == kind])
-            corners = np.concatenate([first, second])[strut.triangles]
-            shapes.append((corners, (strut.triangles >= len(first)).astype(np.int64), copies.astype(np.int32)))
+            owners = np.repeat([0, 1, 0], [len(first), len(second), len(strut.points)])[strut.triangles]
+            corners = np.concatenate([first, second, strut.points])[strut.triangles]
+            shapes.append((corners, owners, copies.astype(np.int32)))
         return MeshShare(shapes, self.network.points[needed])
 
     @cached_property
@@ -239,7 +257,7 @@ class PlacedPieces:
             total += _volume(piece.points[piece.triangles], places)
         for strut in self.struts:
             first, second = (self._circle(*end) for end in zip(strut.kinds, strut.slots, strict=True))
-            corners = np.concatenate([first, second + strut.vector])[strut.triangles]
+            corners = np.concatenate([first, second + strut.vector, strut.points])[strut.triangles]
             total += _volume(corners, self.network.points[self.network.edges[strut.edges, 0]] - middle)
         return total
 

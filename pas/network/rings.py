@@ -3,11 +3,13 @@
 A strip merges the vertices of two rings by their angles around the strut.  A triangle of it has two neighbours of one
 ring, and one of the other between them or between which they are, so that its corners are no farther apart, in angle,
 than neighbours of one ring; it is r (1 - cos(angle / 2)) from the cylinder or cone at most, with its largest radius r.
+A strip may have rings in between, which are the first one moved along: so angles of its triangles are not small.
 """
 
 from __future__ import annotations
 
-from math import tau
+from itertools import pairwise
+from math import ceil, pi, radians, sin, tan, tau
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,9 @@ import numpy as np
 from pas.algebra.lengths import across
 from pas.algebra.monomials import Floats
 from pas.mesh.rows import Integers
+
+LEAST_ANGLE = 6.0
+"""Degrees under which a ring's shortest side is seen from the next ring: those who see it aslant have 5 left."""
 
 
 def rings_of(points: Floats, boundary: Integers, arms: Any) -> tuple[Integers, ...]:
@@ -47,25 +52,52 @@ def outwards(points: Floats, axis: Floats, slope: float) -> Floats:
     return np.asarray(found / np.hypot(1.0, slope))
 
 
-def strip(first: Floats, second: Floats, vector: Floats, rise: float = 0.0) -> tuple[Integers, Floats, float]:
-    """The triangles between rings around the ends of a vector, over the first ring's vertices and then the second's.
+def parts_of(first: Floats, second: Floats, vector: Floats) -> int:
+    """Into how many parts a strip between rings around the ends of a vector is cut so that no angle is small."""
+    axis = vector / np.linalg.norm(vector)
+    gaps = [_gaps(angles_around(ring, axis)).min() for ring in (first, second)]
+    radius = min(np.linalg.norm(np.cross(ring, axis), axis=1).min() for ring in (first, second))
+    length = float(((second + vector) @ axis).mean() - (first @ axis).mean())
+    return max(1, ceil(length * tan(radians(LEAST_ANGLE)) / (2 * radius * sin(min(*gaps, pi) / 2))))
+
+
+def strip(
+    first: Floats, second: Floats, vector: Floats, rise: float = 0.0, parts: int = 1
+) -> tuple[Floats, Integers, Floats, float]:
+    """Points about the first end (N, 3) of the rings between so many parts, and the triangles between rings around the
+    ends of a vector, over the first ring's vertices, then the second's, then these.
 
     With the normals at their corners of the cone, whose radius grows by `rise` along the vector, and the widest angle
     between neighbours of a ring.
     """
-    axis = vector / np.linalg.norm(vector)
+    length = float(np.linalg.norm(vector))
+    axis, slope, count = vector / length, rise / length, len(first) + len(second)
     angles = [angles_around(ring, axis) for ring in (first, second)]
-    orders = [np.argsort(a) for a in angles]
-    sides = np.repeat([0, 1], [len(first), len(second)])
-    sorted_ = np.argsort(np.concatenate(angles), kind="stable")
-    latest = [int(orders[0][-1]), len(first) + int(orders[1][-1])]
+    beside = first - (first @ axis)[:, None] * axis
+    far = float(((second + vector) @ axis).mean() - (first @ axis).mean()) * np.arange(1, parts) / parts
+    wider = 1 + far[:, None] * slope / np.linalg.norm(beside, axis=1)
+    between = (first - beside) + far[:, None, None] * axis + wider[:, :, None] * beside
+    rings = [np.arange(len(first)), *count + np.arange(between.size // 3).reshape(parts - 1, len(first))]
+    found = [np.concatenate([a, b])[_zipped(angles[0], angles[0])] for a, b in pairwise(rings)]
+    found.append(np.concatenate([rings[-1], np.arange(len(first), count)])[_zipped(*angles)])
+    triangles, points = np.concatenate(found), np.concatenate([first, second, *between])
+    return points[count:], triangles, outwards(points, axis, slope)[triangles], float(max(map(max, map(_gaps, angles))))
+
+
+def _gaps(angles: Floats) -> Floats:
+    """The angles between neighbours."""
+    found = np.sort(angles)
+    return np.diff(found, append=found[0] + tau)
+
+
+def _zipped(*angles: Floats) -> Integers:
+    """The triangles between two rings by their angles, over the vertices of the first and then of the second."""
+    sides = np.repeat([0, 1], [len(a) for a in angles])
+    latest = [int(angles[0].argmax()), len(angles[0]) + int(angles[1].argmax())]
     triangles = []
-    for number in sorted_.tolist():
+    for number in np.argsort(np.concatenate(angles), kind="stable").tolist():
         side = int(sides[number])
         a, b = latest[side], latest[1 - side]
         triangles.append((a, number, b) if side == 0 else (number, a, b))
         latest[side] = number
-    found = np.array(triangles)
-    normals = outwards(np.concatenate([first, second]), axis, rise / float(np.linalg.norm(vector)))[found]
-    gaps = [np.diff(np.sort(a), append=np.sort(a)[0] + tau).max() for a in angles]
-    return found, normals, float(max(gaps))
+    return np.array(triangles)

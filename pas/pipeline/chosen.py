@@ -273,6 +273,7 @@ def choose(blends: type[B], space: Space, wishes: Wishes, stages: Stages, settin
     stage = "fit and prove" if wishes.prove else "fit"  # a member that is not proved is moved further in
     with stages.stage(stage, 0.5, f" (degree {space.degree}, dimension {space.dimension})"):
         fitted = FitSolver(space.prepared, wishes, settings).fitted()
+        space.prepared.forget()
     certificate = fitted.surface.certificate if wishes.prove else None
     outcome = "fitted" if certificate is None else "proved"
     attempt = Attempt(space.degree, space.dimension, outcome, time.perf_counter() - began, space.partition.title)

@@ -192,7 +192,7 @@ class Columns:
         if isinstance(function, Polynomial):
             key, sign = function.primitive(), 1 if function.raw.coeffs()[0] > 0 else -1
             if self._rounded and function.degree == 1:
-                row = function.dense() / np.abs(function.dense()).max()
+                row = (function / max(map(abs, function.raw.coeffs()))).dense()
                 sign = 1 if row @ (0.34, 0.55, 0.21, 0.73) > 0 else -1  # by a side on which rounding changes nothing
                 key = tuple(np.round(sign * row * 2.0**40).tolist())
         number, first = self._known.setdefault(key, (len(self.functions), sign))

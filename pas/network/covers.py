@@ -1,0 +1,165 @@
+"""Tetrahedra that hold the surfaces of a network's nodes: how far nodes reach, and which surely do not meet.
+
+Of a node these are parts of the cells of its blend, turned as it is; of the straight part of a strut its axis, a
+tetrahedron without volume, from which what is farther than the strut is thick is apart.  Two nodes are apart by a plane
+across the way from one point to the other, or as the sides of a wall are (`pas.certify.thickness`), and so are a node
+and an axis; that is decided once for all pairs that are placed alike.
+
+Guaranteed of the surfaces in the regions of their blends, with room for rounding.  What is apart by less than some
+250th of a node's size may stay undecided.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pas.algebra.lengths import unit
+from pas.algebra.rational import to_floats
+from pas.bernstein.forms import corner_points, nearby_forms
+from pas.bernstein.search import Fate, Fates, Limits, search
+from pas.bernstein.simplices import Simplices
+from pas.certify.thickness import parted, slices
+from pas.mesh.rows import Floats, Integers
+from pas.network.classes import Kinds, ranked, turn
+from pas.network.graph import StrutGraph
+from pas.pipeline.result import Blend
+from pas.verdicts import Status
+
+SPARE = 2.0**-6
+"""Of how far the circles at its clips are: by so much more a node is taken to reach, which saves halving."""
+
+LIMITS = Limits(depth=36, cells=8192)
+"""To parts of 2^-12 of a cell's size; surfaces that cross leave more and more open."""
+
+
+class NodeCovers:
+    """What holds the nodes of a network: `blends` has those of its classes by their keys, in steps of the grid.
+
+    Distances are in the model's units.
+    """
+
+    def __init__(self, network: StrutGraph, kinds: Kinds, blends: Mapping[Any, Blend]) -> None:
+        self.network, self.kinds, self.blends = network, kinds, blends
+        self._known: dict[tuple[int, ...], bool] = {}
+
+    @cached_property
+    def _first(self) -> dict[Any, tuple[Simplices, Floats]]:
+        """Of each class with a blend tetrahedra that hold it around its first kind's point, all with forms of one
+        degree, and points (M, 3) whose convex hull does."""
+        found, degree = {}, max((blend.surface.degree for blend in self.blends.values()), default=1)
+        radii, step = np.array([float(radius) for radius in self.network.radii]), float(self.network.grid)
+        for key in self.blends.keys() & self.kinds.classes:
+            surface, number = self.blends[key].surface, self.kinds.classes[key][0]
+            cells = [surface.local.corners(cell) for cell in surface.local.cells]
+            forms, error = nearby_forms([surface.patches[p].raw for p in surface.local.piece_of], cells, degree)
+            corners = surface.partition.frame.global_points(corner_points(cells)) * step
+            kind = self.kinds.kinds[number]
+            ends, vectors = self.kinds.ends[number, : len(kind.arms), None], kind.vectors * step
+            sizes, units = radii[np.array([arm[1:3] for arm in kind.arms])], np.asarray(unit(vectors))
+            widths = sizes[:, :1] + ends * (sizes[:, 1:] - sizes[:, :1])
+            sines = np.sqrt(np.maximum(1 - (units @ units.T) ** 2, 0))
+            along = (ends * vectors @ units.T + widths * sines).max(axis=0)
+            far = float(np.hypot(ends[:, 0] * np.linalg.norm(vectors, axis=1), widths[:, 0]).max())
+            found[key] = _held(Simplices.of([forms], corners, error), units / along[:, None], far)
+        return found
+
+    def held(self, node: int) -> tuple[Simplices, Floats] | None:
+        """Tetrahedra and points that hold a node around its point, turned as it is; None without a blend."""
+        kind = self.kinds.kinds[self.kinds.of[node]]
+        if kind.form.key not in self._first:
+            return None
+        first, (cells, hull) = self.kinds.kinds[self.kinds.classes[kind.form.key][0]], self._first[kind.form.key]
+        matrix = np.array([to_floats(row) for row in turn(first, kind)]).T
+        return replace(cells, corners=cells.corners @ matrix), hull @ matrix
+
+    @cached_property
+    def reach(self) -> Floats:
+        """The radius of a ball around each point (N,) that holds its node; 0 where the node has no blend."""
+        found = np.zeros(len(self.kinds.kinds))
+        for key, (_, hull) in self._first.items():
+            found[self.kinds.classes[key]] = np.linalg.norm(hull, axis=1).max() + self.network.slack
+        return np.where(self.kinds.of >= 0, found[self.kinds.of], 0.0)
+
+    @cached_property
+    def ends(self) -> Floats:
+        """Where each strut begins and ends (E, 2), in parts of its length."""
+        return np.asarray(self.kinds.ends[self.kinds.of[self.network.edges], self.kinds.slots])
+
+    def axes(self, struts: Any) -> Floats:
+        """The axes (M, 2, 3) of some struts where these are straight."""
+        first, second = (self.network.points[self.network.edges[struts, end]] for end in (0, 1))
+        here, there = (self.ends[struts, end, None] for end in (0, 1))
+        return np.stack([first + here * (second - first), second - there * (second - first)], axis=1)
+
+    def nodes_apart(self, first: Integers, second: Integers) -> NDArray[np.bool_]:
+        """Of which pairs of nodes (M,) it is proved that their surfaces do not meet."""
+        places, of = self.network.places, self.kinds.of
+
+        def prove(i: int) -> bool:
+            one, other = self.held(first[i]), self.held(second[i])
+            if one is None or other is None:
+                return False
+            way = self.network.points[second[i]] - self.network.points[first[i]]
+            between = (other[1] @ way).min() + way @ way - (one[1] @ way).max()
+            if between > self.network.slack * np.linalg.norm(way):  # by a plane across the way from one to the other
+                return True
+            return self._parted(one[0], replace(other[0], corners=other[0].corners + way), 0.0, way)
+
+        return self._each([of[first], of[second], *(places[second] - places[first]).T], prove)
+
+    def struts_apart(self, nodes: Integers, struts: Integers) -> NDArray[np.bool_]:
+        """Of which nodes and struts (M,) it is proved that they do not meet, where the struts are straight."""
+        network, of = self.network, self.kinds.of
+        links = network.edges[struts]
+        ways = network.places[links] - network.places[nodes][:, None]
+        columns = [of[nodes], *ways.reshape(-1, 6).T, *of[links].T, *self.kinds.slots[struts].T]
+
+        def prove(i: int) -> bool:
+            if (held := self.held(nodes[i])) is None:
+                return False
+            cells, _ = held
+            axis = self.axes(struts[i : i + 1]) - network.points[nodes[i]]
+            segment = Simplices.of([np.zeros((1, cells.table.shape[1]))], axis[:, [0, 0, 1, 1]])
+            ((start, end),) = axis
+            way = np.cross(end - start, np.cross(start, end))  # from the point straight to the axis
+            return self._parted(cells, segment, float(network.thickness[struts[i]]), way)
+
+        return self._each(columns, prove)
+
+    def _each(self, columns: Any, prove: Callable[[int], bool]) -> NDArray[np.bool_]:
+        """What is proved of each row of some columns, once of equal ones."""
+        of, firsts = ranked(columns)
+        rows = list(zip(*(column[firsts].tolist() for column in columns), strict=True))
+        for row, i in zip(rows, firsts.tolist(), strict=True):
+            if row not in self._known:
+                self._known[row] = prove(i)
+        return np.array([self._known[row] for row in rows], dtype=bool)[of]
+
+    def _parted(self, one: Simplices, other: Simplices, distance: float, way: Floats) -> bool:
+        ways = np.stack([way, *np.eye(3)])
+        return parted(one, other, distance, self.network.slack, LIMITS, ways)[0].status is Status.PROVED
+
+
+def _held(cells: Simplices, ways: Floats, far: float) -> tuple[Simplices, Floats]:
+    """Parts of tetrahedra that hold the same zeros, and points (M, 3) whose convex hull does.
+
+    If possible they are as far from the origin as this, and along some ways (M, 3) as far as 1, with `SPARE`.
+    """
+    most, hull = 1 + SPARE, list[Floats]()
+
+    def judge(some: Simplices, _: int) -> Fates:
+        found, there = slices(some)
+        out = np.linalg.norm(found.corners, axis=2).max(axis=1) > most * far
+        out |= ((found.corners @ ways.T) > most).any(axis=(1, 2))
+        hull.append(found.corners[there & ~out].reshape(-1, 3))
+        return np.where(there, np.where(out, Fate.SPLIT, Fate.KEEP), Fate.SETTLED).astype(np.intp)
+
+    found = search(cells, judge, Simplices.halved, LIMITS, "bounding how far nodes reach")
+    hull.append(slices(found.open)[0].corners.reshape(-1, 3))
+    return found.open.joined([found.kept]), np.concatenate(hull)
