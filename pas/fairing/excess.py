@@ -23,7 +23,7 @@ from pas.surface.directions import AROUND, Directions, circle, planes, runs
 from pas.surface.fairness import BULGE, HOLLOW, NARROW, SHARP, WRONG
 from pas.surface.fairness_limits import FairnessLimits, Neighbour, largest_arc, sharpest_of, widest
 from pas.surface.placed import PlacedContacts
-from pas.surface.straight_runs import straight_runs, waists
+from pas.surface.straight_runs import owners, straight_runs
 
 PRESS = 40.0
 """The weight of squares of what is beyond the limits, each over its own unit."""
@@ -105,24 +105,28 @@ class BulgeExcess:
 
 
 class WaistExcess:
-    """How far points leave the straight runs that they belong to."""
+    """How far points leave the straight runs to which rays belong, which were met at some `points` (N, 3)."""
 
-    def __init__(self, neighbours: Sequence[Neighbour], limits: FairnessLimits, center: Floats):
+    def __init__(self, points: Floats, neighbours: Sequence[Neighbour], limits: FairnessLimits, center: Floats):
         self.limits, self.center = limits, center
         self.runs = straight_runs(neighbours)
         self.radius = float(np.mean([n.radius for n in neighbours]))
+        self.owner = owners(self.runs, points - center) if self.runs else np.full(len(points), -1)
 
     def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
         if not self.runs:
             return
         points = sampled.points.points - self.center
-        far = waists(self.runs, points)
-        slopes = np.zeros((len(far), AREA + 1))
-        step = STEP * self.radius
-        for axis, moved in enumerate(step * np.eye(3)):
-            ahead, behind = (waists(self.runs, points + sign * moved) for sign in (1, -1))
-            slopes[:, axis] = np.sign(far) * (ahead - behind) / (2 * step * TIGHT)
-        yield from by_area(sampled, (np.abs(far) - self.limits.waist / 2) / TIGHT, slopes, self.radius)
+        far, slopes, step = np.zeros(len(points)), np.zeros((len(points), AREA + 1)), STEP * self.radius
+        for number, run in enumerate(self.runs):
+            here, unit = self.owner == number, TIGHT * run.radius
+            far[here], *pairs = (
+                np.nan_to_num(run.seen(points[here] + moved)[0]) / unit
+                for moved in (np.zeros(3), *(sign * step * axis for axis in np.eye(3) for sign in (1, -1)))
+            )
+            slopes[here, :3] = np.subtract(pairs[::2], pairs[1::2]).T / (2 * step)
+        slopes *= np.sign(far)[:, None]
+        yield from by_area(sampled, np.abs(far) - self.limits.waist / (2 * TIGHT), slopes, self.radius)
 
 
 def by_area(sampled: SampledGeometry, over: Floats, slopes: Floats, radius: float) -> Iterator[Residuals]:

@@ -92,7 +92,7 @@ class SurfaceObjective:
         sizes = Sizes(radius, distance, center, straight_runs(neighbours))
         check_energy(energy, geometries[0].points, sizes)
         curvature, bulge = CurvatureExcess.of(neighbours, limits), BulgeExcess(rays, neighbours, limits, center)
-        waist = WaistExcess(neighbours, limits, center)
+        waist = WaistExcess(geometries[0].points.points, neighbours, limits, center)
         terms = (Term(surface, (curvature, bulge, waist)), Term(across, (sections,)))
         return cls(placed, energy, sizes, curvature, terms).value(geometries)
 
