@@ -26,7 +26,7 @@ from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import count
 from math import gcd, lcm
-from typing import TypeVar
+from typing import TypeVar, cast
 
 from flint import fmpq, fmpq_mat, fmpz, fmpz_mat, nmod_mat
 
@@ -98,7 +98,7 @@ def bound_values(table: list[list[int]]) -> tuple[list[int], list[list[int]], in
             return pivots, [[] for _ in pivots], 1
         if pivots:
             left, right = (fmpz_mat([[table[i][j] for j in columns] for i in chosen]) for columns in (pivots, free))
-            values, denominator = left.solve(right).numer_denom()
+            values, denominator = cast(fmpq_mat, left.solve(right)).numer_denom()
             rest = [table[i] for i in sorted(set(range(len(table))) - set(chosen))]
             if _follow(rest, pivots, free, values, denominator):
                 return pivots, [[int(v) for v in row] for row in values.tolist()], int(denominator)
