@@ -12,6 +12,7 @@ import pas
 from pas.algebra.rational import cross, determinant, dot, rational
 from pas.blending.net import Net, splines
 from pas.blending.place import ended
+from pas.blending.solving import fewest_members
 from pas.contacts.contact import as_contact
 from pas.exchange.problem import read_problem
 from pas.layouts.kinds import LAYOUTS
@@ -20,6 +21,7 @@ from pas.layouts.planes import arrangement
 from pas.layouts.region import WALLS, Builder, region
 from pas.partition.layout import Layout
 from pas.render.layout import colors
+from pas.surface.placed import PlacedContacts
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 BACK = tuple(tuple(-c for c in axis) for axis in (X, Y, Z))
@@ -128,8 +130,19 @@ def directional(points, direction, exponents, times):
 @pytest.mark.parametrize("name", DIMENSIONS)
 def test_named_nodes_have_their_dimensions(name):
     placed = next(ended(NODES[name], 1, "fan").places())
-    assert pas.solutions(NODES[name], 1, 4, placed.partition).dimension == DIMENSIONS[name][0]
-    assert pas.solutions(NODES[name], 2, 5, placed.partition).dimension == DIMENSIONS[name][1]
+    for order, degree, dimension in zip((1, 2), (4, 5), DIMENSIONS[name], strict=True):
+        assert pas.solutions(NODES[name], order, degree, placed.partition).dimension == dimension
+
+
+@pytest.mark.parametrize(("name", "bounds"), [("three skew", 2), ("off centre", 2), ("elbow", 1), ("cross", 0)])
+def test_unknowns_less_equations_are_a_bound_and_sharp_where_no_equation_repeats(name, bounds):
+    placed = next(ended(NODES[name], 1, "fan").places())
+    found = [
+        (fewest_members(PlacedContacts(placed.partition, placed.contacts, order), degree), dimension)
+        for order, degree, dimension in zip((1, 2), (4, 5), DIMENSIONS[name], strict=True)
+    ]
+    assert all(0 <= bound <= dimension for bound, dimension in found)
+    assert sum(bound == dimension for bound, dimension in found) >= bounds, found
 
 
 def test_a_third_half_plane_in_each_gap_adds_thirty():

@@ -56,16 +56,34 @@ def as_fractions(matrix: fmpq_mat) -> list[list[Fraction]]:
     return [[Fraction(int(v.p), int(v.q)) for v in row] for row in matrix.tolist()]
 
 
-@pytest.mark.parametrize("dense", [True, False])
+@pytest.mark.parametrize(("dense", "prime"), [(10**6, module.FIRST_PRIME), (10**6, 2), (0, module.FIRST_PRIME)])
 @settings(max_examples=60, deadline=None)
 @given(system=SYSTEMS)
-def test_the_reduced_basis_is_that_of_naive_elimination(dense, system):
+def test_the_reduced_basis_is_that_of_naive_elimination(dense, prime, system):
     rows, unknowns = system
-    old, module.DENSE = module.DENSE, (10**6 if dense else 0)
-    try:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "DENSE", dense)
+        patch.setattr(module, "FIRST_PRIME", prime)
         assert as_fractions(nullspace(exact(rows), unknowns)) == reduced(rows, unknowns)
-    finally:
-        module.DENSE = old
+
+
+@pytest.mark.parametrize(
+    ("table", "pivots"),
+    [
+        pytest.param([[2, 1, 0], [0, 0, 2]], [0, 2], id="a pivot would be later, and a row too few"),
+        pytest.param([[2, 1, 0], [0, 2, 1]], [0, 1], id="both pivots would be later"),
+        pytest.param([[1, 1, 0], [1, 3, 0], [0, 0, 1]], [0, 1, 2], id="two rows would be one"),
+        pytest.param([[2, 4, 6]], [0], id="nothing would be left"),
+    ],
+)
+def test_what_a_prime_gets_wrong_is_noticed(monkeypatch, table, pivots):
+    """Modulo 2 each of these has other pivots than over the rationals."""
+    monkeypatch.setattr(module, "FIRST_PRIME", 2)
+    found, values, denominator = module.bound_values(table)
+    reduced, common, rank = fmpz_mat(table).rref()
+    assert found == pivots and rank == len(pivots)
+    free = [j for j in range(3) if j not in pivots]
+    assert values == [[reduced[i, j] * denominator / common for j in free] for i in range(rank)]
 
 
 @settings(max_examples=60, deadline=None)

@@ -153,9 +153,11 @@ def test_junctions_are_proved_and_straight(name, order):
 
 
 def test_without_the_guide_a_junction_has_a_waist():
-    loose = pas.node(T, 1, degree=5, energy=pas.CurvatureVariation(straight=0))
+    usual = pas.node(T, 1, degree=5).limits
+    free = replace(usual, waist=1000)
+    loose = pas.node(T, 1, degree=5, energy=pas.CurvatureVariation(straight=0), limits=free)
     assert loose.fairness.waist > 0.1
-    assert loose.fairness.beyond(loose.limits) == (f"waist {loose.fairness.waist:.3g} above 0.03",)
+    assert loose.fairness.beyond(usual) == (f"waist {loose.fairness.waist:.3g} above 0.03",)
     assert loose.fairness.waisted[1] < -0.5  # opposite to the branch
     kept = pas.node(T, 1, degree=5)
     assert kept.fairness.waist < loose.fairness.waist / 5
@@ -167,6 +169,12 @@ def test_the_limit_can_be_changed():
     assert limits.told.endswith("waist 0.001")
     blend = pas.node(T, 1, degree=4, limits=limits)
     assert any(word.startswith("waist") for word in blend.fairness.beyond(blend.limits))
+
+
+def test_what_is_beyond_the_limit_is_pressed_in_without_the_guide():
+    energy, usual = pas.CurvatureVariation(straight=0), pas.node(T, 1, degree=5).limits
+    free, kept = (pas.node(T, 1, degree=5, energy=energy, limits=replace(usual, waist=w)) for w in (1000, 0.03))
+    assert kept.fairness.waist < free.fairness.waist / 2
 
 
 def test_corners_have_no_run():

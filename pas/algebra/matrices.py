@@ -19,7 +19,7 @@ from math import gcd, lcm
 from typing import Any, TypeVar
 
 import numpy as np
-from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
+from flint import fmpq, fmpq_mat, fmpz, fmpz_mat, nmod_mat
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ Table = list[list[int]]
 K = TypeVar("K", bound=Hashable)
 
 
-def leads(reduced: fmpq_mat, rank: int) -> list[int]:
+def leads(reduced: fmpq_mat | nmod_mat, rank: int) -> list[int]:
     """The columns of the leading entries of a reduced matrix, row by row."""
     return [next(j for j in range(reduced.ncols()) if reduced[i, j] != 0) for i in range(rank)]
 

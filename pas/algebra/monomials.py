@@ -82,14 +82,17 @@ def monomial_values(points: Floats, degree: int) -> Floats:
     return values
 
 
+@cache
 def derivative_matrix(degree: int, variable: int) -> Floats:
-    """The map (count, count) from the coefficients of a polynomial up to a degree to those of its derivative."""
+    """The map (count, count) from the coefficients of a polynomial up to a degree to those of its derivative, not to be
+    written into."""
     where = positions(degree)
     matrix = np.zeros((len(where), len(where)))
     for e, column in where.items():
         if e[variable]:
             lower = tuple(power - (axis == variable) for axis, power in enumerate(e))
             matrix[where[lower], column] = e[variable]
+    matrix.setflags(write=False)
     return matrix
 
 

@@ -207,8 +207,18 @@ def solve_on_layout(
     `contacts` are in local coordinates, `carriers` the pieces of each.  Kept by what it depends on: regions of one
     layout differ in their walls alone.
     """
+    tables, rows = equations_on_layout(contacts, carriers, order, layout, degree)
+    # without the denominator of all members each is many times shorter
+    (basis,) = _shortened([integral_nullspace(rows, tables[0].nrows())[0]])
+    return Products(basis, tables)
+
+
+@lru_cache(maxsize=2)
+def equations_on_layout(
+    contacts: tuple[Contact, ...], carriers: tuple[tuple[int, ...], ...], order: int, layout: Layout, degree: int
+) -> tuple[Tables, list[dict[int, fmpq]]]:
+    """Piecewise polynomials of which all solutions are combinations, and the equations for these."""
     parts = [splines(layout, order, d) for d in range(degree + 1)]
-    total = sum(part[0].nrows() for part in parts)
     tables = tuple(_side_by_side([part[piece] for part in parts], degree) for piece in range(len(layout.pieces)))
     rows: list[dict[int, fmpq]] = []
     for contact, pieces in zip(contacts, carriers, strict=True):
@@ -220,9 +230,7 @@ def solve_on_layout(
                 {i: fmpq(v) for i, v in enumerate(row) if v != 0}
                 for row in (tables[piece] * images).transpose().tolist()
             ]
-    # without the denominator of all members each is many times shorter
-    (basis,) = _shortened([integral_nullspace(rows, total)[0]])
-    return Products(basis, tables)
+    return tables, rows
 
 
 @lru_cache(maxsize=64)

@@ -45,7 +45,7 @@ from pas.algebra.monomials import Exponents, count, exponents, positions
 from pas.algebra.nullspace import integral_nullspace
 from pas.algebra.polynomial import Polynomial
 from pas.blending.multipliers import consistency
-from pas.blending.net import Net, solve_on_layout, splines
+from pas.blending.net import Net, equations_on_layout, solve_on_layout, splines
 from pas.blending.normal_form_system import normal_form_system
 from pas.blending.place import place
 from pas.blending.space import MemberLike, Space
@@ -100,6 +100,15 @@ def _linear(placed: PlacedContacts, degree: int) -> Patches:
             return Net(placed, degree).solve()
         return solve_on_layout(placed.local_contacts, placed.carriers, placed.order, layout, degree)
     return Conditions(placed).solve(degree)
+
+
+def fewest_members(placed: PlacedContacts, degree: int) -> int:
+    """A lower bound of the dimension of the space on a layout, for the price of its equations; 0 elsewhere."""
+    layout = placed.partition.layout
+    if layout is None:
+        return 0
+    tables, rows = equations_on_layout(placed.local_contacts, placed.carriers, placed.order, layout, degree)
+    return max(0, int(tables[0].nrows()) - len(rows))
 
 
 LINEAR = SolvingMethod("linear", _linear, several=True)

@@ -17,12 +17,13 @@ from scipy.spatial import ConvexHull
 
 from pas.algebra.monomials import Floats
 from pas.fairing.basis import WorkingBasis
-from pas.fairing.energy import SurfacePoints
+from pas.fairing.energy import STEP, SurfacePoints
 from pas.fairing.ray_samples import AREA, Numbers, Residuals, SampledGeometry
 from pas.surface.directions import AROUND, Directions, circle, planes, runs
-from pas.surface.fairness import BULGE, HOLLOW, SHARP, WRONG
+from pas.surface.fairness import BULGE, HOLLOW, NARROW, SHARP, WRONG
 from pas.surface.fairness_limits import FairnessLimits, Neighbour, largest_arc, sharpest_of, widest
 from pas.surface.placed import PlacedContacts
+from pas.surface.straight_runs import owners, straight_runs
 
 PRESS = 40.0
 """The weight of squares of what is beyond the limits, each over its own unit."""
@@ -37,6 +38,9 @@ every eighth."""
 
 ALIKE = 9
 """Digits to which planes of a hull, and the distances at which a ray meets them, are the same."""
+
+TIGHT = NARROW / 4
+"""The unit of the waist here: at the whole unit the energy outweighs what is beyond, by up to a third of the limit."""
 
 TOGETHER = 32
 """Rays that are held against all facets of the hull at once: the table stays in the caches."""
@@ -98,6 +102,31 @@ class BulgeExcess:
         slopes[:, :3] = self.normals / (BULGE * self.widest)
         far = ((sampled.points.points - self.center) * self.normals).sum(axis=1) + self.offsets
         yield from by_area(sampled, (far / self.widest - self.limits.bulge / 2) / BULGE, slopes, self.radius)
+
+
+class WaistExcess:
+    """How far points leave the straight runs to which rays belong, which were met at some `points` (N, 3)."""
+
+    def __init__(self, points: Floats, neighbours: Sequence[Neighbour], limits: FairnessLimits, center: Floats):
+        self.limits, self.center = limits, center
+        self.runs = straight_runs(neighbours)
+        self.radius = float(np.mean([n.radius for n in neighbours]))
+        self.owner = owners(self.runs, points - center) if self.runs else np.full(len(points), -1)
+
+    def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
+        if not self.runs:
+            return
+        points = sampled.points.points - self.center
+        far, slopes, step = np.zeros(len(points)), np.zeros((len(points), AREA + 1)), STEP * self.radius
+        for number, run in enumerate(self.runs):
+            here, unit = self.owner == number, TIGHT * run.radius
+            far[here], *pairs = (
+                np.nan_to_num(run.seen(points[here] + moved)[0]) / unit
+                for moved in (np.zeros(3), *(sign * step * axis for axis in np.eye(3) for sign in (1, -1)))
+            )
+            slopes[here, :3] = np.subtract(pairs[::2], pairs[1::2]).T / (2 * step)
+        slopes *= np.sign(far)[:, None]
+        yield from by_area(sampled, np.abs(far) - self.limits.waist / (2 * TIGHT), slopes, self.radius)
 
 
 def by_area(sampled: SampledGeometry, over: Floats, slopes: Floats, radius: float) -> Iterator[Residuals]:

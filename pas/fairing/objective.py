@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
 from pas.fairing.energy import NAMES, Energy, Sizes, SurfacePoints, differences, terms_of
-from pas.fairing.excess import BulgeExcess, CurvatureExcess, Limit, SectionExcess
+from pas.fairing.excess import BulgeExcess, CurvatureExcess, Limit, SectionExcess, WaistExcess
 from pas.fairing.prepared import PreparedSpace
 from pas.fairing.ray_samples import AREA, RaySamples, Residuals, SampledGeometry
 from pas.surface.directions import Directions
@@ -23,8 +23,9 @@ from pas.surface.fairness_limits import FairnessLimits, neighbour
 from pas.surface.placed import PlacedContacts
 from pas.surface.straight_runs import straight_runs
 
-SETTLED, LIVE = (3, 6), (2, 3)
-"""How often the outer faces and triangles on the contact curves are quartered for rays, to settle and for sliders."""
+SETTLED, LIVE = (1200, 3, 5), (400, 2, 3)
+"""Rays at the least, and how often the outer faces and triangles on the contact curves are quartered for them, to
+settle and for sliders.  Between fewer rays surfaces of long nodes hide creases, of which they are not freed later."""
 
 CLOSE_RAYS, CLOSE_DEEPEST, MOST_CLOSE = 4000, 7, 300
 """Rays of the finer sampling, how often triangles on the contact curves are quartered for them, and how many of them
@@ -77,8 +78,8 @@ class SurfaceObjective:
         neighbours = [neighbour(join, scale) for join in placed.joins]
         columns = [start @ coefficients for coefficients in basis.coefficients]
         slope = abs(float(space.guard.mean_alpha @ start))
-        number = max(400, 3 * basis.size)  # of rays, at the least
-        rays = Directions.of(placed, columns, basis.degree, number, *(LIVE if live else SETTLED))
+        fewest, even, deepest = LIVE if live else SETTLED
+        rays = Directions.of(placed, columns, basis.degree, max(fewest, 3 * basis.size), even, deepest)
         surface = RaySamples(basis, rays, center, slope)
         sections = SectionExcess(basis, placed, columns, neighbours, limits)
         across = RaySamples(basis, sections.rays, center, slope)
@@ -91,7 +92,8 @@ class SurfaceObjective:
         sizes = Sizes(radius, distance, center, straight_runs(neighbours))
         check_energy(energy, geometries[0].points, sizes)
         curvature, bulge = CurvatureExcess.of(neighbours, limits), BulgeExcess(rays, neighbours, limits, center)
-        terms = (Term(surface, (curvature, bulge)), Term(across, (sections,)))
+        waist = WaistExcess(geometries[0].points.points, neighbours, limits, center)
+        terms = (Term(surface, (curvature, bulge, waist)), Term(across, (sections,)))
         return cls(placed, energy, sizes, curvature, terms).value(geometries)
 
     def value(self, geometries: tuple[SampledGeometry, ...]) -> ObjectiveValue:

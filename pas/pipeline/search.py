@@ -18,7 +18,7 @@ from typing import Any, Generic, Literal, cast
 from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
 from pas.blending.place import PartitionLike, ended
 from pas.blending.regularity import is_regular
-from pas.blending.solving import solve
+from pas.blending.solving import fewest_members, solve
 from pas.blending.space import Space
 from pas.contacts.contact import ContactLike
 from pas.errors import InfeasibleError, NoSolutionError, NotProvedError
@@ -122,13 +122,16 @@ class Search(Generic[B]):
             tried += 1
             regions, here = tee(regions)
             for number, placed in enumerate(here):
-                space = self._space(placed, degree, settings)
+                fewest = fewest_members(placed, degree) if counts else 0
+                space = self._space(placed, degree, settings) if fewest <= settings.most else None
+                dimension = fewest if space is None else space.dimension
+                if counts and dimension > settings.most:
+                    outcome = f"not tried: more than {settings.most} unknowns"
+                    self.attempts.append(Attempt(degree, dimension, outcome, partition=placed.partition.title))
+                    return self._with_attempts(best)
                 if space is None:  # which spaces are of use does not hang on the region
                     tried -= not number
                     break
-                if counts and space.dimension > settings.most:
-                    self._note(space, f"not tried: more than {settings.most} unknowns")
-                    return self._with_attempts(best)
                 found = self._fitted(space, settings)
                 if found is None:
                     continue

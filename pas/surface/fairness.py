@@ -224,7 +224,8 @@ class _Measuring:
         hull = ConvexHull(np.concatenate([radius * spiral(ball), *(n.curve for n in self.neighbours)]))
         points = np.concatenate([points, np.zeros((1, 3))])  # with the centre, which a flat surface keeps away from
         outermost = points[ConvexHull(points).vertices]
-        far = max(float((outermost @ plane[:3]).max() + plane[3]) for plane in hull.equations)
+        some = (hull.equations[start : start + 256] for start in range(0, len(hull.equations), 256))
+        far = max(float(((outermost @ planes[:, :3].T).max(axis=0) + planes[:, 3]).max()) for planes in some)
         return max(0.0, far) / radius
 
     def waist(self, points: Floats) -> tuple[float, int]:

@@ -21,10 +21,13 @@ from functools import cached_property
 from itertools import combinations, permutations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.surface.fairness_limits import Neighbour
+
+Numbers = NDArray[np.intp]
 
 ROUND = 0.01
 """How far the curve of a tube is from round about its axis, over its radius, at the most."""
@@ -153,12 +156,21 @@ def guided(runs: Sequence[StraightRun], points: Floats) -> tuple[Floats, Floats]
 def waists(runs: Sequence[StraightRun], points: Floats) -> Floats:
     """How far points (N, 3) leave the tube of the run that they belong to, over its smaller radius, negative inwards
     (N,); 0 for those that belong to none."""
+    found, owner = np.zeros(len(points)), owners(runs, points, 2.0)
+    for number, run in enumerate(runs):
+        here = owner == number
+        found[here] = run.seen(points[here])[0] / run.radius
+    return found
+
+
+def owners(runs: Sequence[StraightRun], points: Floats, within: float = np.inf) -> Numbers:
+    """The number of the run that each point (N, 3) belongs to, within so many of its radii from its tube; -1 for
+    none (N,)."""
     distances, cosines = _seen(runs, points)
-    radii = np.array([run.radius for run in runs])
-    own = np.stack([(c <= AWAY).all(axis=1) for c in cosines], axis=1) & (np.abs(distances) < 2 * radii)
-    outermost = distances.argmin(axis=1)[:, None]
-    found = np.where(own, distances / radii, 0.0)
-    return np.asarray(np.take_along_axis(found, outermost, axis=1)[:, 0])
+    near = np.abs(distances) < within * np.array([run.radius for run in runs])
+    own = np.stack([(c <= AWAY).all(axis=1) for c in cosines], axis=1) & near & np.isfinite(distances)
+    outermost = distances.argmin(axis=1)
+    return np.where(np.take_along_axis(own, outermost[:, None], axis=1)[:, 0], outermost, -1)
 
 
 def _seen(runs: Sequence[StraightRun], points: Floats) -> tuple[Floats, list[Floats]]:
