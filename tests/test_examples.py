@@ -16,16 +16,16 @@ ENERGIES = {
     "elbow_gc1": (4, 41, 23.71),
     "elbow_gc2": (5, 38, 26.45),
     "elbow_slim": (5, 34, 47.70),
-    "equal_gc1": (4, 26, 34.23),
-    "equal_gc2": (5, 18, 45.24),
+    "equal_gc1": (4, 26, 34.69),
+    "equal_gc2": (5, 18, 46.19),
     "equal_gc3": (6, 12, 55.40),
     "published_a": (3, 3, 24.365),
     "published_b": (3, 3, 465.28),
     "published_c": (3, 3, 11.328),
     "published_proved": (3, 3, 23.20),
-    "three_pipes": (6, 59, 45.79),
-    "unequal_gc1": (4, 25, 35.87),
-    "unequal_gc2": (6, 59, 45.79),
+    "three_pipes": (6, 59, 46.75),
+    "unequal_gc1": (4, 25, 36.47),
+    "unequal_gc2": (6, 59, 46.75),
 }
 """Degree, dimension and energy of each problem file."""
 

@@ -315,7 +315,7 @@ def test_a_moved_slider_sends_coefficients_alone(session):
     assert (one.head["kind"], two.head["kind"]) == ("picture", "moved")
     assert two.head["scene"] == one.head["scene"] == first.head["scene"]
     assert len(two.packed()) < 3000
-    assert 0 < np.abs(two.arrays["coefficients"] - one.arrays["coefficients"]).max() < 0.1
+    assert 0 < np.abs(two.arrays["coefficients"] - one.arrays["coefficients"]).max() < 0.2
     mesh = made.move(changed(tension="5.6"), one.head["scene"], mesh=True).arrays
     local = made.seen.surface.local
     values = [
