@@ -107,12 +107,7 @@ def bound_values(table: list[list[int]]) -> tuple[list[int], list[list[int]], in
 
 def _follow(rest: list[list[int]], pivots: list[int], free: list[int], values: fmpz_mat, denominator: fmpz) -> bool:
     """Whether other equations follow from those solved, and pivots depend on free unknowns after them only."""
-    rows = values.tolist()
-    first = all(
-        not value or j > pivot
-        for pivot, row in zip(pivots, rows, strict=True)
-        for j, value in zip(free, row, strict=True)
-    )
+    first = all(values[i, k] == 0 or j > pivot for i, pivot in enumerate(pivots) for k, j in enumerate(free))
     if not rest or not first:
         return first
     bound, others = (fmpz_mat([[row[j] for j in columns] for row in rest]) for columns in (pivots, free))

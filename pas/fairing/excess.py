@@ -23,7 +23,7 @@ from pas.surface.directions import AROUND, Directions, circle, planes, runs
 from pas.surface.fairness import BULGE, HOLLOW, NARROW, SHARP, WRONG
 from pas.surface.fairness_limits import FairnessLimits, Neighbour, largest_arc, sharpest_of, widest
 from pas.surface.placed import PlacedContacts
-from pas.surface.straight_runs import owners, straight_runs
+from pas.surface.straight_runs import StraightRun, owners, straight_runs
 
 PRESS = 40.0
 """The weight of squares of what is beyond the limits, each over its own unit."""
@@ -105,28 +105,32 @@ class BulgeExcess:
 
 
 class WaistExcess:
-    """How far points leave the straight runs to which rays belong, which were met at some `points` (N, 3)."""
+    """How far a surface leaves the straight runs.  Each ray belongs for good to the run of the point (N, 3) in which it
+    met a first member: so what counts changes smoothly with the member."""
 
     def __init__(self, points: Floats, neighbours: Sequence[Neighbour], limits: FairnessLimits, center: Floats):
         self.limits, self.center = limits, center
         self.runs = straight_runs(neighbours)
         self.radius = float(np.mean([n.radius for n in neighbours]))
-        self.owner = owners(self.runs, points - center) if self.runs else np.full(len(points), -1)
+        self.owner = owners(self.runs, points - center) if self.runs else None
 
     def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
-        if not self.runs:
+        if self.owner is None:
             return
-        points = sampled.points.points - self.center
-        far, slopes, step = np.zeros(len(points)), np.zeros((len(points), AREA + 1)), STEP * self.radius
+        points, step = sampled.points.points - self.center, STEP * self.radius
+        far, slopes = np.zeros(len(points)), np.zeros((len(points), AREA + 1))
         for number, run in enumerate(self.runs):
-            here, unit = self.owner == number, TIGHT * run.radius
-            far[here], *pairs = (
-                np.nan_to_num(run.seen(points[here] + moved)[0]) / unit
-                for moved in (np.zeros(3), *(sign * step * axis for axis in np.eye(3) for sign in (1, -1)))
-            )
-            slopes[here, :3] = np.subtract(pairs[::2], pairs[1::2]).T / (2 * step)
+            own = points[here := self.owner == number]
+            far[here] = _off(run, own)
+            for axis, moved in enumerate(step * np.eye(3)):
+                slopes[here, axis] = (_off(run, own + moved) - _off(run, own - moved)) / (2 * step)
         slopes *= np.sign(far)[:, None]
         yield from by_area(sampled, np.abs(far) - self.limits.waist / (2 * TIGHT), slopes, self.radius)
+
+
+def _off(run: StraightRun, points: Floats) -> Floats:
+    """How many units of the waist points (N, 3) are outside of the tube of a run (N,); 0 beyond its ends."""
+    return np.nan_to_num(run.seen(points)[0]) / (TIGHT * run.radius)
 
 
 def by_area(sampled: SampledGeometry, over: Floats, slopes: Floats, radius: float) -> Iterator[Residuals]:

@@ -21,13 +21,11 @@ from functools import cached_property
 from itertools import combinations, permutations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
+from pas.mesh.rows import Integers
 from pas.surface.fairness_limits import Neighbour
-
-Numbers = NDArray[np.intp]
 
 ROUND = 0.01
 """How far the curve of a tube is from round about its axis, over its radius, at the most."""
@@ -163,7 +161,7 @@ def waists(runs: Sequence[StraightRun], points: Floats) -> Floats:
     return found
 
 
-def owners(runs: Sequence[StraightRun], points: Floats, within: float = np.inf) -> Numbers:
+def owners(runs: Sequence[StraightRun], points: Floats, within: float = np.inf) -> Integers:
     """The number of the run that each point (N, 3) belongs to, within so many of its radii from its tube; -1 for
     none (N,)."""
     distances, cosines = _seen(runs, points)
