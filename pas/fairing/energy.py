@@ -309,7 +309,8 @@ def differences(residuals: Callable[[SurfacePoints], Floats], points: SurfacePoi
 
 
 def slopes_by_place(values: Callable[[Floats], Floats], points: Floats, step: float) -> Floats:
-    """The derivatives (N, R, 3) of values (N, R) or (N,) at points (N, 3) by these, by central differences."""
+    """The derivatives (N, ..., 3) of values (N, ...) at points (N, 3) by these, by central differences."""
     moved = points + step * np.concatenate([np.eye(3), -np.eye(3)])[:, None]
-    ahead, behind = values(moved.reshape(-1, 3)).reshape(2, 3, len(points), -1)
-    return np.moveaxis((ahead - behind) / (2 * step), 0, 2)
+    found = values(moved.reshape(-1, 3))
+    ahead, behind = found.reshape(2, 3, len(points), *found.shape[1:])
+    return np.moveaxis((ahead - behind) / (2 * step), 0, -1)

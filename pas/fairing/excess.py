@@ -123,7 +123,7 @@ class WaistExcess:
         for number, run in enumerate(self.runs):
             own = points[here := self.owner == number]
             far[here] = _off(run, own)
-            slopes[here, :3] = slopes_by_place(partial(_off, run), own, step)[:, 0]
+            slopes[here, :3] = slopes_by_place(partial(_off, run), own, step)
         slopes *= np.sign(far)[:, None]
         yield from by_area(sampled, np.abs(far) - self.limits.waist / (2 * TIGHT), slopes, self.radius)
 
