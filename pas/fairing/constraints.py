@@ -61,10 +61,18 @@ class Inequalities:
     at_least: Floats
 
     def __add__(self, other: Inequalities) -> Inequalities:
+        if not len(self) or not len(other):
+            return self if len(self) else other
         return Inequalities(np.concatenate([self.rows, other.rows]), np.concatenate([self.at_least, other.at_least]))
 
     def __len__(self) -> int:
         return len(self.rows)
+
+    @property
+    def unit(self) -> Inequalities:
+        """These half-spaces by rows of unit length, which serve solvers best."""
+        by = lengths(self.rows)
+        return Inequalities(self.rows / by[:, None], self.at_least / by)
 
     def missed(self, unknowns: Floats, share: float) -> Inequalities:
         """Those of which a member does not reach a share of the right-hand side."""
@@ -203,7 +211,7 @@ class SampledConstraints:
             at_least.append(np.full(len(rows[-1]), margins.alpha))
             rows.append(cone.depths())
             at_least.append(np.full(len(rows[-1]), margins.wall * self.reach))
-        return Inequalities(np.concatenate(rows), np.concatenate(at_least))
+        return Inequalities(np.concatenate(rows), np.concatenate(at_least)).unit
 
     @cached_property
     def _curves(self) -> cKDTree:
@@ -232,7 +240,7 @@ class SampledConstraints:
         # Members with alpha = 0 have any margin for the price of a scale, and where no others have, the solver fails
         # among huge multiples of them: f goes no deeper than so many radii of the region, where it mostly goes to one.
         depth, deepest = -self.basis.values(0, np.zeros((1, 3))), 10.0 * self.radius * self.reach / self.local_reach
-        return Inequalities(np.concatenate([depth, -depth]), np.array([margins.depth * self.reach, -deepest]))
+        return Inequalities(np.concatenate([depth, -depth]), np.array([margins.depth * self.reach, -deepest])).unit
 
 
 class RayLattice:
@@ -256,7 +264,7 @@ class RayLattice:
             asked = margins.sheet * guard.reach * _lengths(ends)[rays] / guard.radius
             flat = slopes < share * asked
             points = ends[rays[flat]] * shares[flat, None]
-            found += Inequalities(guard.basis.radial(piece, points), (shares * asked)[flat])
+            found += Inequalities(guard.basis.radial(piece, points), (shares * asked)[flat]).unit
         return found
 
     def _profiles(self, piece: int, member: Floats) -> Floats:
@@ -317,3 +325,9 @@ def lattice_weights(subdivisions: int, vertices: int) -> Floats:
 
 def _lengths(vectors: Floats) -> Floats:
     return np.sqrt((vectors * vectors).sum(axis=-1))
+
+
+def lengths(rows: Floats) -> Floats:
+    """Lengths of rows (N, m) by which they can be divided: (N,), 1 for those that are 0."""
+    found = np.sqrt(np.einsum("ij,ij->i", rows, rows))
+    return np.where(found > 0, found, 1.0)
