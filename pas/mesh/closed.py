@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from pas.mesh.cleaning import FOLD, cleaned
@@ -32,7 +31,7 @@ from pas.mesh.projection import distances, newton, pair_normals, project
 from pas.mesh.quality import Quality
 from pas.mesh.refusals import Made, Refusal, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
-from pas.mesh.rows import Floats, Integers, norms
+from pas.mesh.rows import Bools, Floats, Integers, norms
 from pas.mesh.surfaces import mesh_apart, together
 from pas.mesh.topology import connected
 
@@ -186,7 +185,7 @@ def _bounding(mesh: Labelled, field: FaceField, tolerance: float) -> bool:
     return bool(_beginning(field, points, labels, tolerance)[1].all())
 
 
-def _beginning(field: FaceField, points: Floats, labels: Integers, reach: float) -> tuple[Floats, NDArray[np.bool_]]:
+def _beginning(field: FaceField, points: Floats, labels: Integers, reach: float) -> tuple[Floats, Bools]:
     """Points (N, 3) moved onto the faces of their labels (N,), by at most `reach`, and whether the set begins there."""
     placed = newton(points, field, labels[:, None], np.full(len(points), reach))
     return placed, bounds_set(field, placed, labels)

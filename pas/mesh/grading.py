@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.halfedges import TURNED, HalfEdges, VertexKind, following
 from pas.mesh.labelled import Labelled
-from pas.mesh.rows import Floats, Integers, dots, norms
+from pas.mesh.rows import Bools, Floats, Integers, dots, norms
 
 KEPT = 0.35
 """Cosine with the normals below which triangles about folded ones are not made."""
@@ -279,7 +279,7 @@ class Grading:
         mesh.flip(self.fine)
         self._smooth(mesh, about)
 
-    def _smooth(self, mesh: HalfEdges, about: NDArray[np.bool_]) -> None:
+    def _smooth(self, mesh: HalfEdges, about: Bools) -> None:
         """Move chosen vertices (V,) to the middles of their triangles, or along curves, and project them."""
         to, rows = mesh.targets, np.flatnonzero(about & (mesh.kinds < VertexKind.CORNER))
         labels, reach = mesh.labels_about(rows), mesh.sizes[rows] / 4

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from pas.kernels.library import address_of, compiled
 from pas.mesh.labelled import Labelled
-from pas.mesh.rows import Floats, Integers, norms
+from pas.mesh.rows import Bools, Floats, Integers, norms
 from pas.mesh.topology import numbered
 
 TURNED = 0.5
@@ -137,7 +137,7 @@ class HalfEdges:
         return self.triangles[:, [1, 2, 0]].ravel()
 
     @property
-    def on_curves(self) -> NDArray[np.bool_]:
+    def on_curves(self) -> Bools:
         """Which half edges (3 T,) are on the boundary or between two labels."""
         own = np.repeat(self.labels, 3)
         return np.asarray((self.twins < 0) | (own != self.labels[self.twins // 3]))
@@ -277,7 +277,7 @@ class HalfEdges:
                 return rows[: number[0]], owners[: number[0]]
             room = int(number[0])
 
-    def move(self, vertices: Integers, places: Floats, normals: Floats, good: NDArray[np.bool_], aim: float) -> int:
+    def move(self, vertices: Integers, places: Floats, normals: Floats, good: Bools, aim: float) -> int:
         """Put vertices inside faces, if they are good, at places, where triangles get less slender; how many."""
         moved = np.empty(1, dtype=np.intp)
         self._call("pas_mesh_move", len(vertices), vertices, places, normals, good, aim, TURNED, moved)

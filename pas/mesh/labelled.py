@@ -10,9 +10,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pas.mesh.rows import Floats, Integers, norms
+from pas.mesh.rows import Bools, Floats, Integers, norms
 from pas.mesh.topology import connected, numbered, twins_of
 
 NONE = np.empty(0, dtype=np.intp)
@@ -90,7 +89,7 @@ class Topology:
         return self.edge_table[0]
 
     @cached_property
-    def seam_mask(self) -> NDArray[np.bool_]:
+    def seam_mask(self) -> Bools:
         """Which edges (E,) are between different labels."""
         labels = self.edge_table[1]
         return np.asarray(labels[:, 0] != labels[:, 1])

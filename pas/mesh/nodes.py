@@ -17,7 +17,6 @@ from functools import cache
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, cKDTree
 
 from pas.limits import checkpoint
@@ -25,7 +24,7 @@ from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import distances, least_norm, newton, second_derivatives
 from pas.mesh.refusals import Refusal
-from pas.mesh.rows import Floats, Integers, any_of, cross, norms
+from pas.mesh.rows import Bools, Floats, Integers, any_of, cross, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, edge_table, numbered, pinched, same_places
 
@@ -63,7 +62,7 @@ class Nodes:
     points: Floats
     reach: Floats
 
-    def reaches(self, places: Floats) -> NDArray[np.bool_]:
+    def reaches(self, places: Floats) -> Bools:
         """Which places (N, 3) are within reach of one."""
         if not len(self.points):
             return np.zeros(len(places), dtype=bool)
@@ -320,9 +319,7 @@ def _meet(field: FaceField, node: Floats, labels: Integers, close: float) -> boo
     return bool(np.abs(steps).max(initial=0.0) < close)
 
 
-def _drawn_into(
-    center: int, near: NDArray[np.bool_], triangles: Integers, labels: Integers
-) -> tuple[Integers, Integers] | None:
+def _drawn_into(center: int, near: Bools, triangles: Integers, labels: Integers) -> tuple[Integers, Integers] | None:
     """Triangles (T, 3) and labels (T,) with vertices `near` (N,) drawn into one of them, the centre.
 
     None where these are no disc, a label would be lost, or a vertex is no more surrounded by one fan.

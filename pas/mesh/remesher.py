@@ -15,13 +15,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.grading import Grading
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Bools, Floats, Integers
 
 
 @dataclass(frozen=True)
@@ -195,7 +194,7 @@ class Remesher(Grading):
         return worst
 
     @staticmethod
-    def _free(mesh: HalfEdges) -> NDArray[np.bool_]:
+    def _free(mesh: HalfEdges) -> Bools:
         """The vertices (V,) inside faces, not beside the boundary, so that no move takes one out of the region."""
         result, edge = mesh.kinds == VertexKind.INSIDE, mesh.rim_of >= 0
         result[mesh.triangles[edge[mesh.triangles].any(axis=1)]] = False

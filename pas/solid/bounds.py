@@ -12,15 +12,15 @@ from itertools import product
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.scaling import scaled
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.errors import GeometryError
 from pas.limits import checkpoint
+from pas.mesh.rows import Bools, Floats
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import followed_by
-from pas.solid.tree import Bools, Node, Tree, atoms, is_contradiction, parts_of
+from pas.solid.tree import Node, Tree, atoms, is_contradiction, parts_of
 
 FARTHEST = 2.0**24
 """Coordinates beyond which a set counts as unbounded."""

@@ -14,13 +14,13 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.evaluation import CHUNK_ENTRIES, PolynomialBatch
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import to_float
 from pas.algebra.scaling import Scaled
 from pas.limits import checkpoint
+from pas.mesh.rows import Bools, Floats, Integers
 from pas.solid.taylor import TaylorForms
-from pas.solid.tree import Atom, Bools, Columns, Function, Integers, ScalarField, Tree, atoms
+from pas.solid.tree import Atom, Columns, Function, ScalarField, Tree, atoms
 from pas.solid.truths import CompiledTree
 from pas.surface.geometry import derivative_batch
 

@@ -10,10 +10,10 @@ from itertools import pairwise
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import near, plain, square_root, to_float
 from pas.errors import GeometryError
+from pas.mesh.rows import Floats
 from pas.solid.edges import Loop, PlaneEdge, at, gradient, line, radius_of
 from pas.solid.formulas import PlaneSet, formula
 from pas.solid.joints import Joint

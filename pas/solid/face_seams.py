@@ -11,13 +11,12 @@ from flint import fmpq
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import lengths, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, decimal, dot, near, square_root, to_float
 from pas.errors import GeometryError, meant
 from pas.mesh.mesh import Mesh
 from pas.mesh.projection import distances, newton
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Floats, Integers
 from pas.solid.joints import Joint
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree

@@ -9,12 +9,10 @@ from itertools import combinations, product
 
 import numpy as np
 from flint import fmpq
-from numpy.typing import NDArray
 
 from pas.algebra.affine import quadratic_form
 from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
@@ -22,7 +20,7 @@ from pas.contacts.rims import rim_of
 from pas.errors import GeometryError, MeshError
 from pas.mesh.diagnostics import touching
 from pas.mesh.field import FaceField, ShellWall
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Bools, Floats, Integers
 from pas.solid.bounds import ORIGIN, bounding_box
 from pas.solid.evaluator import TreeEvaluator, called
 from pas.solid.functions import followed_by
@@ -105,7 +103,7 @@ class SolidField:
         """The user's coordinates of points (..., 3)."""
         return self.evaluator.world(points)
 
-    def crossed(self, centers: Floats, half: float) -> NDArray[np.bool_]:
+    def crossed(self, centers: Floats, half: float) -> Bools:
         """Which cubes (N,) the boundary may pass."""
         true, false = self.evaluator.decided(*self.evaluator.taylor(centers, np.full((1, 3), half)))
         return ~(true | false)
@@ -143,11 +141,11 @@ class SolidField:
             result[rows] = np.where(_rise(gradients, changes), turn, np.inf)
         return result
 
-    def signs(self, points: Floats) -> NDArray[np.bool_]:
+    def signs(self, points: Floats) -> Bools:
         """Which columns are <= 0 (M, N)."""
         return self.evaluator.signs(points)
 
-    def inside(self, signs: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def inside(self, signs: Bools) -> Bools:
         """Whether points with given signs are in the solid."""
         return self.evaluator.inside(signs)
 
@@ -164,20 +162,20 @@ class SolidField:
             jets[here] = 0.0
         return jets
 
-    def lines(self, labels: Integers) -> NDArray[np.bool_]:
+    def lines(self, labels: Integers) -> Bools:
         """Whether labels' functions (N,) are planes, cylinders or cones: quadrics without a determinant (N,)."""
         return self._lines[labels // 2]
 
-    def planes(self, labels: Integers) -> NDArray[np.bool_]:
+    def planes(self, labels: Integers) -> Bools:
         """Whether labels' functions (N,) are planes (N,)."""
         return self.evaluator.planes[labels // 2]
 
-    def walls(self, labels: Integers) -> NDArray[np.bool_]:
+    def walls(self, labels: Integers) -> Bools:
         """Whether labels' functions (N,) have no face (N,)."""
         return self.evaluator.walls[labels // 2]
 
     @cached_property
-    def _lines(self) -> NDArray[np.bool_]:
+    def _lines(self) -> Bools:
         """Whether the functions of the tree's columns (M,) are planes, cylinders or cones."""
         return np.array([_has_lines(c.function) for c in self.evaluator.columns[: self.evaluator.used]])
 
@@ -258,7 +256,7 @@ def _has_lines(function: Function) -> bool:
     return isinstance(function, Polynomial) and function.degree <= 2 and bool(quadratic_form(function).det() == 0)
 
 
-def _rise(gradients: Floats, changes: Floats) -> NDArray[np.bool_]:
+def _rise(gradients: Floats, changes: Floats) -> Bools:
     """Whether functions with gradients (M, N, 3), up to changes, all rise steeply in some direction (N,).
 
     Tried are the mean of the gradients' directions and three that are turned towards the steepest.

@@ -12,13 +12,13 @@ from typing import ClassVar
 import numpy as np
 
 from pas.algebra.affine import Affine
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
+from pas.mesh.rows import Bools, Floats
 from pas.partition.cells import Partition
 from pas.piecewise import PiecewiseSurface
 from pas.solid.taylor import TaylorForms
-from pas.solid.tree import Atom, Bools, Function, Node, Tree, combined, complement, image, mapped, parts_of, splits_of
+from pas.solid.tree import Atom, Function, Node, Tree, combined, complement, image, mapped, parts_of, splits_of
 
 
 @dataclass(frozen=True)

@@ -20,11 +20,11 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from pas.algebra.affine import Affine
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.mesh.rows import Floats
 from pas.mesh.walls import End, ring
 from pas.solid.runs import gap_between
 from pas.solid.sheets import ROOM, Faces, Loops, SheetBody

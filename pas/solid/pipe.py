@@ -27,7 +27,6 @@ from scipy.spatial import cKDTree
 from pas.algebra.affine import away, height
 from pas.algebra.inputs import shown
 from pas.algebra.lengths import across
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import (
     Exact,
@@ -45,7 +44,7 @@ from pas.algebra.rational import (
     vector,
 )
 from pas.errors import GeometryError
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
 from pas.solid.joints import Joint
 from pas.solid.sheets import Faces

@@ -19,9 +19,9 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, numbered, reflection, rotation, scaling, translation, translations, turns
 from pas.algebra.inputs import points_of, shown
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, rational
 from pas.errors import GeometryError, missing
+from pas.mesh.rows import Floats
 from pas.solid.edges import Loop, PlaneEdge, Point, apart
 from pas.solid.extrusion import extruded
 from pas.solid.formulas import Lift, formula, values

@@ -20,11 +20,10 @@ from flint import fmpq
 
 from pas.algebra.affine import slope_at
 from pas.algebra.inputs import check_order
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import dot, plain, rational, square_root, to_float
 from pas.errors import GeometryError, meant
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Floats, Integers
 from pas.solid.edges import Loop, PlaneEdge, at, radius_of
 from pas.solid.extrusion import Prism, inwards, square_of
 from pas.solid.face_seams import FaceSeam, SmoothEnd

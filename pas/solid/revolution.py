@@ -17,10 +17,10 @@ import numpy as np
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.affine import rotation
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import plain, to_float
 from pas.errors import GeometryError
+from pas.mesh.rows import Floats
 from pas.solid.edges import Loop, PlaneEdge, at, line
 from pas.solid.formulas import PlaneSet, Truth, formula, joined, negated
 from pas.solid.joints import Joint

@@ -34,11 +34,10 @@ from numpy.polynomial import Polynomial as Series
 
 from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.lengths import across, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot, plain, to_float, to_floats
 from pas.errors import GeometryError, meant
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Floats, Integers
 from pas.solid.face_seams import PlaneFace
 from pas.solid.joints import Joint
 from pas.solid.linked import SolidBoundary

@@ -17,12 +17,11 @@ from itertools import combinations
 import numpy as np
 
 from pas.algebra.affine import quadratic_form, slope_at
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import cross, dot, three
 from pas.contacts.contact import Contact
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Floats, Integers
 from pas.mesh.sweep import between_loops
 from pas.mesh.walls import End
 from pas.solid.sheets import COARSE, ROOM, Faces, Loose, SheetBody, Side, merged

@@ -13,10 +13,10 @@ from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import lengths, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.mesh.rows import Bools, Floats
 from pas.solid.evaluator import TreeEvaluator
-from pas.solid.tree import Bools, Tree, atoms
+from pas.solid.tree import Tree, atoms
 
 HIGHEST = 6
 """Degree of functions of which plane sections are looked at: that of the blends of pipes with continuous curvature."""

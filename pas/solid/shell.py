@@ -17,21 +17,20 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial import cKDTree
 
-from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.mesh.closed import FaceMesh
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import least_norm, project
-from pas.mesh.rows import Integers, cross
+from pas.mesh.rows import Bools, Floats, Integers, cross
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.functions import Distance, Followed
 from pas.solid.joints import Joint
-from pas.solid.tree import Atom, Bools, Node, Tree, combined, complement
+from pas.solid.tree import Atom, Node, Tree, combined, complement
 
 BESIDE = 1e-7
 """How far on both sides of a foot the solid is looked for, over the local extent."""

@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike
 from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.algebra.brief import listed
 from pas.algebra.inputs import check_names, check_tolerance, points_of
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, rational, to_float
 from pas.errors import GeometryError, meant
@@ -28,6 +27,7 @@ from pas.limits import WorkLimits, limited
 from pas.mesh.closed import FaceMesh, triangulate_faces
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.mesh.rows import Floats
 from pas.registry import loaded
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape, refuse_mixed

@@ -20,13 +20,13 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.affine import Frame, quadratic_form
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, dot, to_float, to_floats
 from pas.algebra.scaling import scaled
 from pas.contacts.cones import first_met
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
+from pas.mesh.rows import Floats
 from pas.mesh.walls import End
 
 

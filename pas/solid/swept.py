@@ -9,11 +9,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Floats, Integers
 from pas.solid.edges import Loop
 from pas.solid.sheets import Faces, PlacedBody
 

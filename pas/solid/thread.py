@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact, plain, positive, square_root, to_float
+from pas.mesh.rows import Floats
 from pas.solid.functions import Distance, Parametrized
 from pas.solid.sheets import Faces
 from pas.solid.solid import Solid

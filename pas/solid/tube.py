@@ -19,13 +19,13 @@ from pas.algebra.callables import component
 from pas.algebra.inputs import shown, whole
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import across
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, Symbolic, plain, positive, rational, to_float
 from pas.errors import GeometryError
+from pas.mesh.rows import Bools, Floats
 from pas.mesh.shading import unit_rows
 from pas.solid.functions import Distance, Parametrized
 from pas.solid.solid import Solid
-from pas.solid.tree import Atom, Bools, combined
+from pas.solid.tree import Atom, combined
 
 SAMPLES = 512
 """Of a curve, at least."""
