@@ -52,7 +52,7 @@ def test_volume_area_and_topology(name):
     assert shape.volume() == pytest.approx(volume, rel=1e-5)
     assert shape.area() == pytest.approx(area, rel=1e-5)
     assert mesh.volume == pytest.approx(volume, rel=6e-3)  # of vertices on the surface, as few as the tolerance allows
-    has_lines = shape.field.lines(np.arange(2 * len(shape.field.evaluator.columns))).any()
+    has_lines = shape.field.ruled(np.arange(2 * len(shape.field.evaluator.columns))).any()
     assert mesh.smallest_angles.min() > (0.5 if has_lines else 15)  # triangles are long along straight lines
 
 

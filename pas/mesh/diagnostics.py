@@ -18,7 +18,7 @@ import numpy as np
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
-from pas.mesh.projection import distances, newton, second_derivatives
+from pas.mesh.projection import distances, least_solutions, newton, second_derivatives
 from pas.mesh.rows import Bools, Floats, Integers, cross, dots, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected
@@ -216,7 +216,7 @@ class _Place:
         starts = np.tile(self.place, (len(columns), 1))
 
         def step(points: Floats, rows: Integers) -> Floats:
-            return _solved(self._slopes(points, columns[rows]), self._jets(points, columns[rows])[:, 1:])
+            return least_solutions(self._slopes(points, columns[rows]), self._jets(points, columns[rows])[:, 1:])
 
         rows, ends = self._followed(starts, step)
         both = (starts[rows], ends)
@@ -249,7 +249,7 @@ class _Place:
             matrix[:, :3, :3], matrix[:, :3, 3] = bend_f - shares[:, None, None] * bend_g, -g[:, 1:]
             matrix[:, 3, :3] = g[:, 1:]
             right = np.concatenate([f[:, 1:] - shares[:, None] * g[:, 1:], g[:, :1]], axis=1)
-            return _solved(matrix, right)[:, :3]
+            return least_solutions(matrix, right)[:, :3]
 
         rows, ends = self._followed(feet, step)
         first, second = (self._distances(ends, columns) for columns in both[rows].T)
@@ -335,11 +335,3 @@ def _placed(count: int, rows: Integers, points: Floats, right: Bools) -> list[Fl
     for row, point in zip(rows[right].tolist(), points[right], strict=True):
         found[row] = point
     return found
-
-
-def _solved(matrices: Floats, right: Floats) -> Floats:
-    """The least solutions (N, m) of systems (N, m, m) with right sides (N, m); no numbers where those are none."""
-    result = np.full(right.shape, np.nan)
-    rows = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right).all(axis=1)
-    result[rows] = np.einsum("nij,nj->ni", np.linalg.pinv(matrices[rows], rcond=1e-9), right[rows])
-    return result

@@ -31,9 +31,7 @@ class FaceGround:
 
     def __init__(self, field: FaceField, labels: int, long: bool = True) -> None:
         self.field, self.reach = field, float(norms(np.ptp(field.box, axis=0)[None] / 2)[0])
-        every = np.arange(labels)
-        kinds = np.where(field.planes(every), 2, np.where(field.lines(every), 1, 0))
-        self.faces = np.where(field.lines(every) & long, kinds, 0).astype(np.int8)
+        self.faces = (field.ruled(np.arange(labels)) * long).astype(np.int8)
 
     def drawn(self, mesh: HalfEdges, to: Floats) -> tuple[Floats, Floats, None]:
         """Places for vertices that move, one step towards their faces, or two towards curves; and normals."""

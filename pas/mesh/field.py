@@ -91,7 +91,7 @@ class ShellWall:
     inner: Integers
 
 
-class FaceField(Field, Protocol):
+class FaceField(Field, HasJets, Protocol):
     """A set in space whose boundary consists of faces, each on the zero set of a function.
 
     A label names a function and the side of it that is inside; the label's function is negative
@@ -130,9 +130,6 @@ class FaceField(Field, Protocol):
     def inside(self, signs: Bools) -> Bools:
         """Whether points with given signs (M, N) are in the set (N,)."""
 
-    def jets(self, points: Floats, label: int | Integers) -> Floats:
-        """Values and gradients (N, 4) of a label's function, or of each point's own (N,), at points (N, 3)."""
-
     def shells(self) -> Sequence[FaceField]:
         """The surfaces that the boundary may be made of, if they are apart, each as that of a set; itself if one."""
 
@@ -146,14 +143,9 @@ class FaceField(Field, Protocol):
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
         """The labels here of labels (N,) of one of these."""
 
-    def lines(self, labels: Integers) -> Bools:
-        """Whether faces of given labels (N,) have straight lines along which their normals do not turn (N,).
-
-        Planes, cylinders and cones have.
-        """
-
-    def planes(self, labels: Integers) -> Bools:
-        """Whether faces of given labels (N,) are planes (N,)."""
+    def ruled(self, labels: Integers) -> Integers:
+        """Along how many directions the normals of faces of given labels (N,) do not turn: 2 of planes, 1 of cylinders
+        and cones, 0 of others (N,)."""
 
     def walls(self, labels: Integers) -> Bools:
         """Whether given labels (N,) are no faces, but only bound regions (N,)."""

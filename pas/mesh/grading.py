@@ -157,7 +157,7 @@ class Grading:
         order, straight = ratios[rows], np.flatnonzero(ratios[rows] <= 0.05)
         order[straight] = 1e-3 * mesh.lengths(rows[straight])  # along lines of ruled faces
         rows = rows[np.argsort(order, kind="stable")]
-        return mesh.collapse(rows, self.settings.longer, TURNED, 1.0, self.settings.flat)
+        return mesh.collapse(rows, self.settings.longer, TURNED, self.settings.flat)
 
     def _grow(self, mesh: HalfEdges, parts: float) -> None:
         """Split edges that are longer than they may be, and smooth, until none is after some smoothings."""
@@ -263,7 +263,7 @@ class Grading:
             )
             rows = rows[np.argsort(mesh.lengths(rows), kind="stable")]
             mesh.size_plainly()
-            mesh.collapse(rows, 0.0, KEPT, 1.0, self.settings.flat)
+            mesh.collapse(rows, 0.0, KEPT, self.settings.flat)
             self._relax_about(mesh, np.flatnonzero(mesh.cosines < folded))
             mesh.plain = False
             mesh.flip(self.fine)

@@ -93,7 +93,7 @@ class HalfEdges:
         self.reserve(0, 0, 0)
         self.points[:], self.corners[:], self.labels[:] = first.points, triangles.ravel(), labels
         self.wedge_of[:], self.vertex_of[:], self.face_of[:] = wedge_of, pairs // span, pairs % span
-        rims = np.zeros(len(twins), dtype=np.intp) if first.rims is None else first.rims.ravel()
+        rims = np.zeros(len(twins), dtype=np.intp) if first.topology.rims is None else first.topology.rims.ravel()
         self.twins[:] = np.where(twins < 0, -1 - np.maximum(rims, 0), twins)
         self.marks[:], self.fresh[:], self.normals[:], self.caps[:] = 0, True, 0.0, np.inf
         self.outgoing[:] = -1
@@ -125,6 +125,11 @@ class HalfEdges:
 
     def _call(self, name: str, *arguments: NDArray[Any] | float) -> None:
         compiled().call(name, ctypes.addressof(self._struct), *arguments)
+
+    def _filled(self, name: str, *shape: int) -> Floats:
+        result = np.empty(shape)
+        self._call(name, result)
+        return result
 
     @property
     def triangles(self) -> Integers:
@@ -173,16 +178,12 @@ class HalfEdges:
     @property
     def cosines(self) -> Floats:
         """The cosines (T,) between triangles and the normals at their corners."""
-        result = np.empty(len(self.labels))
-        self._call("pas_mesh_cosines", result)
-        return result
+        return self._filled("pas_mesh_cosines", len(self.labels))
 
     @property
     def sines(self) -> Floats:
         """The sines (T,) of triangles' smallest angles."""
-        result = np.empty(len(self.labels))
-        self._call("pas_mesh_sines", result)
-        return result
+        return self._filled("pas_mesh_sines", len(self.labels))
 
     def lengths(self, halves: Integers) -> Floats:
         """The lengths (K,) of half edges."""
@@ -191,9 +192,7 @@ class HalfEdges:
     @property
     def ratios(self) -> Floats:
         """The lengths (3 T,) of half edges over what they should be."""
-        result = np.empty(len(self.corners))
-        self._call("pas_mesh_ratios", result)
-        return result
+        return self._filled("pas_mesh_ratios", len(self.corners))
 
     def bend(self) -> None:
         """Find the curvatures of wedges from the turn of normals along edges."""
@@ -227,16 +226,14 @@ class HalfEdges:
         self._call("pas_mesh_flip", TURNED, float(limit), int(only_fresh), PASSES)
 
     def collapse(
-        self, halves: Integers, longer: float, kept: float, off: float, flat: tuple[float, float, float]
+        self, halves: Integers, longer: float, kept: float, flat: tuple[float, float, float], off: float = 1.0
     ) -> int:
         """Collapse half edges (K,) in this order, or their twins, where the mesh stays good; how many.
 
         See `Limits` in `pas/kernels/edits.c`.
         """
         done = np.empty(1, dtype=np.intp)
-        # Cosine between triangles on ruled faces, which may be long, and the normals, below which a collapse makes
-        # none.
-        held = 0.8
+        held = 0.8  # cosine between triangles on ruled faces, which may be long, and the normals, which collapses keep
         self._call("pas_mesh_collapse", len(halves), halves, np.array([longer, kept, held, off, *flat]), done)
         if done[0]:
             self._call("pas_mesh_pack")
@@ -245,9 +242,7 @@ class HalfEdges:
     @property
     def targets(self) -> Floats:
         """Where vertices (V, 3) should go to make triangles better, in tangent planes and along curves."""
-        result = np.empty((len(self.points), 3))
-        self._call("pas_mesh_targets", result)
-        return result
+        return self._filled("pas_mesh_targets", len(self.points), 3)
 
     def settle(self, points: Floats, normals: Floats, bends: Floats | None, turned: float = TURNED) -> None:
         """Take new points and what is known of wedges, but for those of triangles that are turned away then."""

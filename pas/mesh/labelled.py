@@ -173,12 +173,3 @@ class Labelled:
             total += np.bincount(ends[counted], self.lengths[counted], minlength=count)
             times += np.bincount(ends[counted], minlength=count)
         return np.asarray(total / np.maximum(times, 1))
-
-    @property
-    def rims(self) -> Integers | None:
-        """The boundary curves (T, 3) of the edges of an open mesh."""
-        return self.topology.rims
-
-    def moved(self, points: Floats) -> Labelled:
-        """These triangles on other points (N, 3), without normals."""
-        return Labelled(points, self.topology)

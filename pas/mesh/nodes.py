@@ -22,7 +22,7 @@ from scipy.spatial import ConvexHull, cKDTree
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
-from pas.mesh.projection import distances, least_norm, newton, second_derivatives
+from pas.mesh.projection import distances, least_norm, least_solutions, newton, second_derivatives
 from pas.mesh.refusals import Refusal
 from pas.mesh.rows import Bools, Floats, Integers, any_of, cross, norms
 from pas.mesh.shading import unit_rows
@@ -237,7 +237,8 @@ def _touching(field: FaceField, points: Floats, pairs: Integers, reach: Floats) 
     points, active, still = points.copy(), np.arange(len(points)), 1e-15 * extent
     for _ in range(24):  # quadratic convergence takes fewer; where there is none the steps do not become still
         checkpoint()
-        step = _step(*_system(field, points[active], pairs[active], scale[active], reach[active]))
+        value, matrix = _system(field, points[active], pairs[active], scale[active], reach[active])
+        step = -least_solutions(matrix, value)
         length = np.sqrt((step * step).sum(axis=1))
         points[active] += step * np.minimum(1.0, reach[active] / np.maximum(length, 1e-300))[:, None]
         active = active[length > still]  # not where it is NaN
@@ -263,15 +264,6 @@ def _system(field: FaceField, points: Floats, pairs: Integers, scale: Floats, si
     value = np.concatenate([*(jet[:, :1] for jet in jets), size[:, None] * np.cross(a, b)[:, 0]], axis=1)
     matrix = np.concatenate([a, b, size[:, None, None] * turn.transpose(0, 2, 1)], axis=1)
     return value, matrix
-
-
-def _step(value: Floats, matrix: Floats) -> Floats:
-    """The least steps (N, 3) of the method; NaN where the equations are not finite."""
-    good = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(value).all(axis=1)
-    result = np.full((len(value), 3), np.nan)
-    inverse = np.linalg.pinv(matrix[good], rcond=1e-6)  # equations that hardly differ from others do not move a point
-    result[good] = -np.einsum("nij,nj->ni", inverse, value[good])
-    return result
 
 
 def _touch(field: FaceField, points: Floats, pairs: Integers, close: float) -> np.ndarray:

@@ -11,8 +11,8 @@ from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.refusals import too_many
-from pas.mesh.remesher import Failure, Remeshed, Remesher
+from pas.mesh.refusals import FaceMesh, too_many
+from pas.mesh.remesher import Failure, Remesher
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import Edges
@@ -80,7 +80,7 @@ def followed(field: SheetField, points: Floats, triangles: Integers, rim: Intege
     return given(field, remesher.within(mesh, mend=False), tolerance, remesher.settings)
 
 
-def given(field: SheetField, found: Remeshed | Failure, tolerance: float, settings: Settings) -> Mesh:
+def given(field: SheetField, found: FaceMesh | Failure, tolerance: float, settings: Settings) -> Mesh:
     """What was found in the user's coordinates."""
     if isinstance(found, Failure):
         if found.crowded:

@@ -206,12 +206,6 @@ class TreeEvaluator:
         return np.array([not c.names for c in self.columns[: self.used]])
 
     @cached_property
-    def planes(self) -> Bools:
-        """Which columns of the tree (M,) are planes."""
-        functions = (c.function for c in self.columns[: self.used])
-        return np.array([isinstance(f, Polynomial) and f.degree == 1 for f in functions])
-
-    @cached_property
     def _fields(self) -> dict[int, ScalarField]:
         """The columns that are no polynomials."""
         return {i: c.function for i, c in enumerate(self.columns) if not isinstance(c.function, Polynomial)}

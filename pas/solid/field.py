@@ -149,12 +149,12 @@ class SolidField:
         """Whether points with given signs are in the solid."""
         return self.evaluator.inside(signs)
 
-    def jets(self, points: Floats, label: int | Integers) -> Floats:
+    def jets(self, points: Floats, labels: int | Integers) -> Floats:
         """Values and gradients (N, 4) of a label's function, or each point's own (N,), positive outside.
 
         At special points both are 0 where they are rounding, which has no direction.
         """
-        labels = np.broadcast_to(np.asarray(label, dtype=np.intp), len(points))
+        labels = np.broadcast_to(np.asarray(labels, dtype=np.intp), len(points))
         jets = self.evaluator.jets(points, labels // 2) * (1.0 - 2.0 * (labels % 2))[:, None]
         for special in self.special_points:
             rounding = 2.0**-36  # of coordinates and functions that are of size 1
@@ -162,22 +162,18 @@ class SolidField:
             jets[here] = 0.0
         return jets
 
-    def lines(self, labels: Integers) -> Bools:
-        """Whether labels' functions (N,) are planes, cylinders or cones: quadrics without a determinant (N,)."""
-        return self._lines[labels // 2]
-
-    def planes(self, labels: Integers) -> Bools:
-        """Whether labels' functions (N,) are planes (N,)."""
-        return self.evaluator.planes[labels // 2]
+    def ruled(self, labels: Integers) -> Integers:
+        """2 for planes, 1 for cylinders and cones, which are quadrics without a determinant, 0 for others (N,)."""
+        return self._ruled[labels // 2]
 
     def walls(self, labels: Integers) -> Bools:
         """Whether labels' functions (N,) have no face (N,)."""
         return self.evaluator.walls[labels // 2]
 
     @cached_property
-    def _lines(self) -> Bools:
-        """Whether the functions of the tree's columns (M,) are planes, cylinders or cones."""
-        return np.array([_has_lines(c.function) for c in self.evaluator.columns[: self.evaluator.used]])
+    def _ruled(self) -> Integers:
+        """That of the functions of the tree's columns (M,)."""
+        return np.array([_ruled(c.function) for c in self.evaluator.columns[: self.evaluator.used]])
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         """The labels whose common zeros are where faces of given labels meet."""
@@ -251,9 +247,11 @@ class SolidField:
                     )
 
 
-def _has_lines(function: Function) -> bool:
-    """Whether a function is of degree 2 at most with a symmetric matrix, in x, y, z and 1, without determinant."""
-    return isinstance(function, Polynomial) and function.degree <= 2 and bool(quadratic_form(function).det() == 0)
+def _ruled(function: Function) -> int:
+    """Of a function of degree 2 its symmetric matrix, in x, y, z and 1, says whether it is a cylinder or cone."""
+    if not isinstance(function, Polynomial) or function.degree > 2:
+        return 0
+    return 2 if function.degree == 1 else int(quadratic_form(function).det() == 0)
 
 
 def _rise(gradients: Floats, changes: Floats) -> Bools:

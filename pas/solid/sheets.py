@@ -19,10 +19,11 @@ from typing import Protocol, TypeAlias, TypeVar
 import numpy as np
 
 from pas.algebra.affine import Affine
-from pas.mesh.closed import FaceMesh, refined_faces
+from pas.mesh.closed import refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.mesh.refusals import FaceMesh
 from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.topology import Edges
 from pas.mesh.walls import End, ring

@@ -19,10 +19,10 @@ from scipy.spatial import cKDTree
 
 from pas.errors import GeometryError
 from pas.limits import checkpoint
-from pas.mesh.closed import FaceMesh
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import least_norm, project
+from pas.mesh.refusals import FaceMesh
 from pas.mesh.rows import Bools, Floats, Integers, cross
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected
