@@ -15,13 +15,12 @@ from pas.algebra.rational import near, plain, square_root, to_float
 from pas.errors import GeometryError
 from pas.mesh.rows import Floats
 from pas.solid.edges import Loop, PlaneEdge, at, gradient, line, radius_of
+from pas.solid.faces import COARSE, Faces, SweptBody, cross, flat, jets_of
 from pas.solid.formulas import PlaneSet, formula
 from pas.solid.joints import Joint
 from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operands
-from pas.solid.sheets import COARSE, Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import SweptBody, cross, flat, jets_of, put_flat, put_side
 from pas.solid.tree import Atom, Tree, combined
 
 X, Y, Z = GENERATORS
@@ -135,13 +134,13 @@ class Prism(SweptBody):
             borders = np.cumsum([0, *count])
             for edge, (a, b) in zip(loop.edges, pairwise(borders.tolist()), strict=True):
                 below, above = (first + np.arange(a, b + 1) % len(points) + up for up in (0, n))
-                put_side(made, edge.name, [*np.stack([above, below], axis=1)], jets_of(self.lean.surface(edge)))
+                made.put_side(edge.name, [*np.stack([above, below], axis=1)], jets_of(self.lean.surface(edge)))
             first += len(points)
-        put_flat(made, "bottom", triangles[:, ::-1], np.array([0.0, 0.0, -1.0]))
+        made.put_flat("bottom", triangles[:, ::-1], np.array([0.0, 0.0, -1.0]))
         top = flat(tops) if self.lean.slope else triangles
         if top is None:
             return None
-        put_flat(made, "top", n + top, np.array([0.0, 0.0, 1.0]))
+        made.put_flat("top", n + top, np.array([0.0, 0.0, 1.0]))
         return made
 
     def _top(self, loop: Loop, points: Floats, counts: list[int]) -> Floats:

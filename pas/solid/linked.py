@@ -25,9 +25,9 @@ from pas.algebra.rational import rational
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Floats
-from pas.mesh.walls import End, ring
+from pas.solid.faces import Faces, jets_of, ring
 from pas.solid.runs import gap_between
-from pas.solid.sheets import ROOM, Faces, Loops, SheetBody
+from pas.solid.sheets import ROOM, Loops, SheetBody
 from pas.solid.strips import Sections, SolidStrip
 
 EQUAL = 2.0**-40
@@ -189,7 +189,7 @@ class LinkedBodies:
             flat = np.concatenate([points[loop], other.carried(strip, points[begin], link.share or 1.0)])
             found = ring(flat, np.arange(len(loop)), np.arange(len(loop), len(flat)), axis, strip.name)
             triangles = np.concatenate([loop, begin])[found if side == 0 else found[:, ::-1]]
-            made.add_on(End(tube, axis), strip.name, triangles, 1 if side == 0 else -1)
+            made.put_curved(strip.name, triangles, jets_of(tube))
 
 
 def united(one: SolidBoundary | None, other: SolidBoundary | None) -> LinkedBodies | None:

@@ -27,14 +27,13 @@ from pas.mesh.rows import Floats, Integers
 from pas.solid.edges import Loop, PlaneEdge, at, radius_of
 from pas.solid.extrusion import Prism, inwards, square_of
 from pas.solid.face_seams import FaceSeam, SmoothEnd
+from pas.solid.faces import Faces, SweptBody, jets_of
 from pas.solid.fillet_forms import FilletPiece
 from pas.solid.joints import Joint
 from pas.solid.linked import RenamedBoundary, SolidBoundary
 from pas.solid.operands import Operands
 from pas.solid.rounding import rounded as of_planes
-from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import SweptBody, jets_of, put_level, put_side
 from pas.solid.tree import Atom, combined, complement
 
 X, Y, Z = GENERATORS
@@ -157,7 +156,7 @@ class RoundedPrism(SweptBody):
                 return None
             rims.append(ends)
         tops, bottoms = zip(*rims, strict=True)
-        return made if put_level(made, "top", tops, 1) and put_level(made, "bottom", bottoms, -1) else None
+        return made if made.put_level("top", tops, 1) and made.put_level("bottom", bottoms, -1) else None
 
     def _sections(
         self, made: Faces, number: int, polygon: tuple[Floats, list[int]], tolerance: float
@@ -191,14 +190,14 @@ class RoundedPrism(SweptBody):
         for place, (rows, one) in enumerate(bands):
             if one and one.foot:
                 *arc, rim, inner = rows[:: one.up]
-                if not put_level(made, one.faces[0].face, (rim, inner[::-1]), -one.up):
+                if not made.put_level(one.faces[0].face, (rim, inner[::-1]), -one.up):
                     return None
                 bands[place] = np.stack([*arc, rim])[:: one.up], one
         borders = np.cumsum([0, *polygon[1]])
         for (rows, one), (k, edge) in product(bands, enumerate(loop.edges)):
             face = one.faces[0 if loop.whole else k] if one else RoundFace(edge.name, edge.curve)
             across = rows[:, np.arange(borders[k], borders[k + 1] + 1) % rows.shape[1]]
-            put_side(made, face.face, [*across.T], jets_of(face.surface))
+            made.put_side(face.face, [*across.T], jets_of(face.surface))
         return sections[0][0][0], sections[-1][0][-1]
 
 

@@ -18,10 +18,9 @@ from flint import fmpq
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact, plain, positive, square_root, to_float
 from pas.mesh.rows import Floats
+from pas.solid.faces import FacedBody, Faces, jets_of
 from pas.solid.functions import Distance, Parametrized
-from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import FacedBody, jets_of, put_curved, put_flat
 from pas.solid.tree import Atom, combined
 
 X, Y, Z = GENERATORS
@@ -142,13 +141,12 @@ class Wound(FacedBody):
         for name, (kinds, jets) in bands.items():
             some = np.flatnonzero(np.isin(np.arange(lines - 5) % 4, kinds))
             a, b, c, d = number[:, some], after[:, some], after[:, some + 1], number[:, some + 1]
-            put_curved(
-                made, f"{self.face} {name}", [np.stack(t, -1).reshape(-1, 3) for t in ((a, b, c), (a, c, d))], jets
-            )
+            triangles = [np.stack(t, -1).reshape(-1, 3) for t in ((a, b, c), (a, c, d))]
+            made.put_curved(f"{self.face} {name}", np.concatenate(triangles), jets)
         for end, sign in enumerate((-1, 1)):
             rim, center = np.arange(columns) + end * columns, np.full(columns, len(used) + end)
             fan = np.stack([rim, np.roll(rim, -sign), center], axis=1)
-            put_flat(made, f"{self.face} {('start', 'end')[end]}", fan, np.array([0.0, 0.0, sign]))
+            made.put_flat(f"{self.face} {('start', 'end')[end]}", fan, np.array([0.0, 0.0, sign]))
         return made
 
 
