@@ -19,6 +19,7 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial import ConvexHull, cKDTree
 
+from pas.algebra.lengths import spiral
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
@@ -211,10 +212,8 @@ def _links(field: FaceField, node: Floats, spacing: float, number: int) -> list[
 
 @cache
 def _sphere(number: int) -> tuple[Floats, Integers]:
-    """So many points on the unit sphere, along a spiral with the golden angle, and which are next to each other."""
-    heights, turns = 1 - (2 * np.arange(number) + 1) / number, np.pi * (3 - 5**0.5) * np.arange(number)
-    radii = np.sqrt(1 - heights * heights)
-    units = np.stack([radii * np.cos(turns), radii * np.sin(turns), heights], axis=1)
+    """So many points on the unit sphere, and which are next to each other."""
+    units = spiral(number)
     return units, edge_table(ConvexHull(units).simplices.astype(np.intp))[0]
 
 

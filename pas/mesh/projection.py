@@ -10,7 +10,7 @@ from pas.limits import checkpoint
 from pas.mesh.field import FaceField, HasJets, extent_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import Floats, Integers, cross, dots, norms
-from pas.mesh.shading import unit_rows, uprightness_at
+from pas.mesh.shading import unit_rows, uprightness
 
 NEWTON_STEPS = 16
 NEARBY = 8
@@ -153,4 +153,4 @@ def least_solutions(matrices: Floats, right: Floats, parallel: float = PARALLEL)
 
 def cosines(mesh: Labelled, field: FaceField) -> Floats:
     """The cosine between each triangle's normal and the sum of its face's at the corners (T,)."""
-    return uprightness_at(mesh.points[mesh.triangles], pair_normals(mesh, field)[mesh.topology.corner_pairs])
+    return uprightness(mesh.points[mesh.triangles], pair_normals(mesh, field)[mesh.topology.corner_pairs])

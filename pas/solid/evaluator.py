@@ -13,9 +13,10 @@ from functools import cached_property
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.affine import ORIGIN
 from pas.algebra.evaluation import CHUNK_ENTRIES, PolynomialBatch
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import to_float
+from pas.algebra.rational import Vector, to_float
 from pas.algebra.scaling import Scaled
 from pas.limits import checkpoint
 from pas.mesh.rows import Bools, Floats, Integers
@@ -51,7 +52,7 @@ class TreeEvaluator:
     that the code does not use.
     """
 
-    def __init__(self, tree: Tree, center: tuple[fmpq, fmpq, fmpq], scale: fmpq, extra: tuple[Function, ...] = ()):
+    def __init__(self, tree: Tree, center: Vector = ORIGIN, scale: fmpq = fmpq(1), extra: tuple[Function, ...] = ()):
         self.center, self.scale = center, scale
         # Planes through points that are doubles are one up to their rounding, unless that is far from the origin.
         self._tree, self._numbers = tree, Columns(rounded=max(map(abs, center)) < 2**8 * scale)

@@ -18,6 +18,7 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.projection import distances, newton
 from pas.mesh.rows import Floats, Integers
 from pas.solid.joints import Joint
+from pas.solid.sections import Levels
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree
 
@@ -179,18 +180,6 @@ class FaceSeam:
                 return None
             found.append(moved)
         return np.concatenate(found)
-
-
-@dataclass(frozen=True, eq=False)
-class Levels:
-    """Polynomials by number, whose common zeros are looked for."""
-
-    functions: tuple[Polynomial, ...]
-
-    def jets(self, points: Floats, labels: int | Integers) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3) of the polynomial that has the number, one for all of them."""
-        function = self.functions[int(np.ravel(labels)[0])]
-        return np.concatenate([function(points)[:, None], function.gradient(points)], axis=1)
 
 
 def _along(edges: Floats) -> tuple[Floats, float]:

@@ -12,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from pas.algebra.affine import Affine
+from pas.algebra.lengths import across
 from pas.algebra.polynomial import Polynomial
 from pas.errors import MeshError
 from pas.mesh.mesh import Mesh
@@ -51,8 +52,7 @@ class End:
 
     def facing(self, corners: Floats) -> Floats:
         """Of triangles (T, 3, 3) the area (T,) across the axis, positive where they are seen from outside."""
-        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        return np.asarray(across @ self.axis)
+        return np.asarray(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ self.axis)
 
 
 class Faces:
@@ -116,8 +116,8 @@ class Faces:
         triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
         corners = self.points[triangles]
         _, slopes = jets(corners)
-        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        slopes *= np.sign((slopes * across[:, None, :]).sum(axis=-1, keepdims=True))
+        facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        slopes *= np.sign((slopes * facing[:, None, :]).sum(axis=-1, keepdims=True))
         self.add(name, triangles, slopes / np.linalg.norm(slopes, axis=-1, keepdims=True))
         values, slopes = jets((corners + np.roll(corners, 1, axis=1)) / 2)
         self.deviation = max(self.deviation, float((np.abs(values) / np.linalg.norm(slopes, axis=-1)).max()))
@@ -185,7 +185,6 @@ class FacedBody(PlacedBody):
     """What bounds a solid all faces of which are made at once."""
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        """A closed mesh within a tolerance (the model's units), as measured; None where rounding spoils it."""
         faces = self.made(tolerance / self.stretch)
         if faces is None or faces.deviation * self.stretch > tolerance:
             return None
@@ -204,7 +203,6 @@ class SweptBody(FacedBody):
 
     @property
     def extent(self) -> float:
-        """The size of the widest loop."""
         return max(loop.size for loop in self.loops)
 
     def polygons(self, tolerance: float) -> tuple[list[Floats], list[list[int]], Integers] | None:
@@ -248,12 +246,9 @@ def cross(u: Floats, v: Floats) -> Floats:
 def ring(points: Floats, outer: Integers, inner: Integers, normal: Floats, name: str) -> Integers:
     """Triangles between two loops around a normal, counterclockwise seen from its tip."""
     middle = points[inner].mean(axis=0)
-    first = points[inner[0]] - middle
-    first = first - (first @ normal) * normal
-    axes = np.stack([first, np.cross(normal, first)])
     rings = []
     for given in (outer, inner):
-        x, y = axes @ (points[given] - middle).T
+        x, y = across(normal) @ (points[given] - middle).T
         angles = np.arctan2(y, x)
         turned = np.unwrap(angles)
         step = 1 if turned[-1] > turned[0] else -1

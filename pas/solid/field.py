@@ -8,7 +8,6 @@ from functools import cached_property
 from itertools import combinations, product
 
 import numpy as np
-from flint import fmpq
 
 from pas.algebra.affine import quadratic_form
 from pas.algebra.inputs import shown_point
@@ -21,7 +20,7 @@ from pas.errors import GeometryError, MeshError
 from pas.mesh.diagnostics import touching
 from pas.mesh.field import FaceField, ShellWall
 from pas.mesh.rows import Bools, Floats, Integers
-from pas.solid.bounds import ORIGIN, bounding_box
+from pas.solid.bounds import bounding_box
 from pas.solid.evaluator import TreeEvaluator, called
 from pas.solid.functions import followed_by
 from pas.solid.seams import Seams, seams_of
@@ -89,22 +88,18 @@ class SolidField:
         return result
 
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
-        """The labels here of labels (N,) of one of these."""
         assert isinstance(shell, SolidField)
         columns, turned = self.evaluator.number(shell.evaluator, labels // 2)
         return 2 * columns + (labels % 2 ^ turned)
 
     @property
     def scale(self) -> float:
-        """The user's length of one local unit."""
         return to_float(self.evaluator.scale)
 
     def world(self, points: Floats) -> Floats:
-        """The user's coordinates of points (..., 3)."""
         return self.evaluator.world(points)
 
     def crossed(self, centers: Floats, half: float) -> Bools:
-        """Which cubes (N,) the boundary may pass."""
         true, false = self.evaluator.decided(*self.evaluator.taylor(centers, np.full((1, 3), half)))
         return ~(true | false)
 
@@ -142,11 +137,9 @@ class SolidField:
         return result
 
     def signs(self, points: Floats) -> Bools:
-        """Which columns are <= 0 (M, N)."""
         return self.evaluator.signs(points)
 
     def inside(self, signs: Bools) -> Bools:
-        """Whether points with given signs are in the solid."""
         return self.evaluator.inside(signs)
 
     def jets(self, points: Floats, labels: int | Integers) -> Floats:
@@ -167,7 +160,6 @@ class SolidField:
         return self._ruled[labels // 2]
 
     def walls(self, labels: Integers) -> Bools:
-        """Whether labels' functions (N,) have no face (N,)."""
         return self.evaluator.walls[labels // 2]
 
     @cached_property
@@ -176,7 +168,6 @@ class SolidField:
         return np.array([_ruled(c.function) for c in self.evaluator.columns[: self.evaluator.used]])
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
-        """The labels whose common zeros are where faces of given labels meet."""
         if labels not in self._placing:
             self._placing[labels] = self._functions(labels) if len(labels) > 1 else labels
         return self._placing[labels]
@@ -278,7 +269,7 @@ def _rise(gradients: Floats, changes: Floats) -> Bools:
 
 def _is_within(tree: Tree, box: Floats) -> bool:
     """Whether a set lies in a box (2, 3), and is not empty."""
-    evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
+    evaluator = TreeEvaluator(tree)
     beyond = box.mean(axis=0) + np.array(list(product((-2.0, 2.0), repeat=3))) * np.ptp(box, axis=0)
     if evaluator.contains(beyond).any():  # as most complements are there, whose boxes take long
         return False
@@ -314,7 +305,7 @@ def without_implied(tree: Tree, box: Floats, within: float) -> Tree:
 
 def _is_thin(tree: Tree, box: Floats, within: float) -> bool:
     """Whether no boxes in another (2, 3) that are smaller than `within` have their centres in a set; they cover it."""
-    evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
+    evaluator = TreeEvaluator(tree)
 
     def judge(boxes: Boxes, depth: int) -> Fates:
         open_ = ~evaluator.decided(*evaluator.taylor(boxes.centers, boxes.halves))[1]

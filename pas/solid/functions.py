@@ -104,11 +104,9 @@ class Moved(Distance):
 
     @property
     def follows(self) -> Followed | None:  # type: ignore[override]
-        """The images of the faces that the inner one follows."""
         return self.inner.follows and self.inner.follows.moved(self.map)
 
     def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4)."""
         jets = self.inner.jets(self.map.inverse.points(points))
         jets[:, 0] *= self.factor
         jets[:, 1:] = self.factor * jets[:, 1:] @ self.map.inverse.floats[0]
@@ -162,7 +160,6 @@ class Pieces:
 
     @property
     def exponent(self) -> int:
-        """Of the power of two that the pieces are scaled by."""
         return self.surface.scaled.exponent
 
     def jets(self, points: Floats) -> Floats:

@@ -20,11 +20,13 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from pas.algebra.affine import Affine
+from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Floats
+from pas.solid.bounds import hull
 from pas.solid.faces import Faces, jets_of, ring
 from pas.solid.runs import gap_between
 from pas.solid.sheets import ROOM, Loops, SheetBody
@@ -112,8 +114,7 @@ class LinkedPart:
     @cached_property
     def box(self) -> Floats:
         """The box (2, 3) of all."""
-        found = np.array([*self.boxes.values()])
-        return np.stack([found[:, 0].min(axis=0), found[:, 1].max(axis=0)])
+        return hull([*self.boxes.values()])
 
     def carried(self, strip: SolidStrip, points: Floats, share: float) -> Floats:
         """Points (N, 3) of the loop in which a strip begins, moved a share of the way along it."""
@@ -151,18 +152,15 @@ class LinkedBodies:
 
     @cached_property
     def coarse(self) -> Mesh:
-        """Those of all of them."""
         made = Faces([], 0.0)
         for part in self.parts:
             made.put(part.body.coarse)  # type: ignore[arg-type]  # without which it is no part
         return made.mesh
 
     def moved(self, map_: Affine) -> LinkedBodies:
-        """Its image."""
         return replace(self, parts=tuple(LinkedPart(part.body.moved(map_)) for part in self.parts))
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        """A closed mesh within a tolerance (the model's units), as measured; None where a body has none."""
         made, loops = Faces([], 0.0), list[Loops]()
         for number, part in enumerate(self.parts):
             ends = {k.number: k.share is not None for k in self.links if k.part == number}
@@ -181,8 +179,7 @@ class LinkedBodies:
         """The strip of a link, on each side, between the loops in which one chain ends and the other begins."""
         other = self.parts[link.other]
         _, plane, _, tubes, _ = next(end for end in other.ends if end.number == link.other_number)
-        slope = -plane.gradient(np.zeros(3))
-        axis = slope / np.linalg.norm(slope)
+        axis = unit(-plane.gradient(np.zeros(3)))
         for side, tube in enumerate(tubes):
             loop, begin = near[side, link.number], far[side, link.other_number]
             (strip,) = other.body.sides[side].chains[link.other_number].strips
@@ -222,7 +219,7 @@ def _links(i: int, one: LinkedPart, j: int, other: LinkedPart) -> Iterator[tuple
     for mine, its in product(one.ends, other.ends):
         if len(mine.tubes) != len(its.tubes) or not all(map(_same, mine.tubes, its.tubes)):
             continue
-        way, its_way = (g / np.linalg.norm(g) for g in (end.plane.gradient(np.zeros(3)) for end in (mine, its)))
+        way, its_way = (unit(end.plane.gradient(np.zeros(3))) for end in (mine, its))
         rounding, (short, long) = EQUAL * (1 + np.abs(mine.place).max()), sorted((mine.length, its.length))
         overlap = short + long - float((its.place - mine.place) @ way)
         if way @ its_way <= EQUAL - 1 and long > rounding and -rounding <= overlap <= short + rounding:
@@ -264,7 +261,6 @@ class RenamedBoundary:
 
     @property
     def coarse(self) -> Mesh | None:
-        """That of the body, by its names."""
         return self.body.coarse
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
@@ -273,5 +269,4 @@ class RenamedBoundary:
         return found and replace(found, names=tuple(self.names.get(name, name) for name in found.names))
 
     def moved(self, map_: Affine) -> RenamedBoundary:
-        """Its image."""
         return replace(self, body=self.body.moved(map_))

@@ -119,7 +119,6 @@ class Operands:
         """None: what is cut is only a first mesh."""
 
     def moved(self, map_: Affine) -> Operands:
-        """That of the image."""
         return replace(self, parts=tuple(part._moved(map_) for part in self.parts))
 
     def first_mesh(self, field: SolidField, tolerance: float) -> Labelled | None:

@@ -83,17 +83,9 @@ def _section(order: int, parts: int) -> Floats:
 
 
 @dataclass(frozen=True)
-class RoundFace:
-    """The name and the surface of a face."""
-
-    face: str
-    surface: Polynomial
-
-
-@dataclass(frozen=True)
 class Rounds:
-    """The faces along the edges of a loop, by its number, in a plane across it at a `level`, above it if `up` is 1 and
-    below if -1: rounds of an end of the loop's solid, or, where `foot` is not 0, fillets around it.
+    """The faces, by name and surface, along the edges of a loop, by its number, in a plane across it at a `level`,
+    above it if `up` is 1 and below if -1: rounds of an end of its solid, or, where `foot` is not 0, fillets around it.
 
     A fillet ends in the plane, in what the solid stands on, and begins where the sides are left.  Rounding would say
     which of two faces in one plane is in front, so that the row of the sides is moved on by `foot` beyond it.
@@ -105,7 +97,7 @@ class Rounds:
     foot: float
     radius: float
     order: int
-    faces: tuple[RoundFace, ...]
+    faces: tuple[tuple[str, Polynomial], ...]
 
     @classmethod
     def of(cls, loop: int, pieces: Sequence[FilletPiece], height: float) -> Rounds:
@@ -114,7 +106,7 @@ class Rounds:
         slope = plane.diff(2).raw(0, 0, 0)
         level, up = to_float(-plane.raw(0, 0, 0) / slope), sign if slope > 0 else -sign
         foot = min(radius / 64, (level if up > 0 else height - level) / 2 or radius) if sign > 0 else 0.0
-        faces = tuple(RoundFace(piece.face, piece.form.surface) for piece in pieces)
+        faces = tuple((piece.face, piece.form.surface) for piece in pieces)
         return cls(loop, level, up, foot, radius, pieces[0].order, faces)
 
     def fits(self, height: float) -> bool:
@@ -190,14 +182,14 @@ class RoundedPrism(SweptBody):
         for place, (rows, one) in enumerate(bands):
             if one and one.foot:
                 *arc, rim, inner = rows[:: one.up]
-                if not made.put_level(one.faces[0].face, (rim, inner[::-1]), -one.up):
+                if not made.put_level(one.faces[0][0], (rim, inner[::-1]), -one.up):
                     return None
                 bands[place] = np.stack([*arc, rim])[:: one.up], one
         borders = np.cumsum([0, *polygon[1]])
         for (rows, one), (k, edge) in product(bands, enumerate(loop.edges)):
-            face = one.faces[0 if loop.whole else k] if one else RoundFace(edge.name, edge.curve)
+            name, surface = one.faces[0 if loop.whole else k] if one else (edge.name, edge.curve)
             across = rows[:, np.arange(borders[k], borders[k + 1] + 1) % rows.shape[1]]
-            made.put_side(face.face, [*across.T], jets_of(face.surface))
+            made.put_side(name, [*across.T], jets_of(surface))
         return sections[0][0][0], sections[-1][0][-1]
 
 

@@ -256,7 +256,6 @@ class RoundedBody(FacedBody):
 
     @property
     def extent(self) -> float:
-        """The longest side of the polyhedron's box."""
         corners = [_corner(tuple(vertex), np.ones((1, 3)), 0.0) for edge in self.edges for vertex in edge.vertices]
         return float(np.ptp(np.concatenate(corners), axis=0).max())
 

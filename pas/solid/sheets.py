@@ -134,7 +134,6 @@ class SheetBody(PlacedBody):
         return float(np.ptp(points, axis=0).max())
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        """A closed mesh within a tolerance (the model's units), as measured; None where a surface is not as wished."""
         found = self.opened(tolerance, quality, {})
         return None if found is None else found[0]
 

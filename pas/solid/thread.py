@@ -65,7 +65,6 @@ class Flank(Distance, Parametrized):
         return np.stack([r * np.cos(angle), r * np.sin(angle), self.pitch * turn + off], axis=1)
 
     def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3)."""
         off, r = self.off(points), np.hypot(points[:, 0], points[:, 1])
         # Inside the root, where it is not asked for, the winding is faded out: it is not continuous at the axis.
         share = np.clip(2 * r / self.root - 1 / 2, 0, 1)
@@ -83,12 +82,10 @@ class Flank(Distance, Parametrized):
         return found[..., 0], found[..., 1:]
 
     def to_record(self) -> dict[str, Any]:
-        """The diameter and the pitch, exact."""
         return {"diameter": plain(self.exact_diameter), "pitch": plain(self.exact_pitch)}
 
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> Flank:
-        """The flank of `to_record`."""
         return cls(record["diameter"], record["pitch"])
 
 
@@ -102,7 +99,6 @@ class Wound(FacedBody):
 
     @property
     def extent(self) -> float:
-        """The larger one of its height and its diameter."""
         return max(self.height, 2 * self.flank.crest)
 
     def made(self, tolerance: float) -> Faces:
