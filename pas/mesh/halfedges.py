@@ -244,10 +244,10 @@ class HalfEdges:
         """Where vertices (V, 3) should go to make triangles better, in tangent planes and along curves."""
         return self._filled("pas_mesh_targets", len(self.points), 3)
 
-    def settle(self, points: Floats, normals: Floats, bends: Floats | None, turned: float = TURNED) -> None:
+    def settle(self, points: Floats, normals: Floats, bends: Floats | None) -> None:
         """Take new points and what is known of wedges, but for those of triangles that are turned away then."""
         given = np.empty(0) if bends is None else bends
-        self._call("pas_mesh_settle", points, normals, given, int(bends is not None), float(turned))
+        self._call("pas_mesh_settle", points, normals, given, int(bends is not None), TURNED)
 
     def middles(self, rows: Integers, halves: Integers) -> tuple[Floats, Floats]:
         """The centres (K, 3) of triangles and the middles (H, 3) of half edges."""
