@@ -169,10 +169,8 @@ class Join:
 
     @cached_property
     def _on_faces(self) -> Callable[[int], list[tuple[Floats, Floats]]]:
-        triangles = [self.partition.points[list(face.vertices)] for face in self.faces]
-        return cache(
-            lambda subdivisions: [_zeros_on_triangle(self.contact.surface, t, subdivisions) for t in triangles]
-        )
+        surface, triangles = self.contact.surface, [self.partition.points[list(face.vertices)] for face in self.faces]
+        return cache(lambda subdivisions: [_zeros_on_triangle(surface, t, subdivisions) for t in triangles])
 
     @cached_property
     def radius(self) -> float:

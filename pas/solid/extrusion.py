@@ -15,10 +15,9 @@ from pas.algebra.rational import near, plain, square_root, to_float
 from pas.errors import GeometryError
 from pas.mesh.rows import Floats, Integers
 from pas.solid.edges import Loop, PlaneEdge, at, gradient, line, radius_of
-from pas.solid.faces import COARSE, Faces, SweptBody, cross, flat, jets_of
+from pas.solid.faces import COARSE, Faces, SolidBoundary, SweptBody, cross, flat, jets_of
 from pas.solid.formulas import PlaneSet, formula
 from pas.solid.joints import Joint
-from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operands
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined

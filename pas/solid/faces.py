@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import TypeVar
+from typing import Self
 
 import numpy as np
 
@@ -147,22 +147,34 @@ class Faces:
         return Mesh(self.points, triangles, faces, names, normals, deviation=self.deviation)
 
 
-B = TypeVar("B", bound="PlacedBody")
+class SolidBoundary(ABC):
+    """What bounds a solid, of which it gives a mesh without a lattice."""
+
+    @property
+    @abstractmethod
+    def coarse(self) -> Mesh | None:
+        """A coarse mesh of it, which shows where it is; None where it has none."""
+
+    @abstractmethod
+    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
+        """A closed mesh within a tolerance (the model's units), as measured; None where there is none."""
+
+    @abstractmethod
+    def moved(self, map_: Affine) -> Self:
+        """Its image."""
 
 
 @dataclass(frozen=True, eq=False)
-class PlacedBody(ABC):
+class PlacedBody(SolidBoundary):
     """What bounds a solid all faces of which are made without a lattice; `place` is how it was moved."""
 
     place: Affine | None = field(default=None, kw_only=True)
 
-    def moved(self: B, map_: Affine) -> B:
-        """Its image."""
+    def moved(self, map_: Affine) -> Self:
         return replace(self, place=map_ if self.place is None else map_.after(self.place))
 
     @cached_property
     def coarse(self) -> Mesh | None:
-        """A coarse mesh of it, which shows where it is; None where it has none."""
         return self.mesh(COARSE * self.stretch * self.extent, Quality.BALANCED)
 
     @property
@@ -174,10 +186,6 @@ class PlacedBody(ABC):
     @abstractmethod
     def extent(self) -> float:
         """About how large it was before it was moved."""
-
-    @abstractmethod
-    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        """A closed mesh within a tolerance (the model's units), as measured; None where there is none."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,27 +27,13 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Floats
 from pas.solid.bounds import hull
-from pas.solid.faces import Faces, jets_of, ring
+from pas.solid.faces import Faces, SolidBoundary, jets_of, ring
 from pas.solid.runs import gap_between
 from pas.solid.sheets import ROOM, Loops, SheetBody
 from pas.solid.strips import Sections, SolidStrip
 
 EQUAL = 2.0**-40
 """Coefficients that are off by less, over the largest, are the same: heights of caps are rounded to doubles."""
-
-
-class SolidBoundary(Protocol):
-    """What bounds a solid, of which it gives a mesh without a lattice."""
-
-    @property
-    def coarse(self) -> Mesh | None:
-        """A coarse mesh of it, which shows where it is; None where it has none."""
-
-    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        """A closed mesh within a tolerance (the model's units), as measured; None where there is none."""
-
-    def moved(self, map_: Affine) -> SolidBoundary:
-        """Its image."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +130,7 @@ class LinkedPart:
 
 
 @dataclass(frozen=True, eq=False)
-class LinkedBodies:
+class LinkedBodies(SolidBoundary):
     """Several bodies that are apart but for the `links` in which they go on in one another."""
 
     parts: tuple[LinkedPart, ...]
@@ -253,7 +239,7 @@ def _same(one: Polynomial, other: Polynomial) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class RenamedBoundary:
+class RenamedBoundary(SolidBoundary):
     """What bounds a solid, with other names of its faces."""
 
     body: SolidBoundary

@@ -29,8 +29,9 @@ from pas.mesh.quality import Quality
 from pas.mesh.rows import Floats, cross, dots, norms
 from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.settings import RELATIVE_TOLERANCE
+from pas.solid.faces import SolidBoundary
 from pas.solid.field import SolidField
-from pas.solid.linked import LinkedBodies, RenamedBoundary, SolidBoundary, united
+from pas.solid.linked import LinkedBodies, RenamedBoundary, united
 from pas.solid.runs import plain_run
 from pas.solid.sheets import SheetBody
 from pas.solid.shell import Hollowable
@@ -69,7 +70,7 @@ def renamed_boundary(body: SolidBoundary | None, names: Mapping[str, str]) -> So
 
 
 @dataclass(frozen=True, eq=False)
-class Operands:
+class Operands(SolidBoundary):
     """Solids that no set operation made, and the steps in which these made another one of them; see `carried_out`."""
 
     parts: tuple[Operand, ...]

@@ -25,9 +25,10 @@ from pas.errors import GeometryError, meant
 from pas.solid.edges import Loop, PlaneEdge, at, radius_of
 from pas.solid.extrusion import Prism, Rounds, square_of
 from pas.solid.face_seams import FaceSeam, SmoothEnd
+from pas.solid.faces import SolidBoundary
 from pas.solid.fillet_forms import FilletPiece
 from pas.solid.joints import Joint
-from pas.solid.linked import RenamedBoundary, SolidBoundary
+from pas.solid.linked import RenamedBoundary
 from pas.solid.operands import Operands
 from pas.solid.rounding import rounded as of_planes
 from pas.solid.solid import Solid

@@ -22,10 +22,9 @@ from pas.algebra.rational import plain, to_float
 from pas.errors import GeometryError
 from pas.mesh.rows import Floats
 from pas.solid.edges import Loop, PlaneEdge, at, line
-from pas.solid.faces import Faces, SweptBody
+from pas.solid.faces import Faces, SolidBoundary, SweptBody
 from pas.solid.formulas import PlaneSet, Truth, formula, joined, negated
 from pas.solid.joints import Joint
-from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operands
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, combined

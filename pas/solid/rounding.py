@@ -39,9 +39,8 @@ from pas.algebra.rational import Vector, cross, dot, plain, to_float, to_floats
 from pas.errors import GeometryError, meant
 from pas.mesh.rows import Floats, Integers
 from pas.solid.face_seams import PlaneFace
-from pas.solid.faces import FacedBody, Faces, flat, jets_of
+from pas.solid.faces import FacedBody, Faces, SolidBoundary, flat, jets_of
 from pas.solid.joints import Joint
-from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operands
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined, complement, parts_of

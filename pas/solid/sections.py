@@ -118,7 +118,7 @@ class Levels:
 
     def jets(self, points: Floats, labels: int | Integers) -> Floats:
         """Values and gradients (N, 4) at points (N, 3) of the polynomial that has the number, one for all of them."""
-        function = self.functions[int(np.ravel(labels)[0])]
+        function = self.functions[int(np.max(labels, initial=0))]
         return np.concatenate([function(points)[:, None], function.gradient(points)], axis=1)
 
 

@@ -34,10 +34,10 @@ from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape, refuse_mixed
 from pas.solid.bounds import bounding_box, narrowed
 from pas.solid.edge_verbs import WithEdges
+from pas.solid.faces import SolidBoundary
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
 from pas.solid.joints import Joint, Known, orders, prove, refuse_unknown, verdict_list
-from pas.solid.linked import SolidBoundary
 from pas.solid.measures import Measures, curved_measures
 from pas.solid.operands import Operands, combined_boundary, renamed_boundary
 from pas.solid.sheets import face_mesh, merged, roomy
