@@ -36,7 +36,7 @@ def extruded(profile: PlaneSet, height: fmpq, taper: fmpq) -> Solid:
     def lift(loop: Loop, outside: bool) -> Tree:
         lean = Lean(-slope if outside else slope)
         lean.check(loop, height)
-        return formula(loop, lambda edge: Atom(lean.surface(edge), edge.name), lambda edge: Atom(lean.wall(edge), ""))
+        return lean.tree(loop)
 
     ends = [Atom(Polynomial.from_raw(-Z), "bottom"), Atom(Polynomial.from_raw(Z - height), "top")]
     tree = combined(False, profile.tree(lift), *ends)
@@ -75,6 +75,10 @@ class Lean:
         center, radius = circle_of(edge)
         apex = radius * edge.bow / self.slope
         return chord - Polynomial.from_raw(Z * (chord.raw(*center, 0) / apex))
+
+    def tree(self, loop: Loop) -> Tree:
+        """What is between the sides over a loop."""
+        return formula(loop, lambda edge: Atom(self.surface(edge), edge.name), lambda edge: Atom(self.wall(edge), ""))
 
     def check(self, loop: Loop, height: fmpq) -> None:
         """Raise `GeometryError` where sides that lean have no such surfaces."""
