@@ -25,7 +25,7 @@ from pas.algebra.rational import Exact
 from pas.errors import ProblemFileError
 from pas.exchange.files import read_text, replacing, source, target
 from pas.exchange.formats import Request
-from pas.exchange.formats.libraries import require_lib3mf, save_3mf, three_mf_unit
+from pas.exchange.formats.libraries import records, require_lib3mf, save_3mf, three_mf_unit
 from pas.network.graph import StrutGraph
 
 MOST_BYTES = 1 << 30
@@ -166,12 +166,10 @@ def _write_3mf(network: StrutGraph, path: Path, request: Request) -> None:
     model.SetUnit(three_mf_unit(request.told_unit))
     item = model.AddMeshObject()
     item.SetName(request.name)
-    vertices = np.ascontiguousarray(network.points, dtype="<f4")
-    item.SetGeometry((lib3mf.Position * len(vertices)).from_buffer_copy(vertices.tobytes()), [])
+    item.SetGeometry(records(lib3mf.Position, network.points, "<f4"), [])
     beams = np.zeros(len(network.edges), dtype=[("ends", "<u4", 2), ("radii", "<f8", 2), ("caps", "<i4", 2)])
     beams["ends"], beams["radii"] = network.edges, network.widths
-    lattice = item.BeamLattice()
-    lattice.SetBeams((lib3mf.Beam * len(beams)).from_buffer_copy(beams.tobytes()))
+    item.BeamLattice().SetBeams(records(lib3mf.Beam, beams, beams.dtype))
     model.AddBuildItem(item, lib3mf.get_wrapper().GetIdentityTransform())
     save_3mf(model.QueryWriter("3mf"), path)
 
