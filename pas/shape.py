@@ -35,7 +35,7 @@ VERBS = {
 """The implementations of the methods that all shapes have, in layers above."""
 
 
-S = TypeVar("S")
+S = TypeVar("S", bound="Shape")
 
 
 class Shape(ABC):
@@ -172,16 +172,6 @@ def _one(kind: str) -> str:
     return f"an {kind}" if kind.startswith("a") else f"a {kind}"
 
 
-def _own_mesh(shape: Any, settings: MeshSettings) -> Any:
-    """The shape's own mesh."""
-    return shape.meshed(settings)
-
-
-def _nothing(shape: Any) -> dict[str, Any]:
-    """No facts beside the verdicts."""
-    return {}
-
-
 @dataclass(frozen=True)
 class Kind(Generic[S]):
     """What differs from one kind of shapes to the next.
@@ -205,8 +195,8 @@ class Kind(Generic[S]):
     record: Callable[[S, Verdicts | None], dict[str, Any]]
     read: Callable[[dict[str, Any]], S]
     layers: Callable[[S, Any], None]
-    facts: Callable[[S], dict[str, Any]] = _nothing
-    mesh: Callable[[S, MeshSettings], Any] = _own_mesh
+    facts: Callable[[S], dict[str, Any]] = lambda shape: {}
+    mesh: Callable[[S, MeshSettings], Any] = Shape.meshed
     parts: Callable[[S], Mapping[str, Any]] | None = None
     patches: Callable[[S, Any], Sequence[Any]] | None = None
     piecewise: Callable[[S], Any] | None = None

@@ -145,11 +145,6 @@ MOST_BYTES = 1 << 28
 """Of a project file: a part that is a mesh of a million triangles takes half."""
 
 
-def check_name(path: str | Path) -> None:
-    """Raise `ValueError` unless the name ends in `.pas.json` and a file can be written there."""
-    target(path, (SUFFIX,), "a project")
-
-
 def write_project(path: str | Path, content: dict[str, Any], written_by: str) -> Path:
     """Write a project file; returns its path.
 

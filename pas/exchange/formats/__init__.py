@@ -152,10 +152,6 @@ class Content(Generic[C]):
         return True
 
 
-def _no_library() -> None:
-    """Formats that need no library of their own."""
-
-
 @dataclass(frozen=True)
 class Format(Generic[C]):
     """A file format by its suffix, `name`, such as ".stl".
@@ -171,7 +167,7 @@ class Format(Generic[C]):
     name: str
     content: Content[C]
     write: Callable[[C, Path, Request], Sequence[Any] | None]
-    require: Callable[[], object] = _no_library
+    require: Callable[[], object] = lambda: None
     limits: Callable[[Any], bool] | None = None
     bodies: bool = False
     closed: bool = False
