@@ -89,6 +89,17 @@ def check_folder(folder: Path) -> None:
         raise ValueError(f"nothing can be written to the folder {folder}: {reason}") from None
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder where there is none; raises `ValueError` where there is a file, or nothing can be written."""
+    if folder.exists() and not folder.is_dir():
+        raise ValueError(f"a folder is needed, and {folder} is a file; give another name")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"the folder {folder} cannot be made: {error.strerror}") from None
+    check_folder(folder)
+
+
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
     """A temporary path beside `path`, with its suffix, that takes its place when the block ends.

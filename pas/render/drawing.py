@@ -27,7 +27,7 @@ import numpy as np
 
 from pas.algebra.monomials import Floats
 from pas.errors import MissingLibraryError, PasError, optional
-from pas.exchange.files import check_folder, replacing, source, target
+from pas.exchange.files import make_folder, replacing, source, target
 from pas.exchange.picture_options import Picture, PictureOptions
 from pas.limits import Report, checkpoint, in_parts, limited
 from pas.mesh.mesh import Mesh
@@ -144,8 +144,7 @@ def _moving(scenes: list[Scene], picture: Picture, turn: float, path: str | Path
     place, frames = Path(path), _frames(scenes, picture, turn)
     if not place.suffix:
         folder = source(path)
-        folder.mkdir(parents=True, exist_ok=True)
-        check_folder(folder)
+        make_folder(folder)
         for number, frame in enumerate(frames):
             with replacing(folder / f"{number:04d}.png") as temporary:
                 frame.save(temporary, format="png")
