@@ -65,7 +65,7 @@ class HollowPieces(PlacedPieces):
         if len(rings) == 1:  # the flat end of a strut
             ends = self.outer.nodes[kind].rings[0], count + self.inner.nodes[kind].rings[0]
             triangles[0], normals[0] = annulus(points, *ends, -self._axes(kind)[0])
-            del triangles[3], normals[3]
+            del triangles[2], normals[2]
         for ring, hole, axis in zip(rings, inner[3], self._axes(kind), strict=True):
             flat, straight = annulus(points, ring, count + hole, axis)
             triangles.append(flat)
