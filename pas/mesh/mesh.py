@@ -201,17 +201,18 @@ class Mesh(AffineShape["Mesh"], Shape):
     @property
     def area(self) -> float:
         """The total area of the triangles."""
-        return float(self._areas.sum())
+        return float(self.areas.sum())
 
     @cached_property
-    def _areas(self) -> Floats:
+    def areas(self) -> Floats:
+        """The area of each triangle (T,)."""
         a, b, c = (self.points[self.triangles[:, i]] for i in range(3))
         return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
 
     @property
     def face_areas(self) -> dict[str, float]:
         """The area of the triangles on each face."""
-        sums = np.bincount(self.faces, self._areas, minlength=len(self.names))
+        sums = np.bincount(self.faces, self.areas, minlength=len(self.names))
         return dict(zip(self.names, sums.tolist(), strict=True))
 
     @property
