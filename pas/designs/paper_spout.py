@@ -5,18 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from pas.algebra.brief import brief
 from pas.algebra.polynomial import Polynomial
 from pas.designs.body import Body, below
-from pas.designs.exact import Point, Points, closest, even, nearest, points, settle
+from pas.designs.exact import Design, Point, Points, closest, even, nearest, points
 from pas.designs.spout import MOST_TILT, UPRIGHT
 from pas.errors import GeometryError, InfeasibleError, NoSolutionError
 from pas.pipeline.result import SolutionSpace
 from pas.solid.solid import Solid, patch
 
 
-@dataclass(frozen=True)
-class PaperSpout:
+@dataclass(frozen=True, repr=False)
+class PaperSpout(Design):
     """The published spout (Lou, Feng, Chen and Deng 2002), fitted anew: GC^0 with the body; it has no channel.
 
     It has two cubics between a plane `root`, a plane `bend` and the height of the mouth.  As there, each cubic has the
@@ -54,10 +53,8 @@ class PaperSpout:
     )  # fmt: skip
     """Walls, positive inside, that keep other sheets of the cubics away; the spout does not touch them."""
 
-    __repr__ = brief
-
     def __post_init__(self) -> None:
-        settle(self)
+        super().__post_init__()
         if abs(self.tilt) > MOST_TILT:
             raise GeometryError(
                 f"the joint of the two spout patches cannot be made with spout_tilt {self.tilt}: beyond {MOST_TILT} "
@@ -103,7 +100,7 @@ class PaperSpout:
         return lower, closest(even([(lower, self.bend)], 1, 3), beyond, self.inside, by_gradient=False)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class PrintedSpout(PaperSpout):
     """The published spout with the lower cubic's printed coefficients.
 
@@ -115,8 +112,6 @@ class PrintedSpout(PaperSpout):
         "-0.382086 + 0.671121*x - 0.390428*x^2 + 0.0748303*x^3 - 0.124559*y^2 + 0.093717*x*y^2 - 0.27378*z"
         " + 0.346645*x*z - 0.10528*x^2*z - 0.0386148*y^2*z - 0.0905839*z^2 + 0.062592*x*z^2 - 0.038205*z^3"
     )
-
-    __repr__ = brief
 
     def lower(self, space: SolutionSpace) -> Polynomial:
         """The cubic of the space that is nearest to the printed one."""

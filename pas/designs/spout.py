@@ -10,11 +10,10 @@ from functools import cached_property
 from itertools import pairwise
 from math import dist
 
-from pas.algebra.brief import brief
 from pas.algebra.polynomial import Polynomial
 from pas.contacts.endless import Cone
 from pas.designs.body import Body, filleted, height_along
-from pas.designs.exact import Point, Points, points, settle
+from pas.designs.exact import Design, Point, Points, points
 from pas.errors import GeometryError, PasError
 from pas.pipeline.blend import blend
 from pas.pipeline.bodies import body as body_of
@@ -29,8 +28,8 @@ UPRIGHT = Fraction(1, 2)
 NONE = Fraction(0)
 
 
-@dataclass(frozen=True)
-class Spout:
+@dataclass(frozen=True, repr=False)
+class Spout(Design):
     """A tube about straight lines in the plane y = 0: cones, between which it bends with GC^2, and a channel in it.
 
     The bends are proved blends of two cones each, those of the channel are proved inside them.  A fillet, an ellipse in
@@ -54,10 +53,8 @@ class Spout:
     body_side: Fraction = Fraction(1, 5)
     """How far the fillet reaches, as values of the cone's polynomial and of the body's."""
 
-    __repr__ = brief
-
     def __post_init__(self) -> None:
-        settle(self)
+        super().__post_init__()
         if len(self.axis) < 3 or any(len(p) != 3 for p in self.axis):
             raise ValueError(f"axis must be points (x, z, radius), at least three, not {len(self.axis)} of this form")
         if abs(self.tilt) > MOST_TILT:
