@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike
 from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.errors import GeometryError, optional
 from pas.mesh.booleans import BooleanStep, Triangles, boolean
+from pas.mesh.labelled import Topology
 from pas.mesh.quality import Quality, smallest_angles, soundness
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
-from pas.mesh.topology import edge_table, euler_characteristic, is_closed_manifold, is_manifold, piece_count, seams
+from pas.mesh.topology import edge_table, euler_characteristic, is_closed_manifold, is_manifold, piece_count
 from pas.shape import Shape, refuse_mixed
 from pas.verdicts import Findings
 
@@ -136,7 +137,7 @@ class Mesh(AffineShape["Mesh"], Shape):
     @cached_property
     def feature_edges(self) -> Integers:
         """The edges (E, 2) between triangles of different faces."""
-        return seams(self.triangles, self.faces)
+        return Topology(self.triangles, self.faces, len(self.points)).seams
 
     @cached_property
     def is_closed(self) -> bool:
