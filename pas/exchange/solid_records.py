@@ -107,10 +107,8 @@ def _tree_record(tree: Tree, numbers: dict[Function, int]) -> tuple[dict[str, An
         return (record | {"outside": True} if atom.outside else record), 0
 
     def branch(node: Node, parts: list[tuple[dict[str, Any], int]]) -> tuple[dict[str, Any], int]:
-        record, level = (
-            {"union" if node.union else "intersection": [part for part, _ in parts]},
-            max(h for _, h in parts),
-        )
+        record = {"union" if node.union else "intersection": [part for part, _ in parts]}
+        level = max(h for _, h in parts)
         if level < most:
             return record, level + 1
         branches.append(record)

@@ -47,7 +47,6 @@ from pas.exchange.parts import (
     TRIANGLES,
     Piece,
     all_different,
-    counted_on,
     face_numbers,
     in_unit,
     is_closed,
@@ -55,6 +54,7 @@ from pas.exchange.parts import (
 )
 from pas.exchange.volume import TETRAHEDRA, VolumeMesh, is_filled, tetrahedra_of
 from pas.limits import checkpoint
+from pas.mesh.rows import counted_on
 from pas.piecewise import PiecewiseSurface
 from pas.registry import loaded
 from pas.shape import Shape, kind_of
