@@ -99,11 +99,10 @@ class Tee:
         """Halfway between the branch and the normal of the run in their plane: exact for an upright branch."""
         run, branch = self.run.axis, self.branch.axis
         share = dot(run, branch) / dot(run, run)
-        upright: Vector = (branch[0] - share * run[0], branch[1] - share * run[1], branch[2] - share * run[2])
         if share == 0:
             return branch
         longer = fmpq(round(FINE / sin(radians(self.angle))), FINE)
-        return upright[0] * longer + branch[0], upright[1] * longer + branch[1], upright[2] * longer + branch[2]
+        return moved(branch, (longer, moved(branch, (-share, run))))
 
     @property
     def _ended(self) -> Pipe:
