@@ -17,7 +17,7 @@ from itertools import count, pairwise
 from flint import fmpq
 
 from pas.algebra.ideal import Ideal
-from pas.algebra.polynomial import Polynomial
+from pas.algebra.polynomial import Polynomial, leading_form
 from pas.algebra.rational import cross, dot
 from pas.algebra.roots import RealRoot, between
 from pas.algebra.zeros import (
@@ -76,7 +76,7 @@ class SpaceCurve:
         """
         if self.ideal.is_whole_ring:
             return True
-        tops = [_top(p) for p in self.ideal.groebner_basis()]
+        tops = [Polynomial.from_raw(leading_form(p.raw)) for p in self.ideal.groebner_basis()]
         return standard_monomials(Ideal(*tops, linear_form(linear)).form) is not None
 
 
@@ -192,9 +192,3 @@ def has_real_curve(surface: Polynomial, clip: Polynomial) -> bool | None:
     if turns is None:
         return None
     return any(whole.points(between(*slab)) for slab in pairwise([None, *sorted(set(turns)), None]))
-
-
-def _top(polynomial: Polynomial) -> Polynomial:
-    """The terms of the highest degree."""
-    degree = polynomial.degree
-    return Polynomial({e: c for e, c in polynomial.coefficients().items() if sum(e) == degree})
