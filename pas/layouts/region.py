@@ -113,10 +113,10 @@ def region(layout: Layout, discs: Sequence[Disc], walls: float = WALLS) -> Regio
     """
     carried = dict(zip(check_fits(layout, discs), discs, strict=True))
     builder = Builder(layout, discs, walls)
-    farther = [1.0] * len(layout.all_rays)
+    farther = [1.0] * len(layout.rays)
     step, steps = 1.1, 8  # by which ends of rays go out where walls between them come too near, and how often
     for _ in range(steps):
-        ends = [builder.end(ray, times) for ray, times in zip(layout.all_rays, farther, strict=True)]
+        ends = [builder.end(ray, times) for ray, times in zip(layout.rays, farther, strict=True)]
         pieces = _pieces(layout, carried, ends)
         if len(discs) < 3:  # behind a bend nothing runs through
             break
