@@ -88,13 +88,8 @@ class Verdict:
     def from_record(cls, record: dict[str, Any]) -> Verdict:
         """The verdict that `to_record` wrote."""
         witness = record["witness"]
-        return cls(
-            Status(record["status"]),
-            record["claim"],
-            record["reason"],
-            None if witness is None else (witness[0], witness[1], witness[2]),
-            record["measure"],
-        )
+        told = {"status": Status(record["status"]), "witness": None if witness is None else tuple(witness)}
+        return cls(**{**record, **told})
 
 
 class Verdicts(ABC):

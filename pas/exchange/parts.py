@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -157,20 +157,9 @@ def all_different(names: Iterable[str], between: str) -> list[str]:
     return result
 
 
-def repeated_colors(parts: Sequence[Piece], count: Callable[[Mesh], int]) -> Any:
-    """The parts' colours, each as often as its mesh has what is counted (M, 3)."""
-    colors = np.array([p.color for p in parts], dtype=np.uint8)
-    return np.repeat(colors, [count(p.mesh) for p in parts], axis=0)
-
-
-def points_of(mesh: Mesh) -> int:
-    """The number of its points."""
-    return len(mesh.points)
-
-
-def triangles_of(mesh: Mesh) -> int:
-    """The number of its triangles."""
-    return len(mesh.triangles)
+def repeated_colors(parts: Sequence[Piece], counts: Sequence[int]) -> Any:
+    """The parts' colours, each so many times (M, 3)."""
+    return np.repeat(np.array([p.color for p in parts], dtype=np.uint8), counts, axis=0)
 
 
 HIGHEST_DEGREE = 25

@@ -80,17 +80,13 @@ def kept(
     return whole, record, form.read
 
 
-def _surface(partition: Any, contacts: Any, order: int, degree: int, patches: Any) -> PiecewiseSurface:
-    return PiecewiseSurface.from_polynomials(partition, contacts, order, patches, degree)
-
-
 SURFACE = Table(
     {
         **schema.SURFACE.needs,
         "partition": PARTITION,
         "contacts": list_of(Table({"surface": EQUATION, "clip": EQUATION}, make=Contact)),
     },
-    make=_surface,
+    make=lambda patches, **others: PiecewiseSurface.from_polynomials(polynomials=patches, **others),
     entries=lambda surface: {
         **{name: getattr(surface, name) for name in ("partition", "contacts", "order", "degree")},
         "patches": surface.polynomials,

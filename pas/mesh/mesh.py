@@ -168,11 +168,6 @@ class Mesh(AffineShape["Mesh"], Shape):
         """The two corners (2, 3) of the least box that holds all points."""
         return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
 
-    @property
-    def bounding_box(self) -> Floats:
-        """Its `box`: two corners (2, 3) of the smallest box with sides along the axes, as solids have it."""
-        return self.box
-
     def _moved(self, map_: Affine) -> Mesh:
         """The image, whose distance from the image of the surface is bounded, rounding included, if this one's was."""
         matrix, shift = map_.floats
@@ -206,17 +201,18 @@ class Mesh(AffineShape["Mesh"], Shape):
     @property
     def area(self) -> float:
         """The total area of the triangles."""
-        return float(self._areas.sum())
+        return float(self.areas.sum())
 
     @cached_property
-    def _areas(self) -> Floats:
+    def areas(self) -> Floats:
+        """The area of each triangle (T,)."""
         a, b, c = (self.points[self.triangles[:, i]] for i in range(3))
         return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
 
     @property
     def face_areas(self) -> dict[str, float]:
         """The area of the triangles on each face."""
-        sums = np.bincount(self.faces, self._areas, minlength=len(self.names))
+        sums = np.bincount(self.faces, self.areas, minlength=len(self.names))
         return dict(zip(self.names, sums.tolist(), strict=True))
 
     @property

@@ -41,19 +41,16 @@ class HollowPieces(PlacedPieces):
     @cached_property
     def struts(self) -> list[StrutPiece]:
         """The piece of each kind of strut."""
-        made = []
+        made, sides = [], (self.outer, self.inner)
         for outer, inner in zip(self.outer.struts, self.inner.struts, strict=True):
-            (a, b), (c, d) = (
-                [len(pieces.nodes[kind].rings[slot]) for kind, slot in zip(outer.kinds, outer.slots, strict=True)]
-                for pieces in (self.outer, self.inner)
-            )
-            own, within = len(outer.points), len(inner.points)
-            numbers = np.concatenate([np.arange(a), np.arange(b) + a + c, np.arange(own) + a + b + c + d])
-            inside = np.concatenate(
-                [np.arange(c) + a, np.arange(d) + a + b + c, np.arange(within) + a + b + c + d + own]
-            )
+            rings = [p.nodes[k].rings[s] for k, s in zip(outer.kinds, outer.slots, strict=True) for p in sides]
+            counts = [*map(len, rings), len(outer.points), len(inner.points)]
+            numbers = np.split(
+                np.arange(sum(counts)), np.cumsum(counts)[:-1]
+            )  # of the outer side and the inner in turn
+            own, within = (np.concatenate(numbers[side::2]) for side in (0, 1))
             points = np.concatenate([outer.points, inner.points])
-            triangles = np.concatenate([numbers[outer.triangles], inside[inner.triangles[:, ::-1]]])
+            triangles = np.concatenate([own[outer.triangles], within[inner.triangles[:, ::-1]]])
             normals = np.concatenate([outer.normals, -inner.normals[:, ::-1]])
             off = max(outer.deviation, inner.deviation)
             made.append(replace(outer, points=points, triangles=triangles, normals=normals, deviation=off))
@@ -68,7 +65,7 @@ class HollowPieces(PlacedPieces):
         if len(rings) == 1:  # the flat end of a strut
             ends = self.outer.nodes[kind].rings[0], count + self.inner.nodes[kind].rings[0]
             triangles[0], normals[0] = annulus(points, *ends, -self._axes(kind)[0])
-            del triangles[3], normals[3]
+            del triangles[2], normals[2]
         for ring, hole, axis in zip(rings, inner[3], self._axes(kind), strict=True):
             flat, straight = annulus(points, ring, count + hole, axis)
             triangles.append(flat)

@@ -16,14 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.lengths import across
+from pas.algebra.lengths import across, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
 from pas.errors import MeshError
 from pas.mesh.rows import Integers, Numbers
 from pas.network.classes import Kinds, NodeKind, ranked, turn
 from pas.network.graph import StrutGraph
-from pas.network.rings import angles_around, outwards, parts_of, rings_of, strip
+from pas.network.rings import angles_around, parts_of, rings_of, strip
 from pas.pipeline.result import Blend
 
 FEWEST = 8
@@ -137,7 +137,7 @@ class PlacedPieces:
         """A ring where a strut goes straight on; a flat end where there is no other."""
         radius = self._width(kind, 0)
         count = max(FEWEST, ceil(pi / acos(max(0.0, 1 - min(self.tolerance / radius, 1.0)))))
-        axis = kind.vectors[0] / np.linalg.norm(kind.vectors[0])
+        axis = unit(kind.vectors[0])
         first, second = across(axis)
         angles = tau * np.arange(count) / count
         points = radius * (np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second)
@@ -287,8 +287,7 @@ class PlacedPieces:
 
     def _axes(self, kind: int) -> Floats:
         """The unit vectors of a kind's arms (n, 3)."""
-        vectors = self.kinds.kinds[kind].vectors
-        return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
+        return unit(self.kinds.kinds[kind].vectors)
 
     def cut(self, kind: int, cuts: Floats) -> tuple[Floats, list[Integers], list[Floats], list[Integers]]:
         """A kind's mesh with its struts up to some parts of their lengths, open there: points, triangles and normals in
@@ -296,22 +295,17 @@ class PlacedPieces:
         piece = self.nodes[kind]
         points, triangles, normals, count = [piece.points], [piece.triangles], [piece.normals], len(piece.points)
         one, ends, rings = self.kinds.kinds[kind], self.kinds.ends[kind], []
-        vectors = one.vectors * float(self.network.grid)
-        for i, (vector, ring, cut) in enumerate(zip(vectors, piece.rings, cuts, strict=False)):
-            length = float(np.linalg.norm(vector))
-            axis, rise = vector / length, self._width(one, i, 1.0) - self._width(one, i)
+        steps = one.vectors * float(self.network.grid)
+        for i, (vector, axis, ring, cut) in enumerate(zip(steps, self._axes(kind), piece.rings, cuts, strict=False)):
+            rise = self._width(one, i, 1.0) - self._width(one, i)
             own = ring[np.argsort(angles_around(piece.points[ring], axis))]
-            corners = piece.points[own] - (piece.points[own] @ axis)[:, None] * axis
-            out = outwards(corners, axis, rise / length)
-            points.append(corners * self._width(one, i, cut) / self._width(one, i, ends[i]) + cut * vector)
-            here, there = np.arange(len(own)), count + np.arange(len(own))
-            after = np.roll(here, -1)
-            triangles += [
-                np.stack([own[here], own[after], there[here]], axis=1),
-                np.stack([own[after], there[after], there[here]], axis=1),
-            ]
-            normals += [out[np.stack([here, after, here], axis=1)], out[np.stack([after, after, here], axis=1)]]
-            rings.append(there)
+            first = piece.points[own]
+            second = (first - (first @ axis)[:, None] * axis) * self._width(one, i, cut) / self._width(one, i, ends[i])
+            rings.append(count + np.arange(len(own)))
+            _, found, outwards, _ = strip(first, second, cut * vector, cut * rise)
+            points.append(second + cut * vector)
+            triangles.append(np.concatenate([own, rings[-1]])[found])
+            normals.append(outwards)
             count += len(own)
         return np.concatenate(points), triangles, normals, rings
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.lengths import across
+from pas.algebra.lengths import across, unit
 from pas.algebra.monomials import Floats
 from pas.mesh.rows import Integers
 
@@ -47,14 +47,12 @@ def angles_around(points: Floats, axis: Floats) -> Floats:
 
 def outwards(points: Floats, axis: Floats, slope: float) -> Floats:
     """The normals of a cone about an axis, which widens by so much along it, over points (N, 3) beside the axis."""
-    across_ = points - (points @ axis)[:, None] * axis
-    found = across_ / np.linalg.norm(across_, axis=1, keepdims=True) - slope * axis
-    return np.asarray(found / np.hypot(1.0, slope))
+    return unit(unit(points - (points @ axis)[:, None] * axis) - slope * axis)
 
 
 def parts_of(first: Floats, second: Floats, vector: Floats) -> int:
     """Into how many parts a strip between rings around the ends of a vector is cut so that no angle is small."""
-    axis = vector / np.linalg.norm(vector)
+    axis = unit(vector)
     gaps = [_gaps(angles_around(ring, axis)).min() for ring in (first, second)]
     radius = min(np.linalg.norm(np.cross(ring, axis), axis=1).min() for ring in (first, second))
     length = float(((second + vector) @ axis).mean() - (first @ axis).mean())

@@ -18,16 +18,16 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from html import escape
-from math import cos, inf, radians, sin
+from math import inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TypeVar, Unpack
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from pas.algebra.monomials import Floats
 from pas.errors import MissingLibraryError, PasError, optional
-from pas.exchange.files import check_folder, replacing, source, target
+from pas.exchange.files import make_folder, replacing, source, target
 from pas.exchange.picture_options import Picture, PictureOptions
 from pas.limits import Report, checkpoint, in_parts, limited
 from pas.mesh.mesh import Mesh
@@ -144,8 +144,7 @@ def _moving(scenes: list[Scene], picture: Picture, turn: float, path: str | Path
     place, frames = Path(path), _frames(scenes, picture, turn)
     if not place.suffix:
         folder = source(path)
-        folder.mkdir(parents=True, exist_ok=True)
-        check_folder(folder)
+        make_folder(folder)
         for number, frame in enumerate(frames):
             with replacing(folder / f"{number:04d}.png") as temporary:
                 frame.save(temporary, format="png")
@@ -190,16 +189,11 @@ def _frames(scenes: list[Scene], picture: Picture, turn: float) -> list[Any]:
     pyvista, frames = offscreen_pyvista(), []
     for number, scene in enumerate(in_parts(scenes, "drawing")):
         scene.frame = frame
-        seen = replace(picture, view=tuple(_turned(np.array(view, dtype=float), turn * number / len(scenes))))
+        turned = Rotation.from_euler("z", turn * number / len(scenes), degrees=True).apply(view)
+        seen = replace(picture, view=tuple(turned))
         with closing(plotted(pyvista, scene, seen, off_screen=True, around=around)) as plotter:
             frames.append(_picture(plotter, seen))
     return frames
-
-
-def _turned(view: Floats, degrees: float) -> Floats:
-    """A direction (3,) turned about the last axis."""
-    c, s = cos(radians(degrees)), sin(radians(degrees))
-    return np.array([c * view[0] - s * view[1], s * view[0] + c * view[1], view[2]])
 
 
 def show(

@@ -125,10 +125,8 @@ def look_at(
 ) -> None:
     """Point the camera so that the points fill the picture, but for `room` on the right and below, over its size."""
     angle, margin = 24.0, 1.12  # of the camera, in degrees, and the picture's height over that of what is drawn
-    ahead = -np.array(view, dtype=float) @ frame
-    ahead /= np.linalg.norm(ahead)
-    right = np.cross(ahead, frame[2] if np.linalg.norm(np.cross(ahead, frame[2])) > 1e-6 else frame[1])
-    right /= np.linalg.norm(right)
+    ahead = -unit(np.array(view, dtype=float) @ frame)
+    right = unit(np.cross(ahead, frame[2] if np.linalg.norm(np.cross(ahead, frame[2])) > 1e-6 else frame[1]))
     axes = np.array([right, np.cross(right, ahead), ahead])
     seen = points @ axes.T
     low, high = seen.min(axis=0), seen.max(axis=0)

@@ -264,12 +264,9 @@ class StudioSession:
         if wishes is None:
             return problem.solve()
         degree = getattr(getattr(self.seen, "surface", None), "degree", None)
-        held = degree if document["problem"].get("degree") is None and self._same_order(document) else None
+        same = degree is not None and self.seen.surface.placed.order == problem.order  # type: ignore[union-attr]
+        held = degree if same and problem.degree is None else None
         return replace(problem, degree=held or problem.degree, wishes=wishes.changed(prove=False)).solve()
-
-    def _same_order(self, document: Data) -> bool:
-        surface = getattr(self.seen, "surface", None)
-        return surface is not None and surface.placed.order == document["problem"].get("order")
 
     def _keep(self, key: str, shape: Shape) -> None:
         self.bases.pop(key, None)

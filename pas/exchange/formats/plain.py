@@ -31,9 +31,7 @@ from pas.exchange.parts import (
     face_numbers,
     in_unit,
     joined,
-    points_of,
     repeated_colors,
-    triangles_of,
 )
 from pas.limits import checkpoint
 from pas.mesh.rows import Floats
@@ -111,14 +109,14 @@ def write_ply(parts: Sequence[Piece], path: Path, request: Request) -> None:
     smooth = all(len(p.mesh.shading_points) <= len(p.mesh.points) for p in parts)
     fields = [("point", "<f8", 3), *([("normal", "<f8", 3)] if smooth else []), ("color", "u1", 3)]
     vertices = np.zeros(len(points), dtype=fields)
-    vertices["point"], vertices["color"] = points, repeated_colors(parts, points_of)
+    vertices["point"], vertices["color"] = points, repeated_colors(parts, [len(p.mesh.points) for p in parts])
     if smooth:
         vertices["normal"] = np.concatenate([p.mesh.point_normals for p in parts])
     record = [("count", "u1"), ("corners", "<i4", 3), ("color", "u1", 3), ("face", "<i4"), ("part", "<i4")]
     faces = np.zeros(len(triangles), dtype=record)
     faces["count"], faces["corners"], faces["face"] = 3, triangles, numbers
-    faces["color"] = repeated_colors(parts, triangles_of)
-    faces["part"] = np.repeat(np.arange(len(parts)), [len(p.mesh.triangles) for p in parts])
+    counts = [len(p.mesh.triangles) for p in parts]
+    faces["color"], faces["part"] = repeated_colors(parts, counts), np.repeat(np.arange(len(parts)), counts)
     colors = [f"property uchar {c}" for c in ("red", "green", "blue")]
     header = [
         *("ply", "format binary_little_endian 1.0", f"comment unit: {request.told_unit}"),
