@@ -14,10 +14,10 @@ from __future__ import annotations
 from functools import cached_property
 from itertools import count, pairwise
 
-from flint import fmpq
+from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.ideal import Ideal
-from pas.algebra.polynomial import Polynomial, leading_form
+from pas.algebra.polynomial import RING, Polynomial
 from pas.algebra.rational import cross, dot
 from pas.algebra.roots import RealRoot, between
 from pas.algebra.zeros import (
@@ -192,3 +192,9 @@ def has_real_curve(surface: Polynomial, clip: Polynomial) -> bool | None:
     if turns is None:
         return None
     return any(whole.points(between(*slab)) for slab in pairwise([None, *sorted(set(turns)), None]))
+
+
+def leading_form(raw: fmpq_mpoly) -> fmpq_mpoly:
+    """The terms of the highest degree."""
+    degree = raw.total_degree()
+    return RING.from_dict({e: c for e, c in raw.to_dict().items() if sum(map(int, e)) == degree})

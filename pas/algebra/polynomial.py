@@ -274,12 +274,6 @@ def primitive(raw: fmpq_mpoly) -> fmpq_mpoly:
     return raw * fmpq(denominator if values[0] > 0 else -denominator, divisor)
 
 
-def leading_form(raw: fmpq_mpoly) -> fmpq_mpoly:
-    """The terms of the highest degree."""
-    degree = raw.total_degree()
-    return RING.from_dict({e: c for e, c in raw.to_dict().items() if sum(map(int, e)) == degree})
-
-
 def residue_place(first: Polynomial, second: Polynomial) -> tuple[int, ...] | None:
     """A place modulo a prime in which the residues of all members of an ideal of a plane and another function vanish.
 

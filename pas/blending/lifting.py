@@ -15,10 +15,11 @@ from typing import Any
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.buchberger import TupleEncoding, graded_basis, vector_degree
+from pas.algebra.curve import leading_form
 from pas.algebra.ideal import NormalForm
 from pas.algebra.monomials import Exponents
 from pas.algebra.nullspace import nullspace
-from pas.algebra.polynomial import RING, Polynomial, leading_form
+from pas.algebra.polynomial import RING, Polynomial
 from pas.contacts.contact import Contact
 
 
