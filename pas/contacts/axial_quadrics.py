@@ -81,7 +81,7 @@ class Ellipsoid(Axial):
         self, axis: VectorLike, semiaxes: Sequence[VectorLike], clip: Exact, point: VectorLike = (0, 0, 0)
     ) -> None:
         self.settle(axis, point, clip=clip)
-        object.__setattr__(self, "semiaxes", perpendicular(semiaxes, "semiaxes", 3))
+        object.__setattr__(self, "semiaxes", perpendicular(semiaxes, 3))
         self.check_rim()
 
     __repr__ = brief
@@ -122,8 +122,7 @@ class Paraboloid(Axial):
     def __init__(
         self, axis: VectorLike, semiaxes: Sequence[VectorLike], clip: Exact, point: VectorLike = (0, 0, 0)
     ) -> None:
-        self.settle(axis, point, clip=clip)
-        object.__setattr__(self, "semiaxes", perpendicular(semiaxes, "semiaxes", 2, to=self.axis))
+        self.settle(axis, point, semiaxes, clip=clip)
         if self.clip == 0:
             raise ValueError("clip must not be 0, where a paraboloid has its vertex")
 
@@ -160,8 +159,7 @@ class EllipticPipe(Endless):
     def __init__(
         self, axis: VectorLike, semiaxes: Sequence[VectorLike], clip: Exact, point: VectorLike = (0, 0, 0)
     ) -> None:
-        self.settle(axis, point, clip=clip)
-        object.__setattr__(self, "semiaxes", perpendicular(semiaxes, "semiaxes", 2, to=self.axis))
+        self.settle(axis, point, semiaxes, clip=clip)
 
     __repr__ = brief
 
@@ -207,8 +205,7 @@ class Hyperboloid(Endless):
         conjugate: Exact,
         point: VectorLike = (0, 0, 0),
     ) -> None:
-        self.settle(axis, point, clip=clip, conjugate=conjugate)
-        object.__setattr__(self, "semiaxes", perpendicular(semiaxes, "semiaxes", 2, to=self.axis))
+        self.settle(axis, point, semiaxes, clip=clip, conjugate=conjugate)
         positive(self.conjugate, "conjugate")
 
     __repr__ = brief

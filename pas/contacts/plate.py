@@ -12,8 +12,8 @@ from flint import fmpq
 from pas.algebra.affine import slope_at
 from pas.algebra.brief import brief
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, Vector, VectorLike, dot, listed, positive, rational
-from pas.contacts.axial import Axial, perpendicular, vectors
+from pas.algebra.rational import Exact, Vector, VectorLike, dot, listed, positive
+from pas.contacts.axial import Axial, vectors
 from pas.contacts.contact import Contact
 from pas.contacts.parallels import root
 
@@ -52,14 +52,11 @@ class Plate(Axial):
         semiaxes: Sequence[VectorLike] | None = None,
         point: VectorLike = (0, 0, 0),
     ) -> None:
-        self.settle(axis, point)
         if (radius is None) == (semiaxes is None):
             raise ValueError("radius or semiaxes must be given, and not both: a circle or an ellipse")
+        self.settle(axis, point, semiaxes)
         if radius is not None:
-            object.__setattr__(self, "radius", rational(radius, "radius"))
-            positive(rational(radius, "radius"), "radius")
-        if semiaxes is not None:
-            object.__setattr__(self, "semiaxes", perpendicular(semiaxes, "semiaxes", 2, to=self.axis))
+            object.__setattr__(self, "radius", positive(radius, "radius"))
 
     __repr__ = brief
 

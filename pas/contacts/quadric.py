@@ -19,7 +19,7 @@ from pas.algebra.polynomial import GENERATORS, RING, Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, dot, minus, rational, three, to_float, to_floats
 from pas.contacts.cones import apex, nappe, nappe_rays
 from pas.contacts.contact import Contact, Movable
-from pas.contacts.parallels import Axes, TooThickError, principal_axes_of, quadratic_terms, rounded, shrunk
+from pas.contacts.parallels import Axes, TooThickError, principal_axes, quadratic_terms, rounded, shrunk
 
 QuadricLike: TypeAlias = "PolynomialLike | Sequence[Sequence[Exact]]"
 """What is taken for a quadric: a polynomial of degree 2, or a symmetric 4x4 matrix of exact numbers."""
@@ -62,7 +62,7 @@ class QuadricContact(Movable):
         f = contact.surface
         if f.degree != 2:
             return None
-        axes = principal_axes_of(f, contact)
+        axes = principal_axes(quadratic_terms(f))
         if axes is None:
             return None
         center = _center(f, axes)

@@ -51,9 +51,9 @@ from pas.exchange.schema import (
 from pas.parametric.solids import FlatEnd, SurfaceDistance
 from pas.parametric.surface import ParametricSurface
 from pas.piecewise import PiecewiseSurface
+from pas.solid.faces import SolidBoundary
 from pas.solid.functions import Distance, Moved, Pieces
 from pas.solid.joints import Joint
-from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operand
 from pas.solid.shell import FaceDistance
 from pas.solid.solid import Solid

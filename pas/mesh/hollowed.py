@@ -25,7 +25,7 @@ from pas.mesh.first import unsound
 from pas.mesh.halfedges import following
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton, pair_normals, project, second_derivatives
-from pas.mesh.refusals import Made, Refusal
+from pas.mesh.refusals import FaceMesh, Made, Refusal
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import is_closed_manifold
@@ -43,8 +43,8 @@ def mesh_hollowed(
     tolerance: float,
     meshed: Callable[[FaceField, float], Made],
     refined: Callable[[Labelled, FaceField, float], Made],
-) -> tuple[Labelled, float] | None:
-    """The mesh of a shell and how near it is, from that of the solid by `meshed(solid, tolerance)`, `refined`.
+) -> FaceMesh | None:
+    """The mesh of a shell, from that of the solid by `meshed(solid, tolerance)`, `refined`.
 
     None where it does not come out.
     """
@@ -53,13 +53,13 @@ def mesh_hollowed(
     outer = meshed(wall.solid, aim)
     if isinstance(outer, Refusal):
         return None
-    first = Doubled(outer[0], wall).projected(field)
+    first = Doubled(outer.mesh, wall).projected(field)
     if not is_closed_manifold(first.triangles) or unsound(first, field, aim)[0]:
         return None
     found = refined(first, field, aim)
     if isinstance(found, Refusal):
         return None
-    mesh, middles = found[0], found[0].points[found[0].triangles].mean(axis=1)
+    mesh, middles = found.mesh, found.mesh.points[found.mesh.triangles].mean(axis=1)
     at = newton(middles, field, mesh.labels[:, None], np.full(len(middles), wall.thickness / 2))
     return found if bounds_set(field, at, mesh.labels).all() else None
 

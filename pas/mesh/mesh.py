@@ -166,11 +166,6 @@ class Mesh(AffineShape["Mesh"], Shape):
         """The two corners (2, 3) of the least box that holds all points."""
         return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
 
-    @property
-    def bounding_box(self) -> Floats:
-        """Its `box`: two corners (2, 3) of the smallest box with sides along the axes, as solids have it."""
-        return self.box
-
     def _moved(self, map_: Affine) -> Mesh:
         """The image, whose distance from the image of the surface is bounded, rounding included, if this one's was."""
         matrix, shift = map_.floats

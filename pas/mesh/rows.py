@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.intp]
+Bools = NDArray[np.bool_]
 Numbers = NDArray[np.int32]
 
 
@@ -29,7 +30,7 @@ def cross(u: Floats, v: Floats) -> Floats:
     return np.stack([y * c - z * b, z * a - x * c, x * b - y * a], axis=1)
 
 
-def any_of(table: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def any_of(table: Bools) -> Bools:
     """In which rows (N,) of a table (N, k) something is true."""
     result = table[:, 0].copy()
     for column in table.T[1:]:
@@ -37,7 +38,7 @@ def any_of(table: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return result
 
 
-def all_of(table: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def all_of(table: Bools) -> Bools:
     """In which rows (N,) of a table (N, k) all is true."""
     return ~any_of(~table)
 

@@ -18,7 +18,7 @@ from pas.mesh.face_ground import inner_points
 from pas.mesh.field import FaceField, bounds_set
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton
-from pas.mesh.refusals import Made, Refusal
+from pas.mesh.refusals import FaceMesh, Made, Refusal
 from pas.mesh.topology import connected
 
 ROOM = 3.0
@@ -28,7 +28,7 @@ ROOM = 3.0
 def mesh_apart(
     field: FaceField, shells: Sequence[FaceField], tolerance: float, mesh: Callable[[FaceField, float], Made]
 ) -> Made | None:
-    """The mesh of all of a boundary, and how near it is, from those of its surfaces, by `mesh(shell, tolerance)`.
+    """The mesh of all of a boundary from those of its surfaces, by `mesh(shell, tolerance)`.
 
     None where they cross, or there is no room between them.
     """
@@ -40,7 +40,7 @@ def mesh_apart(
             made = mesh(shell, aim)
             if isinstance(made, Refusal):
                 return made
-            found.append((shell, *made))
+            found.append((shell, made.mesh, made.deviation))
         pairs = [(one, other) for (_, one, _), (other, _, _) in permutations(found, 2)]
         within = (other.inside(other.signs(one.points)) for one, other in pairs)
         if any(some.any() and not some.all() for some in within):
@@ -49,7 +49,8 @@ def mesh_apart(
         if not any(other.crossed(here, ROOM * aim).any() for here, (_, other) in zip(points, pairs, strict=True)):
             if any(_cross(one, other) for (_, one, _), (_, other, _) in combinations(found, 2)):
                 return None
-            return together(field, shells, [mesh for _, mesh, _ in found]), max(reached for *_, reached in found)
+            whole = together(field, shells, [mesh for _, mesh, _ in found])
+            return FaceMesh(whole, max(reached for *_, reached in found))
     return None
 
 

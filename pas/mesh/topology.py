@@ -6,12 +6,11 @@ from collections.abc import Collection
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from pas.kernels.library import compiled
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Bools, Floats, Integers
 
 
 def twins_of(triangles: Integers, size: int) -> Integers:
@@ -88,7 +87,7 @@ def is_manifold(triangles: Integers) -> bool:
     return bool(twins.min() >= -1 and fans.max() == 1)
 
 
-def pinched(triangles: Integers, among: NDArray[np.bool_] | None = None) -> Integers:
+def pinched(triangles: Integers, among: Bools | None = None) -> Integers:
     """The vertices whose triangles are not one closed fan, at which a mesh is open or no manifold.
 
     With `among` (N,) only those of these vertices, all of whose triangles are there.

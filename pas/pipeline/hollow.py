@@ -36,7 +36,6 @@ from pas.limits import WorkLimits, limited
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
 from pas.mesh.topology import Edges
-from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.around_opening import AroundOpening
 from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of, up_to
@@ -46,7 +45,7 @@ from pas.pipeline.search import excess, find
 from pas.pipeline.wall_mesh import WallMesh
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
-from pas.solid.sheets import Faces
+from pas.solid.faces import End, Faces
 from pas.solid.solid import Solid
 from pas.surface.depth import Depth
 from pas.verdicts import Findings, Status, Verdict

@@ -13,14 +13,15 @@ from functools import cached_property
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.affine import ORIGIN
 from pas.algebra.evaluation import CHUNK_ENTRIES, PolynomialBatch
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import to_float
+from pas.algebra.rational import Vector, to_float
 from pas.algebra.scaling import Scaled
 from pas.limits import checkpoint
+from pas.mesh.rows import Bools, Floats, Integers
 from pas.solid.taylor import TaylorForms
-from pas.solid.tree import Atom, Bools, Columns, Function, Integers, ScalarField, Tree, atoms
+from pas.solid.tree import Atom, Columns, Function, ScalarField, Tree, atoms
 from pas.solid.truths import CompiledTree
 from pas.surface.geometry import derivative_batch
 
@@ -51,7 +52,7 @@ class TreeEvaluator:
     that the code does not use.
     """
 
-    def __init__(self, tree: Tree, center: tuple[fmpq, fmpq, fmpq], scale: fmpq, extra: tuple[Function, ...] = ()):
+    def __init__(self, tree: Tree, center: Vector = ORIGIN, scale: fmpq = fmpq(1), extra: tuple[Function, ...] = ()):
         self.center, self.scale = center, scale
         # Planes through points that are doubles are one up to their rounding, unless that is far from the origin.
         self._tree, self._numbers = tree, Columns(rounded=max(map(abs, center)) < 2**8 * scale)
@@ -204,12 +205,6 @@ class TreeEvaluator:
     def walls(self) -> Bools:
         """Which columns of the tree (M,) are no faces."""
         return np.array([not c.names for c in self.columns[: self.used]])
-
-    @cached_property
-    def planes(self) -> Bools:
-        """Which columns of the tree (M,) are planes."""
-        functions = (c.function for c in self.columns[: self.used])
-        return np.array([isinstance(f, Polynomial) and f.degree == 1 for f in functions])
 
     @cached_property
     def _fields(self) -> dict[int, ScalarField]:

@@ -15,37 +15,25 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
 from pas.algebra.affine import Affine
-from pas.algebra.monomials import Floats
+from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.walls import End, ring
+from pas.mesh.rows import Floats
+from pas.solid.bounds import hull
+from pas.solid.faces import Faces, SolidBoundary, jets_of, ring
 from pas.solid.runs import gap_between
-from pas.solid.sheets import ROOM, Faces, Loops, SheetBody
+from pas.solid.sheets import ROOM, Loops, SheetBody
 from pas.solid.strips import Sections, SolidStrip
 
 EQUAL = 2.0**-40
 """Coefficients that are off by less, over the largest, are the same: heights of caps are rounded to doubles."""
-
-
-class SolidBoundary(Protocol):
-    """What bounds a solid, of which it gives a mesh without a lattice."""
-
-    @property
-    def coarse(self) -> Mesh | None:
-        """A coarse mesh of it, which shows where it is; None where it has none."""
-
-    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        """A closed mesh within a tolerance (the model's units), as measured; None where there is none."""
-
-    def moved(self, map_: Affine) -> SolidBoundary:
-        """Its image."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +100,7 @@ class LinkedPart:
     @cached_property
     def box(self) -> Floats:
         """The box (2, 3) of all."""
-        found = np.array([*self.boxes.values()])
-        return np.stack([found[:, 0].min(axis=0), found[:, 1].max(axis=0)])
+        return hull([*self.boxes.values()])
 
     def carried(self, strip: SolidStrip, points: Floats, share: float) -> Floats:
         """Points (N, 3) of the loop in which a strip begins, moved a share of the way along it."""
@@ -143,7 +130,7 @@ class LinkedPart:
 
 
 @dataclass(frozen=True, eq=False)
-class LinkedBodies:
+class LinkedBodies(SolidBoundary):
     """Several bodies that are apart but for the `links` in which they go on in one another."""
 
     parts: tuple[LinkedPart, ...]
@@ -151,18 +138,15 @@ class LinkedBodies:
 
     @cached_property
     def coarse(self) -> Mesh:
-        """Those of all of them."""
         made = Faces([], 0.0)
         for part in self.parts:
             made.put(part.body.coarse)  # type: ignore[arg-type]  # without which it is no part
         return made.mesh
 
     def moved(self, map_: Affine) -> LinkedBodies:
-        """Its image."""
         return replace(self, parts=tuple(LinkedPart(part.body.moved(map_)) for part in self.parts))
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        """A closed mesh within a tolerance (the model's units), as measured; None where a body has none."""
         made, loops = Faces([], 0.0), list[Loops]()
         for number, part in enumerate(self.parts):
             ends = {k.number: k.share is not None for k in self.links if k.part == number}
@@ -181,15 +165,14 @@ class LinkedBodies:
         """The strip of a link, on each side, between the loops in which one chain ends and the other begins."""
         other = self.parts[link.other]
         _, plane, _, tubes, _ = next(end for end in other.ends if end.number == link.other_number)
-        slope = -plane.gradient(np.zeros(3))
-        axis = slope / np.linalg.norm(slope)
+        axis = unit(-plane.gradient(np.zeros(3)))
         for side, tube in enumerate(tubes):
             loop, begin = near[side, link.number], far[side, link.other_number]
             (strip,) = other.body.sides[side].chains[link.other_number].strips
             flat = np.concatenate([points[loop], other.carried(strip, points[begin], link.share or 1.0)])
             found = ring(flat, np.arange(len(loop)), np.arange(len(loop), len(flat)), axis, strip.name)
             triangles = np.concatenate([loop, begin])[found if side == 0 else found[:, ::-1]]
-            made.add_on(End(tube, axis), strip.name, triangles, 1 if side == 0 else -1)
+            made.put_curved(strip.name, triangles, jets_of(tube))
 
 
 def united(one: SolidBoundary | None, other: SolidBoundary | None) -> LinkedBodies | None:
@@ -222,7 +205,7 @@ def _links(i: int, one: LinkedPart, j: int, other: LinkedPart) -> Iterator[tuple
     for mine, its in product(one.ends, other.ends):
         if len(mine.tubes) != len(its.tubes) or not all(map(_same, mine.tubes, its.tubes)):
             continue
-        way, its_way = (g / np.linalg.norm(g) for g in (end.plane.gradient(np.zeros(3)) for end in (mine, its)))
+        way, its_way = (unit(end.plane.gradient(np.zeros(3))) for end in (mine, its))
         rounding, (short, long) = EQUAL * (1 + np.abs(mine.place).max()), sorted((mine.length, its.length))
         overlap = short + long - float((its.place - mine.place) @ way)
         if way @ its_way <= EQUAL - 1 and long > rounding and -rounding <= overlap <= short + rounding:
@@ -256,7 +239,7 @@ def _same(one: Polynomial, other: Polynomial) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class RenamedBoundary:
+class RenamedBoundary(SolidBoundary):
     """What bounds a solid, with other names of its faces."""
 
     body: SolidBoundary
@@ -264,7 +247,6 @@ class RenamedBoundary:
 
     @property
     def coarse(self) -> Mesh | None:
-        """That of the body, by its names."""
         return self.body.coarse
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
@@ -273,5 +255,4 @@ class RenamedBoundary:
         return found and replace(found, names=tuple(self.names.get(name, name) for name in found.names))
 
     def moved(self, map_: Affine) -> RenamedBoundary:
-        """Its image."""
         return replace(self, body=self.body.moved(map_))

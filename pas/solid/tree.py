@@ -7,15 +7,11 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol, TypeVar, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.affine import Affine
 from pas.algebra.inputs import check_coefficients
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-
-Bools = NDArray[np.bool_]
-Integers = NDArray[np.intp]
+from pas.mesh.rows import Bools, Floats
 
 
 @runtime_checkable

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.limits import checkpoint
-from pas.solid.tree import Atom, Bools, Columns, Integers, Node, Tree, atoms, folded
+from pas.mesh.rows import Bools, Floats, Integers
+from pas.solid.tree import Atom, Columns, Node, Tree, atoms, folded
 
 Bits = NDArray[np.uint8]
 
