@@ -208,14 +208,11 @@ def rotation(axis: VectorLike, degrees: Exact, center: VectorLike) -> Affine:
 
 def scaling(factors: Exact | VectorLike, center: VectorLike) -> Affine:
     """Scaling by one number or three, all positive, with `center` kept in place."""
-    three = vector(factors, "factors") if hasattr(factors, "__len__") and not isinstance(factors, str) else None
-    if three is None:
-        one = rational(factors, "the factor")
-        three = (one, one, one)
-    if any(f <= 0 for f in three):
+    several = hasattr(factors, "__len__") and not isinstance(factors, str)
+    sizes = vector(factors, "factors") if several else [rational(factors, "the factor")] * 3
+    if any(f <= 0 for f in sizes):
         raise ValueError(f"the factor must be positive, not {factors!r}; use mirror to reflect")
-    zero = fmpq(0)
-    return about(((three[0], zero, zero), (zero, three[1], zero), (zero, zero, three[2])), center)
+    return about(three(three(f * c for c in unit) for f, unit in zip(sizes, UNITS, strict=True)), center)
 
 
 def reflection(normal: VectorLike, center: VectorLike) -> Affine:

@@ -269,7 +269,7 @@ def _read(expression: Any, names: Names) -> RationalFunction:
         raise TypeError(f"a callable is not exact; write the expression as a string in {' and '.join(names)}")
     text = as_text(expression)
     if text is not None:
-        return evaluate(text, _Exact(names))
+        return evaluate(text, names, _Exact(names))
     return RationalFunction.from_lowest_terms(RING.constant(rational(expression, "the expression")), ONE, names)
 
 
