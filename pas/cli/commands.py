@@ -64,27 +64,24 @@ def _loaded(options: argparse.Namespace, *, edited: bool = False) -> Any:
 def run_check(options: argparse.Namespace) -> CommandResult:
     """`pas check`."""
     if options.independent:
-        return _check_independently(options)
-    shape = _loaded(options, edited=options.edited)
-    start = time.perf_counter()
-    certificate: Verdicts = shape.certificate
-    text, stored = str(certificate), getattr(shape, "stored", None)
-    if stored is not None:
-        text += "".join(f"\nas stored otherwise: {difference}" for difference in certificate.differences(stored))
-    return _judged(text, certificate.counts, certificate.verdicts, certificate.proved, certificate.holds, start)
+        from pas.independent.checker import check_independently
 
-
-def _check_independently(options: argparse.Namespace) -> CommandResult:
-    from pas.independent.checker import check_independently
-
-    start = time.perf_counter()
-    findings = check_independently(project_file(options.project), edited=options.edited)
-    proved = all(finding.proved for finding in findings)
-    counts = "all proved" if proved else "not all proved"
-    return _judged("\n".join(map(str, findings)), counts, findings, proved, proved, start)
-
-
-def _judged(text: str, counts: str, verdicts: Any, proved: bool, holds: bool, start: float) -> CommandResult:
+        start = time.perf_counter()
+        verdicts: Sequence[Any] = check_independently(project_file(options.project), edited=options.edited)
+        text, proved = "\n".join(map(str, verdicts)), all(verdict.proved for verdict in verdicts)
+        holds, counts = proved, "all proved" if proved else "not all proved"
+    else:
+        shape, start = _loaded(options, edited=options.edited), time.perf_counter()
+        certificate: Verdicts = shape.certificate
+        stored = getattr(shape, "stored", None)
+        others = () if stored is None else certificate.differences(stored)
+        text = "".join([str(certificate), *(f"\nas stored otherwise: {other}" for other in others)])
+        verdicts, proved, holds, counts = (
+            certificate.verdicts,
+            certificate.proved,
+            certificate.holds,
+            certificate.counts,
+        )
     seconds = time.perf_counter() - start
     record = {
         "proved": proved,

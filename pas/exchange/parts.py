@@ -11,7 +11,7 @@ import numpy as np
 from pas.algebra.inputs import shown
 from pas.exchange.formats import UNITS, Content, Request
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Floats, Integers, counted_on
 from pas.parametric.patches import RationalPatch
 from pas.settings import MeshSettings, given
 from pas.shape import Shape, kind_of
@@ -125,12 +125,6 @@ def joined(parts: Sequence[Piece]) -> tuple[Floats, Integers]:
     """Points and triangles of all parts, with no point shared between parts."""
     triangles = counted_on([p.mesh.triangles for p in parts], [len(p.mesh.points) for p in parts])
     return np.concatenate([p.mesh.points for p in parts]), triangles
-
-
-def counted_on(numbers: Sequence[Integers], sizes: Sequence[int]) -> Integers:
-    """Numbers of points or faces of several parts one after the other, where each part has that many of its own."""
-    starts = np.cumsum([0, *sizes])
-    return np.concatenate([part + start for part, start in zip(numbers, starts, strict=False)])
 
 
 def face_numbers(parts: Sequence[Piece]) -> tuple[Integers, list[str]]:

@@ -107,10 +107,8 @@ def _tree_record(tree: Tree, numbers: dict[Function, int]) -> tuple[dict[str, An
         return (record | {"outside": True} if atom.outside else record), 0
 
     def branch(node: Node, parts: list[tuple[dict[str, Any], int]]) -> tuple[dict[str, Any], int]:
-        record, level = (
-            {"union" if node.union else "intersection": [part for part, _ in parts]},
-            max(h for _, h in parts),
-        )
+        record = {"union" if node.union else "intersection": [part for part, _ in parts]}
+        level = max(h for _, h in parts)
         if level < most:
             return record, level + 1
         branches.append(record)
@@ -201,19 +199,19 @@ FUNCTION: Value = choice(
     Table(
         {"moved": later(lambda: FUNCTION), "matrix": list_of(POINT, 3), "shift": POINT},
         make=_moved,
-        entries=lambda f: {"moved": f.inner, "matrix": f.map.matrix, "shift": f.map.shift},
+        names={"moved": "inner", "matrix": "map.matrix", "shift": "map.shift"},
         of=lambda function: isinstance(function, Moved),
     ),
     Table(
         {"pieces": list_of(POLYNOMIAL), "partition": PARTITION},
         make=lambda pieces, partition: Pieces(partition, pieces),
-        entries=lambda function: {"pieces": function.polynomials, "partition": function.partition},
+        names={"pieces": "polynomials"},
         of=lambda function: isinstance(function, Pieces),
     ),
     Table(
         {"near": later(lambda: RECORD), "faces": list_of(TEXT), "thickness": REAL, "tolerance": REAL},
         make=lambda near, faces, thickness, tolerance: FaceDistance(near, faces, float(thickness), float(tolerance)),
-        entries=lambda f: {"near": f.solid, "faces": f.faces, "thickness": f.thickness, "tolerance": f.tolerance},
+        names={"near": "solid"},
         of=lambda function: isinstance(function, FaceDistance),
     ),
     Table(
@@ -308,7 +306,6 @@ JOINT = Table(
     {"first": TEXT, "second": TEXT, "along": list_of(POLYNOMIAL, 2), "order": WHOLE},
     {"within": list_of(POLYNOMIAL)},
     make=Joint,
-    entries=lambda joint: {key: value for key, value in vars(joint).items() if value != ()},
 )
 RECORD: Table = Table(
     {

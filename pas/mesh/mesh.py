@@ -14,7 +14,7 @@ from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.errors import GeometryError, optional
 from pas.mesh.booleans import BooleanStep, Triangles, boolean
 from pas.mesh.quality import Quality, smallest_angles, soundness
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Floats, Integers, counted_on
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
 from pas.mesh.topology import edge_table, euler_characteristic, is_closed_manifold, is_manifold, piece_count, seams
 from pas.shape import Shape, refuse_mixed
@@ -98,13 +98,11 @@ class Mesh(AffineShape["Mesh"], Shape):
     def together(cls, meshes: Mapping[str, Mesh]) -> Mesh:
         """Several meshes as one, side by side; the faces are named "part: face"."""
         items = list(meshes.items())
-        starts = np.cumsum([0, *(len(m.points) for _, m in items)])
-        firsts = np.cumsum([0, *(len(m.names) for _, m in items)])
         known = [m.deviation for _, m in items if m.deviation is not None]
         return Mesh(
             np.concatenate([m.points for _, m in items]),
-            np.concatenate([m.triangles + start for (_, m), start in zip(items, starts, strict=False)]),
-            np.concatenate([m.faces + first for (_, m), first in zip(items, firsts, strict=False)]),
+            counted_on([m.triangles for _, m in items], [len(m.points) for _, m in items]),
+            counted_on([m.faces for _, m in items], [len(m.names) for _, m in items]),
             tuple(f"{name}: {face}" for name, m in items for face in m.names),
             np.concatenate([m.normals for _, m in items]),
             deviation=max(known) if len(known) == len(items) else None,

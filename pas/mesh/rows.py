@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,3 +49,9 @@ def quarters(triangles: Floats) -> Floats:
     p, q, r = (a + b) / 2, (b + c) / 2, (c + a) / 2
     parts = [np.stack(part, axis=1) for part in ((a, p, r), (p, b, q), (r, q, c), (p, q, r))]
     return np.stack(parts, axis=1)
+
+
+def counted_on(numbers: Sequence[Integers], sizes: Sequence[int]) -> Integers:
+    """Numbers of points or faces of several parts one after the other, where each part has that many of its own."""
+    starts = np.cumsum([0, *sizes])
+    return np.concatenate([part + start for part, start in zip(numbers, starts, strict=False)])

@@ -8,6 +8,7 @@ A strip may have rings in between, which are the first one moved along: so angle
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from math import ceil, pi, radians, sin, tan, tau
 from typing import Any
@@ -80,6 +81,15 @@ def strip(
     found.append(np.concatenate([rings[-1], np.arange(len(first), count)])[_zipped(*angles)])
     triangles, points = np.concatenate(found), np.concatenate([first, second, *between])
     return points[count:], triangles, outwards(points, axis, slope)[triangles], float(max(map(max, map(_gaps, angles))))
+
+
+def lid(points: Floats, rings: Sequence[Integers], axis: Floats) -> Integers:
+    """The triangles (T, 3) in a ring of points, or between two in a plane, seen from where a unit vector points."""
+    if len(rings) == 1:
+        (ring,) = rings
+        return np.stack([np.full(len(ring) - 2, ring[0]), ring[1:-1], ring[2:]], axis=1)
+    outer, inner = rings
+    return np.concatenate([outer, inner])[strip(points[outer], points[inner], axis)[1]]
 
 
 def _gaps(angles: Floats) -> Floats:

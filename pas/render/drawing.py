@@ -55,9 +55,7 @@ def draw(
     """Draw a shape, or a list of them, into a PNG file, or on a turntable into a GIF file; returns the path.
 
     A blend is drawn with its surfaces beyond their curves, in other colours, as far as they are known.  `options`
-    are those of `Picture`: `style`, `combs`, `size`, `view`, `domain`, `tolerance`, `four_views`, `exploded`, `cut`,
-    `parallel`, `transparent`, `occlusion`, `colors`, `labels`, `dimensions`.  `mesh`, that of the first shape, or of
-    its parts by name, spares meshing again.
+    are those of `Picture`.  `mesh`, that of the first shape, or of its parts by name, spares meshing again.
 
     `style` is a `pas.Style` or its name.  "zebra" shows isophotes, lines of equal angle between normal and a direction:
     across a joint they are broken for C^0, have kinks for GC^1 and are smooth for GC^2.  "highlights" shows highlight

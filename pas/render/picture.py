@@ -13,7 +13,6 @@ from pas.errors import optional
 from pas.exchange.picture_options import VIEWS, Picture
 from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Integers
 from pas.render import plotting
 from pas.render.scene import Layer, Legend, Paint, Scene
 
@@ -178,16 +177,11 @@ def _add(
     for culling in (None,) if opacity == 1 else ("front", "back"):
         plotter.add_mesh(data, culling=culling, **options)
     if layer.outlined and (paint.values is None or legend is not None):
-        edges, times = layer.mesh.edges
-        for lines, thickness in ((edges[times == 1], 3.0), (layer.mesh.feature_edges, 2.0)):
-            plotting.add_lines(plotter, _lines(layer.mesh.points + shift, lines), thickness)
-
-
-def _lines(points: Floats, edges: Integers) -> Any:
-    """Edges (E, 2) between points (N, 3) as lines of pyvista."""
-    pyvista = optional("pyvista")
-    cells = np.concatenate([np.full((len(edges), 1), 2), edges], axis=1)
-    return pyvista.PolyData(points, lines=cells.ravel()) if len(edges) else pyvista.PolyData()
+        pyvista, (edges, times) = optional("pyvista"), layer.mesh.edges
+        for ends, thickness in ((edges[times == 1], 3.0), (layer.mesh.feature_edges, 2.0)):
+            if len(ends):
+                places = (layer.mesh.points + shift)[ends].reshape(-1, 3)
+                plotting.add_lines(plotter, pyvista.line_segments_from_points(places), thickness)
 
 
 def _data(mesh: Mesh, paint: Paint) -> Any:

@@ -58,9 +58,8 @@ def add_combs(plotter: Any, layer: Layer, factor: float, shift: Floats) -> None:
         for sign, color in ((1, CONVEX), (-1, CONCAVE)):
             for run in _runs(comb.curvatures * sign > 0):
                 places, ends = _ends(comb, base, factor, run)
-                cells = np.stack([np.full(len(run), 2), np.arange(len(run)), np.arange(len(run)) + len(run)], axis=1)
-                hairs = pyvista.PolyData(np.concatenate([base[run], ends[places]]), lines=cells.ravel())
-                _add(plotter, hairs, color, 1.2)
+                hairs = np.stack([base[run], ends[places]], axis=1).reshape(-1, 3)
+                _add(plotter, pyvista.line_segments_from_points(hairs), color, 1.2)
                 _add(plotter, pyvista.lines_from_points(ends), color, 2.5)
 
 

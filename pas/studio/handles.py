@@ -117,7 +117,7 @@ def handle_controls(document: Data, shape: Any) -> Iterator[Control]:
     Of "coefficients", `names` are the members as polynomials and `ends` the least and the greatest values that any
     surface with clean contacts and walls has, as far as samples tell, whatever else is wished.
     """
-    if getattr(shape, "kind", "") != "blend" or shape.dimension < 2:
+    if not can_follow(shape) or shape.dimension < 2:
         return
     if coefficients_of(shape):
         yield {"kind": "coefficients", "path": path_of(document, "coefficients"), "label": "coefficients",
@@ -133,11 +133,12 @@ def pulled_by_coefficients(shape: Any) -> bool:
     On many cells they are not: what the surface does correlates with a single one by 0.1 or so, since all others
     follow by energy.  There points to pass through take hold of the surface.
     """
-    return (
-        getattr(shape, "kind", "") == "blend"
-        and shape.surface.partition.cells
-        and len(shape.surface.partition.pieces) == 1
-    )
+    return can_follow(shape) and bool(shape.surface.partition.cells) and len(shape.surface.partition.pieces) == 1
+
+
+def can_follow(shape: Any) -> bool:
+    """Whether other sliders can be followed from it."""
+    return getattr(shape, "kind", "") == "blend"
 
 
 def path_of(document: Data, name: str) -> list[Any]:
@@ -147,7 +148,7 @@ def path_of(document: Data, name: str) -> list[Any]:
 
 def coefficients_of(shape: Any) -> list[float]:
     """The coefficients of a single cell's members, where a shape has few enough to show them."""
-    single = getattr(shape, "kind", "") == "blend" and len(shape.surface.partition.pieces) == 1
+    single = can_follow(shape) and len(shape.surface.partition.pieces) == 1
     most_members = 40  # coefficients that are offered: more are no family that anybody shapes by hand
     return [float(value) for value in shape.coefficients] if single and shape.dimension <= most_members else []
 

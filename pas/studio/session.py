@@ -32,6 +32,7 @@ from pas.studio import Data, Message, documents
 from pas.studio.controls import LENGTHS, SHAPE, controls
 from pas.studio.handles import (
     at_degree,
+    can_follow,
     coefficients_of,
     handle_controls,
     pulled_by_coefficients,
@@ -76,8 +77,12 @@ class StudioSession:
                 read_problem(path)
                 problem = documents.plain_tables(read_toml(path)[2])
                 return {"kind": "problem", "problem": {"name": path.stem, **problem}}
-            shape = self.opened[path.name] = load(path)
-            return {"kind": "project", "name": path.name, "sliders": {}, "blend": can_follow(shape)}
+            return self.open(path.name, load(path))
+
+    def open(self, name: str, shape: Shape) -> Data:
+        """The document of a shape, which is open from then on."""
+        self.opened[name] = shape
+        return {"kind": "project", "name": name, "sliders": {}, "blend": can_follow(shape)}
 
     def solve(self, document: Data) -> Message:
         """The final picture of a document with its verdicts."""
@@ -311,11 +316,6 @@ def _shaped(before: Data, document: Data) -> dict[str, Any] | None:
     moved = {name: value for name, value in new["shape"].items() if value != old["shape"][name]}
     plain_ones = all(name in SHAPE and not isinstance(value, list | dict) for name, value in moved.items())
     return moved if plain_ones else None
-
-
-def can_follow(shape: Any) -> bool:
-    """Whether other sliders can be followed from it."""
-    return getattr(shape, "kind", "") == "blend"
 
 
 def _key(document: Data) -> str:

@@ -1,17 +1,13 @@
 """GLB and VTP of all triangles, 3MF of closed bodies, VTU and MSH of cells, STEP of exact faces, each by a library.
 
-GLB (binary glTF), by trimesh: a named node and a material for each part, normals of the points, single precision;
-what stands in many places is one mesh, of which that node has a child for each.  Its lengths are meters (glTF 2.0,
-3.4): of a model with a unit they are.  The unit of the numbers is written as the scene's extras.
+What they hold is said by `pas.exchange.write`.  GLB (binary glTF), by trimesh: what stands in many places is one mesh,
+of which the node of its part has a child for each.  Lengths are meters (glTF 2.0, 3.4); the unit of the numbers is
+written as the scene's extras.  VTP (VTK's XML of polygons), by pyvista: points have `parameters` where all parts are
+meshes of parametric surfaces.
 
-VTP (VTK's XML of polygons), by pyvista: `face`, `part` and `color` of triangles, names, normals, double precision;
-points have `parameters` where all parts are meshes of parametric surfaces.  In both, points are doubled along sharp
-edges.
-
-3MF, by lib3mf: one named object a part, its colour and the unit of lengths.  Guaranteed: each part is an object of its
-own in the file's build, of the type "surface" where it is open (3MF core 1.3, 4.1); what stands in many places is
-written once, as components of one object.  Not guaranteed: more than single
-precision, which is what lib3mf takes.
+3MF, by lib3mf, which takes single precision.  Guaranteed: each part is an object of its own in the file's build, of the
+type "surface" where it is open (3MF core 1.3, 4.1); what stands in many places is written once, as components of one
+object.
 
 VTU (VTK's XML of cells), by pyvista: the tetrahedra of a volume, or a piecewise surface's cells with polynomials; and
 Gmsh's .msh of tetrahedra, version 2.2, by meshio, with parts and faces as physical groups.  A polynomial of degree n is
@@ -47,7 +43,6 @@ from pas.exchange.parts import (
     TRIANGLES,
     Piece,
     all_different,
-    counted_on,
     face_numbers,
     in_unit,
     is_closed,
@@ -55,6 +50,7 @@ from pas.exchange.parts import (
 )
 from pas.exchange.volume import TETRAHEDRA, VolumeMesh, is_filled, tetrahedra_of
 from pas.limits import checkpoint
+from pas.mesh.rows import counted_on
 from pas.piecewise import PiecewiseSurface
 from pas.registry import loaded
 from pas.shape import Shape, kind_of

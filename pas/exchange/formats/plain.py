@@ -1,16 +1,8 @@
-"""STL, OBJ, PLY and CSV, which are written here, without a library.
+"""STL, OBJ, PLY and CSV, which are written here, without a library; `pas.exchange.write` says what they hold.
 
-STL, binary: bare triangles with the normals of the facets, in single precision.  Parts are put together without a
-boolean, and there are no points to share.  Whoever reads one takes its numbers for millimeters: of a model with a unit
-they are.
-
-OBJ: an object for each part, a group for each face, normals of the corners, double precision.  Colours stand after the
-coordinates of the points, since materials need a second file.
-
-CSV: what each part measures, a line each.
-
-PLY, binary: points in double precision, colours, `face` and `part` of each triangle, their names as comments.  Points
-have normals where no part has a sharp edge, at which a point has several.
+In OBJ files colours stand after the coordinates of the points, since materials need a second file.  In PLY files, which
+are binary as those of STL, names are comments, and points have normals where no part has a sharp edge, at which a point
+has several.
 """
 
 from __future__ import annotations
