@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, AffineShape
 from pas.algebra.brief import brief
-from pas.algebra.callables import ComponentLike, component
+from pas.algebra.callables import ComponentLike, component, is_function
 from pas.algebra.expressions import Formula, Names
 from pas.algebra.inputs import check_derivative, check_tolerance, short, shown
 from pas.algebra.jets import Jet, variables
@@ -197,8 +197,7 @@ def iso_curve(surface: ParametricSurface, t: Exact | None = None, h: Exact | Non
 
 def one_parameter(expression: Any) -> Any:
     """A callable of one array as one of two; an expression as it is."""
-    symbolic = hasattr(expression, "free_symbols") or isinstance(expression, RationalFunction)
-    return (lambda s, _: expression(s)) if callable(expression) and not symbolic else expression
+    return (lambda s, _: expression(s)) if is_function(expression) else expression
 
 
 @dataclass(frozen=True)
