@@ -233,21 +233,6 @@ class Problem(ABC):
     picture: Picture = field(default_factory=Picture)
 
     @property
-    def tolerance(self) -> float | None:
-        """That of the mesh; None for the shape's own."""
-        return self.mesh.tolerance
-
-    @property
-    def style(self) -> str:
-        """The name of the picture's style."""
-        return self.picture.name
-
-    @property
-    def view(self) -> Any:
-        """The direction from where one looks; None for the widest."""
-        return self.picture.view
-
-    @property
     def fixed(self) -> str:
         """What is said where an option is to be changed that such a problem has not."""
         return "there is nothing to change in such a problem"
