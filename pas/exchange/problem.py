@@ -59,7 +59,7 @@ def read_toml(path: str | Path) -> tuple[Path, str, dict[str, Any]]:
         line = re.search(r"at line (\d+)", str(error))
         number = int(line.group(1)) if line else text.count("\n") + 1
         reason = re.sub(r" \(at .*\)", "", str(error))
-        raise ProblemFileError(f"{file.name}, line {number}: {_lower(reason)}", number) from None
+        raise ProblemFileError(f"{file.name}, line {number}: {reason[:1].lower()}{reason[1:]}", number) from None
     except ValueError as error:
         raise _bad_number(file, text, error) from None
     if depth(data) > DEEPEST:
@@ -178,10 +178,6 @@ class TableReader:
             return None
         braces = (n for n, line in enumerate(self.lines[begin:], begin + 1) for _ in range(line.count("{")))
         return next(islice(braces, index, None), begin + 1)
-
-
-def _lower(text: str) -> str:
-    return text[:1].lower() + text[1:]
 
 
 def _decimal(text: str) -> Fraction | float:
