@@ -13,14 +13,13 @@ from typing import ClassVar, Literal
 
 from flint import fmpq
 
-from pas.algebra.brief import brief
 from pas.algebra.rational import Exact, Vector, VectorLike, listed, plain, positive, to_float
 from pas.contacts.axial import Axial, longest, perpendicular, vectors
 from pas.contacts.contact import Contact
 from pas.contacts.endless import Endless
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Sphere(Axial):
     """A sphere around `point`, cut off by a plane across `axis`.
 
@@ -44,8 +43,6 @@ class Sphere(Axial):
         positive(self.radius, "radius")
         self.check_rim()
 
-    __repr__ = brief
-
     @cached_property
     def contact(self) -> Contact:
         """The surface and its clip plane as polynomials."""
@@ -58,7 +55,7 @@ class Sphere(Axial):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Ellipsoid(Axial):
     """An ellipsoid around `point` with three `semiaxes`, vectors across one another, cut off by a plane across `axis`.
 
@@ -84,8 +81,6 @@ class Ellipsoid(Axial):
         object.__setattr__(self, "semiaxes", perpendicular(semiaxes, 3))
         self.check_rim()
 
-    __repr__ = brief
-
     @cached_property
     def contact(self) -> Contact:
         """The surface and its clip plane as polynomials."""
@@ -99,7 +94,7 @@ class Ellipsoid(Axial):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Paraboloid(Axial):
     """An elliptic paraboloid, cut off by a plane normal to its axis.
 
@@ -126,8 +121,6 @@ class Paraboloid(Axial):
         if self.clip == 0:
             raise ValueError("clip must not be 0, where a paraboloid has its vertex")
 
-    __repr__ = brief
-
     @cached_property
     def contact(self) -> Contact:
         """The surface and its clip plane as polynomials."""
@@ -137,7 +130,7 @@ class Paraboloid(Axial):
         return f"paraboloid {self.position} with semi-axes {vectors(self.semiaxes)}, {self.ending}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class EllipticPipe(Endless):
     """An infinite elliptic cylinder, cut off by a plane normal to its axis.
 
@@ -161,8 +154,6 @@ class EllipticPipe(Endless):
     ) -> None:
         self.settle(axis, point, semiaxes, clip=clip)
 
-    __repr__ = brief
-
     @cached_property
     def contact(self) -> Contact:
         """The surface and its clip plane as polynomials."""
@@ -176,7 +167,7 @@ class EllipticPipe(Endless):
         return f"elliptic pipe {self.position} with semi-axes {vectors(self.semiaxes)}, {self.ending}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Hyperboloid(Endless):
     """An elliptic hyperboloid of one sheet, cut off by a plane normal to its axis.
 
@@ -207,8 +198,6 @@ class Hyperboloid(Endless):
     ) -> None:
         self.settle(axis, point, semiaxes, clip=clip, conjugate=conjugate)
         positive(self.conjugate, "conjugate")
-
-    __repr__ = brief
 
     @cached_property
     def contact(self) -> Contact:

@@ -10,7 +10,6 @@ from typing import ClassVar
 from flint import fmpq
 
 from pas.algebra.affine import slope_at
-from pas.algebra.brief import brief
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, Vector, VectorLike, dot, listed, positive
 from pas.contacts.axial import Axial, vectors
@@ -18,7 +17,7 @@ from pas.contacts.contact import Contact
 from pas.contacts.parallels import root
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Plate(Axial):
     """A solid with a plane face, out of which a blend rises along a circle or an ellipse around `point`.
 
@@ -57,8 +56,6 @@ class Plate(Axial):
         self.settle(axis, point, semiaxes)
         if radius is not None:
             object.__setattr__(self, "radius", positive(radius, "radius"))
-
-    __repr__ = brief
 
     @cached_property
     def contact(self) -> Contact:

@@ -12,7 +12,6 @@ import numpy as np
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.affine import height, slope_at, translation
-from pas.algebra.brief import brief
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial, PolynomialLike
@@ -25,7 +24,7 @@ QuadricLike: TypeAlias = "PolynomialLike | Sequence[Sequence[Exact]]"
 """What is taken for a quadric: a polynomial of degree 2, or a symmetric 4x4 matrix of exact numbers."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class QuadricContact(Movable):
     """A quadric with a clip: any of the kinds that there are, in any position.
 
@@ -48,8 +47,6 @@ class QuadricContact(Movable):
             raise ValueError(f"quadric must be of degree 2, and {found.surface} is of degree {found.surface.degree}")
         object.__setattr__(self, "quadric", found.surface)
         object.__setattr__(self, "clip", found.clip)
-
-    __repr__ = brief
 
     @cached_property
     def contact(self) -> Contact:

@@ -14,8 +14,7 @@ from pas.designs.body import Body, below
 from pas.designs.exact import number
 from pas.designs.handle import Handle, PaperHandle
 from pas.designs.lid import Lid
-from pas.designs.paper_spout import PaperSpout
-from pas.designs.spout import Spout
+from pas.designs.spout import PaperSpout, Spout
 from pas.errors import GeometryError
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh

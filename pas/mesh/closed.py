@@ -21,7 +21,7 @@ from pas.mesh.face_ground import FaceGround
 from pas.mesh.field import FaceField, bounds_set, extent_of, place_of
 from pas.mesh.first import THIN, first_lattice, first_mesh, unsound
 from pas.mesh.grading import LARGEST, Settings
-from pas.mesh.hollowed import mesh_hollowed, too_thick
+from pas.mesh.hollowed import mesh_apart, mesh_hollowed, together, too_thick
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import SAME, Nodes, contracted, flat_nodes, pinched_at, where_edges_cross
 from pas.mesh.octree import Octree
@@ -30,7 +30,6 @@ from pas.mesh.quality import Quality
 from pas.mesh.refusals import FaceMesh, Made, Refusal, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
 from pas.mesh.rows import Bools, Floats, Integers, norms
-from pas.mesh.surfaces import mesh_apart, together
 from pas.mesh.topology import connected
 
 UPRIGHT = 0.3

@@ -112,14 +112,6 @@ def edge_table(triangles: Integers) -> tuple[Integers, Integers]:
     return np.stack([keys // size, keys % size], axis=1), times
 
 
-def seams(triangles: Integers, faces: Integers) -> Integers:
-    """The edges (E, 2) between two triangles of different faces."""
-    twins = twins_of(triangles, int(triangles.max(initial=-1)) + 1)
-    halves = np.flatnonzero(twins > np.arange(len(twins)))
-    halves = halves[faces[halves // 3] != faces[twins[halves] // 3]]
-    return np.stack([triangles.ravel()[halves], triangles[:, [1, 2, 0]].ravel()[halves]], axis=1)
-
-
 def euler_characteristic(triangles: Integers) -> int:
     """Vertices - edges + triangles."""
     return len(distinct(triangles)) - len(edge_table(triangles)[0]) + len(triangles)

@@ -54,7 +54,7 @@ class SolidField:
     def shells(self) -> list[SolidField]:
         """The surfaces of the boundary, if they are apart: those of hollows inside, and that of what they are in."""
         tree, box, seams, special = self._made_of
-        for part, others in splits_of(tree, union=False):
+        for part, others in splits_of(tree):
             if _is_within(complement(part), box):
                 fields = [SolidField(some, box, seams, special) for some in (part, others)]
                 return [shell for field in fields for shell in field.shells()]

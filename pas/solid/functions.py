@@ -119,7 +119,7 @@ class Moved(Distance):
 
 def followed_by(tree: Tree) -> tuple[Tree, list[tuple[Distance, Followed]]] | None:
     """The set of which a tree is a shell, and the distances from its faces, and what they follow; or None."""
-    walls = ((rest, distances_from(rest, wall)) for wall, rest in splits_of(tree, union=False))
+    walls = ((rest, distances_from(rest, wall)) for wall, rest in splits_of(tree))
     return next(((rest, found) for rest, found in walls if found), None)
 
 

@@ -12,10 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol, TypeAlias
+from functools import cached_property
+from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
+from pas.algebra.polynomial import Polynomial
 from pas.mesh.closed import refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
@@ -24,9 +26,13 @@ from pas.mesh.refusals import FaceMesh
 from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.topology import Edges
 from pas.piecewise import PiecewiseSurface
+from pas.solid.bounds import hull
 from pas.solid.faces import Faces, PlacedBody
 from pas.solid.field import SolidField
-from pas.solid.strips import Chain, goes_on
+from pas.solid.strips import Chain, Sections, SolidStrip, goes_on
+
+EQUAL = 2.0**-40
+"""Coefficients that are off by less, over the largest, are the same: heights of caps are rounded to doubles."""
 
 ROOM = 2.0
 """Over the distances of two such meshes from their bodies, how far these must be apart."""
@@ -88,6 +94,17 @@ def merged(mesh: Mesh, order: Sequence[str]) -> Mesh:
     """A mesh with faces of one name made one, in an order."""
     names = sorted({*mesh.names}, key=order.index)
     return replace(mesh, faces=np.array([names.index(name) for name in mesh.names])[mesh.faces], names=tuple(names))
+
+
+class LinkableEnd(NamedTuple):
+    """Of a chain of straight strips its number, the plane in which they end, positive outside, how long they are, the
+    surfaces of all sides, and a point (3,) where they begin."""
+
+    number: int
+    plane: Polynomial
+    length: float
+    tubes: tuple[Polynomial, ...]
+    place: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,6 +177,65 @@ class SheetBody(PlacedBody):
         mesh = made.mesh
         left = {key: loop for key, loop in loops.items() if key[1] in ends}
         return mesh if self.place is None else mesh._moved(self.place), left
+
+    def _placed(self, polynomial: Polynomial) -> Polynomial:
+        return polynomial if self.place is None else self.place.polynomial(polynomial)
+
+    @cached_property
+    def ends(self) -> tuple[LinkableEnd, ...]:
+        """Of the chains that may be linked: with at most one straight strip of a quadric on each side."""
+        found, place = list[LinkableEnd](), self.place
+        for number, chain in enumerate(self.sides[0].chains):
+            sides = [side.chains[number] for side in self.sides]
+            strips = [(strip, bowed) for side in sides for strip, bowed in zip(side.strips, side.bowed, strict=True)]
+            straight = not any(bowed or not isinstance(strip.rows, Sections) for strip, bowed in strips)
+            if straight and len(strips) <= len(sides) and chain.clip.surface.degree == 1:
+                tubes = tuple(self._placed(side.contact.surface) for side in sides)
+                plane, start = self._placed(chain.end.surface), chain.curve[0]
+                start = start if place is None else place.points(start)
+                length = -float(plane(start) / np.linalg.norm(plane.gradient(start)))
+                found.append(LinkableEnd(number, plane, length if strips else 0.0, tubes, start))
+        return tuple(found)
+
+    @cached_property
+    def boxes(self) -> dict[str, Floats]:
+        """The box (2, 3) of each face of the coarse mesh, by its name."""
+        mesh = self.coarse
+        assert mesh is not None
+        points = mesh.points[mesh.triangles]
+        corners = {name: points[mesh.faces == face].reshape(-1, 3) for face, name in enumerate(mesh.names)}
+        return {name: np.stack([some.min(axis=0), some.max(axis=0)]) for name, some in corners.items()}
+
+    @cached_property
+    def box(self) -> Floats:
+        """The box (2, 3) of all."""
+        return hull([*self.boxes.values()])
+
+    def carried(self, strip: SolidStrip, points: Floats, share: float) -> Floats:
+        """Points (N, 3) of the loop in which a strip begins, moved a share of the way along it."""
+        place = self.place
+        return (
+            strip.rows(points, share)
+            if place is None
+            else place.points(strip.rows(place.inverse.points(points), share))
+        )
+
+    def named(self, number: int) -> set[str]:
+        """The names of the faces that go on from a contact, to its end."""
+        chains = [side.chains[number] for side in self.sides]
+        return {chains[0].name, *(strip.name for chain in chains for strip in chain.strips)}
+
+    def beside(self, plane: Polynomial, room: float, without: set[str]) -> set[str] | None:
+        """The faces, but for some, that come as near as `room` to a plane, positive outside; None where one is beyond
+        it."""
+        mesh = self.coarse
+        assert mesh is not None
+        kept = np.array([name not in without for name in mesh.names])[mesh.faces]
+        slope = plane.gradient(np.zeros(3))
+        heights = (plane(mesh.points) / np.linalg.norm(slope))[mesh.triangles[kept]]
+        if heights.max() > EQUAL * (1 + np.abs(mesh.points).max()):
+            return None
+        return {mesh.names[face] for face in np.unique(mesh.faces[kept][(heights > -room).any(axis=1)])}
 
 
 def face_mesh(mesh: Mesh, field: SolidField, tolerance: float, quality: Quality) -> FaceMesh:
