@@ -211,7 +211,7 @@ class SampledConstraints:
             at_least.append(np.full(len(rows[-1]), margins.alpha))
             rows.append(cone.depths())
             at_least.append(np.full(len(rows[-1]), margins.wall * self.reach))
-        return Inequalities(np.concatenate(rows), np.concatenate(at_least)).unit
+        return Inequalities(np.concatenate(rows), np.concatenate(at_least))
 
     @cached_property
     def _curves(self) -> cKDTree:
@@ -240,7 +240,7 @@ class SampledConstraints:
         # Members with alpha = 0 have any margin for the price of a scale, and where no others have, the solver fails
         # among huge multiples of them: f goes no deeper than so many radii of the region, where it mostly goes to one.
         depth, deepest = -self.basis.values(0, np.zeros((1, 3))), 10.0 * self.radius * self.reach / self.local_reach
-        return Inequalities(np.concatenate([depth, -depth]), np.array([margins.depth * self.reach, -deepest])).unit
+        return Inequalities(np.concatenate([depth, -depth]), np.array([margins.depth * self.reach, -deepest]))
 
 
 class RayLattice:
@@ -264,7 +264,7 @@ class RayLattice:
             asked = margins.sheet * guard.reach * _lengths(ends)[rays] / guard.radius
             flat = slopes < share * asked
             points = ends[rays[flat]] * shares[flat, None]
-            found += Inequalities(guard.basis.radial(piece, points), (shares * asked)[flat]).unit
+            found += Inequalities(guard.basis.radial(piece, points), (shares * asked)[flat])
         return found
 
     def _profiles(self, piece: int, member: Floats) -> Floats:
