@@ -171,13 +171,8 @@ class Verdicts(ABC):
 class Findings(Verdicts):
     """A plain list of verdicts as a certificate."""
 
-    found: tuple[Verdict, ...]
+    verdicts: tuple[Verdict, ...] = ()
     partly_measured: bool = False
-
-    @property
-    def verdicts(self) -> tuple[Verdict, ...]:
-        """All verdicts in the order of proof."""
-        return self.found
 
     @classmethod
     def of_parts(cls, parts: Mapping[str, Verdicts]) -> Findings:
@@ -186,4 +181,4 @@ class Findings(Verdicts):
         return cls(found, any(part.partly_measured for part in parts.values()))
 
     def __str__(self) -> str:
-        return "\n".join(map(str, self.found)) or "nothing is claimed, so nothing is proved"
+        return "\n".join(map(str, self.verdicts)) or "nothing is claimed, so nothing is proved"

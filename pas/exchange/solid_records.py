@@ -151,17 +151,15 @@ def _moved(moved: Function, matrix: Any, shift: Any) -> Moved:
     return Moved(moved, place, place.similarity())
 
 
-def _bounded(inside: ParametricSurface, end: int | None = None) -> Distance:
-    """The distance from a surface that bounds a body, or the height above the plane of one of its ends."""
-    distance = SurfaceDistance(inside, inside.mesh())
-    return distance if end is None else FlatEnd(distance, whole(end, "end", 0, len(distance.edges) - 1))
+def _bounded(inside: ParametricSurface) -> SurfaceDistance:
+    """The distance from a surface that bounds a body."""
+    return SurfaceDistance(inside, inside.mesh())
 
 
-def _bounded_entries(function: Function) -> dict[str, Any]:
-    if isinstance(function, FlatEnd):
-        return {"inside": function.distance.surface, "end": function.number}
-    assert isinstance(function, SurfaceDistance)
-    return {"inside": function.surface}
+def _flat_end(end: int, inside: ParametricSurface) -> FlatEnd:
+    """The height above the plane of one of its ends."""
+    distance = _bounded(inside)
+    return FlatEnd(distance, whole(end, "end", 0, len(distance.edges) - 1))
 
 
 def _of_class(**entries: Any) -> Function:
@@ -215,11 +213,16 @@ FUNCTION: Value = choice(
         of=lambda function: isinstance(function, FaceDistance),
     ),
     Table(
+        {"end": WHOLE, "inside": PARAMETRIC},
+        make=_flat_end,
+        names={"end": "number", "inside": "distance.surface"},
+        of=lambda function: isinstance(function, FlatEnd),
+    ),
+    Table(
         {"inside": PARAMETRIC},
-        {"end": WHOLE},
         make=_bounded,
-        entries=_bounded_entries,
-        of=lambda function: isinstance(function, SurfaceDistance | FlatEnd),
+        names={"inside": "surface"},
+        of=lambda function: isinstance(function, SurfaceDistance),
     ),
     Table({"class": TEXT, "data": ANYTHING}, make=_of_class, entries=_class_entries),
 )

@@ -94,7 +94,7 @@ class HollowBlend(Shape, Generic[B]):
     def certificate(self) -> Findings:
         """All verdicts: those on the outer and the inner blend, that the one is inside the other, and on each end."""
         both = Findings.of_parts({"outer": self.outer.certificate, "inner": self.inner.certificate})
-        return Findings((*both.found, *nesting(self.inner.surface, self.outer.surface)))
+        return Findings((*both.verdicts, *nesting(self.inner.surface, self.outer.surface)))
 
     @property
     def crossing(self) -> bool:

@@ -53,7 +53,7 @@ class WallMesh(Mesh):
             "outer": outer.certify_mesh(*_alone(self.points, of[0])),
             "inner": inner.certify_mesh(*_alone(self.points, of[1][:, ::-1])),
         }
-        sheets = Findings.of_parts(parts).found
+        sheets = Findings.of_parts(parts).verdicts
         size = float(np.ptp(outer.partition.points, axis=0).max())
         rings = [
             ring_verdict(f"a ring at end {number + 1}", self.points[of[2 + number]], end, size)

@@ -102,7 +102,7 @@ def _beside(strip: Mesh | None, number: int, opacity: float = 1.0) -> list[Layer
 def _layer(surface: ParametricSurface, scene: Scene, domain: Any, color: str, tint: str) -> Layer:
     def make() -> Mesh:
         bounded = surface.with_domain(finite_domain(surface, domain))
-        return bounded.mesh(scene.picture.tolerance or scene.coloring.tolerance * extent(bounded)[1])
+        return bounded.mesh(scene.picture.tolerance or scene.picture.coloring.tolerance * extent(bounded)[1])
 
     mesh = scene.mesh(make)
     return Layer(mesh, color, tint, lambda: principal_on(mesh, surface), outlined=True)
@@ -117,7 +117,7 @@ def principal_on(mesh: Mesh, surface: ParametricSurface) -> Floats:
 
 def _size(scene: Scene) -> tuple[int, int]:
     """Of a blend's mesh: coarser for curvatures, which are smooth but slow."""
-    return (160, 60) if scene.coloring.curved else (ALONG, 120)
+    return (160, 60) if scene.picture.coloring.curved else (ALONG, 120)
 
 
 def layers(blend: GeneratrixBlend, scene: Scene) -> None:

@@ -59,7 +59,8 @@ def _fill(plotter: Any, scene: Scene, picture: Picture, grid: tuple[int, int], a
         plotter.subplot(number // 2, number % 2)
         plotter.set_background(low, top=None if picture.occlusion else high)  # which takes a gradient for a surface
         plotting.add_lights(plotter)
-        for place in _far_first(meshes, towards):
+        # what is seen through does not hide what is behind it, which is drawn before
+        for place in sorted(range(len(meshes)), key=lambda n: float(meshes[n].points.mean(axis=0) @ towards)):
             checkpoint(f"drawing {len(meshes[place].triangles)} triangles")
             layer, shift = scene.layers[place], shifts[place]
             before = len(plotter.renderer.actors)
@@ -111,11 +112,6 @@ def _shifts(scene: Scene, picture: Picture) -> Floats:
     extent = float(np.ptp(np.concatenate([layer.mesh.points for layer in scene.layers]), axis=0).max())
     step = np.array([0.0, 0.0, 0.35 * extent if picture.exploded else 0.0])
     return np.arange(len(scene.layers))[:, None] * step
-
-
-def _far_first(meshes: Sequence[Mesh], towards: Floats) -> list[int]:
-    """The order in which meshes are drawn, so that what is seen through does not hide what is behind it."""
-    return sorted(range(len(meshes)), key=lambda place: float(meshes[place].points.mean(axis=0) @ towards))
 
 
 def _middle_plane(picture: Picture, meshes: Sequence[Mesh]) -> tuple[Floats, Floats] | None:

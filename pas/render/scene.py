@@ -125,11 +125,6 @@ class Scene:
     frame: Floats = field(default_factory=lambda: np.eye(3))
     view: Any = None
 
-    @property
-    def coloring(self) -> Coloring:
-        """What the colours show."""
-        return self.picture.coloring
-
     def mesh(self, make: Callable[[], Mesh], name: str = "") -> Mesh:
         """The known mesh of a part, or the one that `make` makes."""
         return self.known[name] if name in self.known else make()

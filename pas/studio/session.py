@@ -87,8 +87,8 @@ class StudioSession:
     def solve(self, document: Data) -> Message:
         """The final picture of a document with its verdicts."""
         shape = self.shape_of(document)
-        message = picture(shape)
-        head = {**message.head, **_judged(shape), **_texts(document),
+        message, kind = picture(shape), documents.DOCUMENTS[document["kind"]]
+        head = {**message.head, **_judged(shape), "python": kind.python(document), "toml": kind.toml(document),
                 "controls": [*controls(document), *handle_controls(document, shape)],
                 "members": coefficients_of(shape), "shares": shares_of(shape), "formats": formats_for(shape),
                 "final": True, "scene": name_of_scene(message), "name": name_of(document)}  # fmt: skip
@@ -284,12 +284,6 @@ class StudioSession:
 def formats_for(shape: Shape) -> list[str]:
     """The suffixes of the files that a shape can be exported to."""
     return [PROJECT, *suffixes_for(shape)]
-
-
-def _texts(document: Data) -> dict[str, Any]:
-    """The program and the problem file to copy."""
-    kind = documents.DOCUMENTS[document["kind"]]
-    return {"python": kind.python(document), "toml": kind.toml(document)}
 
 
 def name_of(document: Data) -> str:
