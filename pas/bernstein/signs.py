@@ -183,23 +183,18 @@ def _settled(batch: _Claim, bound: float) -> NDArray[np.bool_]:
 
 def _by_multiple(batch: _Claim, bound: float) -> NDArray[np.bool_]:
     """Where a multiple of a polynomial that vanishes makes up for what is negative."""
-    settled = np.zeros(len(batch), dtype=bool)
-    for zero in batch.zeros if len(batch.zeros) == 1 or batch.below else ():
-        if zero.shape == batch.value.shape:
-            settled |= _by_multiple_of(zero, batch, bound)
+    settled, value = np.zeros(len(batch), dtype=bool), batch.value
+    zeros = batch.zeros if len(batch.zeros) == 1 or batch.below else ()
+    for zero in (zero for zero in zeros if zero.shape == value.shape):
+        with np.errstate(all="ignore"):
+            ratios = -value / zero
+            least = np.where(zero > 0, ratios, -np.inf).max(axis=1)
+            if batch.below:
+                least = np.maximum(least, 0.0)
+            times = (least + np.where(zero < 0, ratios, np.inf).min(axis=1)) / 2
+            sums = (value + times[:, None] * zero).min(axis=1)
+            settled |= sums > 2 * bound * (1 + np.abs(times))  # false where it is nan
     return settled
-
-
-def _by_multiple_of(zero: Floats, batch: _Claim, bound: float) -> NDArray[np.bool_]:
-    value = batch.value
-    with np.errstate(all="ignore"):
-        ratios = -value / zero
-        least = np.where(zero > 0, ratios, -np.inf).max(axis=1)
-        if batch.below:
-            least = np.maximum(least, 0.0)
-        times = (least + np.where(zero < 0, ratios, np.inf).min(axis=1)) / 2
-        sums = (value + times[:, None] * zero).min(axis=1)
-        return np.asarray(sums > 2 * bound * (1 + np.abs(times)))  # false where it is nan
 
 
 def _violations(batch: _Claim, bound: float) -> NDArray[np.bool_]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import pairwise, product
 from math import cos, degrees, gcd, pi, radians, sin
 
@@ -18,7 +18,7 @@ from pas.algebra.lengths import across, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, three
 from pas.errors import GeometryError
-from pas.layouts.discs import Disc, check_fits, turn, whole_ray
+from pas.layouts.discs import Disc, check_fits, first_made, turn, whole_ray
 from pas.partition.layout import Layout, Ray
 
 LONGEST_AXIS = 4
@@ -51,14 +51,7 @@ def fan(discs: Sequence[Disc], center: Vector, each: int = 2) -> Layout:
     Raises `GeometryError` where no axis has room between all discs.
     """
     gaps = best_gaps(discs)
-    failure: GeometryError | None = None
-    for longest in LENGTHS:
-        try:
-            return _with_rays(discs, center, gaps, each, longest)
-        except GeometryError as error:
-            failure = error
-    assert failure is not None
-    raise failure
+    return first_made(partial(_with_rays, discs, center, gaps, each, longest) for longest in LENGTHS)
 
 
 def best_gaps(discs: Sequence[Disc]) -> Gaps:

@@ -207,10 +207,7 @@ def center_of(rims: Sequence[Rim]) -> Vector:
     solution = solved(augmented)
     assert solution is not None  # M^2 y = r has one wherever M x = r has
     found = [m + o for m, o in zip(middle, (matrix * fmpq_mat(3, 1, solution[0])).entries(), strict=True)]
-    if max(int(v.q).bit_length() for v in found) <= most_digits and all(_on_line(found, rim) for rim in rims):
+    off = any(any(cross(minus(found, rim.center), rim.normal)) for rim in rims)
+    if not off and max(int(v.q).bit_length() for v in found) <= most_digits:
         return three(found)
     return rounded(to_floats(found), power_of_two(min(rim.radii[0] for rim in rims) / parts))
-
-
-def _on_line(point: Sequence[fmpq], rim: Rim) -> bool:
-    return not any(cross(minus(point, rim.center), rim.normal))

@@ -10,7 +10,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from pas.kernels.library import compiled
-from pas.mesh.rows import Bools, Floats, Integers
+from pas.mesh.rows import Bools, Floats, Integers, Numbers
 
 
 def twins_of(triangles: Integers, size: int) -> Integers:
@@ -117,7 +117,7 @@ def euler_characteristic(triangles: Integers) -> int:
     return len(distinct(triangles)) - len(edge_table(triangles)[0]) + len(triangles)
 
 
-def connected(ends: Integers, size: int) -> Integers:
+def connected(ends: Integers | Numbers, size: int) -> Integers:
     """The number of the connected piece of each of so many vertices, joined by edges (E, 2)."""
     graph = coo_array((np.ones(len(ends)), ends.T), shape=(size, size))
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.intp)

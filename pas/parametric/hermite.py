@@ -27,8 +27,8 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_poly
 
+from pas.algebra.evaluation import Bundle, as_arrays
 from pas.algebra.expressions import Names
-from pas.algebra.horner import Bundle, as_arrays
 from pas.algebra.inputs import check_order, short, shown
 from pas.algebra.jets import Jet, along, constant, nilpotency, power, variables
 from pas.algebra.rational import Exact, plain, rational, three, to_float, to_fraction

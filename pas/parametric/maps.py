@@ -23,8 +23,8 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.brief import cut
 from pas.algebra.callables import ComponentLike, Derivatives, Values, component, from_derivatives, is_function
+from pas.algebra.evaluation import Bundle
 from pas.algebra.expressions import Names, as_text
-from pas.algebra.horner import Bundle
 from pas.algebra.inputs import check_derivative, shown
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import scaled, unit

@@ -178,7 +178,8 @@ class Session:
 
     def keep(self, blend: ChosenBlend, key: Hashable) -> None:
         """Keep a blend that is proved and was chosen by the usual energy; another is not kept."""
-        if not self.most or not blend.surface.looked_into or not blend.certificate.proved or not _usual(blend):
+        usual = type(blend.plate) is CurvatureVariation  # which has no unit
+        if not usual or not self.most or not blend.surface.looked_into or not blend.certificate.proved:
             return
         try:
             found = Found.of(blend)
@@ -189,11 +190,6 @@ class Session:
             self._kept[key, self._counter] = found
             while len(self._kept) > self.most:
                 self._kept.popitem(last=False)
-
-
-def _usual(blend: ChosenBlend) -> bool:
-    """Whether the energy that it was chosen by has no unit."""
-    return type(blend.plate) is CurvatureVariation
 
 
 def key_of(wishes: Wishes, *others: Hashable) -> Hashable | None:
