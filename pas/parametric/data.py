@@ -196,7 +196,7 @@ def _isolated(
 ) -> list[IsolatedPoint]:
     above, below = (taylor(p, value, 0)[0] for p in (component.numerator, component.denominator))
     found = []
-    for factor, _ in below.factor()[1] if below.degree() > 0 else ():
+    for factor, _ in below.factor()[1]:
         kind = PointKind.BASE_POINT if above.gcd(factor).degree() > 0 else PointKind.POLE
         text = str(RationalFunction.quotient(univariate(factor, 0), ONE))
         roots = [root for root in rounded_roots(factor) if domain[0] <= root <= domain[1]]
