@@ -60,12 +60,8 @@ class RationalFunction:
         """The quotient of two polynomials of the ring; raises `ValueError` for a zero denominator."""
         if denominator.is_zero():
             raise ValueError("the denominator of a rational function is zero")
-        if denominator.is_constant():
-            return cls.from_lowest_terms(numerator / denominator.leading_coefficient(), ONE, names)
         common = numerator.gcd(denominator)
-        if not common.is_constant():
-            numerator, denominator = numerator / common, denominator / common
-        return cls.from_lowest_terms(numerator, denominator, names)
+        return cls.from_lowest_terms(numerator / common, denominator / common, names)
 
     @classmethod
     def from_lowest_terms(
