@@ -38,9 +38,7 @@ def results(
     """What the `map` of an engine gives, with futures waited for; raises `EngineLostError` where the engine ends."""
     done = 0
     try:
-        given = iter(map_(function, items))
-        for _ in in_parts(items, task):
-            result = next(given)
+        for _, result in zip(in_parts(items, task), map_(function, items), strict=True):
             yield result.result() if hasattr(result, "result") else result
             done += 1
     except Exception as error:

@@ -175,14 +175,11 @@ class Format(Generic[C]):
 
     def holds(self, thing: Any) -> bool:
         """Whether a thing can be written here, less what would first have to be filled with tetrahedra."""
-        return self._installed() and self.content.can_be_of(thing) and (self.limits is None or self.limits(thing))
-
-    def _installed(self) -> bool:
         try:
             self.require()
         except MissingLibraryError:
             return False
-        return True
+        return self.content.can_be_of(thing) and (self.limits is None or self.limits(thing))
 
     def check(self, request: Request) -> None:
         """Raise `ValueError` for an option that says nothing of such files, such as a unit where they have none."""
