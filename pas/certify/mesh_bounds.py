@@ -16,8 +16,8 @@ from pas.certify.local_mesh import ROUNDINGS, FramedMesh, FramedSurface
 from pas.certify.triangle_forms import on_corners
 from pas.mesh.rows import Integers, any_of, cross, dots, norms, quarters
 
-CUTS = 6
-"""How often triangles are cut into four where bounds on them do not do."""
+CUTS = 8
+"""How often triangles are cut into four where bounds on them do not do; the rounding of forms counts so many cuts."""
 
 ALL = Limits(CUTS, 1 << 22)
 """Of triangles that are bounded: some 100 bytes are needed for each."""
@@ -222,7 +222,7 @@ def _one_signed(mesh: FramedMesh, chosen: Integers, away: float) -> Integers:
 
     One is given up where the middle of a part has a sign on neither way: parts of that would not have it either.
     """
-    local = mesh.local
+    local, limits = mesh.local, Limits(depth=6, cells=4096)  # a farther way costs less than smaller parts
 
     def judge(parts: Parts, depth: int) -> Fates:
         fates, done = np.full(len(parts), Fate.SPLIT.value), np.arange(len(parts))
@@ -240,7 +240,7 @@ def _one_signed(mesh: FramedMesh, chosen: Integers, away: float) -> Integers:
         fates[done] = Fate.SETTLED
         return fates
 
-    found = search(Parts.of(mesh.corners[chosen]), judge, Parts.quarters, Limits(CUTS, 4096), "bounding distances")
+    found = search(Parts.of(mesh.corners[chosen]), judge, Parts.quarters, limits, "bounding distances")
     return chosen[np.unique(np.concatenate([found.open.owner, found.kept.owner]))]
 
 
