@@ -11,8 +11,6 @@ import sys
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
-from importlib import import_module
-from importlib.util import find_spec
 from typing import Any
 
 ELSEWHERE = {
@@ -168,6 +166,4 @@ OPTIONAL = {
 
 def optional(name: str) -> Any:
     """The module of one of `OPTIONAL`; raises `MissingLibraryError` where it is not installed."""
-    if find_spec(name) is None:
-        raise MissingLibraryError(OPTIONAL[name])
-    return import_module(name)
+    return library(name, OPTIONAL[name])

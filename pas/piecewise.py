@@ -21,7 +21,7 @@ from pas.certify.proofs import certify
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError, MeshError
 from pas.limits import WorkLimits, limited
-from pas.mesh.mesh import Mesh, SmoothMesh
+from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
 from pas.partition.boxes import SingleCell
@@ -175,7 +175,7 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SurfaceMesh(SmoothMesh):
+class SurfaceMesh(Mesh):
     """A mesh of a piecewise surface; its certificate is a proof that it is one, worked out when first asked for.
 
     `tolerance` is the one it was made for, in the model's units.
@@ -188,7 +188,7 @@ class SurfaceMesh(SmoothMesh):
     def of_surface(cls, mesh: Mesh, surface: PiecewiseSurface, tolerance: float) -> SurfaceMesh:
         """A mesh (points, triangles, normals) of a surface together with that surface."""
         known = mesh.points, mesh.triangles, mesh.faces, ("surface",), mesh.normals, None, mesh.deviation
-        return cls(*known, point_normals=mesh.point_normals, surface=surface, tolerance=tolerance)
+        return cls(*known, smooth_normals=mesh.point_normals, surface=surface, tolerance=tolerance)
 
     def follow(self, surface: PiecewiseSurface, tolerance: float | None = None) -> SurfaceMesh:
         """A mesh of a surface that is this one's, moved a little, with about the same triangles, for sliders.

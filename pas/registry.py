@@ -13,8 +13,7 @@ Project files and problem files hold tables of plain data.  A table's "kind" is 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from functools import cache
+from collections.abc import Iterator, Mapping
 from importlib import import_module
 from inspect import Parameter, signature
 from typing import Any, Generic, Self, TypeVar
@@ -123,12 +122,7 @@ def check_keys(known: Mapping[str, bool], called: str, record: Mapping[str, Any]
 
 def constructor_keys(made: type[Any]) -> dict[str, bool]:
     """The arguments of a class's constructor: needed are those without a default."""
-    return dict(_arguments(made.__init__))
-
-
-@cache
-def _arguments(constructor: Callable[..., None]) -> dict[str, bool]:
-    arguments = list(signature(constructor).parameters.values())[1:]
+    arguments = list(signature(made.__init__).parameters.values())[1:]
     return {a.name: a.default is Parameter.empty for a in arguments if a.kind is not Parameter.VAR_KEYWORD}
 
 

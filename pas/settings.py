@@ -17,18 +17,15 @@ from typing import Any
 from pas.algebra.inputs import check_limit, check_tolerance, shown
 
 
-def option(
-    default: Any, text: str, kind: type = bool, metavar: str = "", *, command: bool = True, file: bool = True
-) -> Any:
+def option(default: Any, text: str, kind: type = bool, metavar: str = "", *, file: bool = True) -> Any:
     """A field of settings that the command line and problem files have, too.
 
     `text` is its help, which may name what is usual as {usual}; `kind` the type that is written (bool, int, float, str
-    or list), `metavar` what stands for it in the help.  It is an argument of commands, or a key of files, unless
-    `command` or `file` is false.
+    or list), `metavar` what stands for it in the help.  It is a key of files unless `file` is false.
     """
     return field(
         default=default,
-        metadata={"text": text, "kind": kind, "metavar": metavar, "command": command, "file": file},
+        metadata={"text": text, "kind": kind, "metavar": metavar, "command": True, "file": file},
     )
 
 

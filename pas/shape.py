@@ -35,7 +35,7 @@ VERBS = {
 """The implementations of the methods that all shapes have, in layers above."""
 
 
-S = TypeVar("S")
+S = TypeVar("S", bound="Shape")
 
 
 class Shape(ABC):
@@ -108,7 +108,7 @@ class Shape(ABC):
             """Raises `AttributeError` with the nearest name that the shape has."""
             if not name.startswith("__") and hasattr(type(self), name):
                 return object.__getattribute__(self, name)  # raised in a property, which says why
-            raise missing(_one(type(self).kind), name, dir(type(self)))
+            raise missing(one(type(self).kind), name, dir(type(self)))
 
     def __add__(self, other: object) -> NoReturn:
         raise TypeError(
@@ -155,7 +155,7 @@ class Shape(ABC):
 def refuse_mixed(first: Shape, second: object) -> NoReturn:
     """Raise `TypeError` for an operation of a solid or mesh and what is not of its kind."""
     if not isinstance(second, Shape):
-        raise TypeError(f"|, & and - take two solids or two meshes, not {_one(first.kind)} and {shown(second)}")
+        raise TypeError(f"|, & and - take two solids or two meshes, not {one(first.kind)} and {shown(second)}")
     other: Any = next((s for s in (first, second) if s.kind not in ("solid", "mesh")), second)
     if "mesh" in (first.kind, second.kind):
         meshless = first if second.kind == "mesh" else second
@@ -165,16 +165,12 @@ def refuse_mixed(first: Shape, second: object) -> NoReturn:
         hint = f"make a solid of the {other.kind} first, as {part}"
     else:
         hint = f"no solid can be made of a {other.kind}: take the meshes of both, as in a.mesh(tolerance)"
-    raise TypeError(f"|, & and - take two solids or two meshes, not {_one(first.kind)} and {_one(second.kind)}; {hint}")
+    raise TypeError(f"|, & and - take two solids or two meshes, not {one(first.kind)} and {one(second.kind)}; {hint}")
 
 
-def _one(kind: str) -> str:
+def one(kind: str) -> str:
+    """A kind of shape with its article."""
     return f"an {kind}" if kind.startswith("a") else f"a {kind}"
-
-
-def _own_mesh(shape: Any, settings: MeshSettings) -> Any:
-    """The shape's own mesh."""
-    return shape.meshed(settings)
 
 
 def _nothing(shape: Any) -> dict[str, Any]:
@@ -206,7 +202,7 @@ class Kind(Generic[S]):
     read: Callable[[dict[str, Any]], S]
     layers: Callable[[S, Any], None]
     facts: Callable[[S], dict[str, Any]] = _nothing
-    mesh: Callable[[S, MeshSettings], Any] = _own_mesh
+    mesh: Callable[[S, MeshSettings], Any] = Shape.meshed
     parts: Callable[[S], Mapping[str, Any]] | None = None
     patches: Callable[[S, Any], Sequence[Any]] | None = None
     piecewise: Callable[[S], Any] | None = None

@@ -88,13 +88,8 @@ class Verdict:
     def from_record(cls, record: dict[str, Any]) -> Verdict:
         """The verdict that `to_record` wrote."""
         witness = record["witness"]
-        return cls(
-            Status(record["status"]),
-            record["claim"],
-            record["reason"],
-            None if witness is None else (witness[0], witness[1], witness[2]),
-            record["measure"],
-        )
+        told = {"status": Status(record["status"]), "witness": None if witness is None else tuple(witness)}
+        return cls(**{**record, **told})
 
 
 class Verdicts(ABC):
@@ -176,13 +171,8 @@ class Verdicts(ABC):
 class Findings(Verdicts):
     """A plain list of verdicts as a certificate."""
 
-    found: tuple[Verdict, ...]
+    verdicts: tuple[Verdict, ...] = ()
     partly_measured: bool = False
-
-    @property
-    def verdicts(self) -> tuple[Verdict, ...]:
-        """All verdicts in the order of proof."""
-        return self.found
 
     @classmethod
     def of_parts(cls, parts: Mapping[str, Verdicts]) -> Findings:
@@ -191,4 +181,4 @@ class Findings(Verdicts):
         return cls(found, any(part.partly_measured for part in parts.values()))
 
     def __str__(self) -> str:
-        return "\n".join(map(str, self.found)) or "nothing is claimed, so nothing is proved"
+        return "\n".join(map(str, self.verdicts)) or "nothing is claimed, so nothing is proved"

@@ -29,7 +29,7 @@ from pas.bernstein.forms import (
     rounded_forms,
 )
 from pas.bernstein.search import Boxes, Fate, Limits, search
-from pas.bernstein.signs import prove_apart, prove_positive
+from pas.bernstein.signs import apart_on, prove_positive
 from pas.bernstein.simplices import Simplices, bisection, edges, halved, halves, rounding_bound
 from pas.certify.local_mesh import critical_parts, isolated
 
@@ -155,10 +155,10 @@ def test_rounding_scales_coefficients_of_any_size(size):
 
 def signs(p: str | None, *zeros: str | None):
     """Branch and bound on one tetrahedron: for p > 0 where the others vanish, or for no common zero of theirs."""
-    value, *forms = (text and rounded_forms(Polynomial(text).raw, [CUBE]) for text in (p, *zeros))
-    corners = np.array([[to_floats(v) for v in CUBE]])
-    known = [form for form in forms if form is not None]
-    return prove_apart(known, corners) if value is None else prove_positive(value, corners, known)
+    if p is None:
+        return apart_on([CUBE], [Polynomial(text).raw for text in zeros])
+    value, *known = (rounded_forms(Polynomial(text).raw, [CUBE]) for text in (p, *filter(None, zeros)))
+    return prove_positive(value, np.array([[to_floats(v) for v in CUBE]]), known)
 
 
 CUBE = [vector(v) for v in ((-2, -2, -2), (6, -2, -2), (-2, 6, -2), (-2, -2, 6))]
@@ -307,7 +307,7 @@ def test_common_zeros(value, zeros, status):
 
 
 def test_nothing_is_claimed_of_no_simplices():
-    for result in (prove_positive(np.array([]), np.array([])), prove_apart((), np.empty((0, 4, 3)))):
+    for result in (prove_positive(np.array([]), np.array([])), apart_on((), ())):
         assert (result.status, result.examined) == (Status.PROVED, 0)
 
 

@@ -265,7 +265,7 @@ def test_a_corner_may_say_how_it_is_drawn(tmp_path):
     path = tmp_path / "corner.toml"
     path.write_text(PROBLEM.read_text() + '\n[picture]\nstyle = "zebra"\nview = [1, 1, "1/2"]\n')
     problem = pas.read_problem(path)
-    assert (problem.style, problem.view) == ("zebra", (1, 1, 0.5))
+    assert (problem.picture.name, problem.picture.view) == ("zebra", (1, 1, 0.5))
 
 
 def test_the_mesh_of_a_blend_is_by_default_a_thousandth_of_its_size(made, tmp_path, capsys):

@@ -209,8 +209,8 @@ def test_hairs_are_coloured_by_sign_and_stand_on_the_curve():
         plotter.parts[1::2], plotter.parts[2::2], (slice(0, 2), slice(2, 4)), strict=True
     ):
         ends = base[run] + 0.1 * np.abs(comb.curvatures[run, None]) * [0, 0, 1]
-        np.testing.assert_allclose(hairs, np.concatenate([base[run], ends]), atol=1e-7)
-        assert lines.tolist() == [2, 0, 2, 2, 1, 3]
+        np.testing.assert_allclose(hairs.reshape(-1, 2, 3), np.stack([base[run], ends], axis=1), atol=1e-7)
+        assert lines.tolist() == [2, 0, 1, 2, 2, 3]
         np.testing.assert_allclose(envelope[:2] if run.start == 0 else envelope[1:], ends, atol=1e-7)
         assert len(envelope) == 3 and width < wider
 

@@ -85,6 +85,13 @@ def test_an_inner_contact_is_a_thickness_inside(table):
         assert distances.max() < 0.25
 
 
+def test_an_inner_contact_turns_with_its_contact():
+    """Principal axes are rational here, with coordinates of eighteen digits."""
+    contact, turn = pas.Contact("x^2/4 + y^2/9 + z^2/16 - 1", "x + y - 1"), ((1, 2, 3), "37.123456789")
+    inner = inner_contact(contact, TENTH).rotate(*turn)
+    assert inner_contact(contact.rotate(*turn), TENTH).surface.primitive() == inner.surface.primitive()
+
+
 @pytest.mark.parametrize(
     "contact, radius",
     [

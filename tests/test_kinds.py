@@ -399,11 +399,11 @@ def test_one_reader_takes_every_problem(path):
     problem = pas.read_problem(path)
     assert isinstance(problem, Problem)
     assert problem.name
-    assert problem.style in [style.value for style in pas.Style]
+    assert problem.picture.name in [style.value for style in pas.Style]
     assert sum(kind.fits(__import__("tomllib").loads(path.read_text())) for kind in PROBLEMS.values()) == 1
     assert problem.changed(tolerance=None) == problem
     changed = problem.changed(tolerance=0.125)
-    assert (changed.tolerance, changed.name, changed.view) == (0.125, problem.name, problem.view)
+    assert (changed.mesh.tolerance, changed.name, changed.picture) == (0.125, problem.name, problem.picture)
     assert changed != problem
 
 

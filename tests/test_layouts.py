@@ -477,7 +477,7 @@ def test_no_wall_lies_in_a_clip_plane():
     # and wherever a plane lies: its height is made that of the end, which then goes on
     node = ContactNode.of([as_contact(p) for p in pipes])
     layout = LAYOUTS["fan"].trials[1][0].make(node.discs, node.center)
-    for ray in layout.all_rays:
+    for ray in layout.rays:
         first, second = node.discs
         end = Builder(layout, node.discs, WALLS).end(ray)
         met = replace(second, height=dot(second.normal, end))

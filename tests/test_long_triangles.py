@@ -100,7 +100,7 @@ def test_which_faces_have_straight_lines_is_decided_exactly():
         solid.implicit("x^2 + y^2 + z^4 - 1"): False,
     }
     for shape, expected in shapes.items():
-        assert shape.field.lines(np.array([0, 1])).tolist() == [expected] * 2
+        assert (shape.field.ruled(np.array([0, 1])) > 0).tolist() == [expected] * 2
 
 
 @pytest.mark.parametrize("sagging, flips", [((0, 2), True), ((1, 3), False)])
@@ -156,7 +156,7 @@ def test_small_angles_are_at_curves_and_along_straight_lines(name, quality):
     found = shape.face_mesh(tolerance, quality=quality)
     mesh, reached = found.mesh, found.deviation * shape.field.scale
     inside = (mesh.topology.label_count == 1)[mesh.triangles].all(axis=1)
-    chosen = inside if quality == "angles" else inside & ~shape.field.lines(mesh.labels)
+    chosen = inside if quality == "angles" else inside & (shape.field.ruled(mesh.labels) == 0)
     angles = np.degrees(smallest_angles(mesh.points[mesh.triangles]))
     assert angles[chosen].min(initial=90.0) >= 15.0 - 1e-9
     assert reached <= tolerance

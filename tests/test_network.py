@@ -522,7 +522,8 @@ def test_a_wall_has_its_thickness_between_straight_struts():
     ends = np.linalg.norm(points[np.abs(points[:, 0] - 8) < 1e-9][:, 1:], axis=1)
     assert set(ends.round(9)) == {0.5, 0.375}
     swapped = {key: replace(blend, outer=blend.inner, inner=blend.outer) for key, blend in found.hollow.items()}
-    assert "that of 1 node of 3 struts, 6 symmetries is not proved" in str([*replace(found, hollow=swapped)._inside()])
+    said = str([*replace(found, hollow=swapped)._inside()])
+    assert "the cavity of 1 node of 3 struts, 6 symmetries is not proved" in said
     with pytest.raises(ValueError, match="a wall of 1/2 leaves no cavity in struts of the radius 1/2; give a thinner"):
         net.blend(wall="1/2")
     with pytest.raises(ValueError, match="wall must be positive"):

@@ -190,7 +190,7 @@ def test_problem_files_are_read(tmp_path):
     more = 'method = "weighted"\nbalance = 0.3\nnormalized = true\nvalues = ["-1/2", 2]\ntolerance = 0.02\n'
     picture = '[picture]\nstyle = "plain"\nview = [1, 0, "1/2"]\n'
     found = pas.read_parametric_problem(problem(tmp_path, more + TEXT + picture))
-    assert (found.name, found.order, found.tolerance, found.style, found.view) == (
+    assert (found.name, found.order, found.mesh.tolerance, found.picture.name, found.picture.view) == (
         "case",
         1,
         0.02,

@@ -47,7 +47,7 @@ def test_a_problem(tmp_path):
         pas.Pipe((0, 1, 0), "1/4", 1),  # 0.25 as the decimal written
         pas.Contact("x^2+y^2-4/25", "z-1"),
     )
-    assert (problem.order, problem.degree, problem.tolerance) == (2, None, None)
+    assert (problem.order, problem.degree, problem.mesh.tolerance) == (2, None, None)
     assert problem.wishes == pas.Wishes(inside=[[0, 0, "1/2"]])
     assert problem.wishes.energy is None  # the usual one
 
@@ -62,7 +62,7 @@ def test_everything_else(tmp_path):
         + '[normalize]\nkind = "value-at"\npoint = [0, 0, 0]\nvalue = -0.1\n'
     )
     problem = read(tmp_path, text)
-    assert (problem.name, problem.degree, problem.tolerance, problem.wishes.prove, problem.wishes.guard) == (
+    assert (problem.name, problem.degree, problem.mesh.tolerance, problem.wishes.prove, problem.wishes.guard) == (
         "other",
         4,
         0.01,

@@ -52,7 +52,7 @@ def test_volume_area_and_topology(name):
     assert shape.volume() == pytest.approx(volume, rel=1e-5)
     assert shape.area() == pytest.approx(area, rel=1e-5)
     assert mesh.volume == pytest.approx(volume, rel=6e-3)  # of vertices on the surface, as few as the tolerance allows
-    has_lines = shape.field.lines(np.arange(2 * len(shape.field.evaluator.columns))).any()
+    has_lines = shape.field.ruled(np.arange(2 * len(shape.field.evaluator.columns))).any()
     assert mesh.smallest_angles.min() > (0.5 if has_lines else 15)  # triangles are long along straight lines
 
 
@@ -394,7 +394,7 @@ def test_first_meshes_are_no_finer_than_they_must_be():
 def test_a_face_that_first_meshes_show_is_not_lost_by_a_lattice(monkeypatch):
     shape = solid.box((0, 0, 0), (1000, 1000, 1)) - solid.cylinder((500, 1, -1), (500, 1, 2), "1/5", "hole")
     monkeypatch.setattr(closed, "_from_first", lambda *_: None)
-    monkeypatch.setattr(closed, "_bounded", lambda *_: (shape.sheets.parts[0].face_mesh(1).mesh, 0.0))
+    monkeypatch.setattr(closed, "_bounded", lambda *_: shape.sheets.parts[0].face_mesh(1))
     with pytest.raises(MeshError, match="hole did not come out"):
         shape.mesh(0.02)
 

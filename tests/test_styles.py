@@ -336,7 +336,7 @@ def test_a_problem_file_says_how_it_is_drawn(tmp_path, capsys):
     problem = tmp_path / "a.toml"
     problem.write_text(text + '\n[picture]\nstyle = "max"\ncombs = true\nsize = [80, 60]\n')
     found = pas.read_problem(problem)
-    assert (found.style, found.picture.combs) == ("max", True)
+    assert (found.picture.name, found.picture.combs) == ("max", True)
     assert main(["blend", str(problem), "-o", str(tmp_path / "out"), "--tolerance", "0.05"]) == 0
     assert (tmp_path / "out" / "equal_gc1.png").exists() or (tmp_path / "out" / "a.png").exists()
     problem.write_text(text + "\n[picture]\ncombs = 1\n")

@@ -65,8 +65,8 @@ def test_as_branch_by_branch(seed, number, monkeypatch):
     rng = np.random.default_rng(seed)
     code = drawn(rng, 4)
     made = CompiledTree(code, lambda atom: (column(atom), atom.outside))
-    values = rng.normal(size=(made.columns, number)).round(1)
-    sure = rng.random((made.columns, number)) < 0.6
+    values = rng.normal(size=(made.width, number)).round(1)
+    sure = rng.random((made.width, number)) < 0.6
     yes, no = (values <= 0) & sure, (values > 0) & sure
     assert np.array_equal(made.holds(yes, no), holds(code, yes, no))
     assert np.array_equal(made.extremes(values), extremes(code, values))

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pas
 from pas.exchange.formats import FORMATS, Format, Request
-from pas.exchange.parts import TRIANGLES, Piece, joined, repeated_colors, triangles_of
+from pas.exchange.parts import TRIANGLES, Piece, joined, repeated_colors
 
 
 def write_off(parts: Sequence[Piece], path: Path, request: Request) -> None:
@@ -24,7 +24,7 @@ def write_off(parts: Sequence[Piece], path: Path, request: Request) -> None:
     points, triangles = joined(parts)
     lines = ["OFF", f"# unit: {request.told_unit}", f"{len(points)} {len(triangles)} 0"]
     lines += [f"{x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
-    colors = repeated_colors(parts, triangles_of)
+    colors = repeated_colors(parts, [len(p.mesh.triangles) for p in parts])
     rows = zip(triangles.tolist(), colors.tolist(), strict=True)
     lines += [f"3 {a} {b} {c} {red} {green} {blue}" for (a, b, c), (red, green, blue) in rows]
     path.write_text("\n".join(lines) + "\n", encoding="ascii")

@@ -55,7 +55,7 @@ def main() -> None:
         print(row(path), flush=True)
         problem = pas.read_parametric_problem(path)
         picture = folder / f"{path.stem}.png"
-        pas.draw(solve(path), picture, style=pas.Style(problem.style), view=problem.view, size=SIZE)
+        pas.draw(solve(path), picture, style=problem.picture.style, view=problem.picture.view, size=SIZE)
 
 
 if __name__ == "__main__":

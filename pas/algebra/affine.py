@@ -7,7 +7,6 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 from typing import Any, Generic, TypeVar
 
@@ -25,10 +24,13 @@ from pas.algebra.rational import (
     binary_exponent,
     dot,
     minus,
+    moved,
+    near,
     rational,
     three,
     to_float,
     to_floats,
+    two_across,
     vector,
 )
 
@@ -179,43 +181,28 @@ def about(matrix: tuple[Vector, Vector, Vector], center: VectorLike) -> Affine:
 def rotation(axis: VectorLike, degrees: Exact, center: VectorLike) -> Affine:
     """The rotation about an axis through `center`, exactly a rotation with rational entries.
 
-    The angle is `degrees` to within rounding of a double; multiples of 90 degrees about axes of
-    rational length, and whatever else has a rational tangent of its half, are exact.
+    It is two reflections, in planes at half of the angle.  The angle is `degrees` to within rounding of a double;
+    multiples of 90 degrees about axes of rational length, and whatever else has a rational tangent of its half, are
+    exact.
     """
     a = vector(axis, "axis")
-    square = dot(a, a)
-    if square == 0:
+    if not any(a):
         raise ValueError("axis must not be the zero vector")
+    first, second = two_across(a)
     angle = to_float(rational(degrees, "degrees")) % 360.0
-    if angle == 180.0:
-        w, v = fmpq(0), a
-    else:
-        tangent = math.tan(math.radians(angle) / 2) / math.sqrt(to_float(square))
-        # Of the tangent of half an angle of rotation: the angle is off by less than 1e-17 radians of what a double can
-        # say, and the rotation is exactly a rotation.
-        largest_denominator = 10**9
-        near = Fraction(tangent).limit_denominator(largest_denominator)
-        w, v = fmpq(1), tuple(c * fmpq(near.numerator, near.denominator) for c in a)  # type: ignore[assignment]
-    x, y, z = v
-    n = w * w + x * x + y * y + z * z
-    rows = (
-        (w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)),
-        (2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)),
-        (2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z),
-    )
-    return about(three(three(c / n for c in row) for row in rows), center)
+    if angle != 180.0:  # else half of it is a right angle, which has no tangent
+        tangent = math.tan(math.radians(angle) / 2) / math.sqrt(to_float(dot(a, a)))
+        second = moved(first, (near(tangent), second))  # off by less than 1e-17 radians of what a double can say
+    return reflection(second, center).after(reflection(first, center))
 
 
 def scaling(factors: Exact | VectorLike, center: VectorLike) -> Affine:
     """Scaling by one number or three, all positive, with `center` kept in place."""
-    three = vector(factors, "factors") if hasattr(factors, "__len__") and not isinstance(factors, str) else None
-    if three is None:
-        one = rational(factors, "the factor")
-        three = (one, one, one)
-    if any(f <= 0 for f in three):
+    several = hasattr(factors, "__len__") and not isinstance(factors, str)
+    sizes = vector(factors, "factors") if several else [rational(factors, "the factor")] * 3
+    if any(f <= 0 for f in sizes):
         raise ValueError(f"the factor must be positive, not {factors!r}; use mirror to reflect")
-    zero = fmpq(0)
-    return about(((three[0], zero, zero), (zero, three[1], zero), (zero, zero, three[2])), center)
+    return about(three(three(f * c for c in unit) for f, unit in zip(sizes, UNITS, strict=True)), center)
 
 
 def reflection(normal: VectorLike, center: VectorLike) -> Affine:

@@ -40,7 +40,7 @@ class Component:
 
 def component(expression: Any, names: Names, name: str) -> Component:
     """Read one coordinate; errors name it."""
-    if callable(expression) and not isinstance(expression, RationalFunction) and not _symbolic(expression):
+    if is_function(expression):
         return Component(None, _differentiable(expression, name), f"{name} is a callable")
     try:
         exact = RationalFunction(expression, names)
@@ -84,8 +84,10 @@ def plain(x: Any) -> Any:
     return x.value if isinstance(x, Jet) else x
 
 
-def _symbolic(expression: Any) -> bool:
-    return hasattr(expression, "free_symbols")
+def is_function(expression: Any) -> bool:
+    """Whether an expression is a callable, and none that is exact."""
+    exact = isinstance(expression, RationalFunction) or hasattr(expression, "free_symbols")
+    return callable(expression) and not exact
 
 
 def _differentiable(function: Formula, name: str) -> Formula:

@@ -14,10 +14,10 @@ from __future__ import annotations
 from functools import cached_property
 from itertools import count, pairwise
 
-from flint import fmpq
+from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.ideal import Ideal
-from pas.algebra.polynomial import Polynomial
+from pas.algebra.polynomial import RING, Polynomial
 from pas.algebra.rational import cross, dot
 from pas.algebra.roots import RealRoot, between
 from pas.algebra.zeros import (
@@ -76,7 +76,7 @@ class SpaceCurve:
         """
         if self.ideal.is_whole_ring:
             return True
-        tops = [_top(p) for p in self.ideal.groebner_basis()]
+        tops = [Polynomial.from_raw(leading_form(p.raw)) for p in self.ideal.groebner_basis()]
         return standard_monomials(Ideal(*tops, linear_form(linear)).form) is not None
 
 
@@ -194,7 +194,7 @@ def has_real_curve(surface: Polynomial, clip: Polynomial) -> bool | None:
     return any(whole.points(between(*slab)) for slab in pairwise([None, *sorted(set(turns)), None]))
 
 
-def _top(polynomial: Polynomial) -> Polynomial:
+def leading_form(raw: fmpq_mpoly) -> fmpq_mpoly:
     """The terms of the highest degree."""
-    degree = polynomial.degree
-    return Polynomial({e: c for e, c in polynomial.coefficients().items() if sum(e) == degree})
+    degree = raw.total_degree()
+    return RING.from_dict({e: c for e, c in raw.to_dict().items() if sum(map(int, e)) == degree})

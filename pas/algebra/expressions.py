@@ -10,7 +10,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, NoReturn, Protocol, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 from flint import fmpq, fmpq_mpoly
@@ -78,16 +78,9 @@ def read_formula(expression: Any, names: Names) -> Formula:
     return lambda t, h: run(program, _Arrays({**CONSTANTS, names[1]: h, names[0]: t}))
 
 
-class ExpressionValues(Values[V], Protocol[V]):
-    """Values with the names of their two parameters."""
-
-    @property
-    def names(self) -> Names: ...
-
-
-def evaluate(text: str, values: ExpressionValues[V]) -> V:
-    """What an expression comes to in some kind of values; raises `ValueError` saying what is wrong."""
-    program = _program(text, values.names)
+def evaluate(text: str, names: Names, values: Values[V]) -> V:
+    """What a text in two parameters comes to in some kind of values; raises `ValueError` saying what is wrong."""
+    program = _program(text, names)
     with _named(text):
         return run(program, values)
 

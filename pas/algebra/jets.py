@@ -107,10 +107,7 @@ def variables(t: Any, h: Any, orders: tuple[int, int]) -> tuple[Jet, Jet]:
     one = np.zeros((orders[0] + 1, orders[1] + 1, *first.shape))
     two = np.zeros((orders[0] + 1, orders[1] + 1, *second.shape))
     one[0, 0], two[0, 0] = first, second
-    if orders[0] > 0:
-        one[1, 0] = 1.0
-    if orders[1] > 0:
-        two[0, 1] = 1.0
+    one[1:2, 0], two[0, 1:2] = 1.0, 1.0
     return Jet(one), Jet(two)
 
 

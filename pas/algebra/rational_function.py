@@ -17,9 +17,9 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import formula_repr, latex
+from pas.algebra.evaluation import Bundle
 from pas.algebra.expressions import OPERATIONS, Names, NotRationalError, as_text, evaluate
 from pas.algebra.grammar import Step
-from pas.algebra.horner import Bundle
 from pas.algebra.inputs import MAXIMAL_DEGREE, check_digits, check_power, short, shown
 from pas.algebra.polynomial import as_sympy, primitive
 from pas.algebra.rational import Exact, Symbolic, rational, to_fraction
@@ -269,7 +269,7 @@ def _read(expression: Any, names: Names) -> RationalFunction:
         raise TypeError(f"a callable is not exact; write the expression as a string in {' and '.join(names)}")
     text = as_text(expression)
     if text is not None:
-        return evaluate(text, _Exact(names))
+        return evaluate(text, names, _Exact(names))
     return RationalFunction.from_lowest_terms(RING.constant(rational(expression, "the expression")), ONE, names)
 
 

@@ -57,10 +57,8 @@ class RealRoot:
     def __lt__(self, other: RealRoot) -> bool:
         if self._key == other._key:
             return self.index < other.index
-        for bits in accuracies():
-            if not self.ball(bits).overlaps(other.ball(bits)):
-                return bool(self.ball(bits) < other.ball(bits))
-        raise AssertionError
+        balls = ((self.ball(bits), other.ball(bits)) for bits in accuracies())
+        return next(bool(one < two) for one, two in balls if not one.overlaps(two))
 
 
 @lru_cache(maxsize=1 << 12)
@@ -110,11 +108,8 @@ def between(left: RealRoot | None, right: RealRoot | None) -> fmpq:
         return fmpq(0) if right is None else fmpq(right.bounds()[0].floor()) - 1
     if right is None:
         return fmpq(left.bounds()[1].ceil()) + 1
-    for bits in accuracies():
-        low, high = left.bounds(bits)[1], right.bounds(bits)[0]
-        if low < high:
-            return simplest(low, high)
-    raise AssertionError
+    gaps = ((left.bounds(bits)[1], right.bounds(bits)[0]) for bits in accuracies())
+    return next(simplest(low, high) for low, high in gaps if low < high)
 
 
 def simplest(low: fmpq, high: fmpq) -> fmpq:

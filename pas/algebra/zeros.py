@@ -13,7 +13,7 @@ from functools import cached_property
 from itertools import count
 from typing import Any
 
-from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly
+from flint import arb, arb_poly, ctx, fmpq_mat, fmpq_poly
 
 from pas.algebra.ideal import Ideal, NormalForm, leading_exponents
 from pas.algebra.monomials import Exponents
@@ -184,23 +184,14 @@ def _shape(
     quotient: Quotient, form: tuple[int, int, int]
 ) -> tuple[fmpq_poly, tuple[fmpq_poly, fmpq_poly, fmpq_poly]] | None:
     """The minimal polynomial of a linear form and the coordinates as polynomials in it; None where they are not."""
-    size = len(quotient.standard)
-    times = quotient.times(form)
-    power = quotient.column(Polynomial(1))
-    powers, targets = fmpq_mat(size, size), fmpq_mat(size, 3)
-    for i in range(size):
-        for row in range(size):
-            powers[row, i] = power[row, 0]
-        power = times * power
-    if powers.rank() < size:
+    times, powers = quotient.times(form), [quotient.column(Polynomial(1))]
+    while len(powers) < len(quotient.standard):
+        powers.append(times * powers[-1])
+    matrix = fmpq_mat([power.entries() for power in powers]).transpose()
+    if matrix.rank() < len(powers):
         return None
-    for axis, g in enumerate(GENERATORS):
-        column = quotient.column(Polynomial.from_raw(g))
-        for row in range(size):
-            targets[row, axis] = column[row, 0]
-    found = powers.solve(targets)
-    x, y, z = (fmpq_poly([found[i, axis] for i in range(size)]) for axis in range(3))
-    return times.charpoly(), (x, y, z)
+    targets = (quotient.column(Polynomial.from_raw(g)) for g in GENERATORS)
+    return times.charpoly(), three(fmpq_poly(matrix.solve(target).entries()) for target in targets)
 
 
 def _radical(ideal: Ideal, quotient: Quotient) -> Ideal:
@@ -210,8 +201,5 @@ def _radical(ideal: Ideal, quotient: Quotient) -> Ideal:
         unit = tuple(int(axis == i) for i in range(3))
         polynomial = quotient.times(unit).minpoly()  # type: ignore[arg-type]
         plain = polynomial / polynomial.gcd(polynomial.derivative())
-        raw = g * 0
-        for c in reversed(plain.coeffs()):
-            raw = raw * g + fmpq(c)
-        parts.append(Polynomial.from_raw(raw))
+        parts.append(Polynomial.from_raw(sum((g**k * c for k, c in enumerate(plain.coeffs())), 0 * g)))
     return Ideal(*ideal.generators, *parts)

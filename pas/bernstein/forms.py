@@ -120,11 +120,7 @@ def rounded(values: Sequence[fmpq]) -> Floats:
     The scale is positive, so signs are kept, and each result errs by at most 2^-53.
     """
     denominator = lcm(*(int(v.q) for v in values))
-    return _rounded([int(v.p) * (denominator // int(v.q)) for v in values])
-
-
-def _rounded(whole: Sequence[int]) -> Floats:
-    """Whole numbers over the largest of their sizes, rounded to the nearest doubles."""
+    whole = [int(v.p) * (denominator // int(v.q)) for v in values]
     largest = max(map(abs, whole), default=0)
     if largest == 0:
         return np.zeros(len(whole))

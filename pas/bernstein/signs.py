@@ -26,6 +26,7 @@ from flint import fmpq_mpoly
 from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.polynomial import RING
 from pas.algebra.rational import Vector
 from pas.bernstein.forms import UNIT_ROUNDOFF, corner_points, nearby_forms, rounded_forms
 from pas.bernstein.search import Fate, Fates, Limits, search
@@ -110,19 +111,13 @@ def prove_positive(
     return SignResult(found.status, found.open.corners.mean(axis=1), sources, found.examined, witness)
 
 
-def prove_apart(zeros: Sequence[Floats], corners: Floats) -> SignResult:
-    """Prove that some polynomials have no common zero on simplices; `zeros` are their B-coefficients (N, m)."""
-    nowhere = np.full((len(corners), 1), -1.0)
-    return prove_positive(nowhere, corners, zeros)
-
-
 Exact: TypeAlias = "tuple[Sequence[fmpq_mpoly], int]"
 """Polynomials, one on each of some simplices, and the degree as of which they are taken."""
 
 
-def alike(polynomial: fmpq_mpoly, simplices: Sequence[object], degree: int | None = None) -> Exact:
-    """One polynomial on all simplices, as of its own degree or another."""
-    return [polynomial] * len(simplices), max(int(polynomial.total_degree()), 0) if degree is None else degree
+def alike(polynomial: fmpq_mpoly, simplices: Sequence[object]) -> Exact:
+    """One polynomial on all simplices, as of its own degree."""
+    return [polynomial] * len(simplices), max(int(polynomial.total_degree()), 0)
 
 
 def positive_on(
@@ -145,8 +140,8 @@ def positive_on(
 
 
 def apart_on(simplices: Sequence[Sequence[Vector]], polynomials: Sequence[fmpq_mpoly]) -> SignResult:
-    """Prove that some polynomials have no common zero on exact simplices."""
-    return prove_apart([rounded_forms(p, simplices) for p in polynomials], corner_points(simplices))
+    """Prove that some polynomials have no common zero on exact simplices: there -1 would have to be positive."""
+    return positive_on(simplices, alike(RING.constant(-1), simplices), [alike(p, simplices) for p in polynomials])
 
 
 def _forms(
@@ -188,23 +183,18 @@ def _settled(batch: _Claim, bound: float) -> NDArray[np.bool_]:
 
 def _by_multiple(batch: _Claim, bound: float) -> NDArray[np.bool_]:
     """Where a multiple of a polynomial that vanishes makes up for what is negative."""
-    settled = np.zeros(len(batch), dtype=bool)
-    for zero in batch.zeros if len(batch.zeros) == 1 or batch.below else ():
-        if zero.shape == batch.value.shape:
-            settled |= _by_multiple_of(zero, batch, bound)
+    settled, value = np.zeros(len(batch), dtype=bool), batch.value
+    zeros = batch.zeros if len(batch.zeros) == 1 or batch.below else ()
+    for zero in (zero for zero in zeros if zero.shape == value.shape):
+        with np.errstate(all="ignore"):
+            ratios = -value / zero
+            least = np.where(zero > 0, ratios, -np.inf).max(axis=1)
+            if batch.below:
+                least = np.maximum(least, 0.0)
+            times = (least + np.where(zero < 0, ratios, np.inf).min(axis=1)) / 2
+            sums = (value + times[:, None] * zero).min(axis=1)
+            settled |= sums > 2 * bound * (1 + np.abs(times))  # false where it is nan
     return settled
-
-
-def _by_multiple_of(zero: Floats, batch: _Claim, bound: float) -> NDArray[np.bool_]:
-    value = batch.value
-    with np.errstate(all="ignore"):
-        ratios = -value / zero
-        least = np.where(zero > 0, ratios, -np.inf).max(axis=1)
-        if batch.below:
-            least = np.maximum(least, 0.0)
-        times = (least + np.where(zero < 0, ratios, np.inf).min(axis=1)) / 2
-        sums = (value + times[:, None] * zero).min(axis=1)
-        return np.asarray(sums > 2 * bound * (1 + np.abs(times)))  # false where it is nan
 
 
 def _violations(batch: _Claim, bound: float) -> NDArray[np.bool_]:

@@ -82,7 +82,7 @@ class Simplices(Cells):
         need not be known exactly.
         """
         (count, size), vertices, fates = self.table.shape, self.corners.shape[1], np.empty(len(self), dtype=np.intp)
-        up = _raised(self.degrees[0], vertices)
+        up = raised(self.degrees[0], vertices)
         given, roundings = (count, size, vertices - 1, len(up), up, self.table), 16  # of derivatives, over the largest
         bounds = self.bound, roundings * UNIT_ROUNDOFF
         compiled().call("pas_judged", *given, self.corners, *bounds, fates)
@@ -108,11 +108,6 @@ def at_vertices(form: Floats, vertices: int) -> Floats:
 
 def _sizes(degrees: tuple[int, ...], vertices: int) -> list[int]:
     return [len(homogeneous_exponents(degree, vertices)) for degree in degrees]
-
-
-@cache
-def _raised(degree: int, vertices: int) -> Integers:
-    return raised(degree, vertices) if vertices > 1 else np.zeros((1, 1), dtype=np.intp)
 
 
 @cache

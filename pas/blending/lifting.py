@@ -15,6 +15,7 @@ from typing import Any
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.buchberger import TupleEncoding, graded_basis, vector_degree
+from pas.algebra.curve import leading_form
 from pas.algebra.ideal import NormalForm
 from pas.algebra.monomials import Exponents
 from pas.algebra.nullspace import nullspace
@@ -56,7 +57,7 @@ def product_degree(contact: Contact, order: int, degree: int) -> int:
     brings each, made homogeneous with t, into the ideal of the homogenised f and h^(k+1).
     """
     surface, power = contact.surface.raw, contact.clip.raw ** (order + 1)
-    if _top(surface).gcd(_top(contact.clip.raw)).is_constant():
+    if leading_form(surface).gcd(leading_form(contact.clip.raw)).is_constant():
         return degree
     encoding = TupleEncoding((0,))
     basis = graded_basis([encoding.write((p,), vector_degree((p,))) for p in (surface, power)])
@@ -72,8 +73,3 @@ def _shifted(polynomial: fmpq_mpoly, shift: Exponents) -> list[tuple[Exponents, 
     """The terms of a polynomial times a monomial."""
     i, j, k = shift
     return [((int(a) + i, int(b) + j, int(c) + k), value) for (a, b, c), value in polynomial.to_dict().items()]
-
-
-def _top(polynomial: fmpq_mpoly) -> fmpq_mpoly:
-    degree = polynomial.total_degree()
-    return RING.from_dict({e: c for e, c in polynomial.to_dict().items() if sum(map(int, e)) == degree})

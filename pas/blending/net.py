@@ -253,7 +253,7 @@ def splines(layout: Layout, order: int, degree: int) -> Tables:
         for column, number in enumerate(numbers):
             for member, value in found[number].items():
                 values[member, column] = value
-        rays = [tuple(map(fmpq, layout.all_rays[v])) for v in piece[0]]
+        rays = [tuple(map(fmpq, layout.rays[v])) for v in piece[0]]
         change, common = whole_rows(bernstein_polynomials(rays, degree), places)
         patches.append(fmpq_mat(values * change) * fmpq(1, common))
     return _integral(patches)
@@ -267,7 +267,7 @@ def _rows(layout: Layout, points: dict[tuple[tuple[int, int], ...], int], order:
             for side in combinations(sorted(triangle), 2):
                 sides.setdefault(side, []).append((piece, next(v for v in triangle if v not in side)))
     for common, ((first, a), (second, b)) in sides.items():
-        b_ray, *others = ([fmpq(c) for c in layout.all_rays[v]] for v in (b, a, *common))
+        b_ray, *others = ([fmpq(c) for c in layout.rays[v]] for v in (b, a, *common))
         coordinates = coordinates_of(b_ray, others)
         for s in range(1, 1 + (degree if first == second else min(order, degree))):
             yield from across(points, degree, common, a, b, coordinates, s)

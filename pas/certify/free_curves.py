@@ -169,7 +169,7 @@ class RegionCurve:
     def enclosure(self, point: Floats, half: float) -> Enclosure | None:
         """A parallelogram around a point with half sides `half`, if it is proved to be in the region and to hold
         a common zero of f and d."""
-        along_f, along_d, _ = _dual(scaled(self.f).gradient(point[None]), scaled(self.d).gradient(point[None]))
+        along_f, along_d, _ = dual(scaled(self.f).gradient(point[None]), scaled(self.d).gradient(point[None]))
         p, u, w = (exact_vector(v.tolist()) for v in (point, *(half * unit(a[0]) for a in (along_f, along_d))))
         a, b, c, e = (moved(p, (s, u), (t, w)) for s, t in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
         f, d = self.f.raw, self.d.raw
@@ -183,7 +183,7 @@ class RegionCurve:
         points = self._starts()
         reach = 4 * float(np.abs(points).max())
         for _ in range(24):  # the number of right digits doubles with each
-            along_f, along_d, regular = _dual(f.gradient(points), d.gradient(points))
+            along_f, along_d, regular = dual(f.gradient(points), d.gradient(points))
             step = f(points)[:, None] * along_f + d(points)[:, None] * along_d
             kept = regular & (np.abs(points - step).max(axis=1) < reach)
             points, step = (points - step)[kept], step[kept]
@@ -220,7 +220,7 @@ def _sign(polynomial: fmpq_mpoly, simplices: Sequence[Sequence[Vector]]) -> int:
     return 1 if min(values) > 0 else -1 if max(values) < 0 else 0
 
 
-def _dual(f: Floats, d: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+def dual(f: Floats, d: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """The vectors in the span of two gradients (N, 3) along which one function rises by 1 and the other stays.
 
     And where they exist, (N,): where the gradients are not parallel.

@@ -25,7 +25,13 @@ from pas.cli.common import (
     written_lines,
 )
 from pas.errors import MissingLibraryError
+from pas.exchange.files import source, target, together
+from pas.exchange.formats import FORMATS, Request, Sizing, suffixes_of, unit_named
+from pas.exchange.picture_options import Picture
+from pas.exchange.problem import read_problem
+from pas.kinds.files import load
 from pas.settings import MeshSettings, given
+from pas.shape import kind_of
 from pas.verdicts import Verdicts
 
 if TYPE_CHECKING:
@@ -34,7 +40,6 @@ if TYPE_CHECKING:
 
 def run_solve(options: argparse.Namespace) -> CommandResult:
     """`pas solve`."""
-    from pas.exchange.problem import read_problem
     from pas.pipeline.blend import solutions
     from pas.pipeline.report import report
 
@@ -53,35 +58,30 @@ def run_solve(options: argparse.Namespace) -> CommandResult:
 
 def _loaded(options: argparse.Namespace, *, edited: bool = False) -> Any:
     """The shape of the project file that a command is given."""
-    from pas.kinds.files import load
-
     return load(project_file(options.project), edited=edited)
 
 
 def run_check(options: argparse.Namespace) -> CommandResult:
     """`pas check`."""
     if options.independent:
-        return _check_independently(options)
-    shape = _loaded(options, edited=options.edited)
-    start = time.perf_counter()
-    certificate: Verdicts = shape.certificate
-    text, stored = str(certificate), getattr(shape, "stored", None)
-    if stored is not None:
-        text += "".join(f"\nas stored otherwise: {difference}" for difference in certificate.differences(stored))
-    return _judged(text, certificate.counts, certificate.verdicts, certificate.proved, certificate.holds, start)
+        from pas.independent.checker import check_independently
 
-
-def _check_independently(options: argparse.Namespace) -> CommandResult:
-    from pas.independent.checker import check_independently
-
-    start = time.perf_counter()
-    findings = check_independently(project_file(options.project), edited=options.edited)
-    proved = all(finding.proved for finding in findings)
-    counts = "all proved" if proved else "not all proved"
-    return _judged("\n".join(map(str, findings)), counts, findings, proved, proved, start)
-
-
-def _judged(text: str, counts: str, verdicts: Any, proved: bool, holds: bool, start: float) -> CommandResult:
+        start = time.perf_counter()
+        verdicts: Sequence[Any] = check_independently(project_file(options.project), edited=options.edited)
+        text, proved = "\n".join(map(str, verdicts)), all(verdict.proved for verdict in verdicts)
+        holds, counts = proved, "all proved" if proved else "not all proved"
+    else:
+        shape, start = _loaded(options, edited=options.edited), time.perf_counter()
+        certificate: Verdicts = shape.certificate
+        stored = getattr(shape, "stored", None)
+        others = () if stored is None else certificate.differences(stored)
+        text = "".join([str(certificate), *(f"\nas stored otherwise: {other}" for other in others)])
+        verdicts, proved, holds, counts = (
+            certificate.verdicts,
+            certificate.proved,
+            certificate.holds,
+            certificate.counts,
+        )
     seconds = time.perf_counter() - start
     record = {
         "proved": proved,
@@ -94,10 +94,7 @@ def _judged(text: str, counts: str, verdicts: Any, proved: bool, holds: bool, st
 
 def run_mesh(options: argparse.Namespace) -> CommandResult:
     """`pas mesh`."""
-    from pas.exchange.files import target
-    from pas.exchange.formats import suffixes_of
     from pas.exchange.write import check_open, write_as
-    from pas.shape import kind_of
 
     settings = settings_of(MeshSettings, options)
     target(options.output, suffixes_of("triangles"), "a mesh")
@@ -107,13 +104,13 @@ def run_mesh(options: argparse.Namespace) -> CommandResult:
     if not mesh.is_closed:
         check_open(options.output)
     whole = kind.parts is None
-    path = write_as(mesh if whole else shape, options.output, MeshSettings() if whole else settings, open=True).path
-    return CommandResult(f"{path}: {size_of(mesh)}", {"written": [str(path)], **size_record(mesh)})
+    write_as(mesh if whole else shape, options.output, MeshSettings() if whole else settings, open=True)
+    path = str(Path(options.output))
+    return CommandResult(f"{path}: {size_of(mesh)}", {"written": [path], **size_record(mesh)})
 
 
 def run_render(options: argparse.Namespace) -> CommandResult:
     """`pas render`."""
-    from pas.exchange.picture_options import Picture
     from pas.render.drawing import draw
 
     picture = settings_of(Picture, options)
@@ -133,8 +130,6 @@ def run_write(options: argparse.Namespace) -> CommandResult:
 
 def run_convert(options: argparse.Namespace) -> CommandResult:
     """`pas convert`: `pas write` of the body, where the kind of shape has one."""
-    from pas.shape import kind_of
-
     shape = _loaded(options)
     body = kind_of(shape).body
     if body is not None:
@@ -146,7 +141,6 @@ def run_convert(options: argparse.Namespace) -> CommandResult:
 
 def run_studio(options: argparse.Namespace) -> CommandResult:
     """`pas studio`: until it is interrupted."""
-    from pas.exchange.files import source
     from pas.studio.server import serve
 
     file = None if options.file is None else source(options.file)
@@ -159,9 +153,10 @@ def _written(shape: Any, options: argparse.Namespace) -> CommandResult:
 
     mesh = settings_of(MeshSettings, options)
     shape, unit = _sized(shape, options, options.unit)
-    made = write_as(shape, options.output, mesh, unit=unit, sew=options.sew, open=bool(options.open))
-    lines = [str(made.path)] if not made.reports else [f"{made.path}: {report}" for report in made.reports]
-    return CommandResult("\n".join(lines), {"written": [str(made.path)], **_told(made.reports)})
+    reports = write_as(shape, options.output, mesh, unit=unit, sew=options.sew, open=bool(options.open))
+    path = str(Path(options.output))
+    lines = [f"{path}: {report}" for report in reports] or [path]
+    return CommandResult("\n".join(lines), {"written": [path], **_told(reports)})
 
 
 def _told(reports: Sequence[Any]) -> dict[str, Any]:
@@ -171,18 +166,12 @@ def _told(reports: Sequence[Any]) -> dict[str, Any]:
 
 def _sized(shape: Any, options: argparse.Namespace, unit: str | None = None) -> tuple[Any, str | None]:
     """A shape as large as the options want it, and the unit of its lengths."""
-    from pas.exchange.formats import Sizing
-
     return settings_of(Sizing, options).applied(shape, unit)
 
 
 def run_build(options: argparse.Namespace) -> CommandResult:
     """`pas build`: the files of a part, or of the body of whatever a problem asks for."""
-    from pas.exchange.files import target
-    from pas.exchange.formats import FORMATS, Request, Sizing, unit_named
     from pas.exchange.parts import part_list_of
-    from pas.exchange.problem import read_problem
-    from pas.shape import kind_of
 
     problem = read_problem(problem_file(options.problem)).changed(**given(settings_of(MeshSettings, options)))
     outputs = [Path(name) for name in options.output or ()]
@@ -222,8 +211,6 @@ def write_outputs(
 
     `verbs` are other functions of a path by suffix, without its dots, as `png=shape.draw`.
     """
-    from pas.exchange.files import together
-    from pas.exchange.formats import FORMATS
     from pas.exchange.write import write_as
 
     known = {"pasjson": partial(shape.save, certificate=shape.certificate), "png": shape.draw, **verbs}
@@ -236,17 +223,13 @@ def write_outputs(
                 verb(place)
             else:
                 meshed = "tolerance" in FORMATS[path.suffix.lower()].content.options
-                reports += write_as(shape, place, mesh if meshed else MeshSettings(), unit=unit).reports
+                reports += write_as(shape, place, mesh if meshed else MeshSettings(), unit=unit)
             clock.passed(path.name)
     return reports
 
 
 def run_problem(options: argparse.Namespace) -> CommandResult:
     """`pas blend` and `pas parametric`: solve, prove, mesh and draw, whatever kind of problem it is."""
-    from pas.exchange.files import together
-    from pas.exchange.problem import read_problem
-    from pas.shape import kind_of
-
     problem = read_problem(problem_file(options.problem)).changed(
         order=options.order,
         degree=options.degree,
@@ -284,7 +267,6 @@ def run_problem(options: argparse.Namespace) -> CommandResult:
 def run_teapot(options: argparse.Namespace) -> CommandResult:
     """`pas teapot`."""
     from pas.designs.teapot import teapot
-    from pas.exchange.files import together
 
     folder = output_folder(options.output)
     clock = Clock()

@@ -12,6 +12,8 @@ from pas.algebra.inputs import whole
 from pas.cli.commands import write_outputs
 from pas.cli.common import DONE, FAILED, Clock, CommandResult, settings_of, verdict_record, written_lines
 from pas.errors import library, meant
+from pas.exchange.files import make_folder, target
+from pas.exchange.formats import suffixes_of
 from pas.limits import part as share
 from pas.settings import MeshSettings
 
@@ -63,10 +65,6 @@ def _classes(network: Network, options: argparse.Namespace) -> CommandResult:
 
 
 def _build(network: Network, options: argparse.Namespace) -> CommandResult:
-    from pas.exchange.files import target
-    from pas.exchange.formats import suffixes_of
-    from pas.network.blocks import make_folder
-
     outputs = [Path(name) for name in options.output]
     for path in outputs:
         target(path, (".npz", ".csv", ".pas.json", ".png", *suffixes_of("triangles")), "a network")

@@ -28,13 +28,16 @@ class Axial(Movable):
     clip: fmpq | Literal["auto"]
     point: Vector
 
-    def settle(self, axis: VectorLike, point: VectorLike, **numbers: Exact) -> None:
-        """Make what was given exact, and check it; raises `ValueError` for a zero axis."""
+    def settle(self, axis: VectorLike, point: VectorLike, semiaxes: Any = None, **numbers: Exact) -> None:
+        """Make what was given exact, and check it; raises `ValueError` for a zero axis, and for semi-axes, if there are
+        some, that are not two across the axis and one another."""
         exact = {name: rational(value, name) for name, value in numbers.items()}
         for name, value in ({"axis": vector(axis, "axis"), "point": vector(point, "point")} | exact).items():
             object.__setattr__(self, name, value)
         if all(a == 0 for a in self.axis):
             raise ValueError("axis must not be the zero vector")
+        if semiaxes is not None:
+            object.__setattr__(self, "semiaxes", perpendicular(semiaxes, 2, to=self.axis))
 
     @property
     def end(self) -> fmpq:
@@ -81,22 +84,22 @@ class Axial(Movable):
         return fmpq(1)
 
 
-def perpendicular(values: Any, name: str, number: int, to: Vector | None = None) -> tuple[Vector, ...]:
-    """So many exact vectors, across one another and across the vector `to`; none of them zero.
+def perpendicular(semiaxes: Any, number: int, to: Vector | None = None) -> tuple[Vector, ...]:
+    """So many exact semi-axes, across one another and across the vector `to`; none of them zero.
 
-    Raises `ValueError` or `TypeError`, naming the argument.
+    Raises `ValueError` or `TypeError` for others.
     """
-    if isinstance(values, str) or not isinstance(values, Sequence) or len(values) != number:
-        raise ValueError(f"{name} must be {number} vectors across one another, not {shown(values)}")
-    found = tuple(vector(v, f"{name}[{i}]") for i, v in enumerate(values))
+    if isinstance(semiaxes, str) or not isinstance(semiaxes, Sequence) or len(semiaxes) != number:
+        raise ValueError(f"semiaxes must be {number} vectors across one another, not {shown(semiaxes)}")
+    found = tuple(vector(v, f"semiaxes[{i}]") for i, v in enumerate(semiaxes))
     for i, v in enumerate(found):
         if all(c == 0 for c in v):
-            raise ValueError(f"{name}[{i}] must not be the zero vector")
+            raise ValueError(f"semiaxes[{i}] must not be the zero vector")
         if to is not None and dot(v, to) != 0:
-            raise ValueError(f"{name}[{i}] must be perpendicular to ({listed(to)}), and ({listed(v)}) is not")
+            raise ValueError(f"semiaxes[{i}] must be perpendicular to ({listed(to)}), and ({listed(v)}) is not")
     for (i, a), (j, b) in combinations(enumerate(found), 2):
         if dot(a, b) != 0:
-            raise ValueError(f"{name} must be perpendicular to one another, and number {i + 1} and {j + 1} are not")
+            raise ValueError(f"semiaxes must be perpendicular to one another, and number {i + 1} and {j + 1} are not")
     return found
 
 

@@ -13,14 +13,13 @@ from typing import ClassVar, Literal
 
 from flint import fmpq
 
-from pas.algebra.brief import brief
 from pas.algebra.rational import Exact, Vector, VectorLike, listed, plain, positive, to_float
 from pas.contacts.axial import Axial, longest, perpendicular, vectors
 from pas.contacts.contact import Contact
 from pas.contacts.endless import Endless
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Sphere(Axial):
     """A sphere around `point`, cut off by a plane across `axis`.
 
@@ -44,8 +43,6 @@ class Sphere(Axial):
         positive(self.radius, "radius")
         self.check_rim()
 
-    __repr__ = brief
-
     @cached_property
     def contact(self) -> Contact:
         """The surface and its clip plane as polynomials."""
@@ -58,7 +55,7 @@ class Sphere(Axial):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Ellipsoid(Axial):
     """An ellipsoid around `point` with three `semiaxes`, vectors across one another, cut off by a plane across `axis`.
 
@@ -81,10 +78,8 @@ class Ellipsoid(Axial):
         self, axis: VectorLike, semiaxes: Sequence[VectorLike], clip: Exact, point: VectorLike = (0, 0, 0)
     ) -> None:
         self.settle(axis, point, clip=clip)
-        object.__setattr__(self, "semiaxes", perpendicular(semiaxes, "semiaxes", 3))
+        object.__setattr__(self, "semiaxes", perpendicular(semiaxes, 3))
         self.check_rim()
-
-    __repr__ = brief
 
     @cached_property
     def contact(self) -> Contact:
@@ -99,7 +94,7 @@ class Ellipsoid(Axial):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Paraboloid(Axial):
     """An elliptic paraboloid, cut off by a plane normal to its axis.
 
@@ -122,12 +117,9 @@ class Paraboloid(Axial):
     def __init__(
         self, axis: VectorLike, semiaxes: Sequence[VectorLike], clip: Exact, point: VectorLike = (0, 0, 0)
     ) -> None:
-        self.settle(axis, point, clip=clip)
-        object.__setattr__(self, "semiaxes", perpendicular(semiaxes, "semiaxes", 2, to=self.axis))
+        self.settle(axis, point, semiaxes, clip=clip)
         if self.clip == 0:
             raise ValueError("clip must not be 0, where a paraboloid has its vertex")
-
-    __repr__ = brief
 
     @cached_property
     def contact(self) -> Contact:
@@ -138,7 +130,7 @@ class Paraboloid(Axial):
         return f"paraboloid {self.position} with semi-axes {vectors(self.semiaxes)}, {self.ending}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class EllipticPipe(Endless):
     """An infinite elliptic cylinder, cut off by a plane normal to its axis.
 
@@ -160,10 +152,7 @@ class EllipticPipe(Endless):
     def __init__(
         self, axis: VectorLike, semiaxes: Sequence[VectorLike], clip: Exact, point: VectorLike = (0, 0, 0)
     ) -> None:
-        self.settle(axis, point, clip=clip)
-        object.__setattr__(self, "semiaxes", perpendicular(semiaxes, "semiaxes", 2, to=self.axis))
-
-    __repr__ = brief
+        self.settle(axis, point, semiaxes, clip=clip)
 
     @cached_property
     def contact(self) -> Contact:
@@ -178,7 +167,7 @@ class EllipticPipe(Endless):
         return f"elliptic pipe {self.position} with semi-axes {vectors(self.semiaxes)}, {self.ending}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Hyperboloid(Endless):
     """An elliptic hyperboloid of one sheet, cut off by a plane normal to its axis.
 
@@ -207,11 +196,8 @@ class Hyperboloid(Endless):
         conjugate: Exact,
         point: VectorLike = (0, 0, 0),
     ) -> None:
-        self.settle(axis, point, clip=clip, conjugate=conjugate)
-        object.__setattr__(self, "semiaxes", perpendicular(semiaxes, "semiaxes", 2, to=self.axis))
+        self.settle(axis, point, semiaxes, clip=clip, conjugate=conjugate)
         positive(self.conjugate, "conjugate")
-
-    __repr__ = brief
 
     @cached_property
     def contact(self) -> Contact:

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from pas.algebra.affine import away, center_equations, height, quadratic_form
 from pas.algebra.bracket import sign_change
-from pas.algebra.brief import brief
 from pas.algebra.inputs import short
 from pas.algebra.matrices import solved
 from pas.algebra.monomials import Floats
@@ -96,7 +95,7 @@ def first_met(surface: Polynomial, rays: Floats, size: float = 1.0) -> Floats:
     return np.where(outside.any(axis=0), sign_change(jets, low, high, (low + high) / 2), np.nan)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Opening(Movable):
     """A surface out of which a blend rises along the curve that a cone cuts, in a plane or in none.
 
@@ -136,8 +135,6 @@ class Opening(Movable):
                 f"the point ({', '.join(map(plain, self.point))}) must be inside the surface, where {polynomial} is "
                 "negative: the cone opens from there"
             )
-
-    __repr__ = brief
 
     @cached_property
     def contact(self) -> Contact:

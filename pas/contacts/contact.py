@@ -32,6 +32,8 @@ class Movable:
     triples of numbers and tuples of them as vectors; numbers stay.
     """
 
+    __repr__ = brief
+
     @property
     def contact(self) -> Contact:
         """The surface and its clip as polynomials."""
@@ -81,7 +83,7 @@ def _image(value: Any, map_: Affine) -> Any:
     return value
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Contact(Movable):
     """A surface and its clip, each anything that `Polynomial` takes.
 
@@ -94,8 +96,6 @@ class Contact(Movable):
     surface: Polynomial
     clip: Polynomial
     near: Vector | None = field(default=None, compare=False, repr=False)
-
-    __repr__ = brief
 
     def __init__(self, surface: PolynomialLike, clip: PolynomialLike, near: VectorLike | None = None) -> None:
         object.__setattr__(self, "surface", Polynomial.named(surface, "surface", constant=False, of="a contact"))

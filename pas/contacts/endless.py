@@ -28,11 +28,11 @@ class Endless(Axial):
     the same surface with an end.  To be inherited by frozen dataclasses.
     """
 
-    def settle(self, axis: VectorLike, point: VectorLike, **numbers: Exact) -> None:
+    def settle(self, axis: VectorLike, point: VectorLike, semiaxes: Any = None, **numbers: Exact) -> None:
         """Make what was given exact, and check it; raises `ValueError` for a zero axis and a clip that is no number
         and not "auto"."""
         clip = numbers.pop("clip")
-        super().settle(axis, point, **numbers)
+        super().settle(axis, point, semiaxes, **numbers)
         object.__setattr__(self, "clip", AUTO if _is_auto(clip) else rational(clip, "clip"))
 
     @property
@@ -82,9 +82,9 @@ class Circular(Endless):
     radius: fmpq
     slope: fmpq = fmpq(0)
 
-    def settle(self, axis: VectorLike, point: VectorLike, **numbers: Exact) -> None:
+    def settle(self, axis: VectorLike, point: VectorLike, semiaxes: Any = None, **numbers: Exact) -> None:
         """Make what was given exact, and check it; raises `ValueError` for a zero axis or a radius not positive."""
-        super().settle(axis, point, **numbers)
+        super().settle(axis, point, semiaxes, **numbers)
         positive(self.radius, "radius")
 
     @cached_property

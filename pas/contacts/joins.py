@@ -147,7 +147,7 @@ class Join:
         a small face counts as much as a large one.  Sums with these weights are integrals along
         the curve, and depend on it continuously, even where it passes through points of the lattice.
         """
-        return self._measured(subdivisions)
+        return self._through_opening if self.opening else self._on_faces(subdivisions)
 
     @cached_property
     def rays(self) -> Floats:
@@ -160,6 +160,7 @@ class Join:
         """The axes (3, 3) of the nappe of an opening that is in the region, see `cones.nappe`."""
         return nappe(self.contact.clip, self.partition.points.mean(axis=0))
 
+    @cached_property
     def _through_opening(self) -> list[tuple[Floats, Floats]]:
         """The measured curve of an opening, which is in no face: weights are shares of its length."""
         points = self.rays * first_met(self.contact.surface, self.rays)[:, None]
@@ -167,11 +168,8 @@ class Join:
         return [(points, (steps + np.roll(steps, -1)) / (2 * steps.sum()))]
 
     @cached_property
-    def _measured(self) -> Callable[[int], list[tuple[Floats, Floats]]]:
-        if self.opening:
-            through = self._through_opening()
-            return lambda _: through
-        surface, triangles = self.contact.surface, self._triangles()
+    def _on_faces(self) -> Callable[[int], list[tuple[Floats, Floats]]]:
+        surface, triangles = self.contact.surface, [self.partition.points[list(face.vertices)] for face in self.faces]
         return cache(lambda subdivisions: [_zeros_on_triangle(surface, t, subdivisions) for t in triangles])
 
     @cached_property
@@ -194,9 +192,6 @@ class Join:
                     if self.contact.surface.at((x, y, z)) < 0:
                         return x, y, z
         return None
-
-    def _triangles(self) -> list[Floats]:
-        return [self.partition.points[list(face.vertices)] for face in self.faces]
 
 
 def joins(partition: Partition, contacts: Sequence[Contact]) -> tuple[Join, ...]:
@@ -235,15 +230,9 @@ def _divides(plane: Polynomial, polynomial: Polynomial) -> bool:
     return bool(divmod(polynomial.raw, plane.raw)[1].is_zero())
 
 
-def lattice(corners: Floats, subdivisions: int) -> tuple[Floats, np.ndarray]:
-    """Points of a triangle's uniform lattice (m, 3), and the edges of its small triangles."""
-    weights, pairs = _lattice(subdivisions)
-    return weights @ corners, pairs
-
-
 @cache
 def _lattice(n: int) -> tuple[Floats, np.ndarray]:
-    """Barycentric coordinates of the points of a triangle's uniform lattice, and the edges."""
+    """Barycentric coordinates (m, 3) of the points of a triangle's uniform lattice, and the edges of its triangles."""
     index = {(i, j): k for k, (i, j) in enumerate((i, j) for i in range(n + 1) for j in range(n + 1 - i))}
     weights = np.array([(i, j, n - i - j) for i, j in index]) / n
     steps = ((1, 0), (0, 1), (1, -1))
@@ -252,7 +241,8 @@ def _lattice(n: int) -> tuple[Floats, np.ndarray]:
 
 
 def _zeros_on_triangle(surface: Polynomial, corners: Floats, subdivisions: int) -> tuple[Floats, Floats]:
-    points, pairs = lattice(corners, subdivisions)
+    weights, pairs = _lattice(subdivisions)
+    points = weights @ corners
     negative = surface(points) < 0
     crossed = negative[pairs[:, 0]] != negative[pairs[:, 1]]
     first, second = pairs[crossed].T
@@ -279,8 +269,8 @@ def _along_edges(surface: Polynomial, first: Floats, second: Floats) -> Floats:
 
 @cache
 def _triangle_edges(subdivisions: int) -> np.ndarray:
-    """The edges (numbers of `lattice`'s pairs) of the small triangles of a lattice: (n^2, 3)."""
-    weights, pairs = lattice(np.eye(3), subdivisions)
+    """The edges (numbers of `_lattice`'s pairs) of the small triangles of a lattice: (n^2, 3)."""
+    weights, pairs = _lattice(subdivisions)
     place = {tuple(index): k for k, index in enumerate(np.rint(weights * subdivisions).astype(int).tolist())}
     edge = {frozenset(pair): k for k, pair in enumerate(pairs.tolist())}
     triangles = []

@@ -12,32 +12,15 @@ rounded to 32 binary digits.  Not guaranteed: that the inner surface is inside, 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from fractions import Fraction
 from itertools import combinations
 from math import frexp, ldexp, sqrt
 
-import numpy as np
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.affine import quadratic_form, slope_at
+from pas.algebra.affine import quadratic_form
 from pas.algebra.inputs import short
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import (
-    UNITS,
-    Vector,
-    cross,
-    dot,
-    exact,
-    listed,
-    plain,
-    rational,
-    square_root,
-    three,
-    to_float,
-    to_floats,
-    two_across,
-)
+from pas.algebra.rational import UNITS, Vector, cross, exact, listed, plain, square_root, three, to_float, two_across
 from pas.algebra.scaling import Scaled
 from pas.contacts.cones import apex
 from pas.contacts.contact import CONTACTS, Contact
@@ -109,75 +92,30 @@ def rounded(value: float) -> fmpq:
     return exact(ldexp(round(part * 2**DIGITS), power - DIGITS))
 
 
-def principal_axes_of(surface: Polynomial, contact: Contact) -> Axes | None:
-    """Those of a polynomial's terms of degree 2, one of which may be the normal of a contact's plane clip."""
-    hint = slope_at(contact.clip) if contact.clip.degree == 1 else None
-    return principal_axes(quadratic_terms(surface), hint)
-
-
-def principal_axes(matrix: fmpq_mat, hint: Vector | None = None) -> Axes | None:
-    """Three rational eigenvectors of a symmetric matrix, with their eigenvalues, exact; None where there are none.
-
-    `hint` may be one of them.  Others are looked for in the kernel, and near eigenvectors in doubles.
-    """
-    for first in _candidates(matrix, hint):
-        value = _eigenvalue(matrix, first)
-        if value is None:
-            continue
-        for second in _turned(matrix, *two_across(first)):
-            third = cross(first, second)
-            values = [_eigenvalue(matrix, v) for v in (second, third)]
-            if values[0] is not None and values[1] is not None:
-                return (first, value), (second, values[0]), (third, values[1])
-    return None
-
-
-def _candidates(matrix: fmpq_mat, hint: Vector | None) -> Iterator[Vector]:
-    if hint is not None:
-        yield hint
-    rows: list[Vector] = [(matrix[i, 0], matrix[i, 1], matrix[i, 2]) for i in range(3)]
-    yield from (v for a, b in combinations(rows, 2) if any(v := cross(a, b)))
-    yield from UNITS
-    floats = np.array([to_floats(row) for row in rows])
-    for column in np.linalg.eigh(floats)[1].T.tolist():
-        yield _short([c / max(column, key=abs) for c in column])
-
-
-def _turned(matrix: fmpq_mat, first: Vector, second: Vector) -> Iterator[Vector]:
-    """Candidates for an eigenvector in the plane of two vectors across one another."""
-    yield first
-    a, b = (np.array(to_floats(v)) / sqrt(to_float(dot(v, v))) for v in (first, second))
-    floats = np.array([[to_float(matrix[i, j]) for j in range(3)] for i in range(3)])
-    plane = np.array([[u @ floats @ v for v in (a, b)] for u in (a, b)])
-    for s, t in np.linalg.eigh(plane)[1].T.tolist():
-        found = s * a + t * b
-        yield _short((found / found[np.abs(found).argmax()]).tolist())
-
-
-def _short(values: Sequence[float]) -> Vector:
-    # Of coordinates of a principal axis that is neither the clip's normal nor follows from that: axes are found from
-    # rounded numbers, and then checked exactly.
-    largest_denominator = 10**6
-    return three(rational(Fraction(v).limit_denominator(largest_denominator)) for v in values)
-
-
-def _eigenvalue(matrix: fmpq_mat, vector: Vector) -> fmpq | None:
-    """The eigenvalue of an eigenvector; None for another vector."""
-    image = matrix * fmpq_mat(3, 1, list(vector))
-    found: Vector = (image[0, 0], image[1, 0], image[2, 0])
-    return None if any(cross(found, vector)) else dot(found, vector) / dot(vector, vector)
+def principal_axes(matrix: fmpq_mat) -> Axes | None:
+    """Three rational eigenvectors of a symmetric matrix, with their eigenvalues, exact; None where there are none."""
+    found: list[tuple[Vector, fmpq]] = []
+    for value, times in matrix.charpoly().roots():
+        rows = _less(matrix, value)
+        across = next((row for row in rows if any(row)), None)
+        alone = (v for pair in combinations(rows, 2) if any(v := cross(*pair)))
+        own = UNITS if across is None else two_across(across) if times > 1 else [next(alone)]
+        found += [(three(c / max(way, key=abs) for c in way), value) for way in own]
+    return tuple(found) if len(found) == len(UNITS) else None
 
 
 def axis_of_revolution(form: fmpq_mat) -> tuple[fmpq, fmpq, Vector] | None:
     """A double eigenvalue of a symmetric matrix (3, 3), the other one and an eigenvector of that; None without one."""
-    characteristic = form.charpoly()
-    common = characteristic.gcd(characteristic.derivative())
-    if common.degree() == 0:
+    double = next((value for value, times in form.charpoly().roots() if times > 1), None)
+    if double is None:
         return None
-    double = -common[0] / common[1] if common.degree() == 1 else -common[1] / (2 * common[2])
     single = form[0, 0] + form[1, 1] + form[2, 2] - 2 * double
-    rows = [three(form[i, j] - double * (i == j) for j in range(3)) for i in range(3)]
-    return double, single, next((row for row in rows if any(row)), UNITS[2])
+    return double, single, next((row for row in _less(form, double) if any(row)), UNITS[2])
+
+
+def _less(matrix: fmpq_mat, value: fmpq) -> list[Vector]:
+    """The rows of a matrix (3, 3) less a value on its diagonal."""
+    return [three(matrix[i, j] - value * (i == j) for j in range(3)) for i in range(3)]
 
 
 def quadratic_terms(f: Polynomial) -> fmpq_mat:

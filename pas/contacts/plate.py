@@ -10,15 +10,14 @@ from typing import ClassVar
 from flint import fmpq
 
 from pas.algebra.affine import slope_at
-from pas.algebra.brief import brief
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, Vector, VectorLike, dot, listed, positive, rational
-from pas.contacts.axial import Axial, perpendicular, vectors
+from pas.algebra.rational import Exact, Vector, VectorLike, dot, listed, positive
+from pas.contacts.axial import Axial, vectors
 from pas.contacts.contact import Contact
 from pas.contacts.parallels import root
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Plate(Axial):
     """A solid with a plane face, out of which a blend rises along a circle or an ellipse around `point`.
 
@@ -52,16 +51,11 @@ class Plate(Axial):
         semiaxes: Sequence[VectorLike] | None = None,
         point: VectorLike = (0, 0, 0),
     ) -> None:
-        self.settle(axis, point)
         if (radius is None) == (semiaxes is None):
             raise ValueError("radius or semiaxes must be given, and not both: a circle or an ellipse")
+        self.settle(axis, point, semiaxes)
         if radius is not None:
-            object.__setattr__(self, "radius", rational(radius, "radius"))
-            positive(rational(radius, "radius"), "radius")
-        if semiaxes is not None:
-            object.__setattr__(self, "semiaxes", perpendicular(semiaxes, "semiaxes", 2, to=self.axis))
-
-    __repr__ = brief
+            object.__setattr__(self, "radius", positive(radius, "radius"))
 
     @cached_property
     def contact(self) -> Contact:

@@ -12,20 +12,19 @@ import numpy as np
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.affine import height, slope_at, translation
-from pas.algebra.brief import brief
 from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, dot, minus, rational, three, to_float, to_floats
 from pas.contacts.cones import apex, nappe, nappe_rays
 from pas.contacts.contact import Contact, Movable
-from pas.contacts.parallels import Axes, TooThickError, principal_axes_of, quadratic_terms, rounded, shrunk
+from pas.contacts.parallels import Axes, TooThickError, principal_axes, quadratic_terms, rounded, shrunk
 
 QuadricLike: TypeAlias = "PolynomialLike | Sequence[Sequence[Exact]]"
 """What is taken for a quadric: a polynomial of degree 2, or a symmetric 4x4 matrix of exact numbers."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class QuadricContact(Movable):
     """A quadric with a clip: any of the kinds that there are, in any position.
 
@@ -49,8 +48,6 @@ class QuadricContact(Movable):
         object.__setattr__(self, "quadric", found.surface)
         object.__setattr__(self, "clip", found.clip)
 
-    __repr__ = brief
-
     @cached_property
     def contact(self) -> Contact:
         """The surface and its clip as polynomials."""
@@ -62,7 +59,7 @@ class QuadricContact(Movable):
         f = contact.surface
         if f.degree != 2:
             return None
-        axes = principal_axes_of(f, contact)
+        axes = principal_axes(quadratic_terms(f))
         if axes is None:
             return None
         center = _center(f, axes)

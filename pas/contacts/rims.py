@@ -14,7 +14,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan2, copysign, cos, sin, sqrt
-from typing import Protocol
 
 import numpy as np
 from flint import fmpq
@@ -40,7 +39,7 @@ from pas.algebra.rational import (
 )
 from pas.algebra.scaling import Scaled, scaled
 from pas.algebra.zeros import RealZero, real_zeros
-from pas.contacts.ovals import Strip, ovals
+from pas.contacts.ovals import Oval, Strip, ovals
 from pas.errors import GeometryError
 
 USUAL_POINTS = 64
@@ -51,13 +50,6 @@ DIRECTIONS = ((fmpq(7), fmpq(-5)), (fmpq(3), fmpq(8)))
 
 LINES = (fmpq(0), fmpq(1), fmpq(-3, 2), fmpq(10))
 """Values of s and t on whose lines a curve without ovals is looked for, to tell an open one from none."""
-
-
-class Closed(Protocol):
-    """A closed curve around a centre."""
-
-    def points(self, number: int, /) -> Floats:
-        """Points (number, 3) in order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +79,7 @@ class Rim:
 
     center: Vector
     normal: Vector
-    curve: Closed
+    curve: Ellipse | Oval
 
     __repr__ = brief
 

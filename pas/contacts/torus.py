@@ -10,7 +10,6 @@ from typing import ClassVar
 from flint import fmpq
 
 from pas.algebra.affine import away, height
-from pas.algebra.brief import brief
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, Vector, VectorLike, cross, dot, listed, plain, positive, three, vector
 from pas.contacts.axial import Axial
@@ -19,7 +18,7 @@ from pas.contacts.parallels import axis_of_revolution, quadratic_terms, shrunk
 from pas.errors import GeometryError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Torus(Axial):
     """A bent pipe: the torus that a circle around `point + arm` makes when it is turned about `axis` through `point`.
 
@@ -53,8 +52,6 @@ class Torus(Axial):
             )
         if self.radius**2 >= dot(self.arm, self.arm):
             raise GeometryError(f"a torus of radius {plain(self.radius)} needs a longer arm than ({listed(self.arm)})")
-
-    __repr__ = brief
 
     @cached_property
     def contact(self) -> Contact:

@@ -16,8 +16,7 @@ from pas.designs.body import Body
 from pas.designs.exact import points
 from pas.designs.handle import Handle, PaperHandle
 from pas.designs.lid import Lid
-from pas.designs.paper_spout import PaperSpout, PrintedSpout
-from pas.designs.spout import Spout
+from pas.designs.spout import PaperSpout, PrintedSpout, Spout
 from pas.designs.teapot import STYLES, Teapot, teapot
 
 __all__ = [

@@ -10,10 +10,9 @@ from math import sqrt
 
 import numpy as np
 
-from pas.algebra.brief import brief
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact
-from pas.designs.exact import points, settle
+from pas.designs.exact import Design, points
 from pas.errors import GeometryError, warn
 from pas.solid.solid import Solid, patch
 
@@ -49,8 +48,8 @@ def filleted(
     return solid.joined(base, name, (body, tube - sides[1]), 1)
 
 
-@dataclass(frozen=True)
-class Body:
+@dataclass(frozen=True, repr=False)
+class Body(Design):
     """A surface of revolution about the z axis, of `lower` and, above the seam, another quadric.
 
     All numbers and polynomials are exact, heights and radii in the model's units.  Raises `GeometryError` for the joint
@@ -72,10 +71,8 @@ class Body:
     floor: Fraction = Fraction(1, 10)
     """Thickness of the hollow pot's walls, as a value of the body's polynomials, and of its floor."""
 
-    __repr__ = brief
-
     def __post_init__(self) -> None:
-        settle(self)
+        super().__post_init__()
         if not self.bottom < self.seam < self.top:
             raise GeometryError(
                 f"the joint of lower and upper body cannot be made: its seam must be between the bottom at "

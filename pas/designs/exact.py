@@ -12,6 +12,7 @@ from typing import Any
 
 from flint import fmpq_mat
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import shown
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, rational, to_fraction
@@ -66,10 +67,14 @@ READERS: dict[str, Callable[[Any, str], Any]] = {
 """How a field is read, by the type that it is declared with."""
 
 
-def settle(design: Any) -> None:
-    """Make the fields of a frozen dataclass what they are declared to be; to be called by its `__post_init__`."""
-    for field in fields(design):
-        object.__setattr__(design, field.name, READERS[str(field.type)](getattr(design, field.name), field.name))
+class Design:
+    """The base of frozen dataclasses, without a repr of their own, whose fields become what they are declared to be."""
+
+    __repr__ = brief
+
+    def __post_init__(self) -> None:
+        for field in fields(self):  # type: ignore[arg-type]  # all are dataclasses
+            object.__setattr__(self, field.name, READERS[str(field.type)](getattr(self, field.name), field.name))
 
 
 Contacts = Sequence[tuple[Polynomial, Polynomial]]

@@ -6,16 +6,15 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import cos, pi, sin, sqrt
 
-from pas.algebra.brief import brief
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.designs.body import Body, filleted
-from pas.designs.exact import Point, closest, even, settle
+from pas.designs.exact import Design, Point, closest, even
 from pas.errors import GeometryError
 from pas.solid.solid import Solid, patch
 
 
-@dataclass(frozen=True)
-class Handle:
+@dataclass(frozen=True, repr=False)
+class Handle(Design):
     """Half a stretched torus between two straight tubes, and fillets from these to the body.
 
     The loop meets the tubes with GC^1 where these are straight, as the fillets do (see `pas.designs.body.filleted`).
@@ -42,10 +41,8 @@ class Handle:
     body_side: Fraction = Fraction(3, 20)
     """How far the fillets reach, as values of the tube's polynomial and of the body's."""
 
-    __repr__ = brief
-
     def __post_init__(self) -> None:
-        settle(self)
+        super().__post_init__()
         for name in ("size", "half", "thickness", "start", "reach", "tube_side", "body_side"):
             if getattr(self, name) <= 0:
                 raise GeometryError(
@@ -93,8 +90,8 @@ class Handle:
             )
 
 
-@dataclass(frozen=True)
-class PaperHandle:
+@dataclass(frozen=True, repr=False)
+class PaperHandle(Design):
     """The quartic that holds the curves of both ends, at the least mean squared distance from a bent tube.
 
     Numbers are exact, in the model's units.  Raises `GeometryError` for the joint that cannot be made.
@@ -115,10 +112,8 @@ class PaperHandle:
     thickness: Fraction = Fraction(11, 100)
     """Of its centre line: how far it stands out, half its height; and its radius."""
 
-    __repr__ = brief
-
     def __post_init__(self) -> None:
-        settle(self)
+        super().__post_init__()
         least, most = Fraction(9, 10), Fraction(11, 10)
         if not least <= self.size <= most:
             raise GeometryError(

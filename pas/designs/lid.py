@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import sqrt
 
-from pas.algebra.brief import brief
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.contacts.contact import Contact, contact_ideal
 from pas.designs.body import Body, below
-from pas.designs.exact import settle
+from pas.designs.exact import Design
 from pas.errors import GeometryError
 from pas.solid.primitives import cylinder
 from pas.solid.solid import Solid, patch
@@ -19,8 +18,8 @@ KNOB_HEIGHTS = Fraction(1, 10), Fraction(2, 5)
 """Heights of a knob over its start at which its cubic is one sheet."""
 
 
-@dataclass(frozen=True)
-class Lid:
+@dataclass(frozen=True, repr=False)
+class Lid(Design):
     """A surface of revolution on the body's rim: a dome, a blend and a knob.
 
     Numbers are exact, in the model's units; all but `height` count from the top of the body.  Raises `GeometryError`
@@ -45,10 +44,8 @@ class Lid:
     """How far the ring under the lid goes down into the opening of a hollow pot, and its distance from that; 0 for no
     ring."""
 
-    __repr__ = brief
-
     def __post_init__(self) -> None:
-        settle(self)
+        super().__post_init__()
         if not 0 < self.dome_end < self.dome:
             raise GeometryError(
                 f"the joint of dome and blend cannot be made: dome_end must be between 0 and the dome's height "

@@ -14,13 +14,11 @@ from pas.designs.body import Body, below
 from pas.designs.exact import number
 from pas.designs.handle import Handle, PaperHandle
 from pas.designs.lid import Lid
-from pas.designs.paper_spout import PaperSpout
-from pas.designs.spout import Spout
+from pas.designs.spout import PaperSpout, Spout
 from pas.errors import GeometryError
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.settings import MeshSettings
 from pas.shape import Shape
 from pas.solid.assembly import Assembly, assembly
 from pas.solid.solid import Solid
@@ -83,10 +81,6 @@ class Teapot(AffineShape["Teapot"], Shape):
     ) -> Mesh:
         """The mesh of the closed solid; see `Solid.mesh`."""
         return self.solid.mesh(tolerance, quality=quality)
-
-    def meshed(self, settings: MeshSettings) -> Mesh:
-        """The mesh of the closed solid by settings."""
-        return self.solid.meshed(settings)
 
     @property
     def description(self) -> str:

@@ -89,6 +89,17 @@ def check_folder(folder: Path) -> None:
         raise ValueError(f"nothing can be written to the folder {folder}: {reason}") from None
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder where there is none; raises `ValueError` where there is a file, or nothing can be written."""
+    if folder.exists() and not folder.is_dir():
+        raise ValueError(f"a folder is needed, and {folder} is a file; give another name")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"the folder {folder} cannot be made: {error.strerror}") from None
+    check_folder(folder)
+
+
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
     """A temporary path beside `path`, with its suffix, that takes its place when the block ends.
@@ -143,11 +154,6 @@ SUFFIX = ".pas.json"
 
 MOST_BYTES = 1 << 28
 """Of a project file: a part that is a mesh of a million triangles takes half."""
-
-
-def check_name(path: str | Path) -> None:
-    """Raise `ValueError` unless the name ends in `.pas.json` and a file can be written there."""
-    target(path, (SUFFIX,), "a project")
 
 
 def write_project(path: str | Path, content: dict[str, Any], written_by: str) -> Path:

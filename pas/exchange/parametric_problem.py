@@ -60,7 +60,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from pas.algebra.inputs import check_order, shown
+from pas.algebra.inputs import check_order, shown, whole
 from pas.algebra.rational import plain, rational
 from pas.algebra.rational_function import PARAMETERS
 from pas.exchange.problem import COMMON, COMMON_TABLES, Problem, ProblemKind, TableReader, common
@@ -100,10 +100,8 @@ class BoundaryKind:
 
 
 def _intersection(table: Mapping[str, Any], options: dict[str, Any]) -> Boundary:
-    branches, number = quadric_intersection(table["quadric"], table["other"]), options.pop("branch", 0)
-    if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number < len(branches):
-        raise ValueError(f"branch must be a whole number from 0 to {len(branches) - 1}, not {number!r}")
-    return branches[number].on(0, **options)
+    branches = quadric_intersection(table["quadric"], table["other"])
+    return branches[whole(options.pop("branch", 0), "branch", 0, len(branches) - 1)].on(0, **options)
 
 
 def _parametric(table: Mapping[str, Any], options: dict[str, Any]) -> Boundary:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from pas.algebra.inputs import shown
 from pas.exchange.formats import UNITS, Content, Request
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Floats, Integers, counted_on
 from pas.parametric.patches import RationalPatch
 from pas.settings import MeshSettings, given
 from pas.shape import Shape, kind_of
@@ -127,12 +127,6 @@ def joined(parts: Sequence[Piece]) -> tuple[Floats, Integers]:
     return np.concatenate([p.mesh.points for p in parts]), triangles
 
 
-def counted_on(numbers: Sequence[Integers], sizes: Sequence[int]) -> Integers:
-    """Numbers of points or faces of several parts one after the other, where each part has that many of its own."""
-    starts = np.cumsum([0, *sizes])
-    return np.concatenate([part + start for part, start in zip(numbers, starts, strict=False)])
-
-
 def face_numbers(parts: Sequence[Piece]) -> tuple[Integers, list[str]]:
     """The number of each triangle's face among those of all parts, and their names, `part: face` for several."""
     return counted_on([p.mesh.faces for p in parts], [len(p.mesh.names) for p in parts]), face_names(parts)
@@ -157,20 +151,9 @@ def all_different(names: Iterable[str], between: str) -> list[str]:
     return result
 
 
-def repeated_colors(parts: Sequence[Piece], count: Callable[[Mesh], int]) -> Any:
-    """The parts' colours, each as often as its mesh has what is counted (M, 3)."""
-    colors = np.array([p.color for p in parts], dtype=np.uint8)
-    return np.repeat(colors, [count(p.mesh) for p in parts], axis=0)
-
-
-def points_of(mesh: Mesh) -> int:
-    """The number of its points."""
-    return len(mesh.points)
-
-
-def triangles_of(mesh: Mesh) -> int:
-    """The number of its triangles."""
-    return len(mesh.triangles)
+def repeated_colors(parts: Sequence[Piece], counts: Sequence[int]) -> Any:
+    """The parts' colours, each so many times (M, 3)."""
+    return np.repeat(np.array([p.color for p in parts], dtype=np.uint8), counts, axis=0)
 
 
 HIGHEST_DEGREE = 25

@@ -59,7 +59,7 @@ def read_toml(path: str | Path) -> tuple[Path, str, dict[str, Any]]:
         line = re.search(r"at line (\d+)", str(error))
         number = int(line.group(1)) if line else text.count("\n") + 1
         reason = re.sub(r" \(at .*\)", "", str(error))
-        raise ProblemFileError(f"{file.name}, line {number}: {_lower(reason)}", number) from None
+        raise ProblemFileError(f"{file.name}, line {number}: {reason[:1].lower()}{reason[1:]}", number) from None
     except ValueError as error:
         raise _bad_number(file, text, error) from None
     if depth(data) > DEEPEST:
@@ -180,10 +180,6 @@ class TableReader:
         return next(islice(braces, index, None), begin + 1)
 
 
-def _lower(text: str) -> str:
-    return text[:1].lower() + text[1:]
-
-
 def _decimal(text: str) -> Fraction | float:
     """A decimal exactly as written; nan and inf are left for those who use them to refuse."""
     if text.strip("+-") in ("nan", "inf"):
@@ -231,21 +227,6 @@ class Problem(ABC):
     model_unit: str | None = None
     mesh: MeshSettings = field(default_factory=MeshSettings)
     picture: Picture = field(default_factory=Picture)
-
-    @property
-    def tolerance(self) -> float | None:
-        """That of the mesh; None for the shape's own."""
-        return self.mesh.tolerance
-
-    @property
-    def style(self) -> str:
-        """The name of the picture's style."""
-        return self.picture.name
-
-    @property
-    def view(self) -> Any:
-        """The direction from where one looks; None for the widest."""
-        return self.picture.view
 
     @property
     def fixed(self) -> str:

@@ -80,21 +80,14 @@ def kept(
     return whole, record, form.read
 
 
-def _surface(partition: Any, contacts: Any, order: int, degree: int, patches: Any) -> PiecewiseSurface:
-    return PiecewiseSurface.from_polynomials(partition, contacts, order, patches, degree)
-
-
 SURFACE = Table(
     {
         **schema.SURFACE.needs,
         "partition": PARTITION,
         "contacts": list_of(Table({"surface": EQUATION, "clip": EQUATION}, make=Contact)),
     },
-    make=_surface,
-    entries=lambda surface: {
-        **{name: getattr(surface, name) for name in ("partition", "contacts", "order", "degree")},
-        "patches": surface.polynomials,
-    },
+    make=lambda patches, **others: PiecewiseSurface.from_polynomials(polynomials=patches, **others),
+    names={"patches": "polynomials"},
 )
 
 NORMALIZATIONS: dict[str, type[Any]] = {
@@ -119,10 +112,9 @@ def _of_normalization(normalization: Normalization) -> dict[str, Any]:
     return {"kind": kind, **vars(normalization)}
 
 
-_POINTS = dict.fromkeys(("inside", "outside", "through", "near"), list_of(POINT))
 CONSTRAINTS = Table(
     {
-        **_POINTS,
+        **dict.fromkeys(("inside", "outside", "through", "near"), list_of(POINT)),
         "near_weight": list_of(NUMBER),
         "handles": list_of(row(row(WHOLE, list_of(WHOLE, 4)), NUMBER)),
         "margin": maybe(NUMBER),
@@ -134,14 +126,7 @@ CONSTRAINTS = Table(
         ),
     },
     {"coefficients": list_of(row(WHOLE, NUMBER))},
-    entries=lambda wishes: {
-        **{kind: getattr(wishes, kind) for kind in _POINTS},
-        "near_weight": wishes.near_weights,
-        "handles": wishes.handles,
-        **({"coefficients": wishes.coefficients} if wishes.coefficients else {}),
-        "margin": wishes.margin,
-        "normalize": wishes.normalize,
-    },
+    names={"near_weight": "near_weights"},
 )
 """The points and the normalisation of a blend: read as the keywords of `Wishes`."""
 

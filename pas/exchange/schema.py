@@ -33,6 +33,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 from typing import Any, TypeAlias
 
 from flint import fmpq
@@ -80,7 +81,8 @@ class Table:
     """A table with the keys that it `needs` and those that it `may` have.
 
     It has no others, unless it is `open`: these are the business of what reads its kind then.  `make` is called with
-    the entries by name, `entries` gives those of a thing in the order in which they are written.
+    the entries by name, `entries` gives those of a thing in the order in which they are written: without it those that
+    it needs, and of others what is not empty, are its attributes of these names, or of the `names` that they have.
     """
 
     needs: Mapping[str, Form]
@@ -90,6 +92,7 @@ class Table:
     make: Callable[..., Any] = dict
     entries: Callable[[Any], Mapping[str, Any]] | None = None
     of: Callable[[Any], bool] = _anything
+    names: Mapping[str, str] = field(default_factory=dict)
 
     def fits(self, value: Any) -> bool:
         """As of a `Value`; the first key needed tells tables apart."""
@@ -123,7 +126,8 @@ class Table:
         if self.entries is not None:
             thing = self.entries(thing)
         elif not isinstance(thing, Mapping):
-            thing = {key: getattr(thing, key) for key in self.needs}
+            found = {key: attrgetter(self.names.get(key, key))(thing) for key in forms}
+            thing = {key: part for key, part in found.items() if key in self.needs or part}
         return {key: forms[key].write(part) if key in forms else part for key, part in thing.items()}
 
 

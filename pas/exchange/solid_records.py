@@ -51,9 +51,9 @@ from pas.exchange.schema import (
 from pas.parametric.solids import FlatEnd, SurfaceDistance
 from pas.parametric.surface import ParametricSurface
 from pas.piecewise import PiecewiseSurface
+from pas.solid.faces import SolidBoundary
 from pas.solid.functions import Distance, Moved, Pieces
 from pas.solid.joints import Joint
-from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operand
 from pas.solid.shell import FaceDistance
 from pas.solid.solid import Solid
@@ -107,10 +107,8 @@ def _tree_record(tree: Tree, numbers: dict[Function, int]) -> tuple[dict[str, An
         return (record | {"outside": True} if atom.outside else record), 0
 
     def branch(node: Node, parts: list[tuple[dict[str, Any], int]]) -> tuple[dict[str, Any], int]:
-        record, level = (
-            {"union" if node.union else "intersection": [part for part, _ in parts]},
-            max(h for _, h in parts),
-        )
+        record = {"union" if node.union else "intersection": [part for part, _ in parts]}
+        level = max(h for _, h in parts)
         if level < most:
             return record, level + 1
         branches.append(record)
@@ -153,17 +151,15 @@ def _moved(moved: Function, matrix: Any, shift: Any) -> Moved:
     return Moved(moved, place, place.similarity())
 
 
-def _bounded(inside: ParametricSurface, end: int | None = None) -> Distance:
-    """The distance from a surface that bounds a body, or the height above the plane of one of its ends."""
-    distance = SurfaceDistance(inside, inside.mesh())
-    return distance if end is None else FlatEnd(distance, whole(end, "end", 0, len(distance.edges) - 1))
+def _bounded(inside: ParametricSurface) -> SurfaceDistance:
+    """The distance from a surface that bounds a body."""
+    return SurfaceDistance(inside, inside.mesh())
 
 
-def _bounded_entries(function: Function) -> dict[str, Any]:
-    if isinstance(function, FlatEnd):
-        return {"inside": function.distance.surface, "end": function.number}
-    assert isinstance(function, SurfaceDistance)
-    return {"inside": function.surface}
+def _flat_end(end: int, inside: ParametricSurface) -> FlatEnd:
+    """The height above the plane of one of its ends."""
+    distance = _bounded(inside)
+    return FlatEnd(distance, whole(end, "end", 0, len(distance.edges) - 1))
 
 
 def _of_class(**entries: Any) -> Function:
@@ -201,27 +197,32 @@ FUNCTION: Value = choice(
     Table(
         {"moved": later(lambda: FUNCTION), "matrix": list_of(POINT, 3), "shift": POINT},
         make=_moved,
-        entries=lambda f: {"moved": f.inner, "matrix": f.map.matrix, "shift": f.map.shift},
+        names={"moved": "inner", "matrix": "map.matrix", "shift": "map.shift"},
         of=lambda function: isinstance(function, Moved),
     ),
     Table(
         {"pieces": list_of(POLYNOMIAL), "partition": PARTITION},
         make=lambda pieces, partition: Pieces(partition, pieces),
-        entries=lambda function: {"pieces": function.polynomials, "partition": function.partition},
+        names={"pieces": "polynomials"},
         of=lambda function: isinstance(function, Pieces),
     ),
     Table(
         {"near": later(lambda: RECORD), "faces": list_of(TEXT), "thickness": REAL, "tolerance": REAL},
         make=lambda near, faces, thickness, tolerance: FaceDistance(near, faces, float(thickness), float(tolerance)),
-        entries=lambda f: {"near": f.solid, "faces": f.faces, "thickness": f.thickness, "tolerance": f.tolerance},
+        names={"near": "solid"},
         of=lambda function: isinstance(function, FaceDistance),
     ),
     Table(
+        {"end": WHOLE, "inside": PARAMETRIC},
+        make=_flat_end,
+        names={"end": "number", "inside": "distance.surface"},
+        of=lambda function: isinstance(function, FlatEnd),
+    ),
+    Table(
         {"inside": PARAMETRIC},
-        {"end": WHOLE},
         make=_bounded,
-        entries=_bounded_entries,
-        of=lambda function: isinstance(function, SurfaceDistance | FlatEnd),
+        names={"inside": "surface"},
+        of=lambda function: isinstance(function, SurfaceDistance),
     ),
     Table({"class": TEXT, "data": ANYTHING}, make=_of_class, entries=_class_entries),
 )
@@ -308,7 +309,6 @@ JOINT = Table(
     {"first": TEXT, "second": TEXT, "along": list_of(POLYNOMIAL, 2), "order": WHOLE},
     {"within": list_of(POLYNOMIAL)},
     make=Joint,
-    entries=lambda joint: {key: value for key, value in vars(joint).items() if value != ()},
 )
 RECORD: Table = Table(
     {

@@ -22,15 +22,16 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from pas.algebra.brief import brief
+from pas.algebra.inputs import natural
 from pas.elsewhere import elsewhere
 from pas.errors import GeometryError, library, optional
 from pas.exchange.files import target
 from pas.exchange.formats import Content, Request
-from pas.exchange.parts import Piece, counted_on, face_names, parts_of
+from pas.exchange.parts import Piece, face_names, parts_of
 from pas.exchange.write import write
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Floats, Integers, counted_on
 from pas.mesh.topology import is_closed_manifold
 from pas.settings import MeshSettings
 from pas.solid.assembly import Assembly
@@ -58,9 +59,7 @@ class VolumeSettings:
         if not self.stop_energy >= 3:
             raise ValueError(f"stop_energy must be at least 3, that of a regular tetrahedron, not {self.stop_energy}")
         for name in ("iterations", "threads"):
-            value = getattr(self, name)
-            if not isinstance(value, int) or value < 0:
-                raise ValueError(f"{name} must be a whole number >= 0, not {value!r}")
+            natural(getattr(self, name), name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -296,8 +295,7 @@ def _lines(names: Sequence[str]) -> Any:
 
 def signed_volumes(points: Floats, tetrahedra: Integers) -> Floats:
     """The volumes (M,), negative for tetrahedra that are inverted."""
-    a, b, c, d = (points[tetrahedra[:, i]] for i in range(4))
-    return np.asarray(np.einsum("ni,ni->n", np.cross(b - a, c - a), d - a) / 6)
+    return np.linalg.det(points[tetrahedra[:, 1:]] - points[tetrahedra[:, :1]]) / 6
 
 
 def _boundary(tetrahedra: Integers, name: str) -> Integers:

@@ -27,7 +27,6 @@ and .msh files have no unit and refuse one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, TypeAlias, Unpack
 
@@ -81,19 +80,16 @@ def write(
     a package for the format is absent, and what meshing raises.
     """
     mesh = MeshSettings(tolerance, domain=domain)
-    return write_as(thing, path, mesh, unit=unit, sew=sew, open=check_flag(open, "open")).path
+    write_as(thing, path, mesh, unit=unit, sew=sew, open=check_flag(open, "open"))
+    return Path(path)
 
 
-@dataclass(frozen=True)
-class Written:
-    """A file, and what its format tells of its parts (of STEP a `StepReport` each), one line of text each."""
+def write_as(thing: Writable, path: str | Path, mesh: MeshSettings, **options: Any) -> list[Any]:
+    """`write` by settings of the mesh; `options` are the others of a `Request`.
 
-    path: Path
-    reports: tuple[Any, ...] = ()
-
-
-def write_as(thing: Writable, path: str | Path, mesh: MeshSettings, **options: Any) -> Written:
-    """`write` by settings of the mesh; `options` are the others of a `Request`.  Reports are told to `progress`."""
+    Returns what the format tells of the parts (of STEP a `StepReport` each), one line of text each, as told to
+    `progress`.
+    """
     others = {".json": "; `save` writes project files (.pas.json)", ".png": "; `draw` makes pictures"}
     target(path, tuple(FORMATS), "a shape", others)
     place = Path(path)
@@ -105,10 +101,10 @@ def write_as(thing: Writable, path: str | Path, mesh: MeshSettings, **options: A
         require_closed(thing, content, place.name)
     with replacing(place) as temporary:
         checkpoint(f"writing {place.name}")
-        reports = format_.write(content, temporary, request) or ()
+        reports = list(format_.write(content, temporary, request) or ())
     for report in reports:
         note(str(report))
-    return Written(place, tuple(reports))
+    return reports
 
 
 def check_open(path: str | Path) -> str:

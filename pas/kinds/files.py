@@ -12,7 +12,7 @@ from typing import Any, Unpack
 from pas._version import __version__
 from pas.algebra.inputs import shown
 from pas.errors import ProjectFileError
-from pas.exchange.files import check_name, read_project, understood, write_project
+from pas.exchange.files import SUFFIX, read_project, target, understood, write_project
 from pas.exchange.schema import TEXT, Table
 from pas.limits import WorkLimits, limited
 from pas.shape import KINDS, Shape, kind_of
@@ -33,7 +33,7 @@ def save(shape: Shape, path: str | Path, certificate: Verdicts | None = None, **
     exact text: functions of classes that do not say how to save them, surfaces, boundaries and curves that are
     callables; `TypeError` for what is no shape.
     """
-    check_name(path)
+    target(path, (SUFFIX,), "a project")
     kind = kind_of(shape, "what to save")
     return write_project(path, {"kind": kind.name, **kind.record(shape, certificate)}, f"pas {__version__}")
 

@@ -110,13 +110,7 @@ _BLEND = Table(
         "alignment": Table(_ALIGNMENT, {"by_length": FLAG}, make=Alignment, entries=asdict),
     },
     make=_blend,
-    entries=lambda blend: {
-        "boundaries": blend.boundaries,
-        "signs": blend.frames.signs,
-        "unit": blend.frames.unit,
-        "shape": blend.shape,
-        "alignment": blend.alignment,
-    },
+    names={"signs": "frames.signs", "unit": "frames.unit"},
 )
 
 

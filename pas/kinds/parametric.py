@@ -159,12 +159,6 @@ _PATCH = Table(
         "exact": maybe(_EXACT),
     },
     make=_patch,
-    entries=lambda patch: {
-        "points": patch.points.tolist(),
-        "weights": patch.weights.tolist(),
-        "knots": [knots.tolist() for knots in patch.knots],
-        "exact": patch.exact,
-    },
 )
 
 

@@ -85,13 +85,12 @@ def with_room(
 
     Where nothing does, the nearest ends that keep them apart, and None.
     """
-    arms, ends = arms_of(items, center)
+    arms = arms_of(items, center)
     distances = nearest(arms)
-    tried = []
+    tried = [[arm.ended(far) for arm, far in zip(arms, distances, strict=True)]]
     with suppress(GeometryError):  # cones that narrow end somewhere
-        for n in range(1 + ceil(log(FARTHEST, OUTWARDS))):
-            tried.append([end(OUTWARDS**n * far) for end, far in zip(ends, distances, strict=True)])
-    tried = tried or [[end(far) for end, far in zip(ends, distances, strict=True)]]
+        for n in range(1, 1 + ceil(log(FARTHEST, OUTWARDS))):
+            tried.append([arm.ended(OUTWARDS**n * far) for arm, far in zip(arms, distances, strict=True)])
     for roomy in (True, False):
         if (nearest_found := serves(tried[0], roomy)) is not None:
             return tried[0], nearest_found
@@ -201,11 +200,12 @@ Pair: TypeAlias = "tuple[int, int, float]"
 class Arm:
     """One contact from the centre: along a unit vector (3,), `width(distance)` its radius at a distance.
 
-    `given` is that of one with an end, None else.
+    `ended(distance)` is the contact with an end there; `given` is the distance of one that has its end, None else.
     """
 
     direction: Floats
     width: Callable[[float], float]
+    ended: Callable[[float], Any]
     given: float | None = None
 
     def angle(self, distance: float) -> float:
@@ -219,17 +219,13 @@ def is_free(item: Any) -> bool:
     return isinstance(item, Endless) and not item.ends
 
 
-def arms_of(items: Sequence[Any], center: Vector | None) -> tuple[list[Arm], list[Callable[[float], Any]]]:
-    """The arms of contacts, and for each what ends it at a distance; around a centre, or the one that they have.
+def arms_of(items: Sequence[Any], center: Vector | None) -> list[Arm]:
+    """The arms of contacts around a centre, or the one that they have.
 
     Raises `GeometryError` where a contact has no closed plane curve, or two directions are too close.
     """
     place = _center(items) if center is None else center
-    arms, ends = [], []
-    for number, item in enumerate(items, start=1):
-        arm, end = _free(number, item, place) if is_free(item) else _given(number, item, place)
-        arms.append(arm)
-        ends.append(end)
+    arms = [(_free if is_free(item) else _given)(number, item, place) for number, item in enumerate(items, start=1)]
     for (i, a), (j, b) in combinations(enumerate(arms, start=1), 2):
         angle = angle_between(a.direction, b.direction)
         if (a.given is None or b.given is None) and angle < CLOSEST:
@@ -237,7 +233,7 @@ def arms_of(items: Sequence[Any], center: Vector | None) -> tuple[list[Arm], lis
                 f"directions {i} and {j} are {degrees(angle):.3g} degrees apart; at least {degrees(CLOSEST):.3g} are "
                 "needed"
             )
-    return arms, ends
+    return arms
 
 
 def _center(items: Sequence[Any]) -> Vector:
@@ -252,7 +248,7 @@ def _center(items: Sequence[Any]) -> Vector:
     return center_of(rims)
 
 
-def _free(number: int, item: Endless, center: Vector) -> tuple[Arm, Callable[[float], Any]]:
+def _free(number: int, item: Endless, center: Vector) -> Arm:
     axis = np.array(to_floats(item.axis))
     length = float(np.linalg.norm(axis))
     foot = float((np.array(to_floats(center)) - to_floats(item.point)) @ axis) / length**2
@@ -269,13 +265,13 @@ def _free(number: int, item: Endless, center: Vector) -> tuple[Arm, Callable[[fl
                 "room for a blend; let it narrow less, or give its clip"
             ) from None
 
-    return Arm(axis / length, lambda distance: item.width(foot + distance / length)), ended
+    return Arm(axis / length, lambda distance: item.width(foot + distance / length), ended)
 
 
-def _given(number: int, item: Any, center: Vector) -> tuple[Arm, Callable[[float], Any]]:
+def _given(number: int, item: Any, center: Vector) -> Arm:
     disc = Disc.of(number, rim_of(number, as_contact(item)), center)
     wide = disc.distance * tan(min(disc.angle, WEDGE / 2))
-    return Arm(disc.direction, lambda _: wide, disc.distance), lambda _: item
+    return Arm(disc.direction, lambda _: wide, lambda _: item, disc.distance)
 
 
 def nearest(arms: Sequence[Arm]) -> list[float]:

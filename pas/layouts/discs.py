@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from math import degrees, pi
@@ -101,6 +102,15 @@ def rim_of(number: int, contact: Movable) -> Rim:
         return contact.rim
     except GeometryError as error:
         raise GeometryError(f"contact {number}: {error}") from None
+
+
+def first_made(ways: Iterable[Callable[[], Layout]]) -> Layout:
+    """The first layout that can be made; raises the last one's `GeometryError` where none can."""
+    *others, last = ways
+    for make in others:
+        with suppress(GeometryError):
+            return make()
+    return last()
 
 
 def check_fits(layout: Layout, discs: Sequence[Disc]) -> list[int]:

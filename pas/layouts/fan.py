@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import pairwise, product
 from math import cos, degrees, gcd, pi, radians, sin
 
@@ -16,9 +16,9 @@ import numpy as np
 
 from pas.algebra.lengths import across, unit
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Vector
+from pas.algebra.rational import Vector, three
 from pas.errors import GeometryError
-from pas.layouts.discs import Disc, check_fits, turn, whole_ray
+from pas.layouts.discs import Disc, check_fits, first_made, turn, whole_ray
 from pas.partition.layout import Layout, Ray
 
 LONGEST_AXIS = 4
@@ -51,14 +51,7 @@ def fan(discs: Sequence[Disc], center: Vector, each: int = 2) -> Layout:
     Raises `GeometryError` where no axis has room between all discs.
     """
     gaps = best_gaps(discs)
-    failure: GeometryError | None = None
-    for longest in LENGTHS:
-        try:
-            return _with_rays(discs, center, gaps, each, longest)
-        except GeometryError as error:
-            failure = error
-    assert failure is not None
-    raise failure
+    return first_made(partial(_with_rays, discs, center, gaps, each, longest) for longest in LENGTHS)
 
 
 def best_gaps(discs: Sequence[Disc]) -> Gaps:
@@ -99,8 +92,6 @@ def _axes() -> tuple[list[Ray], Floats, Floats]:
 
 def _with_rays(discs: Sequence[Disc], center: Vector, gaps: Gaps, each: int, longest: int) -> Layout:
     rays = [whole_ray(np.array([cos(a), sin(a)]) @ gaps.frame, longest) for a in _azimuths(gaps, each)]
-    axis = gaps.axis
-    back = (-axis[0], -axis[1], -axis[2])
     first, second = gaps.frame @ np.array(rays, dtype=float).T
     turned = np.arctan2(second, first)
     for a, b in pairwise([*turned, turned[0]]):
@@ -108,10 +99,10 @@ def _with_rays(discs: Sequence[Disc], center: Vector, gaps: Gaps, each: int, lon
             raise GeometryError(f"two half-planes of a fan are {degrees(turn(a, b)):.2g} degrees apart")
     count = len(rays)
     layout = Layout(
-        [axis, back, *rays],
+        [gaps.axis, three(-c for c in gaps.axis), *rays],
         [(0, 2 + h, 1, 2 + (h + 1) % count) for h in range(count)],
         center,
-        f"fan of {count} half-planes around {axis}",
+        f"fan of {count} half-planes around {gaps.axis}",
     )
     check_fits(layout, discs)
     return layout

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import combinations
 from math import degrees, sqrt
-from typing import TypeVar
 
 import numpy as np
 from flint import fmpq, fmpq_mat
@@ -19,18 +18,16 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.inputs import short, shown_point
 from pas.algebra.lengths import angle_between, unit
 from pas.algebra.matrices import solved
-from pas.algebra.rational import Vector, cross, dot, listed, minus, to_float, to_floats
+from pas.algebra.rational import Vector, cross, dot, listed, minus, moved, three, to_floats
 from pas.contacts.contact import Contact
 from pas.contacts.rims import Rim, outlook
 from pas.errors import GeometryError
 from pas.layouts.discs import Disc, power_of_two, rim_of, rounded
-from pas.layouts.kinds import NEAR_WALLS, LayoutTrial, Maker, trials
+from pas.layouts.kinds import NEAR_WALLS, LayoutTrial, trials
 from pas.layouts.planes import have_room
 from pas.layouts.region import region
 from pas.partition.cells import Partition
 from pas.partition.layout import Layout
-
-T = TypeVar("T")
 
 SPREAD, ROOMY = 0.95, 0.8
 """Share of the angle between two contacts that their curves may take up, and around the centre of a bend."""
@@ -108,29 +105,16 @@ class ContactNode:
             raise GeometryError(f"{'' if wanted else none}{failures[-1]}")
 
     @cached_property
-    def _layout(self) -> Callable[[Maker], Layout | GeometryError]:
-        """What a maker makes of the node, once: what differs in its walls alone has one layout."""
-        return cache(lambda make: _made(lambda: make(self.discs, self.center)))
-
-    @cached_property
     def _region(self) -> Callable[[LayoutTrial], Partition | GeometryError]:
-        """The region of a trial, laid out once, however often contacts are looked at."""
+        """The region of a trial or why there is none, found once, however often contacts are looked at."""
 
         def tried(trial: LayoutTrial) -> Partition | GeometryError:
-            layout = self._layout(trial.make)
-            return (
-                layout if isinstance(layout, GeometryError) else _made(lambda: region(layout, self.discs, trial.walls))
-            )
+            try:
+                return region(trial.make(self.discs, self.center), self.discs, trial.walls)
+            except GeometryError as error:
+                return error
 
         return cache(tried)
-
-
-def _made(make: Callable[[], T]) -> T | GeometryError:
-    """What can be made, or why it cannot."""
-    try:
-        return make()
-    except GeometryError as error:
-        return error
 
 
 def _check_flat(number: int, contact: Contact) -> None:
@@ -197,7 +181,7 @@ def center_of_bend(rims: Sequence[Rim]) -> Vector | None:
     arc = clip * (1 - sqrt(max(0.0, 1 - cosine**2))) / cosine
     step = power_of_two(radius / FINE)
     inwards = rounded(min(TOWARDS_BEND * arc / (2 * cosine), INSIDE * radius) * (first + second), step)
-    return middle[0] + inwards[0], middle[1] + inwards[1], middle[2] + inwards[2]
+    return moved(middle, (1, inwards))
 
 
 def center_of(rims: Sequence[Rim]) -> Vector:
@@ -223,12 +207,7 @@ def center_of(rims: Sequence[Rim]) -> Vector:
     solution = solved(augmented)
     assert solution is not None  # M^2 y = r has one wherever M x = r has
     found = [m + o for m, o in zip(middle, (matrix * fmpq_mat(3, 1, solution[0])).entries(), strict=True)]
-    if max(int(v.q).bit_length() for v in found) <= most_digits and all(_on_line(found, rim) for rim in rims):
-        return found[0], found[1], found[2]
-    step = power_of_two(min(rim.radii[0] for rim in rims) / parts)
-    x, y_, z = (fmpq(round(to_float(v / step))) * step for v in found)
-    return x, y_, z
-
-
-def _on_line(point: Sequence[fmpq], rim: Rim) -> bool:
-    return not any(cross(minus(point, rim.center), rim.normal))
+    off = any(any(cross(minus(found, rim.center), rim.normal)) for rim in rims)
+    if not off and max(int(v.q).bit_length() for v in found) <= most_digits:
+        return three(found)
+    return rounded(to_floats(found), power_of_two(min(rim.radii[0] for rim in rims) / parts))

@@ -16,7 +16,7 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.lengths import across, unit
-from pas.algebra.rational import Vector, cross, determinant, dot, vector
+from pas.algebra.rational import Vector, cross, determinant, dot, three, vector
 from pas.errors import GeometryError
 from pas.layouts.discs import Disc
 from pas.partition.layout import Layout, Ray, primitive, reduced
@@ -125,18 +125,11 @@ def arrangement(normals: Sequence[Ray], center: Vector) -> Layout:
 
     Raises `GeometryError` for fewer than three planes, or all through one line: a fan serves these.
     """
-    rays = list(
-        dict.fromkeys(
-            reduced((s * c[0], s * c[1], s * c[2]))
-            for a, b in combinations(normals, 2)
-            for c in [cross(a, b)]
-            if any(c)
-            for s in (1, -1)
-        )
-    )
+    lines = (reduced(c) for a, b in combinations(normals, 2) if any(c := cross(a, b)))
+    rays = list(dict.fromkeys(ray for line in lines for ray in (line, three(-x for x in line))))
     if len(rays) < 6:
         raise GeometryError("an arrangement needs three planes at least that have only the centre in common")
-    signs = {ray: tuple(_sign(n, ray) for n in normals) for ray in rays}
+    signs = {ray: tuple(int(np.sign(dot(n, ray))) for n in normals) for ray in rays}
     pieces: dict[tuple[int, ...], list[int]] = {}
     for number, ray in enumerate(rays):
         free = [i for i, s in enumerate(signs[ray]) if s == 0]
@@ -155,8 +148,3 @@ def _round(numbers: Sequence[int], rays: Sequence[Ray]) -> list[int]:
     first, second = across(middle)
     place = {i: atan2(float(unit(np.array(rays[i])) @ second), float(unit(np.array(rays[i])) @ first)) for i in numbers}
     return sorted(numbers, key=lambda i: place[i])
-
-
-def _sign(normal: Ray, ray: Ray) -> int:
-    value = sum(a * b for a, b in zip(normal, ray, strict=True))
-    return (value > 0) - (value < 0)

@@ -18,7 +18,7 @@ from flint import fmpq
 
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats, homogeneous_exponents
-from pas.algebra.rational import Vector, determinant, dot, to_float, to_floats
+from pas.algebra.rational import Vector, determinant, dot, three, to_float, to_floats
 from pas.errors import GeometryError
 from pas.layouts.discs import Disc, check_fits, power_of_two, sides
 from pas.partition.cells import Region
@@ -70,7 +70,7 @@ class Builder:
         step = power_of_two(far / FINE)
         share = fmpq(round(far / to_float(step))) * step
         while True:
-            end = share * ray[0], share * ray[1], share * ray[2]
+            end = three(share * c for c in ray)
             if not any(dot(disc.normal, end) == disc.height for disc in self.discs):
                 return end
             share += step  # a wall in a clip plane would be taken for a part of the clip face
@@ -113,10 +113,10 @@ def region(layout: Layout, discs: Sequence[Disc], walls: float = WALLS) -> Regio
     """
     carried = dict(zip(check_fits(layout, discs), discs, strict=True))
     builder = Builder(layout, discs, walls)
-    farther = [1.0] * len(layout.all_rays)
+    farther = [1.0] * len(layout.rays)
     step, steps = 1.1, 8  # by which ends of rays go out where walls between them come too near, and how often
     for _ in range(steps):
-        ends = [builder.end(ray, times) for ray, times in zip(layout.all_rays, farther, strict=True)]
+        ends = [builder.end(ray, times) for ray, times in zip(layout.rays, farther, strict=True)]
         pieces = _pieces(layout, carried, ends)
         if len(discs) < 3:  # behind a bend nothing runs through
             break

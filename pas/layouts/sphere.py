@@ -19,7 +19,7 @@ USUAL, FEWEST, MOST = 1e-3, 2, 7
 def sphere_mesh(layout: Layout, tolerance: float | None = None) -> Mesh:
     """The closed mesh of a layout; its triangles are as near to the sphere as that, measured, or split `MOST` times."""
     wanted = USUAL if tolerance is None else check_tolerance(tolerance)
-    rays = unit(np.array(layout.all_rays, dtype=float))
+    rays = unit(np.array(layout.rays, dtype=float))
     triangles = np.array([t for piece in layout.triangles for t in piece], dtype=np.intp)
     faces = np.array([number for number, piece in enumerate(layout.triangles) for _ in piece], dtype=np.intp)
     for times in range(1, MOST + 1):

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import product
 from math import cos, degrees, radians, tan
 
 import numpy as np
@@ -17,7 +19,7 @@ from pas.algebra.lengths import across, angle_between, spiral, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, determinant
 from pas.errors import GeometryError
-from pas.layouts.discs import Disc, check_fits, room, whole_ray
+from pas.layouts.discs import Disc, check_fits, first_made, room, whole_ray
 from pas.partition.layout import Layout, Ray
 
 FARTHEST = (62, 40)
@@ -41,21 +43,14 @@ class Site:
 
 def strips(discs: Sequence[Disc], center: Vector) -> Layout:
     """The layout of strips for contacts; raises `GeometryError` where none fits."""
-    failure: GeometryError | None = None
-    for farthest in FARTHEST:
-        try:
-            net = SiteTriangulation.of([Site(d.direction, d.angle) for d in discs], farthest)
-        except GeometryError as error:
-            failure = error
-            continue
-        for longest in LENGTHS:
-            try:
-                layout = net.layout(center, longest)
-                if min(room(layout, p, d) for p, d in zip(check_fits(layout, discs), discs, strict=True)) >= ROOM:
-                    return layout
-            except GeometryError as error:
-                failure = error
-    raise failure or GeometryError("no layout of strips leaves room round all contacts")
+    return first_made(partial(_strips, discs, center, *way) for way in product(FARTHEST, LENGTHS))
+
+
+def _strips(discs: Sequence[Disc], center: Vector, farthest: float, longest: int) -> Layout:
+    layout = SiteTriangulation.of([Site(d.direction, d.angle) for d in discs], farthest).layout(center, longest)
+    if min(room(layout, p, d) for p, d in zip(check_fits(layout, discs), discs, strict=True)) < ROOM:
+        raise GeometryError("no layout of strips leaves room round all contacts")
+    return layout
 
 
 @dataclass(frozen=True)
@@ -106,12 +101,9 @@ class SiteTriangulation:
                 a, b, c, d = corners[i, t], corners[j, t], corners[j, other], corners[i, other]
                 ways = ([[a, d, c], [a, c, b]], [[a, d, b], [d, c, b]])
                 cycles += max(ways, key=lambda way: min(_volume(tri) for tri in way))
-        return _layout(cycles, center, f"strips between {self.contacts} contacts and {self._empty}")
-
-    @property
-    def _empty(self) -> str:
-        count = len(self.sites) - self.contacts
-        return f"{count} empty site{'' if count == 1 else 's'}"
+        empty = len(self.sites) - self.contacts
+        name = f"strips between {self.contacts} contacts and {empty} empty site{'' if empty == 1 else 's'}"
+        return _layout(cycles, center, name)
 
     def _corners(self, number: int) -> list[tuple[int, Floats]]:
         """The corners of a site's piece, counterclockwise, each with the number of its triangle: its Laguerre cell,

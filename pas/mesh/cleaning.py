@@ -57,9 +57,7 @@ class Cleaning(Grading):
             self._collapse_short(mesh)
             mesh.size_plainly()
             self._smooth(mesh, np.ones(len(mesh.points), dtype=bool))
-            rows = np.flatnonzero(
-                mesh.kinds >= VertexKind.CORNER
-            )  # which may be found now that edges about them are longer
+            rows = np.flatnonzero(mesh.kinds >= VertexKind.CORNER)  # may be found now that edges about them are longer
             mesh.points[rows] = onto_faces(mesh.points[rows], mesh.labels_about(rows), self.field, mesh.sizes[rows] / 4)
             self._look(mesh, np.flatnonzero(mesh.kinds[mesh.vertex_of] >= VertexKind.CORNER))
         self._collapse_short(mesh)
@@ -85,7 +83,7 @@ class Cleaning(Grading):
         chosen = mesh.on_curves & (back[mesh.corners] | back[mesh.ends])
         rows = np.flatnonzero(((mesh.ratios < limit) | chosen) & (mesh.twins < np.arange(len(mesh.twins))))
         rows = rows[np.argsort(mesh.lengths(rows), kind="stable")]
-        return mesh.collapse(rows, 0.0, KEPT, 1.0, self.settings.flat)
+        return mesh.collapse(rows, 0.0, KEPT, self.settings.flat)
 
     def _collapse_short(self, mesh: HalfEdges) -> None:
         for _ in range(PASSES):

@@ -9,11 +9,9 @@ are seen that are so small that neither lattice has a node in them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from pas.mesh.cleaning import FOLD, cleaned
@@ -23,56 +21,19 @@ from pas.mesh.face_ground import FaceGround
 from pas.mesh.field import FaceField, bounds_set, extent_of, place_of
 from pas.mesh.first import THIN, first_lattice, first_mesh, unsound
 from pas.mesh.grading import LARGEST, Settings
-from pas.mesh.hollowed import mesh_hollowed, too_thick
+from pas.mesh.hollowed import mesh_apart, mesh_hollowed, together, too_thick
 from pas.mesh.labelled import Labelled
-from pas.mesh.mesh import Mesh
 from pas.mesh.nodes import SAME, Nodes, contracted, flat_nodes, pinched_at, where_edges_cross
 from pas.mesh.octree import Octree
-from pas.mesh.projection import distances, newton, pair_normals, project
+from pas.mesh.projection import distances, newton, project
 from pas.mesh.quality import Quality
-from pas.mesh.refusals import Made, Refusal, not_reached, too_many
+from pas.mesh.refusals import FaceMesh, Made, Refusal, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
-from pas.mesh.rows import Floats, Integers, norms
-from pas.mesh.surfaces import mesh_apart, together
+from pas.mesh.rows import Bools, Floats, Integers, norms
 from pas.mesh.topology import connected
 
 UPRIGHT = 0.3
 """Cosine with the normals below which triangles are untangled before they are cut."""
-
-
-@dataclass(frozen=True)
-class FaceMesh:
-    """A closed mesh whose triangles carry labels, and its `deviation`: the measured distance from the set."""
-
-    mesh: Labelled
-    deviation: float
-
-    def named(self, field: FaceField) -> Mesh:
-        """The mesh in the user's coordinates, with the names of the field's faces; equal names are one face.
-
-        Each connected piece of a label is named by itself, so that faces that are apart keep their names.
-        """
-        mesh = self.mesh
-        corners = mesh.points[mesh.triangles]
-        low, high = corners.min(axis=1) - self.deviation, corners.max(axis=1) + self.deviation
-        centers, halves = (low + high) / 2, (high - low) / 2
-        pieces = mesh.topology.pieces
-        labels = [int(mesh.labels[rows[0]]) for rows in pieces]
-        titles = [
-            field.face_within(label, centers[rows], halves[rows]) for label, rows in zip(labels, pieces, strict=True)
-        ]
-        names = tuple(dict.fromkeys(title for _, title in sorted(zip(labels, titles, strict=True))))
-        numbers = np.empty(len(mesh.triangles), dtype=np.intp)
-        for rows, title in zip(pieces, titles, strict=True):
-            numbers[rows] = names.index(title)
-        return Mesh(
-            field.world(mesh.points),
-            mesh.triangles,
-            numbers,
-            names,
-            pair_normals(mesh, field)[mesh.topology.corner_pairs],
-            deviation=self.deviation * field.scale,
-        )
 
 
 def triangulate_faces(
@@ -86,13 +47,13 @@ def triangulate_faces(
     """
     made = None if first is None else _from_first(first, field, tolerance, quality)
     found = _bounded(field, tolerance, quality) if made is None else made
-    if first is not None and isinstance(found, tuple):
-        missing = {*first.labels.tolist()} - {*found[0].labels.tolist()}
+    if first is not None and isinstance(found, FaceMesh):
+        missing = {*first.labels.tolist()} - {*found.mesh.labels.tolist()}
         lost = sorted(field.face(label) for label in missing if _begins(first, field, tolerance, label))
         if lost:
             found = Refusal(f"the solid could not be meshed: {', '.join(lost)} did not come out; set another tolerance")
-    if made is None and isinstance(found, tuple):
-        found = _touching(found[0], field, tolerance) or found
+    if made is None and isinstance(found, FaceMesh):
+        found = _touching(found.mesh, field, tolerance) or found
     return _finished(found)
 
 
@@ -104,9 +65,9 @@ def _from_first(first: Labelled, field: FaceField, tolerance: float, quality: Qu
     if mesh is None or unsound(mesh, field, tolerance)[0]:
         return None
     found = _refined(mesh, field, tolerance, quality)
-    if isinstance(found, Refusal) or not _bounding(found[0], field, tolerance):
+    if isinstance(found, Refusal) or not _bounding(found.mesh, field, tolerance):
         return None
-    return _touching(found[0], field, tolerance) or found
+    return _touching(found.mesh, field, tolerance) or found
 
 
 def _touching(mesh: Labelled, field: FaceField, tolerance: float) -> Refusal | None:
@@ -186,7 +147,7 @@ def _bounding(mesh: Labelled, field: FaceField, tolerance: float) -> bool:
     return bool(_beginning(field, points, labels, tolerance)[1].all())
 
 
-def _beginning(field: FaceField, points: Floats, labels: Integers, reach: float) -> tuple[Floats, NDArray[np.bool_]]:
+def _beginning(field: FaceField, points: Floats, labels: Integers, reach: float) -> tuple[Floats, Bools]:
     """Points (N, 3) moved onto the faces of their labels (N,), by at most `reach`, and whether the set begins there."""
     placed = newton(points, field, labels[:, None], np.full(len(points), reach))
     return placed, bounds_set(field, placed, labels)
@@ -200,7 +161,7 @@ def refined_faces(first: Labelled, field: FaceField, tolerance: float, quality: 
 def _finished(found: Made) -> FaceMesh:
     if isinstance(found, Refusal):
         raise found.error
-    return FaceMesh(*found)
+    return found
 
 
 def _bounded(field: FaceField, tolerance: float, quality: Quality) -> Made:
@@ -214,7 +175,7 @@ def _bounded(field: FaceField, tolerance: float, quality: Quality) -> Made:
     if not isinstance(found, Refusal):
         return found
     solid = _bounded(wall.solid, tolerance, quality)
-    reason = solid.sentence if isinstance(solid, Refusal) else too_thick(solid[0], wall)
+    reason = solid.sentence if isinstance(solid, Refusal) else too_thick(solid.mesh, wall)
     return Refusal(reason) if reason else found
 
 
@@ -235,8 +196,8 @@ def _from_lattices(field: FaceField, tolerance: float, quality: Quality) -> Made
         found = None if rest is field else mesh(rest, tolerance)
         if found is None or isinstance(found, Refusal):
             return found
-        labelled = together(field, [rest], [found[0]])
-        return (labelled, found[1]) if _bounding(labelled, field, tolerance) else None
+        labelled = together(field, [rest], [found.mesh])
+        return FaceMesh(labelled, found.deviation) if _bounding(labelled, field, tolerance) else None
 
     whole = partial(mesh, field, tolerance, octree=octree)
     refusals = list[Refusal]()
@@ -280,4 +241,4 @@ def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quali
         names = " and ".join(sorted({repr(field.face(label)) for label in found.mesh.labels[pairs[0]].tolist()}))
         where = f"near {place_of(field, places[0])} triangles of {names} cross, as it is no thicker there"
         return Refusal(f"the tolerance {tolerance * field.scale:.3g} was not reached: {where}; take a finer one")
-    return found.mesh, found.deviation
+    return found

@@ -8,10 +8,9 @@ interpolant unless snapping pinched it, which the caller checks.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.limits import checkpoint
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Bools, Floats, Integers
 from pas.mesh.topology import distinct, numbered
 
 KINDS = ((1, 2, 4, 8), (14, 13, 11, 7), (3,), (5,), (9,), (6,), (10,), (12,))
@@ -34,7 +33,7 @@ CUTS = np.array([_cut(mask) if 0 < mask < 15 else np.zeros((2, 3, 2), dtype=int)
 
 
 def snapped(
-    points: Floats, triangles: Integers, edges: Integers, t: Floats, snap: float, free: NDArray[np.bool_]
+    points: Floats, triangles: Integers, edges: Integers, t: Floats, snap: float, free: Bools
 ) -> tuple[Floats, Integers, Integers]:
     """The mesh with all crossings within the share `snap` of their edge from a node merged.
 
@@ -60,7 +59,7 @@ def snapped(
     return merged[used], inverse.reshape(-1, 3), order[first][used]
 
 
-def knotted(triangles: Integers, edges: Integers, t: Floats, snap: float, count: int) -> NDArray[np.bool_]:
+def knotted(triangles: Integers, edges: Integers, t: Floats, snap: float, count: int) -> Bools:
     """The nodes (count,) whose crossings within `snap` are no disc, so that merging them would change the topology."""
     size, number = count + 1, len(edges)  # the last one collects those that do not merge
     group = np.where(t < snap, edges[:, 0], np.where(t > 1 - snap, edges[:, 1], count))
@@ -73,7 +72,7 @@ def knotted(triangles: Integers, edges: Integers, t: Floats, snap: float, count:
     return np.asarray((members - sides + insides != 1) & (members > 0))[:-1]
 
 
-def crossings(negative: NDArray[np.bool_], tets: Integers) -> tuple[Integers, Integers]:
+def crossings(negative: Bools, tets: Integers) -> tuple[Integers, Integers]:
     """The crossed edges (E, 2) as node numbers and triangles (T, 3) as edge numbers.
 
     `negative` (N,) says on which side each node is, `tets` (M, 4) are node numbers.
@@ -90,9 +89,7 @@ def crossings(negative: NDArray[np.bool_], tets: Integers) -> tuple[Integers, In
     return np.stack([unique // size, unique % size], axis=1), inverse.reshape(-1, 3)
 
 
-def oriented(
-    nodes: Floats, negative: NDArray[np.bool_], edges: Integers, points: Floats, triangles: Integers
-) -> Integers:
+def oriented(nodes: Floats, negative: Bools, edges: Integers, points: Floats, triangles: Integers) -> Integers:
     """The triangles turned so that their normals point to the positive side.
 
     Before snapping, a triangle of the interpolant is normal to its gradient, which points from the negative to the

@@ -10,11 +10,10 @@ nearby may differ by as much as it is away from the mesh.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.lengths import exponent
 from pas.limits import checkpoint
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Bools, Floats, Integers
 
 
 def crossings(points: Floats, triangles: Integers) -> tuple[Integers, Floats]:
@@ -60,7 +59,7 @@ def near_pairs(corners: Floats) -> Integers:
     return np.sort(order[pairs], axis=1)
 
 
-def _cross(first: Floats, second: Floats) -> tuple[NDArray[np.bool_], Floats]:
+def _cross(first: Floats, second: Floats) -> tuple[Bools, Floats]:
     """Whether triangles (n, 3, 3) cross each other, and where (nan where not)."""
     hit, place = np.zeros(len(first), dtype=bool), np.full((len(first), 3), np.nan)
     for one, two in ((first, second), (second, first)):

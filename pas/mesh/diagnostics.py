@@ -15,12 +15,11 @@ from functools import cached_property
 from itertools import combinations, product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
-from pas.mesh.projection import distances, newton, second_derivatives
-from pas.mesh.rows import Floats, Integers, cross, dots, norms
+from pas.mesh.projection import distances, least_solutions, newton, second_derivatives
+from pas.mesh.rows import Bools, Floats, Integers, cross, dots, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected
 
@@ -132,7 +131,7 @@ class _Place:
             for (group, point), zero in zip(found, close, strict=True):
                 yield from self._meeting(group, point, zero)
 
-    def _meeting(self, group: Sequence[int], point: Floats, close: NDArray[np.bool_]) -> Iterator[Found]:
+    def _meeting(self, group: Sequence[int], point: Floats, close: Bools) -> Iterator[Found]:
         """What is wrong at a point where functions vanish together, those of `near` that are `close` (n,)."""
         deciding = self._deciding(point, group, close)
         normals = np.array([self._normal(point, c) for c in deciding]).reshape(-1, 3)
@@ -188,12 +187,12 @@ class _Place:
         normals = np.array([self._normal(point, label // 2) for label in placing])
         return placing != labels and bool((np.linalg.svd(normals, compute_uv=False)[2:] < PARALLEL).all())
 
-    def _vanishing(self, points: Floats) -> NDArray[np.bool_]:
+    def _vanishing(self, points: Floats) -> Bools:
         """Which functions of `near` vanish at points (K, 3), (K, n)."""
         far = self._distances(np.repeat(points, len(self.near), axis=0), np.tile(self.near, len(points)))
         return np.asarray(far.reshape(len(points), len(self.near)) <= ZERO * self.extent)
 
-    def _deciding(self, point: Floats, group: Sequence[int], close: NDArray[np.bool_] | None = None) -> list[int]:
+    def _deciding(self, point: Floats, group: Sequence[int], close: Bools | None = None) -> list[int]:
         """The functions that vanish at a point, those `close` (n,) or of a group, and decide there what is inside."""
         close = self._vanishing(point[None])[0] if close is None else close
         zero = [c for c, vanishes in zip(self.near, close, strict=True) if c in group or vanishes]
@@ -217,7 +216,7 @@ class _Place:
         starts = np.tile(self.place, (len(columns), 1))
 
         def step(points: Floats, rows: Integers) -> Floats:
-            return _solved(self._slopes(points, columns[rows]), self._jets(points, columns[rows])[:, 1:])
+            return least_solutions(self._slopes(points, columns[rows]), self._jets(points, columns[rows])[:, 1:])
 
         rows, ends = self._followed(starts, step)
         both = (starts[rows], ends)
@@ -250,7 +249,7 @@ class _Place:
             matrix[:, :3, :3], matrix[:, :3, 3] = bend_f - shares[:, None, None] * bend_g, -g[:, 1:]
             matrix[:, 3, :3] = g[:, 1:]
             right = np.concatenate([f[:, 1:] - shares[:, None] * g[:, 1:], g[:, :1]], axis=1)
-            return _solved(matrix, right)[:, :3]
+            return least_solutions(matrix, right)[:, :3]
 
         rows, ends = self._followed(feet, step)
         first, second = (self._distances(ends, columns) for columns in both[rows].T)
@@ -330,17 +329,9 @@ class _Place:
         return listed if not times else f"the face{'s' if times.total() > 1 else ''} {listed}"
 
 
-def _placed(count: int, rows: Integers, points: Floats, right: NDArray[np.bool_]) -> list[Floats | None]:
+def _placed(count: int, rows: Integers, points: Floats, right: Bools) -> list[Floats | None]:
     """Points (n, 3) in a list by their rows (n,), where they are right (n,)."""
     found = list[Floats | None]([None]) * count
     for row, point in zip(rows[right].tolist(), points[right], strict=True):
         found[row] = point
     return found
-
-
-def _solved(matrices: Floats, right: Floats) -> Floats:
-    """The least solutions (N, m) of systems (N, m, m) with right sides (N, m); no numbers where those are none."""
-    result = np.full(right.shape, np.nan)
-    rows = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right).all(axis=1)
-    result[rows] = np.einsum("nij,nj->ni", np.linalg.pinv(matrices[rows], rcond=1e-9), right[rows])
-    return result

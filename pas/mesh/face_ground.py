@@ -31,9 +31,7 @@ class FaceGround:
 
     def __init__(self, field: FaceField, labels: int, long: bool = True) -> None:
         self.field, self.reach = field, float(norms(np.ptp(field.box, axis=0)[None] / 2)[0])
-        every = np.arange(labels)
-        kinds = np.where(field.planes(every), 2, np.where(field.lines(every), 1, 0))
-        self.faces = np.where(field.lines(every) & long, kinds, 0).astype(np.int8)
+        self.faces = (field.ruled(np.arange(labels)) * long).astype(np.int8)
 
     def drawn(self, mesh: HalfEdges, to: Floats) -> tuple[Floats, Floats, None]:
         """Places for vertices that move, one step towards their faces, or two towards curves; and normals."""
@@ -52,7 +50,6 @@ class FaceGround:
         return steps * np.minimum(1.0, STEP * self.reach / np.maximum(norms(steps), 1e-300))[:, None]
 
     def placed(self, points: Floats, labels: Integers, rims: Integers, reach: Floats) -> Floats:
-        """Points projected onto where their faces meet."""
         result = points.copy()
         for rows, functions in placing(self.field, labels):
             result[rows] = newton(points[rows], self.field, functions, reach[rows])
@@ -66,7 +63,6 @@ class FaceGround:
         return points, self.looked(points[mesh.vertex_of], mesh.face_of)[0]
 
     def looked(self, points: Floats, labels: Integers) -> tuple[Floats, None]:
-        """Unit normals of faces at points on them; 0 at singular points."""
         return unit_rows(self.field.jets(points, labels)[:, 1:]), None
 
     def measured(self, mesh: HalfEdges, rows: Integers, halves: Integers) -> tuple[Floats, Floats]:
@@ -85,7 +81,6 @@ class FaceGround:
         return np.asarray(norms(least_norm(self.field, each, inner_points(corners))).reshape(-1, INNER).max(axis=1))
 
     def farthest(self, corners: Floats, labels: Integers) -> Floats:
-        """The largest distance of points inside triangles, and of the middles of their sides, from faces."""
         middles = ((corners + corners[:, [1, 2, 0]]) / 2).reshape(-1, 3)
         sides = norms(least_norm(self.field, np.repeat(labels, 3)[:, None], middles)).reshape(-1, 3)
         return np.maximum(self._inside(corners, labels), sides.max(axis=1))

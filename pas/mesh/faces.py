@@ -12,7 +12,6 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.bracket import sign_change
 from pas.limits import checkpoint
@@ -22,7 +21,7 @@ from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import NOWHERE, Nodes, contracted, find_nodes
 from pas.mesh.projection import least_norm, newton, placing
 from pas.mesh.refusals import Refusal
-from pas.mesh.rows import Floats, Integers, cross, dots, norms
+from pas.mesh.rows import Bools, Floats, Integers, cross, dots, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, edge_table, pinched
 
@@ -130,7 +129,7 @@ class BoundaryCrossings:
 
 
 def side_changes(
-    field: FaceField, points: Floats, edges: Integers, signs: NDArray[np.bool_], inside: NDArray[np.bool_]
+    field: FaceField, points: Floats, edges: Integers, signs: Bools, inside: Bools
 ) -> tuple[Floats, Integers]:
     """Where along each edge the side changes (E,), and the label of the face there (E,)."""
     a, b = edges.T
@@ -145,13 +144,11 @@ def side_changes(
     return np.clip(result, 1e-6, 1 - 1e-6), label
 
 
-def _check_crossings(
-    field: FaceField, a: Floats, b: Floats, start: NDArray[np.bool_], t: Floats, label: Integers
-) -> None:
+def _check_crossings(field: FaceField, a: Floats, b: Floats, start: Bools, t: Floats, label: Integers) -> None:
     """Correct, in place, crossings where the side does not change, and find those of edges on which several functions
     change their signs: by halving edges."""
 
-    def signs(rows: Integers, at: Floats) -> NDArray[np.bool_]:
+    def signs(rows: Integers, at: Floats) -> Bools:
         return field.signs(a[rows] + at[:, None] * (b[rows] - a[rows]))
 
     every, near = np.arange(len(t)), 1e-6  # over an edge's length, how far beside a crossing the side is looked at
@@ -213,7 +210,7 @@ def _unclear(field: FaceField, points: Floats, triangles: Integers, labels: Inte
     return np.flatnonzero(doubtful), flat
 
 
-def _flat(field: FaceField, points: Floats, triangles: Integers, labels: Integers) -> NDArray[np.bool_]:
+def _flat(field: FaceField, points: Floats, triangles: Integers, labels: Integers) -> Bools:
     """Whether two of the functions that place what is between triangles' faces have gradients almost parallel."""
     result = np.zeros(len(triangles), dtype=bool)
     centers = points[triangles].mean(axis=1)
@@ -227,7 +224,7 @@ def _flat(field: FaceField, points: Floats, triangles: Integers, labels: Integer
     return result
 
 
-def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) -> NDArray[np.bool_]:
+def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) -> Bools:
     """For groups (K, m) of vertices on different faces, whether the faces' common point is not close, or no corner."""
     result = np.zeros(len(groups), dtype=bool)
     p = points[groups]
@@ -249,7 +246,7 @@ def _lost(field: FaceField, points: Floats, groups: Integers, labels: Integers) 
     return result
 
 
-def _crossed(field: FaceField, points: Floats, names: Integers, reach: Floats) -> NDArray[np.bool_]:
+def _crossed(field: FaceField, points: Floats, names: Integers, reach: Floats) -> Bools:
     """Whether one of three faces (N, 3) that meet in points (N, 3) has two opposite parts there, so no corner is one.
 
     Of the eight parts of space between three bars that cross, say, four are inside, each beside two or three others.
@@ -272,7 +269,7 @@ def _normals(field: FaceField, points: Floats, names: Integers) -> Floats:
     return np.stack([unit_rows(field.jets(points, label)[:, 1:]) for label in names.T], axis=1)
 
 
-def _on_boundary(field: FaceField, points: Floats, names: Integers, reach: Floats) -> NDArray[np.bool_]:
+def _on_boundary(field: FaceField, points: Floats, names: Integers, reach: Floats) -> Bools:
     """Whether points (N, 3) on faces (N, m) have the inside on one side and the outside on the other.
 
     That is where all faces are on one side, and on the other: the sum of three normals may be neither.  About a corner

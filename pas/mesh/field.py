@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.inputs import shown_point
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Bools, Floats, Integers
 
 VISIBLE = 1e-7
 """Coordinates below this share of the largest ones of a box are shown as 0."""
@@ -42,7 +41,7 @@ class SheetField(Field, Protocol):
         """The distance from 0 of the region's furthest point."""
 
     @property
-    def fixed(self) -> NDArray[np.bool_]:
+    def fixed(self) -> Bools:
         """Which of the R curves on which it ends are but points where others end, which stay where they are, and, at
         the end, that what is on none is not, (R + 1,)."""
 
@@ -59,7 +58,7 @@ class SheetField(Field, Protocol):
     def rim_distances(self, points: Floats, rim: Integers) -> Floats:
         """Distances (N,) of points (N, 3) from boundary curves of given numbers (N,), to first order."""
 
-    def drawn(self, points: Floats, still: NDArray[np.bool_]) -> tuple[Floats, Floats, Floats]:
+    def drawn(self, points: Floats, still: Bools) -> tuple[Floats, Floats, Floats]:
         """Points (N, 3) near the surface, drawn towards it until it is much nearer; what `bending` says of them.
 
         Those that are `still` (N,) stay.
@@ -92,7 +91,7 @@ class ShellWall:
     inner: Integers
 
 
-class FaceField(Field, Protocol):
+class FaceField(Field, HasJets, Protocol):
     """A set in space whose boundary consists of faces, each on the zero set of a function.
 
     A label names a function and the side of it that is inside; the label's function is negative
@@ -107,7 +106,7 @@ class FaceField(Field, Protocol):
     def special_points(self) -> Floats:
         """Points (S, 3) where faces may be singular, such as a cone's apex."""
 
-    def crossed(self, centers: Floats, half: float) -> NDArray[np.bool_]:
+    def crossed(self, centers: Floats, half: float) -> Bools:
         """Which cubes (N,), of centres (N, 3) and half an edge, the boundary may pass; all others it does not."""
 
     def turning(self, centers: Floats, half: float) -> Floats:
@@ -125,14 +124,11 @@ class FaceField(Field, Protocol):
         Of the names of several faces on one surface, those that may be there.
         """
 
-    def signs(self, points: Floats) -> NDArray[np.bool_]:
+    def signs(self, points: Floats) -> Bools:
         """For each function (M, N), whether it is <= 0 at points (N, 3)."""
 
-    def inside(self, signs: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def inside(self, signs: Bools) -> Bools:
         """Whether points with given signs (M, N) are in the set (N,)."""
-
-    def jets(self, points: Floats, label: int | Integers) -> Floats:
-        """Values and gradients (N, 4) of a label's function, or of each point's own (N,), at points (N, 3)."""
 
     def shells(self) -> Sequence[FaceField]:
         """The surfaces that the boundary may be made of, if they are apart, each as that of a set; itself if one."""
@@ -147,16 +143,11 @@ class FaceField(Field, Protocol):
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
         """The labels here of labels (N,) of one of these."""
 
-    def lines(self, labels: Integers) -> NDArray[np.bool_]:
-        """Whether faces of given labels (N,) have straight lines along which their normals do not turn (N,).
+    def ruled(self, labels: Integers) -> Integers:
+        """Along how many directions the normals of faces of given labels (N,) do not turn: 2 of planes, 1 of cylinders
+        and cones, 0 of others (N,)."""
 
-        Planes, cylinders and cones have.
-        """
-
-    def planes(self, labels: Integers) -> NDArray[np.bool_]:
-        """Whether faces of given labels (N,) are planes (N,)."""
-
-    def walls(self, labels: Integers) -> NDArray[np.bool_]:
+    def walls(self, labels: Integers) -> Bools:
         """Whether given labels (N,) are no faces, but only bound regions (N,)."""
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
@@ -174,7 +165,7 @@ def place_of(field: FaceField, point: Floats) -> str:
     return shown_point(x if abs(x) > least else 0.0 for x in field.world(point))
 
 
-def bounds_set(field: FaceField, points: Floats, labels: Integers) -> NDArray[np.bool_]:
+def bounds_set(field: FaceField, points: Floats, labels: Integers) -> Bools:
     """At which points (N, 3) on faces of labels (N,) the set begins: with the face's function alone it changes."""
     signs, every = field.signs(points), np.arange(len(points))
     signs[labels // 2, every] = labels % 2 == 0

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pas.limits import checkpoint
 from pas.mesh.halfedges import TURNED, HalfEdges, VertexKind, following
 from pas.mesh.labelled import Labelled
-from pas.mesh.rows import Floats, Integers, dots, norms
+from pas.mesh.rows import Bools, Floats, Integers, dots, norms
 
 KEPT = 0.35
 """Cosine with the normals below which triangles about folded ones are not made."""
@@ -157,7 +157,7 @@ class Grading:
         order, straight = ratios[rows], np.flatnonzero(ratios[rows] <= 0.05)
         order[straight] = 1e-3 * mesh.lengths(rows[straight])  # along lines of ruled faces
         rows = rows[np.argsort(order, kind="stable")]
-        return mesh.collapse(rows, self.settings.longer, TURNED, 1.0, self.settings.flat)
+        return mesh.collapse(rows, self.settings.longer, TURNED, self.settings.flat)
 
     def _grow(self, mesh: HalfEdges, parts: float) -> None:
         """Split edges that are longer than they may be, and smooth, until none is after some smoothings."""
@@ -263,7 +263,7 @@ class Grading:
             )
             rows = rows[np.argsort(mesh.lengths(rows), kind="stable")]
             mesh.size_plainly()
-            mesh.collapse(rows, 0.0, KEPT, 1.0, self.settings.flat)
+            mesh.collapse(rows, 0.0, KEPT, self.settings.flat)
             self._relax_about(mesh, np.flatnonzero(mesh.cosines < folded))
             mesh.plain = False
             mesh.flip(self.fine)
@@ -279,7 +279,7 @@ class Grading:
         mesh.flip(self.fine)
         self._smooth(mesh, about)
 
-    def _smooth(self, mesh: HalfEdges, about: NDArray[np.bool_]) -> None:
+    def _smooth(self, mesh: HalfEdges, about: Bools) -> None:
         """Move chosen vertices (V,) to the middles of their triangles, or along curves, and project them."""
         to, rows = mesh.targets, np.flatnonzero(about & (mesh.kinds < VertexKind.CORNER))
         labels, reach = mesh.labels_about(rows), mesh.sizes[rows] / 4

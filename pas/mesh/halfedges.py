@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from pas.kernels.library import address_of, compiled
 from pas.mesh.labelled import Labelled
-from pas.mesh.rows import Floats, Integers, norms
+from pas.mesh.rows import Bools, Floats, Integers, norms
 from pas.mesh.topology import numbered
 
 TURNED = 0.5
@@ -93,7 +93,7 @@ class HalfEdges:
         self.reserve(0, 0, 0)
         self.points[:], self.corners[:], self.labels[:] = first.points, triangles.ravel(), labels
         self.wedge_of[:], self.vertex_of[:], self.face_of[:] = wedge_of, pairs // span, pairs % span
-        rims = np.zeros(len(twins), dtype=np.intp) if first.rims is None else first.rims.ravel()
+        rims = np.zeros(len(twins), dtype=np.intp) if first.topology.rims is None else first.topology.rims.ravel()
         self.twins[:] = np.where(twins < 0, -1 - np.maximum(rims, 0), twins)
         self.marks[:], self.fresh[:], self.normals[:], self.caps[:] = 0, True, 0.0, np.inf
         self.outgoing[:] = -1
@@ -126,6 +126,11 @@ class HalfEdges:
     def _call(self, name: str, *arguments: NDArray[Any] | float) -> None:
         compiled().call(name, ctypes.addressof(self._struct), *arguments)
 
+    def _filled(self, name: str, *shape: int) -> Floats:
+        result = np.empty(shape)
+        self._call(name, result)
+        return result
+
     @property
     def triangles(self) -> Integers:
         """The triangles as vertex numbers (T, 3)."""
@@ -137,7 +142,7 @@ class HalfEdges:
         return self.triangles[:, [1, 2, 0]].ravel()
 
     @property
-    def on_curves(self) -> NDArray[np.bool_]:
+    def on_curves(self) -> Bools:
         """Which half edges (3 T,) are on the boundary or between two labels."""
         own = np.repeat(self.labels, 3)
         return np.asarray((self.twins < 0) | (own != self.labels[self.twins // 3]))
@@ -173,16 +178,12 @@ class HalfEdges:
     @property
     def cosines(self) -> Floats:
         """The cosines (T,) between triangles and the normals at their corners."""
-        result = np.empty(len(self.labels))
-        self._call("pas_mesh_cosines", result)
-        return result
+        return self._filled("pas_mesh_cosines", len(self.labels))
 
     @property
     def sines(self) -> Floats:
         """The sines (T,) of triangles' smallest angles."""
-        result = np.empty(len(self.labels))
-        self._call("pas_mesh_sines", result)
-        return result
+        return self._filled("pas_mesh_sines", len(self.labels))
 
     def lengths(self, halves: Integers) -> Floats:
         """The lengths (K,) of half edges."""
@@ -191,9 +192,7 @@ class HalfEdges:
     @property
     def ratios(self) -> Floats:
         """The lengths (3 T,) of half edges over what they should be."""
-        result = np.empty(len(self.corners))
-        self._call("pas_mesh_ratios", result)
-        return result
+        return self._filled("pas_mesh_ratios", len(self.corners))
 
     def bend(self) -> None:
         """Find the curvatures of wedges from the turn of normals along edges."""
@@ -227,16 +226,14 @@ class HalfEdges:
         self._call("pas_mesh_flip", TURNED, float(limit), int(only_fresh), PASSES)
 
     def collapse(
-        self, halves: Integers, longer: float, kept: float, off: float, flat: tuple[float, float, float]
+        self, halves: Integers, longer: float, kept: float, flat: tuple[float, float, float], off: float = 1.0
     ) -> int:
         """Collapse half edges (K,) in this order, or their twins, where the mesh stays good; how many.
 
         See `Limits` in `pas/kernels/edits.c`.
         """
         done = np.empty(1, dtype=np.intp)
-        # Cosine between triangles on ruled faces, which may be long, and the normals, below which a collapse makes
-        # none.
-        held = 0.8
+        held = 0.8  # cosine between triangles on ruled faces, which may be long, and the normals, which collapses keep
         self._call("pas_mesh_collapse", len(halves), halves, np.array([longer, kept, held, off, *flat]), done)
         if done[0]:
             self._call("pas_mesh_pack")
@@ -245,14 +242,12 @@ class HalfEdges:
     @property
     def targets(self) -> Floats:
         """Where vertices (V, 3) should go to make triangles better, in tangent planes and along curves."""
-        result = np.empty((len(self.points), 3))
-        self._call("pas_mesh_targets", result)
-        return result
+        return self._filled("pas_mesh_targets", len(self.points), 3)
 
-    def settle(self, points: Floats, normals: Floats, bends: Floats | None, turned: float = TURNED) -> None:
+    def settle(self, points: Floats, normals: Floats, bends: Floats | None) -> None:
         """Take new points and what is known of wedges, but for those of triangles that are turned away then."""
         given = np.empty(0) if bends is None else bends
-        self._call("pas_mesh_settle", points, normals, given, int(bends is not None), float(turned))
+        self._call("pas_mesh_settle", points, normals, given, int(bends is not None), TURNED)
 
     def middles(self, rows: Integers, halves: Integers) -> tuple[Floats, Floats]:
         """The centres (K, 3) of triangles and the middles (H, 3) of half edges."""
@@ -277,7 +272,7 @@ class HalfEdges:
                 return rows[: number[0]], owners[: number[0]]
             room = int(number[0])
 
-    def move(self, vertices: Integers, places: Floats, normals: Floats, good: NDArray[np.bool_], aim: float) -> int:
+    def move(self, vertices: Integers, places: Floats, normals: Floats, good: Bools, aim: float) -> int:
         """Put vertices inside faces, if they are good, at places, where triangles get less slender; how many."""
         moved = np.empty(1, dtype=np.intp)
         self._call("pas_mesh_move", len(vertices), vertices, places, normals, good, aim, TURNED, moved)

@@ -1,5 +1,10 @@
-"""Meshes of shells: that of the solid, another one of the same triangles a thickness inside, and bands between them.
+"""Meshes of boundaries that are several surfaces apart, as both sides of a thin wall, and of shells.
 
+Of the pieces of surfaces that are meshed one by one those count that bound the whole set.  That the surfaces are apart
+is looked at on the meshes: the cubes about points of one, three times as large as the tolerance, certainly miss the
+others, and no triangle of one crosses a triangle of another.
+
+The mesh of a shell is that of the solid, another one of the same triangles a thickness inside, and bands between them.
 Vertices move along their faces' normals, which is exact where a face does not bend, and from there by Newton's method
 onto the inner faces, their curves and corners; where a face is open both meshes end, and a band on it joins them.
 Where faces meet in a groove, whose inner face is round there, the vertex has several images, and strips between these.
@@ -14,21 +19,26 @@ larger than a radius of curvature.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable
-from itertools import pairwise
+from collections.abc import Callable, Sequence
+from itertools import combinations, pairwise, permutations
 
 import numpy as np
 
 from pas.limits import checkpoint
+from pas.mesh.crossings import crossings
+from pas.mesh.face_ground import inner_points
 from pas.mesh.field import FaceField, ShellWall, bounds_set, place_of
 from pas.mesh.first import unsound
 from pas.mesh.halfedges import following
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton, pair_normals, project, second_derivatives
-from pas.mesh.refusals import Made, Refusal
+from pas.mesh.refusals import FaceMesh, Made, Refusal
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
-from pas.mesh.topology import is_closed_manifold
+from pas.mesh.topology import connected, is_closed_manifold
+
+ROOM = 3.0
+"""Half of a cube about a point of one surface that must miss the others, over the tolerance."""
 
 SHARE = 1 / 3
 """Of the thickness, how near each side is at least: less than 1/2, so that they do not meet."""
@@ -37,14 +47,74 @@ SMOOTH = 0.97
 """Cosine between normals of faces with one inner face above which their common vertex has one image."""
 
 
+def mesh_apart(
+    field: FaceField, shells: Sequence[FaceField], tolerance: float, mesh: Callable[[FaceField, float], Made]
+) -> Made | None:
+    """The mesh of all of a boundary from those of its surfaces, by `mesh(shell, tolerance)`.
+
+    None where they cross, or there is no room between them.
+    """
+    halvings = 6  # of the tolerance, until there is that room
+    for halving in range(halvings):
+        checkpoint("meshing surfaces one by one")
+        aim, found = tolerance / 2**halving, list[tuple[FaceField, Labelled, float]]()
+        for shell in shells:
+            made = mesh(shell, aim)
+            if isinstance(made, Refusal):
+                return made
+            found.append((shell, made.mesh, made.deviation))
+        pairs = [(one, other) for (_, one, _), (other, _, _) in permutations(found, 2)]
+        within = (other.inside(other.signs(one.points)) for one, other in pairs)
+        if any(some.any() and not some.all() for some in within):
+            return None
+        points = (np.concatenate([one.points, inner_points(one.points[one.triangles])]) for one, _ in pairs)
+        if not any(other.crossed(here, ROOM * aim).any() for here, (_, other) in zip(points, pairs, strict=True)):
+            if any(_cross(one, other) for (_, one, _), (_, other, _) in combinations(found, 2)):
+                return None
+            whole = together(field, shells, [mesh for _, mesh, _ in found])
+            return FaceMesh(whole, max(reached for *_, reached in found))
+    return None
+
+
+def _cross(first: Labelled, second: Labelled) -> bool:
+    """Whether triangles of two meshes cross each other."""
+    points = np.concatenate([first.points, second.points])
+    pairs, _ = crossings(points, np.concatenate([first.triangles, second.triangles + len(first.points)]))
+    return bool(np.diff(pairs < len(first.triangles), axis=1).any())
+
+
+def together(field: FaceField, shells: Sequence[FaceField], meshes: Sequence[Labelled]) -> Labelled:
+    """The mesh of a boundary from those of its surfaces, without the pieces of these that bound nothing."""
+    points, triangles, labels, pinned, start = [], [], [], [], 0
+    for shell, mesh in zip(shells, meshes, strict=True):
+        kept = _bounding(field, shell, mesh)
+        used, numbers = np.unique(mesh.triangles[kept], return_inverse=True)
+        points.append(mesh.points[used])
+        triangles.append(numbers.reshape(-1, 3) + start)
+        labels.append(field.labels_of(shell, mesh.labels[kept]))
+        pinned.append(np.flatnonzero(np.isin(used, mesh.topology.pinned)) + start)
+        start += len(used)
+    return Labelled.of(*map(np.concatenate, (points, triangles, labels, pinned)))
+
+
+def _bounding(field: FaceField, shell: FaceField, mesh: Labelled) -> np.ndarray:
+    """Which triangles (T,) are on pieces that bound the set: it changes across most triangles of each."""
+    middles, mostly = mesh.points[mesh.triangles].mean(axis=1), 0.5  # share of a piece's triangles that must do
+    at = newton(middles, shell, mesh.labels[:, None], mesh.sizes[mesh.triangles].max(axis=1))
+    changes = bounds_set(field, at, field.labels_of(shell, mesh.labels))
+    pieces = connected(mesh.topology.edges, len(mesh.points))[mesh.triangles[:, 0]]
+    share = np.bincount(pieces, changes) / np.maximum(np.bincount(pieces), 1)
+    return np.asarray(share[pieces] > mostly)
+
+
 def mesh_hollowed(
     field: FaceField,
     wall: ShellWall,
     tolerance: float,
     meshed: Callable[[FaceField, float], Made],
     refined: Callable[[Labelled, FaceField, float], Made],
-) -> tuple[Labelled, float] | None:
-    """The mesh of a shell and how near it is, from that of the solid by `meshed(solid, tolerance)`, `refined`.
+) -> FaceMesh | None:
+    """The mesh of a shell, from that of the solid by `meshed(solid, tolerance)`, `refined`.
 
     None where it does not come out.
     """
@@ -53,13 +123,13 @@ def mesh_hollowed(
     outer = meshed(wall.solid, aim)
     if isinstance(outer, Refusal):
         return None
-    first = Doubled(outer[0], wall).projected(field)
+    first = Doubled(outer.mesh, wall).projected(field)
     if not is_closed_manifold(first.triangles) or unsound(first, field, aim)[0]:
         return None
     found = refined(first, field, aim)
     if isinstance(found, Refusal):
         return None
-    mesh, middles = found[0], found[0].points[found[0].triangles].mean(axis=1)
+    mesh, middles = found.mesh, found.mesh.points[found.mesh.triangles].mean(axis=1)
     at = newton(middles, field, mesh.labels[:, None], np.full(len(middles), wall.thickness / 2))
     return found if bounds_set(field, at, mesh.labels).all() else None
 

@@ -10,9 +10,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pas.mesh.rows import Floats, Integers, norms
+from pas.mesh.rows import Bools, Floats, Integers, norms
 from pas.mesh.topology import connected, numbered, twins_of
 
 NONE = np.empty(0, dtype=np.intp)
@@ -90,7 +89,7 @@ class Topology:
         return self.edge_table[0]
 
     @cached_property
-    def seam_mask(self) -> NDArray[np.bool_]:
+    def seam_mask(self) -> Bools:
         """Which edges (E,) are between different labels."""
         labels = self.edge_table[1]
         return np.asarray(labels[:, 0] != labels[:, 1])
@@ -174,12 +173,3 @@ class Labelled:
             total += np.bincount(ends[counted], self.lengths[counted], minlength=count)
             times += np.bincount(ends[counted], minlength=count)
         return np.asarray(total / np.maximum(times, 1))
-
-    @property
-    def rims(self) -> Integers | None:
-        """The boundary curves (T, 3) of the edges of an open mesh."""
-        return self.topology.rims
-
-    def moved(self, points: Floats) -> Labelled:
-        """These triangles on other points (N, 3), without normals."""
-        return Labelled(points, self.topology)

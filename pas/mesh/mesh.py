@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 from typing import TYPE_CHECKING
 
@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike
 from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.errors import GeometryError, optional
 from pas.mesh.booleans import BooleanStep, Triangles, boolean
+from pas.mesh.labelled import Topology
 from pas.mesh.quality import Quality, smallest_angles, soundness
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Floats, Integers, counted_on
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
-from pas.mesh.topology import edge_table, euler_characteristic, is_closed_manifold, is_manifold, piece_count, seams
+from pas.mesh.topology import edge_table, euler_characteristic, is_closed_manifold, is_manifold, piece_count
 from pas.shape import Shape, refuse_mixed
 from pas.verdicts import Findings
 
@@ -34,7 +35,7 @@ class Mesh(AffineShape["Mesh"], Shape):
 
     `parameters` (N, 2) are those of the points of a parametric surface (one pair for those on seams and poles).
     `deviation`, where known, is the largest distance of the triangles from the surface in the model's units:
-    a bound where `proved`, else measured.
+    a bound where `proved`, else measured.  `smooth_normals` (N, 3), where no edge is sharp, are those of the points.
     """
 
     points: Floats
@@ -45,6 +46,7 @@ class Mesh(AffineShape["Mesh"], Shape):
     parameters: Floats | None = None
     deviation: float | None = None
     proved: bool = False
+    smooth_normals: Floats | None = field(default=None, kw_only=True)
     kind = "mesh"
 
     @cached_property
@@ -63,7 +65,7 @@ class Mesh(AffineShape["Mesh"], Shape):
         parameters: Floats | None = None,
         deviation: float | None = None,
         proved: bool = False,
-    ) -> SmoothMesh:
+    ) -> Mesh:
         """A mesh of one face with a normal (N, 3) at each point, and some of the other fields by name.
 
         Raises `ValueError` where triangles are not numbers of points.
@@ -72,7 +74,7 @@ class Mesh(AffineShape["Mesh"], Shape):
             raise ValueError("triangles must be numbers of points")
         faces, corners = np.zeros(len(triangles), dtype=np.intp), np.take(normals, triangles, axis=0)
         known = parameters, deviation, proved
-        return SmoothMesh(points, triangles, faces, (name,), corners, *known, point_normals=normals)
+        return Mesh(points, triangles, faces, (name,), corners, *known, smooth_normals=normals)
 
     @classmethod
     def from_triangles(cls, points: ArrayLike, triangles: ArrayLike, name: str = "mesh") -> Mesh:
@@ -98,13 +100,11 @@ class Mesh(AffineShape["Mesh"], Shape):
     def together(cls, meshes: Mapping[str, Mesh]) -> Mesh:
         """Several meshes as one, side by side; the faces are named "part: face"."""
         items = list(meshes.items())
-        starts = np.cumsum([0, *(len(m.points) for _, m in items)])
-        firsts = np.cumsum([0, *(len(m.names) for _, m in items)])
         known = [m.deviation for _, m in items if m.deviation is not None]
         return Mesh(
             np.concatenate([m.points for _, m in items]),
-            np.concatenate([m.triangles + start for (_, m), start in zip(items, starts, strict=False)]),
-            np.concatenate([m.faces + first for (_, m), first in zip(items, firsts, strict=False)]),
+            counted_on([m.triangles for _, m in items], [len(m.points) for _, m in items]),
+            counted_on([m.faces for _, m in items], [len(m.names) for _, m in items]),
             tuple(f"{name}: {face}" for name, m in items for face in m.names),
             np.concatenate([m.normals for _, m in items]),
             deviation=max(known) if len(known) == len(items) else None,
@@ -135,7 +135,7 @@ class Mesh(AffineShape["Mesh"], Shape):
     @cached_property
     def feature_edges(self) -> Integers:
         """The edges (E, 2) between triangles of different faces."""
-        return seams(self.triangles, self.faces)
+        return Topology(self.triangles, self.faces, len(self.points)).seams
 
     @cached_property
     def is_closed(self) -> bool:
@@ -168,11 +168,6 @@ class Mesh(AffineShape["Mesh"], Shape):
         """The two corners (2, 3) of the least box that holds all points."""
         return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
 
-    @property
-    def bounding_box(self) -> Floats:
-        """Its `box`: two corners (2, 3) of the smallest box with sides along the axes, as solids have it."""
-        return self.box
-
     def _moved(self, map_: Affine) -> Mesh:
         """The image, whose distance from the image of the surface is bounded, rounding included, if this one's was."""
         matrix, shift = map_.floats
@@ -184,7 +179,8 @@ class Mesh(AffineShape["Mesh"], Shape):
         order = slice(None, None, -1 if np.linalg.det(matrix) < 0 else 1)
         normals = _moved_normals(map_, self.normals)[:, order]
         known = self.faces, self.names, normals, self.parameters, deviation, self.proved
-        return Mesh(map_.points(self.points), self.triangles[:, order], *known)
+        smooth = None if self.smooth_normals is None else _moved_normals(map_, self.smooth_normals)
+        return Mesh(map_.points(self.points), self.triangles[:, order], *known, smooth_normals=smooth)
 
     def _patterned(self, maps: Sequence[Affine]) -> Mesh:
         copies = [self, *(self._moved(map_) for map_ in maps)]
@@ -206,17 +202,18 @@ class Mesh(AffineShape["Mesh"], Shape):
     @property
     def area(self) -> float:
         """The total area of the triangles."""
-        return float(self._areas.sum())
+        return float(self.areas.sum())
 
     @cached_property
-    def _areas(self) -> Floats:
+    def areas(self) -> Floats:
+        """The area of each triangle (T,)."""
         a, b, c = (self.points[self.triangles[:, i]] for i in range(3))
         return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
 
     @property
     def face_areas(self) -> dict[str, float]:
         """The area of the triangles on each face."""
-        sums = np.bincount(self.faces, self._areas, minlength=len(self.names))
+        sums = np.bincount(self.faces, self.areas, minlength=len(self.names))
         return dict(zip(self.names, sums.tolist(), strict=True))
 
     @property
@@ -227,10 +224,14 @@ class Mesh(AffineShape["Mesh"], Shape):
     @cached_property
     def point_normals(self) -> Floats:
         """A unit normal (N, 3) for each point: the mean of those of the faces there."""
+        if self.smooth_normals is not None:
+            return self.smooth_normals
         return mean_normals(len(self.points), self.triangles, self.normals)
 
     @cached_property
     def _sharp(self) -> tuple[Integers, Integers, Floats]:
+        if self.smooth_normals is not None:
+            return np.arange(len(self.points)), self.triangles, self.smooth_normals
         return sharp_points(len(self.points), self.triangles, self.normals)
 
     @property
@@ -247,12 +248,14 @@ class Mesh(AffineShape["Mesh"], Shape):
     @property
     def smoothed(self) -> Mesh:
         """A mesh of these triangles with each point's mean normal at all its corners, so that no vertex is doubled."""
-        return replace(self, normals=self.point_normals[self.triangles])
+        return self if self.smooth_normals is not None else replace(self, normals=self.point_normals[self.triangles])
 
     @property
     def flipped(self) -> Mesh:
         """This mesh seen from its other side: triangles and normals are turned round."""
-        return replace(self, triangles=self.triangles[:, ::-1], normals=-self.normals[:, ::-1])
+        smooth = None if self.smooth_normals is None else -self.smooth_normals
+        turned = self.triangles[:, ::-1], -self.normals[:, ::-1]
+        return replace(self, triangles=turned[0], normals=turned[1], smooth_normals=smooth)
 
     def to_pyvista(self) -> pyvista.PolyData:
         """A `pyvista.PolyData` with point normals, the array `face`, the faces' names, and `parameters` if known.
@@ -314,30 +317,3 @@ def _moved_normals(map_: Affine, normals: Floats) -> Floats:
     """The unit normals (..., 3) of images of surfaces with these normals."""
     moved = normals @ map_.inverse.floats[0]
     return np.asarray(moved / np.linalg.norm(moved, axis=-1, keepdims=True))
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class SmoothMesh(Mesh):
-    """A mesh of one smooth face: its points have normals (N, 3) of their own, and no edge is sharp."""
-
-    point_normals: Floats = field(kw_only=True)
-
-    def _moved(self, map_: Affine) -> SmoothMesh:
-        moved = super()._moved(map_)
-        normals = _moved_normals(map_, self.point_normals)
-        return SmoothMesh(**{f.name: getattr(moved, f.name) for f in fields(Mesh)}, point_normals=normals)
-
-    @property
-    def _sharp(self) -> tuple[Integers, Integers, Floats]:
-        return np.arange(len(self.points)), self.triangles, self.point_normals
-
-    @property
-    def smoothed(self) -> Mesh:
-        """This mesh: no vertex of it is doubled."""
-        return self
-
-    @property
-    def flipped(self) -> Mesh:
-        """This mesh seen from its other side: triangles and normals are turned round."""
-        turned = self.triangles[:, ::-1], -self.normals[:, ::-1]
-        return replace(self, triangles=turned[0], normals=turned[1], point_normals=-self.point_normals)

@@ -17,15 +17,15 @@ from functools import cache
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, cKDTree
 
+from pas.algebra.lengths import spiral
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
-from pas.mesh.projection import distances, least_norm, newton, second_derivatives
+from pas.mesh.projection import distances, least_norm, least_solutions, newton, second_derivatives
 from pas.mesh.refusals import Refusal
-from pas.mesh.rows import Floats, Integers, any_of, cross, norms
+from pas.mesh.rows import Bools, Floats, Integers, any_of, cross, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, edge_table, numbered, pinched, same_places
 
@@ -63,7 +63,7 @@ class Nodes:
     points: Floats
     reach: Floats
 
-    def reaches(self, places: Floats) -> NDArray[np.bool_]:
+    def reaches(self, places: Floats) -> Bools:
         """Which places (N, 3) are within reach of one."""
         if not len(self.points):
             return np.zeros(len(places), dtype=bool)
@@ -212,10 +212,8 @@ def _links(field: FaceField, node: Floats, spacing: float, number: int) -> list[
 
 @cache
 def _sphere(number: int) -> tuple[Floats, Integers]:
-    """So many points on the unit sphere, along a spiral with the golden angle, and which are next to each other."""
-    heights, turns = 1 - (2 * np.arange(number) + 1) / number, np.pi * (3 - 5**0.5) * np.arange(number)
-    radii = np.sqrt(1 - heights * heights)
-    units = np.stack([radii * np.cos(turns), radii * np.sin(turns), heights], axis=1)
+    """So many points on the unit sphere, and which are next to each other."""
+    units = spiral(number)
     return units, edge_table(ConvexHull(units).simplices.astype(np.intp))[0]
 
 
@@ -238,7 +236,8 @@ def _touching(field: FaceField, points: Floats, pairs: Integers, reach: Floats) 
     points, active, still = points.copy(), np.arange(len(points)), 1e-15 * extent
     for _ in range(24):  # quadratic convergence takes fewer; where there is none the steps do not become still
         checkpoint()
-        step = _step(*_system(field, points[active], pairs[active], scale[active], reach[active]))
+        value, matrix = _system(field, points[active], pairs[active], scale[active], reach[active])
+        step = -least_solutions(matrix, value)
         length = np.sqrt((step * step).sum(axis=1))
         points[active] += step * np.minimum(1.0, reach[active] / np.maximum(length, 1e-300))[:, None]
         active = active[length > still]  # not where it is NaN
@@ -264,15 +263,6 @@ def _system(field: FaceField, points: Floats, pairs: Integers, scale: Floats, si
     value = np.concatenate([*(jet[:, :1] for jet in jets), size[:, None] * np.cross(a, b)[:, 0]], axis=1)
     matrix = np.concatenate([a, b, size[:, None, None] * turn.transpose(0, 2, 1)], axis=1)
     return value, matrix
-
-
-def _step(value: Floats, matrix: Floats) -> Floats:
-    """The least steps (N, 3) of the method; NaN where the equations are not finite."""
-    good = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(value).all(axis=1)
-    result = np.full((len(value), 3), np.nan)
-    inverse = np.linalg.pinv(matrix[good], rcond=1e-6)  # equations that hardly differ from others do not move a point
-    result[good] = -np.einsum("nij,nj->ni", inverse, value[good])
-    return result
 
 
 def _touch(field: FaceField, points: Floats, pairs: Integers, close: float) -> np.ndarray:
@@ -320,9 +310,7 @@ def _meet(field: FaceField, node: Floats, labels: Integers, close: float) -> boo
     return bool(np.abs(steps).max(initial=0.0) < close)
 
 
-def _drawn_into(
-    center: int, near: NDArray[np.bool_], triangles: Integers, labels: Integers
-) -> tuple[Integers, Integers] | None:
+def _drawn_into(center: int, near: Bools, triangles: Integers, labels: Integers) -> tuple[Integers, Integers] | None:
     """Triangles (T, 3) and labels (T,) with vertices `near` (N,) drawn into one of them, the centre.
 
     None where these are no disc, a label would be lost, or a vertex is no more surrounded by one fan.

@@ -12,12 +12,11 @@ from copy import copy
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.kernels.library import compiled
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Bools, Floats, Integers
 from pas.mesh.topology import numbered
 
 SHIFT = np.array([0.381966, 0.267949, 0.414214])
@@ -200,7 +199,7 @@ class Octree:
         before, known = self._leaves[level]
         self._leaves[level] = np.concatenate([before, cubes]), np.concatenate([known, state])
 
-    def _is_quiet(self, level: int, centers: Floats, half: float) -> NDArray[np.bool_]:
+    def _is_quiet(self, level: int, centers: Floats, half: float) -> Bools:
         """Whether each line of points through a cube, straight or diagonal, passes the boundary at most once (N,).
 
         On the first levels cubes in which it is not met at all are not quiet: there it may hide.
@@ -215,7 +214,7 @@ class Octree:
             result[part] = (times == 1) | ((times == 0) & (level >= BASE + HIDDEN))
         return result
 
-    def _samples(self, centers: Floats, half: float) -> NDArray[np.bool_]:
+    def _samples(self, centers: Floats, half: float) -> Bools:
         """Which samples in cubes are in the set (N, SAMPLES^3)."""
         points = (centers[:, None] + half * _SAMPLES).reshape(-1, 3)
         return self.field.inside(self.field.signs(points)).reshape(-1, len(_SAMPLES))

@@ -10,7 +10,7 @@ from pas.limits import checkpoint
 from pas.mesh.field import FaceField, HasJets, extent_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import Floats, Integers, cross, dots, norms
-from pas.mesh.shading import unit_rows, uprightness_at
+from pas.mesh.shading import unit_rows, uprightness
 
 NEWTON_STEPS = 16
 NEARBY = 8
@@ -72,7 +72,7 @@ def project(mesh: Labelled, field: FaceField, reach: Floats, chosen: Integers | 
     points = mesh.points.copy()
     chosen = np.arange(len(points)) if chosen is None else chosen
     points[chosen] = onto_faces(points[chosen], mesh.topology.vertex_labels[chosen], field, reach[chosen])
-    return mesh.moved(points)
+    return Labelled(points, mesh.topology)
 
 
 def onto_faces(points: Floats, labels: Integers, field: FaceField, reach: Floats) -> Floats:
@@ -125,7 +125,7 @@ def least_norm(field: HasJets, functions: Integers | Sequence[int], points: Floa
     size = np.maximum(np.stack([norms(m) for m in matrix.transpose(1, 0, 2)], axis=1), 1e-300)
     matrix, values = matrix / size[..., None], values / size
     if len(jets) > 3:
-        return _pseudo_inverse(matrix, values)
+        return least_solutions(matrix, values)
     if len(jets) == 3:
         a, b, c = matrix.transpose(1, 0, 2)
         sides = cross(b, c), cross(c, a), cross(a, b)
@@ -138,15 +138,19 @@ def least_norm(field: HasJets, functions: Integers | Sequence[int], points: Floa
         u, v = values.T[..., None]
         result = ((u - cosine * v) * matrix[:, 0] + (v - cosine * u) * matrix[:, 1]) / np.maximum(square, 1e-300)
         flat = square[:, 0] < WELL_APART
-    result[flat] = _pseudo_inverse(matrix[flat], values[flat])
+    result[flat] = least_solutions(matrix[flat], values[flat])
     return np.asarray(result)
 
 
-def _pseudo_inverse(matrix: Floats, values: Floats) -> Floats:
-    """The shortest solutions (N, 3), as far as there are some, of systems (N, m, 3) with right sides (N, m)."""
-    return np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=PARALLEL), values)
+def least_solutions(matrices: Floats, right: Floats, parallel: float = PARALLEL) -> Floats:
+    """The shortest solutions (N, k), in least squares, of systems (N, m, k) with right sides (N, m); not numbers where
+    those are none.  Singular values below a share of the largest count as 0."""
+    result = np.full((len(right), matrices.shape[2]), np.nan)
+    rows = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right).all(axis=1)
+    result[rows] = np.einsum("nij,nj->ni", np.linalg.pinv(matrices[rows], rcond=parallel), right[rows])
+    return result
 
 
 def cosines(mesh: Labelled, field: FaceField) -> Floats:
     """The cosine between each triangle's normal and the sum of its face's at the corners (T,)."""
-    return uprightness_at(mesh.points[mesh.triangles], pair_normals(mesh, field)[mesh.topology.corner_pairs])
+    return uprightness(mesh.points[mesh.triangles], pair_normals(mesh, field)[mesh.topology.corner_pairs])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from enum import Enum
-from typing import Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -15,20 +15,7 @@ from pas.mesh.topology import is_closed_manifold, is_manifold
 from pas.settings import check_quality
 from pas.verdicts import Findings, Status, Verdict
 
-
-class Triangulated(Protocol):
-    """What has triangles."""
-
-    @property
-    def points(self) -> Floats:
-        """The vertices (N, 3)."""
-
-    @property
-    def triangles(self) -> Integers:
-        """Their numbers (T, 3)."""
-
-
-AnyMesh = TypeVar("AnyMesh", bound=Triangulated)
+AnyMesh = TypeVar("AnyMesh")
 
 
 class Quality(Enum):
@@ -74,9 +61,12 @@ class Quality(Enum):
 
     def best(self, meshes: Sequence[AnyMesh]) -> AnyMesh:
         """The one of some meshes that has the largest smallest angle, or the fewest triangles; the first of equals."""
-        if self is Quality.ANGLES:
-            return max(meshes, key=lambda mesh: smallest_angles(mesh.points[mesh.triangles]).min(initial=np.pi))
-        return min(meshes, key=lambda mesh: len(mesh.triangles))
+
+        def merit(mesh: Any) -> float:
+            few = -len(mesh.triangles)
+            return smallest_angles(mesh.points[mesh.triangles]).min(initial=np.pi) if self is Quality.ANGLES else few
+
+        return max(meshes, key=merit)
 
 
 def smallest_angles(corners: Floats) -> Floats:

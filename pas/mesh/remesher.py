@@ -15,13 +15,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.limits import checkpoint
 from pas.mesh.grading import Grading
 from pas.mesh.halfedges import HalfEdges, VertexKind
-from pas.mesh.labelled import Labelled
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.refusals import FaceMesh
+from pas.mesh.rows import Bools, Floats, Integers
 
 
 @dataclass(frozen=True)
@@ -39,21 +38,13 @@ class Failure:
     """The length of the longest edge."""
 
 
-@dataclass(frozen=True)
-class Remeshed:
-    """A mesh, and the largest distance from the surface that was measured."""
-
-    mesh: Labelled
-    deviation: float
-
-
 class Remesher(Grading):
     """What makes a mesh of a ground, within a tolerance."""
 
     REFINEMENTS, ROUNDS = 40, 8
     """Passes of halvings and of mending at most: each ends when little changes."""
 
-    def refined(self, mesh: HalfEdges) -> Remeshed | Failure:
+    def refined(self, mesh: HalfEdges) -> FaceMesh | Failure:
         """The mesh within the tolerance of a graded one, made for `parts`."""
         fits = int(np.sqrt(self.settings.most / len(mesh.labels)))
         inside, along = self.measured(mesh)
@@ -112,7 +103,7 @@ class Remesher(Grading):
         along[twins[twins >= 0]] = found[twins >= 0]
         return inside, along
 
-    def within(self, mesh: HalfEdges, mend: bool = True) -> Remeshed | Failure:
+    def within(self, mesh: HalfEdges, mend: bool = True) -> FaceMesh | Failure:
         """The mesh with edges halved until all that is measured is within the tolerance."""
         before, worst, last = None, np.inf, np.inf
         for step in range(self.REFINEMENTS):
@@ -159,7 +150,7 @@ class Remesher(Grading):
             mesh.flip(self.tolerance, only_fresh=True)
         return old, inside, along
 
-    def _finished(self, mesh: HalfEdges, worst: float, mend: bool) -> Remeshed | Failure:
+    def _finished(self, mesh: HalfEdges, worst: float, mend: bool) -> FaceMesh | Failure:
         if mend:
             worst = max(worst, self.mended(mesh))
         cosines = mesh.cosines
@@ -167,7 +158,7 @@ class Remesher(Grading):
             size = float(mesh.lengths(np.arange(len(mesh.corners))).max())
             place = self._middle(mesh, int(np.argmin(cosines)))
             return Failure("some triangles are folded", place, worst, len(mesh.labels), size=size)
-        return Remeshed(mesh.value, worst)
+        return FaceMesh(mesh.value, worst)
 
     @staticmethod
     def _middle(mesh: HalfEdges, row: int) -> Floats:
@@ -195,7 +186,7 @@ class Remesher(Grading):
         return worst
 
     @staticmethod
-    def _free(mesh: HalfEdges) -> NDArray[np.bool_]:
+    def _free(mesh: HalfEdges) -> Bools:
         """The vertices (V,) inside faces, not beside the boundary, so that no move takes one out of the region."""
         result, edge = mesh.kinds == VertexKind.INSIDE, mesh.rim_of >= 0
         result[mesh.triangles[edge[mesh.triangles].any(axis=1)]] = False

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.intp]
+Bools = NDArray[np.bool_]
 Numbers = NDArray[np.int32]
 
 
@@ -27,7 +30,7 @@ def cross(u: Floats, v: Floats) -> Floats:
     return np.stack([y * c - z * b, z * a - x * c, x * b - y * a], axis=1)
 
 
-def any_of(table: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def any_of(table: Bools) -> Bools:
     """In which rows (N,) of a table (N, k) something is true."""
     result = table[:, 0].copy()
     for column in table.T[1:]:
@@ -35,7 +38,7 @@ def any_of(table: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return result
 
 
-def all_of(table: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def all_of(table: Bools) -> Bools:
     """In which rows (N,) of a table (N, k) all is true."""
     return ~any_of(~table)
 
@@ -46,3 +49,9 @@ def quarters(triangles: Floats) -> Floats:
     p, q, r = (a + b) / 2, (b + c) / 2, (c + a) / 2
     parts = [np.stack(part, axis=1) for part in ((a, p, r), (p, b, q), (r, q, c), (p, q, r))]
     return np.stack(parts, axis=1)
+
+
+def counted_on(numbers: Sequence[Integers], sizes: Sequence[int]) -> Integers:
+    """Numbers of points or faces of several parts one after the other, where each part has that many of its own."""
+    starts = np.cumsum([0, *sizes])
+    return np.concatenate([part + start for part, start in zip(numbers, starts, strict=False)])

@@ -14,12 +14,7 @@ def unit_rows(vectors: Floats) -> Floats:
     return np.asarray(vectors / np.maximum(np.sqrt(x * x + y * y + z * z), 1e-300)[..., None])
 
 
-def uprightness(points: Floats, triangles: Integers, normals: Floats) -> Floats:
-    """The cosines (T,) between triangles (T, 3) and the sums of the normals (N, 3) at their corners."""
-    return uprightness_at(points[triangles], normals[triangles])
-
-
-def uprightness_at(corners: Floats, normals: Floats) -> Floats:
+def uprightness(corners: Floats, normals: Floats) -> Floats:
     """The cosines (T,) between triangles of corners (T, 3, 3) and the sums of normals (T, 3, 3)."""
     a, b, c = corners.transpose(1, 0, 2)
     across, about = unit_rows(cross(b - a, c - a)), unit_rows(normals.sum(axis=1))

@@ -11,8 +11,8 @@ from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.refusals import too_many
-from pas.mesh.remesher import Failure, Remeshed, Remesher
+from pas.mesh.refusals import FaceMesh, too_many
+from pas.mesh.remesher import Failure, Remesher
 from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import Edges
@@ -80,7 +80,7 @@ def followed(field: SheetField, points: Floats, triangles: Integers, rim: Intege
     return given(field, remesher.within(mesh, mend=False), tolerance, remesher.settings)
 
 
-def given(field: SheetField, found: Remeshed | Failure, tolerance: float, settings: Settings) -> Mesh:
+def given(field: SheetField, found: FaceMesh | Failure, tolerance: float, settings: Settings) -> Mesh:
     """What was found in the user's coordinates."""
     if isinstance(found, Failure):
         if found.crowded:
@@ -103,7 +103,6 @@ class SurfaceGround:
         self.field, self.reach, self.faces = field, field.reach, np.zeros(1, dtype=np.int8)
 
     def drawn(self, mesh: HalfEdges, to: Floats) -> tuple[Floats, Floats, Floats]:
-        """Places for vertices drawn towards the surface, and normals and curvatures there."""
         to, on = to.copy(), np.flatnonzero(mesh.kinds == VertexKind.CURVE)
         if len(on):
             to[on] = self.field.on_rims(to[on], mesh.rim_of[on])
@@ -111,7 +110,6 @@ class SurfaceGround:
         return points, unit_rows(gradients)[mesh.vertex_of], bends[mesh.vertex_of]
 
     def placed(self, points: Floats, labels: Integers, rims: Integers, reach: Floats) -> Floats:
-        """Points on the surface or its boundary curves (K, 3)."""
         points, on = points.copy(), rims >= 0
         if on.any():
             points[on] = self.field.on_rims(points[on], rims[on])
@@ -120,7 +118,6 @@ class SurfaceGround:
         return points
 
     def projected(self, mesh: HalfEdges) -> tuple[Floats, Floats]:
-        """All vertices on the surface or its boundary curves, and the normals there."""
         points, gradients = mesh.points.copy(), np.empty_like(mesh.points)
         inside, on = np.flatnonzero(mesh.kinds == VertexKind.INSIDE), np.flatnonzero(mesh.kinds == VertexKind.CURVE)
         points[inside], gradients[inside] = self.field.closed(points[inside])
@@ -131,7 +128,6 @@ class SurfaceGround:
         return points, unit_rows(gradients)[mesh.vertex_of]
 
     def looked(self, points: Floats, labels: Integers) -> tuple[Floats, Floats]:
-        """Unit normals and curvatures at points of the surface."""
         gradients, bends = self.field.bending(points)
         return unit_rows(gradients), bends
 

@@ -6,12 +6,11 @@ from collections.abc import Collection
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from pas.kernels.library import compiled
-from pas.mesh.rows import Floats, Integers
+from pas.mesh.rows import Bools, Floats, Integers, Numbers
 
 
 def twins_of(triangles: Integers, size: int) -> Integers:
@@ -88,7 +87,7 @@ def is_manifold(triangles: Integers) -> bool:
     return bool(twins.min() >= -1 and fans.max() == 1)
 
 
-def pinched(triangles: Integers, among: NDArray[np.bool_] | None = None) -> Integers:
+def pinched(triangles: Integers, among: Bools | None = None) -> Integers:
     """The vertices whose triangles are not one closed fan, at which a mesh is open or no manifold.
 
     With `among` (N,) only those of these vertices, all of whose triangles are there.
@@ -113,20 +112,12 @@ def edge_table(triangles: Integers) -> tuple[Integers, Integers]:
     return np.stack([keys // size, keys % size], axis=1), times
 
 
-def seams(triangles: Integers, faces: Integers) -> Integers:
-    """The edges (E, 2) between two triangles of different faces."""
-    twins = twins_of(triangles, int(triangles.max(initial=-1)) + 1)
-    halves = np.flatnonzero(twins > np.arange(len(twins)))
-    halves = halves[faces[halves // 3] != faces[twins[halves] // 3]]
-    return np.stack([triangles.ravel()[halves], triangles[:, [1, 2, 0]].ravel()[halves]], axis=1)
-
-
 def euler_characteristic(triangles: Integers) -> int:
     """Vertices - edges + triangles."""
     return len(distinct(triangles)) - len(edge_table(triangles)[0]) + len(triangles)
 
 
-def connected(ends: Integers, size: int) -> Integers:
+def connected(ends: Integers | Numbers, size: int) -> Integers:
     """The number of the connected piece of each of so many vertices, joined by edges (E, 2)."""
     graph = coo_array((np.ones(len(ends)), ends.T), shape=(size, size))
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.intp)

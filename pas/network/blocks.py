@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, CancelledError
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ import numpy as np
 
 from pas.algebra.inputs import whole
 from pas.errors import PasError
-from pas.exchange.files import check_folder, replacing
+from pas.exchange.files import make_folder, replacing
 from pas.exchange.formats.plain import save_stl
 from pas.limits import checkpoint, in_parts
 from pas.network.placing import MeshShare, PlacedPieces
@@ -39,9 +38,7 @@ def results(
     """What the `map` of an engine gives, with futures waited for; raises `EngineLostError` where the engine ends."""
     done = 0
     try:
-        given = iter(map_(function, items))
-        for _ in in_parts(items, task):
-            result = next(given)
+        for _, result in zip(in_parts(items, task), map_(function, items), strict=True):
             yield result.result() if hasattr(result, "result") else result
             done += 1
     except Exception as error:
@@ -53,20 +50,13 @@ def results(
         ) from error
 
 
-@dataclass(frozen=True, eq=False)
-class BlockJob:
-    """One block to be written: its file, and its part of the mesh."""
-
-    path: Path
-    share: MeshShare
-
-
-def written(job: BlockJob) -> Path:
-    """Write a block; returns its path."""
-    checkpoint(f"writing {job.path.name}")
-    with replacing(job.path) as path:
-        save_stl(path, job.share.count, job.share.triangles())
-    return job.path
+def written(job: tuple[Path, MeshShare]) -> Path:
+    """Write a block, its part of the mesh, into its file; returns the path."""
+    file, share = job
+    checkpoint(f"writing {file.name}")
+    with replacing(file) as path:
+        save_stl(path, share.count, share.triangles())
+    return file
 
 
 def write_blocks(pieces: PlacedPieces, folder: Path, struts: int, map_: Callable[..., Any] = map) -> list[Path]:
@@ -82,7 +72,7 @@ def write_blocks(pieces: PlacedPieces, folder: Path, struts: int, map_: Callable
     _begin(folder, {"mesh": pieces.digest, "struts": struts, "blocks": [path.name for path in paths]})
     nodes, edges = (_grouped(of, numbers) for of in (block, block[network.edges[:, 0]]))
     jobs = [
-        BlockJob(path.absolute(), pieces.share(mine, begun))
+        (path.absolute(), pieces.share(mine, begun))
         for path, mine, begun in zip(paths, nodes, edges, strict=True)
         if not path.exists()
     ]
@@ -110,17 +100,6 @@ def _begin(folder: Path, plan: dict[str, Any]) -> None:
             raise ValueError(f"{folder} has blocks of another mesh, or cut otherwise; give another folder, or empty it")
         with replacing(folder / PLAN) as path:
             path.write_text(json.dumps(plan))
-
-
-def make_folder(folder: Path) -> None:
-    """Make a folder where there is none; raises `ValueError` where there is a file, or nothing can be written."""
-    if folder.exists() and not folder.is_dir():
-        raise ValueError(f"a folder is needed, and {folder} is a file; give another name")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ValueError(f"the folder {folder} cannot be made: {error.strerror}") from None
-    check_folder(folder)
 
 
 def plan_of(folder: Path) -> dict[str, Any] | None:

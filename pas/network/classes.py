@@ -191,9 +191,5 @@ def _independent(vectors: Sequence[Any]) -> bool:
 
 def turn(before: NodeKind, after: NodeKind) -> tuple[Vector, Vector, Vector]:
     """The exact rotation or reflection that takes one kind to another of its class, arms in the order of the key."""
-    old, new = ([kind.exact(i) for i in kind.form.frame] for kind in (before, after))
-    for matrix, _ in linear_maps(old, new):
-        ours = [tuple(dot(row, before.exact(i)) for row in matrix) for i in before.form.order]
-        if ours == [after.exact(i) for i in after.form.order]:
-            return matrix
-    raise AssertionError("kinds of one class are turned to one another")
+    old, new = ([kind.exact(i) for i in kind.form.order] for kind in (before, after))
+    return linear_maps(old, new)[0][0].matrix

@@ -16,7 +16,7 @@ import csv
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -25,19 +25,15 @@ from pas.algebra.rational import Exact
 from pas.errors import ProblemFileError
 from pas.exchange.files import read_text, replacing, source, target
 from pas.exchange.formats import Request
-from pas.exchange.formats.libraries import require_lib3mf, save_3mf, three_mf_unit
+from pas.exchange.formats.libraries import records, require_lib3mf, save_3mf, three_mf_unit
 from pas.network.graph import StrutGraph
 
 MOST_BYTES = 1 << 30
 """Of a file of text."""
 
 
-class GraphArrays(NamedTuple):
-    """Points (N, 3), edges (E, 2), and one radius or one for each strut."""
-
-    points: Any
-    edges: Any
-    radii: Any
+GraphArrays = tuple[Any, Any, Any]
+"""Points (N, 3), edges (E, 2), and one radius or one for each strut, or None."""
 
 
 def read(path: str | Path, radius: Exact | None = None) -> GraphArrays:
@@ -52,17 +48,17 @@ def read(path: str | Path, radius: Exact | None = None) -> GraphArrays:
         raise ValueError(f"a network is read from one of {', '.join(READERS)}, not from {file.name}")
     if not file.exists():
         raise FileNotFoundError(f"No such file or directory: {file}")
-    found = reader(file)
-    if radius is None and found.radii is None:
+    points, edges, radii = reader(file)
+    if radius is None and radii is None:
         raise ProblemFileError(f"{file.name} has no radii; give radius=")
-    return found if radius is None else found._replace(radii=radius)
+    return points, edges, radii if radius is None else radius
 
 
 def _read_npz(file: Path) -> GraphArrays:
     try:
         with np.load(file) as arrays:
             radii = arrays["radii"].tolist() if "radii" in arrays else None
-            return GraphArrays(arrays["points"], arrays["edges"], radii)
+            return arrays["points"], arrays["edges"], radii
     except (KeyError, ValueError, OSError) as error:
         raise ProblemFileError(f"{file.name} has not the arrays points and edges: {error}") from None
 
@@ -86,7 +82,7 @@ def _read_csv(file: Path) -> GraphArrays:
     if len(radii) not in (0, len(rows)):
         raise ProblemFileError(f"{file.name}: {len(radii)} of {len(rows)} struts have a radius; give all of them one")
     points, edges = np.unique(np.array(rows).reshape(-1, 3), axis=0, return_inverse=True)
-    return GraphArrays(points, edges.reshape(-1, 2), radii or None)
+    return points, edges.reshape(-1, 2), radii or None
 
 
 def _read_obj(file: Path) -> GraphArrays:
@@ -103,7 +99,7 @@ def _read_obj(file: Path) -> GraphArrays:
         except ValueError:
             said = f"{file.name}, line {number}: {line.strip()!r} is no point or line"
             raise ProblemFileError(said, number) from None
-    return GraphArrays(np.array(points).reshape(-1, 3), np.array(edges, dtype=np.int64).reshape(-1, 2), None)
+    return np.array(points).reshape(-1, 3), np.array(edges, dtype=np.int64).reshape(-1, 2), None
 
 
 def _read_3mf(file: Path) -> GraphArrays:
@@ -120,7 +116,7 @@ def _read_3mf(file: Path) -> GraphArrays:
         if beams:
             points = np.array([tuple(vertex.Coordinates) for vertex in found.GetVertices()])
             edges = np.array([tuple(beam.Indices) for beam in beams], dtype=np.int64)
-            return GraphArrays(points, edges, [[str(np.float32(r)) for r in beam.Radii] for beam in beams])
+            return points, edges, [[str(np.float32(r)) for r in beam.Radii] for beam in beams]
     raise ProblemFileError(f"{file.name} has no beam lattice")
 
 
@@ -166,12 +162,10 @@ def _write_3mf(network: StrutGraph, path: Path, request: Request) -> None:
     model.SetUnit(three_mf_unit(request.told_unit))
     item = model.AddMeshObject()
     item.SetName(request.name)
-    vertices = np.ascontiguousarray(network.points, dtype="<f4")
-    item.SetGeometry((lib3mf.Position * len(vertices)).from_buffer_copy(vertices.tobytes()), [])
+    item.SetGeometry(records(lib3mf.Position, network.points, "<f4"), [])
     beams = np.zeros(len(network.edges), dtype=[("ends", "<u4", 2), ("radii", "<f8", 2), ("caps", "<i4", 2)])
     beams["ends"], beams["radii"] = network.edges, network.widths
-    lattice = item.BeamLattice()
-    lattice.SetBeams((lib3mf.Beam * len(beams)).from_buffer_copy(beams.tobytes()))
+    item.BeamLattice().SetBeams(records(lib3mf.Beam, beams, beams.dtype))
     model.AddBuildItem(item, lib3mf.get_wrapper().GetIdentityTransform())
     save_3mf(model.QueryWriter("3mf"), path)
 

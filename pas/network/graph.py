@@ -20,6 +20,7 @@ from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, positive, to_fraction
 from pas.errors import GeometryError
 from pas.mesh.rows import Integers, Numbers
+from pas.mesh.topology import connected
 
 LARGEST = 2**20
 """Components of a strut in the grid: their products in three factors fit into 64 bits with their sums."""
@@ -139,11 +140,7 @@ class StrutGraph:
     @cached_property
     def components(self) -> Integers:
         """The number of the connected piece of each point (N,)."""
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
-
-        ones, count = np.ones(len(self.edges)), len(self.places)
-        return np.asarray(connected_components(coo_array((ones, tuple(self.edges.T)), shape=(count, count)))[1])
+        return connected(self.edges, len(self.places))
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {len(self.places)} points, {len(self.edges)} struts>"

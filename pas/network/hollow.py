@@ -11,9 +11,10 @@ from functools import cached_property
 
 import numpy as np
 
+from pas.algebra.lengths import unit
 from pas.mesh.rows import Floats, Integers
 from pas.network.placing import NodePiece, PlacedPieces, StrutPiece
-from pas.network.rings import strip
+from pas.network.rings import lid
 
 
 class HollowPieces(PlacedPieces):
@@ -31,7 +32,9 @@ class HollowPieces(PlacedPieces):
             points, count = np.concatenate([outer.points, inner.points]), len(outer.points)
             rings = tuple(np.concatenate([a, count + b]) for a, b in zip(outer.rings, inner.rings, strict=True))
             if len(rings) == 1:  # of an end, which is flat
-                triangles, normals = annulus(points, outer.rings[0], count + inner.rings[0], -self._axes(kind)[0])
+                axis = -unit(self.kinds.kinds[kind].vectors[0])
+                triangles = lid(points, [outer.rings[0], count + inner.rings[0]], axis)
+                normals = np.broadcast_to(axis, (len(triangles), 3, 3))
             else:
                 triangles = np.concatenate([outer.triangles, count + inner.triangles[:, ::-1]])
                 normals = np.concatenate([outer.normals, -inner.normals[:, ::-1]])
@@ -41,42 +44,21 @@ class HollowPieces(PlacedPieces):
     @cached_property
     def struts(self) -> list[StrutPiece]:
         """The piece of each kind of strut."""
-        made = []
+        made, sides = [], (self.outer, self.inner)
         for outer, inner in zip(self.outer.struts, self.inner.struts, strict=True):
-            (a, b), (c, d) = (
-                [len(pieces.nodes[kind].rings[slot]) for kind, slot in zip(outer.kinds, outer.slots, strict=True)]
-                for pieces in (self.outer, self.inner)
-            )
-            own, within = len(outer.points), len(inner.points)
-            numbers = np.concatenate([np.arange(a), np.arange(b) + a + c, np.arange(own) + a + b + c + d])
-            inside = np.concatenate(
-                [np.arange(c) + a, np.arange(d) + a + b + c, np.arange(within) + a + b + c + d + own]
-            )
+            rings = [p.nodes[k].rings[s] for k, s in zip(outer.kinds, outer.slots, strict=True) for p in sides]
+            counts = [*map(len, rings), len(outer.points), len(inner.points)]
+            numbers = np.split(np.arange(sum(counts)), np.cumsum(counts)[:-1])  # of both sides in turn
+            own, within = (np.concatenate(numbers[side::2]) for side in (0, 1))
             points = np.concatenate([outer.points, inner.points])
-            triangles = np.concatenate([numbers[outer.triangles], inside[inner.triangles[:, ::-1]]])
+            triangles = np.concatenate([own[outer.triangles], within[inner.triangles[:, ::-1]]])
             normals = np.concatenate([outer.normals, -inner.normals[:, ::-1]])
             off = max(outer.deviation, inner.deviation)
             made.append(replace(outer, points=points, triangles=triangles, normals=normals, deviation=off))
         return made
 
-    def _body(self, kind: int, cuts: Floats) -> tuple[Floats, Integers, Floats]:
-        (points, triangles, normals, rings), inner = self.outer.cut(kind, cuts), self.inner.cut(kind, cuts)
-        count = len(points)
-        points = np.concatenate([points, inner[0]])
-        triangles += [count + of[:, ::-1] for of in inner[1]]
-        normals += [-of[:, ::-1] for of in inner[2]]
-        if len(rings) == 1:  # the flat end of a strut
-            ends = self.outer.nodes[kind].rings[0], count + self.inner.nodes[kind].rings[0]
-            triangles[0], normals[0] = annulus(points, *ends, -self._axes(kind)[0])
-            del triangles[3], normals[3]
-        for ring, hole, axis in zip(rings, inner[3], self._axes(kind), strict=True):
-            flat, straight = annulus(points, ring, count + hole, axis)
-            triangles.append(flat)
-            normals.append(straight)
-        return points, np.concatenate(triangles), np.concatenate(normals)
-
-
-def annulus(points: Floats, outer: Integers, inner: Integers, axis: Floats) -> tuple[Integers, Floats]:
-    """The triangles between two rings in a plane, seen from where a unit vector points, and their corners' normals."""
-    found = np.concatenate([outer, inner])[strip(points[outer], points[inner], axis)[1]]
-    return found, np.broadcast_to(axis, (len(found), 3, 3))
+    def halves(self, kind: int, arm: int, cut: float) -> list[tuple[Integers, Floats, Integers, Floats]]:
+        """The strips of an arm outside and inside, see `PlacedPieces.halves`."""
+        ((ring, there, found, outward),) = self.inner.halves(kind, arm, cut)
+        inside = len(self.outer.nodes[kind].points) + ring, there, found[:, ::-1], -outward[:, ::-1]
+        return [*self.outer.halves(kind, arm, cut), inside]

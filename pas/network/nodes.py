@@ -24,10 +24,11 @@ from pas.algebra.rational import rational
 from pas.contacts.contact import Contact, as_contact
 from pas.contacts.endless import Cone, Pipe
 from pas.errors import PasError, ProjectFileError
+from pas.exchange.files import make_folder
 from pas.layouts.clips import with_clips
 from pas.limits import checkpoint
 from pas.mesh.rows import Numbers
-from pas.network.blocks import make_folder, results
+from pas.network.blocks import results
 from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.network.problems import graph_problems, nearest

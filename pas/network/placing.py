@@ -16,14 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.lengths import across
+from pas.algebra.lengths import across, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
 from pas.errors import MeshError
 from pas.mesh.rows import Integers, Numbers
 from pas.network.classes import Kinds, NodeKind, ranked, turn
 from pas.network.graph import StrutGraph
-from pas.network.rings import angles_around, outwards, parts_of, rings_of, strip
+from pas.network.rings import angles_around, lid, parts_of, rings_of, strip
 from pas.pipeline.result import Blend
 
 FEWEST = 8
@@ -137,14 +137,14 @@ class PlacedPieces:
         """A ring where a strut goes straight on; a flat end where there is no other."""
         radius = self._width(kind, 0)
         count = max(FEWEST, ceil(pi / acos(max(0.0, 1 - min(self.tolerance / radius, 1.0)))))
-        axis = kind.vectors[0] / np.linalg.norm(kind.vectors[0])
+        axis = unit(kind.vectors[0])
         first, second = across(axis)
         angles = tau * np.arange(count) / count
         points = radius * (np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second)
         ring = np.arange(count)
         if len(kind.arms) > 1:
             return NodePiece(points, np.zeros((0, 3), np.int64), np.zeros((0, 3, 3)), (ring, ring), 0.0)
-        fan = np.stack([np.zeros(count - 2, np.int64), ring[2:], ring[1:-1]], axis=1)
+        fan = lid(points, [ring], axis)[:, ::-1]
         return NodePiece(points, fan, np.broadcast_to(-axis, (len(fan), 3, 3)), (ring,), 0.0)
 
     @cached_property
@@ -278,42 +278,32 @@ class PlacedPieces:
         return [(*body, used[of == number]) for number, body in enumerate(made)]
 
     def _body(self, kind: int, cuts: Floats) -> tuple[Floats, Integers, Floats]:
-        points, triangles, normals, rings = self.cut(kind, cuts)
-        for ring, axis in zip(rings, self._axes(kind), strict=True):
-            fan = np.stack([np.full(len(ring) - 2, ring[0]), ring[1:-1], ring[2:]], axis=1)
-            triangles.append(fan)
-            normals.append(np.broadcast_to(axis, (len(fan), 3, 3)))
-        return points, np.concatenate(triangles), np.concatenate(normals)
+        piece, count = self.nodes[kind], len(self.nodes[kind].points)
+        points, triangles, normals = [piece.points], [piece.triangles], [piece.normals]
+        for arm, axis in enumerate(unit(self.kinds.kinds[kind].vectors)):
+            rings = []
+            for ring, there, found, outward in self.halves(kind, arm, float(cuts[arm])):
+                rings.append(count + np.arange(len(there)))
+                points.append(there)
+                triangles.append(np.concatenate([ring, rings[-1]])[found])
+                normals.append(outward)
+                count += len(there)
+            triangles.append(lid(np.concatenate(points), rings, axis))
+            normals.append(np.broadcast_to(axis, (len(triangles[-1]), 3, 3)))
+        return np.concatenate(points), np.concatenate(triangles), np.concatenate(normals)
 
-    def _axes(self, kind: int) -> Floats:
-        """The unit vectors of a kind's arms (n, 3)."""
-        vectors = self.kinds.kinds[kind].vectors
-        return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
-
-    def cut(self, kind: int, cuts: Floats) -> tuple[Floats, list[Integers], list[Floats], list[Integers]]:
-        """A kind's mesh with its struts up to some parts of their lengths, open there: points, triangles and normals in
-        pieces, and the rings where it is open, counterclockwise about the struts."""
-        piece = self.nodes[kind]
-        points, triangles, normals, count = [piece.points], [piece.triangles], [piece.normals], len(piece.points)
-        one, ends, rings = self.kinds.kinds[kind], self.kinds.ends[kind], []
-        vectors = one.vectors * float(self.network.grid)
-        for i, (vector, ring, cut) in enumerate(zip(vectors, piece.rings, cuts, strict=False)):
-            length = float(np.linalg.norm(vector))
-            axis, rise = vector / length, self._width(one, i, 1.0) - self._width(one, i)
-            own = ring[np.argsort(angles_around(piece.points[ring], axis))]
-            corners = piece.points[own] - (piece.points[own] @ axis)[:, None] * axis
-            out = outwards(corners, axis, rise / length)
-            points.append(corners * self._width(one, i, cut) / self._width(one, i, ends[i]) + cut * vector)
-            here, there = np.arange(len(own)), count + np.arange(len(own))
-            after = np.roll(here, -1)
-            triangles += [
-                np.stack([own[here], own[after], there[here]], axis=1),
-                np.stack([own[after], there[after], there[here]], axis=1),
-            ]
-            normals += [out[np.stack([here, after, here], axis=1)], out[np.stack([after, after, here], axis=1)]]
-            rings.append(there)
-            count += len(own)
-        return np.concatenate(points), triangles, normals, rings
+    def halves(self, kind: int, arm: int, cut: float) -> list[tuple[Integers, Floats, Integers, Floats]]:
+        """The strip from each ring of an arm to some part of its vector: the ring's vertices counterclockwise about the
+        arm, the points there in their order, the triangles over both and the normals at their corners."""
+        one, piece = self.kinds.kinds[kind], self.nodes[kind]
+        vector, ring = one.vectors[arm] * float(self.network.grid), piece.rings[arm]
+        axis, rise = unit(vector), self._width(one, arm, 1.0) - self._width(one, arm)
+        own = ring[np.argsort(angles_around(piece.points[ring], axis))]
+        first = piece.points[own]
+        wider = self._width(one, arm, cut) / self._width(one, arm, self.kinds.ends[kind, arm])
+        second = (first - (first @ axis)[:, None] * axis) * wider
+        _, found, outward, _ = strip(first, second, cut * vector, cut * rise)
+        return [(own, second + cut * vector, found, outward)]
 
 
 def _volume(corners: Floats, places: Floats) -> float:

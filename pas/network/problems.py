@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from pas.algebra.inputs import shown
+from pas.algebra.lengths import unit
 from pas.mesh.rows import Floats, Integers, Numbers
 from pas.network.classes import Kinds, kinds_of
 from pas.network.clearance import crossing
@@ -67,7 +68,7 @@ def _least_angles(kinds: Kinds) -> tuple[Floats, Numbers]:
     most = max((len(kind.arms) for kind in kinds.kinds), default=0)
     least, other = np.full((len(kinds.kinds), most), pi), np.zeros((len(kinds.kinds), most), dtype=np.int32)
     for number, kind in enumerate(kinds.kinds):
-        units = kind.vectors / np.linalg.norm(kind.vectors, axis=1, keepdims=True)
+        units = unit(kind.vectors)
         products = units @ units.T - 3 * np.eye(len(units))
         least[number, : len(units)] = np.arccos(products.max(axis=1).clip(-1, 1))
         other[number, : len(units)] = products.argmax(axis=1)

@@ -8,13 +8,14 @@ A strip may have rings in between, which are the first one moved along: so angle
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from math import ceil, pi, radians, sin, tan, tau
 from typing import Any
 
 import numpy as np
 
-from pas.algebra.lengths import across
+from pas.algebra.lengths import across, unit
 from pas.algebra.monomials import Floats
 from pas.mesh.rows import Integers
 
@@ -47,14 +48,12 @@ def angles_around(points: Floats, axis: Floats) -> Floats:
 
 def outwards(points: Floats, axis: Floats, slope: float) -> Floats:
     """The normals of a cone about an axis, which widens by so much along it, over points (N, 3) beside the axis."""
-    across_ = points - (points @ axis)[:, None] * axis
-    found = across_ / np.linalg.norm(across_, axis=1, keepdims=True) - slope * axis
-    return np.asarray(found / np.hypot(1.0, slope))
+    return unit(unit(points - (points @ axis)[:, None] * axis) - slope * axis)
 
 
 def parts_of(first: Floats, second: Floats, vector: Floats) -> int:
     """Into how many parts a strip between rings around the ends of a vector is cut so that no angle is small."""
-    axis = vector / np.linalg.norm(vector)
+    axis = unit(vector)
     gaps = [_gaps(angles_around(ring, axis)).min() for ring in (first, second)]
     radius = min(np.linalg.norm(np.cross(ring, axis), axis=1).min() for ring in (first, second))
     length = float(((second + vector) @ axis).mean() - (first @ axis).mean())
@@ -82,6 +81,15 @@ def strip(
     found.append(np.concatenate([rings[-1], np.arange(len(first), count)])[_zipped(*angles)])
     triangles, points = np.concatenate(found), np.concatenate([first, second, *between])
     return points[count:], triangles, outwards(points, axis, slope)[triangles], float(max(map(max, map(_gaps, angles))))
+
+
+def lid(points: Floats, rings: Sequence[Integers], axis: Floats) -> Integers:
+    """The triangles (T, 3) in a ring of points, or between two in a plane, seen from where a unit vector points."""
+    if len(rings) == 1:
+        (ring,) = rings
+        return np.stack([np.full(len(ring) - 2, ring[0]), ring[1:-1], ring[2:]], axis=1)
+    outer, inner = rings
+    return np.concatenate([outer, inner])[strip(points[outer], points[inner], axis)[1]]
 
 
 def _gaps(angles: Floats) -> Floats:

@@ -26,7 +26,7 @@ from pas.algebra.brief import brief
 from pas.algebra.callables import ComponentLike, Values, component
 from pas.algebra.inputs import check_order, short, shown
 from pas.algebra.jets import power
-from pas.algebra.rational import Exact, plain, to_float
+from pas.algebra.rational import Exact, plain, three, to_float
 from pas.algebra.rational_function import ONE, RationalFunction, total
 from pas.errors import GeometryError, NoSolutionError
 from pas.limits import WorkLimits, checkpoint, limited
@@ -95,8 +95,7 @@ class ParametricSolutions:
 
         def source() -> Components:
             exact = [part.exact for part in parts if part.exact is not None]
-            x, y, z = (t + self.multiplier * r for t, r in zip(self.particular.components, exact, strict=True))
-            return x, y, z
+            return three(t + self.multiplier * r for t, r in zip(self.particular.components, exact, strict=True))
 
         reason = next((p.reason for p in parts if p.exact is None), "") or self.particular.inexact
         return ParametricSurface.from_parts(values, None if reason else source, names, self.particular.ends, reason)
@@ -247,8 +246,7 @@ def weighted_blend(
     def source() -> Components:
         checkpoint("expanding the weighted blend")
         pairs = list(zip(weights.functions, data.surfaces, strict=True))
-        x, y, z = (total([f * surface.components[axis] for f, surface in pairs]) for axis in range(3))
-        return x, y, z
+        return three(total([f * surface.components[axis] for f, surface in pairs]) for axis in range(3))
 
     return ParametricBlend(data, k, _surface(data, values, source), weights)
 

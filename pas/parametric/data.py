@@ -25,7 +25,7 @@ from pas.algebra.rational import Exact, plain, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
 from pas.errors import GeometryError
 from pas.parametric.hermite import Expansion, distinct
-from pas.parametric.maps import Domain, ExactDomain, read_domain
+from pas.parametric.maps import ExactDomain
 from pas.parametric.nets import finite_part
 from pas.parametric.series import Components, rounded_roots, taylor, univariate
 from pas.parametric.surface import ParametricSurface
@@ -92,11 +92,6 @@ class BlendingData:
             self.require_defined(i, value)
 
     @property
-    def is_exact(self) -> bool:
-        """Whether all surfaces are rational functions over Q."""
-        return all(surface.is_exact for surface in self.surfaces)
-
-    @property
     def ends(self) -> ExactDomain:
         """Where a blend is defined: the common t of all surfaces, h from the least value to the greatest; exact."""
         lows, highs = ([e for s in self.surfaces if (e := s.ends[0][side]) is not None] for side in (0, 1))
@@ -106,11 +101,6 @@ class BlendingData:
                 f"the domains of the surfaces have no t in common (from {float(low):.6g} to {float(high):.6g})"
             )
         return (low, high), (to_fraction(min(self.values)), to_fraction(max(self.values)))
-
-    @property
-    def domain(self) -> Domain:
-        """Where a blend is defined, in doubles."""
-        return read_domain(self.ends, self.surfaces[0].parameters)[0]
 
     @property
     def degrees(self) -> tuple[int, ...]:

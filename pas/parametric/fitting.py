@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import comb, factorial
-from typing import Protocol, Unpack
+from typing import Unpack
 
 import numpy as np
 from flint import fmpq
@@ -29,6 +29,7 @@ from pas.parametric.nets import Framed, Nets, exact_net, exact_rectangle
 from pas.parametric.patches import Knots, RationalPatch
 from pas.parametric.surface import ParametricSurface
 from pas.settings import RELATIVE_TOLERANCE
+from pas.shape import Shape
 
 DEGREE, DENSE = 3, 6
 """Of B-splines in both parameters, and points for each span at which surfaces that are not exact are compared."""
@@ -47,17 +48,9 @@ class FittedPatch(RationalPatch):
     __repr__ = brief
 
 
-class HasSurface(Protocol):
-    """A blend, say."""
-
-    @property
-    def surface(self) -> ParametricSurface:
-        """The surface that it is."""
-
-
 @limited("fitting a patch", "a coarser tolerance or a smaller domain")
 def fit_patch(
-    surface: ParametricSurface | HasSurface,
+    surface: Shape,
     tolerance: float | None = None,
     domain: DomainLike = None,
     **limits: Unpack[WorkLimits],

@@ -27,14 +27,14 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_poly
 
+from pas.algebra.evaluation import Bundle, as_arrays
 from pas.algebra.expressions import Names
-from pas.algebra.horner import Bundle, as_arrays
 from pas.algebra.inputs import check_order, short, shown
 from pas.algebra.jets import Jet, along, constant, nilpotency, power, variables
-from pas.algebra.rational import Exact, plain, rational, to_float, to_fraction
+from pas.algebra.rational import Exact, plain, rational, three, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
 from pas.limits import checkpoint
-from pas.parametric.series import Components, padded, taylor, univariate
+from pas.parametric.series import Components, taylor, univariate
 from pas.parametric.surface import ParametricSurface
 
 
@@ -92,9 +92,7 @@ def taylor_basis(values: Sequence[fmpq], number: int, order: int) -> list[fmpq_p
     """The basis for Taylor coefficients instead of derivatives: j! L_ij, j = 0..order."""
     node = values[number]
     step = fmpq_poly([-node, 1])
-    outer = fmpq_poly([1])
-    for other in _others(values, number):
-        outer = outer * fmpq_poly([-other / (node - other), 1 / (node - other)])
+    outer = prod((fmpq_poly([-o / (node - o), 1 / (node - o)]) for o in _others(values, number)), start=fmpq_poly([1]))
     outer = outer ** (order + 1)
     inverse = inverse_series(values, number, order)
     basis = []
@@ -113,10 +111,8 @@ def inverse_series(values: Sequence[fmpq], number: int, order: int) -> list[fmpq
     for other in _others(values, number):
         geometric = fmpq_poly([(-1 / (node - other)) ** m for m in range(order + 1)])
         series = series.mul_low(geometric, order + 1)
-    whole = fmpq_poly([1])
-    for _ in range(order + 1):
-        whole = whole.mul_low(series, order + 1)
-    return padded(whole, order + 1)
+    whole = series.pow_trunc(order + 1, order + 1)
+    return [whole[j] for j in range(order + 1)]
 
 
 def _others(values: Sequence[fmpq], number: int) -> list[fmpq]:
@@ -149,8 +145,7 @@ def exact_hermite(
         above = sum((top * p for top, p in zip(tops, basis, strict=True)), ONE * 0)
         return RationalFunction.quotient(above, univariate(below, 0), names)
 
-    x, y, z = (summed(parts) for parts in zip(*expansions, strict=True))
-    return x, y, z
+    return three(summed(parts) for parts in zip(*expansions, strict=True))
 
 
 @dataclass(frozen=True, eq=False)

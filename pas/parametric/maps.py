@@ -22,9 +22,9 @@ from flint import fmpq
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import cut
-from pas.algebra.callables import ComponentLike, Derivatives, Values, component, from_derivatives
+from pas.algebra.callables import ComponentLike, Derivatives, Values, component, from_derivatives, is_function
+from pas.algebra.evaluation import Bundle
 from pas.algebra.expressions import Names, as_text
-from pas.algebra.horner import Bundle
 from pas.algebra.inputs import check_derivative, shown
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import scaled, unit
@@ -308,7 +308,7 @@ def _exact_values(components: Components) -> Values:
 
 def _text_of(expressions: Sequence[Any]) -> Text | None:
     """The expressions as strings; None where one is a callable."""
-    if any(callable(e) and not isinstance(e, RationalFunction) and not hasattr(e, "free_symbols") for e in expressions):
+    if any(map(is_function, expressions)):
         return None
     x, y, z = (as_text(e) or str(RationalFunction(e)) for e in expressions)
     return x, y, z

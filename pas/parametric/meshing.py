@@ -182,14 +182,9 @@ class CellMesher:
         return self._net(np.array([0, GRID, 0, GRID]))
 
     @property
-    def welding(self) -> float:
-        """By which vertices that are welded, and rounded, may move."""
-        return min(SEAM * self.framed.size, self.wanted / 16)
-
-    @property
     def aim(self) -> float:
-        """The bound for cells: the rest is for vertices, their rounding, and welding them."""
-        return self.wanted - 4 * self.welding
+        """The bound for cells: the rest is for vertices, by which these may move when they are rounded and welded."""
+        return self.wanted - 4 * min(SEAM * self.framed.size, self.wanted / 16)
 
     def mesh(self) -> Mesh:
         """Raises `GeometryError` near poles, `MeshError` for a tolerance that is too fine."""

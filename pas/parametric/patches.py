@@ -28,7 +28,7 @@ from pas.algebra.callables import on_series
 from pas.algebra.expressions import Names
 from pas.algebra.inputs import short
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import plain, rational, to_float, to_fraction
+from pas.algebra.rational import plain, rational, three, to_float, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE, PARAMETERS, RationalFunction
 from pas.errors import GeometryError
 from pas.limits import WorkLimits, checkpoint, limited
@@ -170,8 +170,7 @@ class RationalPatch(Shape):
         terms = [(f * g * rational(weights[i, j]), points[i, j]) for (i, f), (j, g) in product(first, second)]
         below = sum((term for term, _ in terms), ONE * 0)
         tops = (sum((term * rational(p[axis]) for term, p in terms), ONE * 0) for axis in range(3))
-        x, y, z = (RationalFunction.quotient(top, below, names) for top in tops)
-        return x, y, z
+        return three(RationalFunction.quotient(top, below, names) for top in tops)
 
 
 def _checked(knots: Any, size: int, name: str) -> Floats:

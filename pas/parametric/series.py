@@ -42,12 +42,6 @@ def taylor(polynomial: fmpq_mpoly, at: fmpq, order: int | None = None) -> list[f
     return [of_coefficients(rows.get(j, {})) for j in range(last + 1)]
 
 
-def padded(polynomial: fmpq_poly, length: int) -> list[fmpq]:
-    """So many coefficients, lowest first, with zeros behind."""
-    coefficients = polynomial.coeffs()
-    return [*coefficients, *[fmpq(0)] * (length - len(coefficients))]
-
-
 def rounded_roots(polynomial: fmpq_poly) -> list[float]:
     """The distinct real roots, in order, rounded."""
     return [] if polynomial.degree() < 1 else [to_float(middle_of(r.ball())) for r in sorted(real_roots(polynomial))]

@@ -26,7 +26,7 @@ from flint import fmpq
 from pas.algebra.inputs import short, shown
 from pas.algebra.lengths import across
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Exact, VectorLike, dot, plain, positive, rational, to_float, to_floats, vector
+from pas.algebra.rational import Exact, VectorLike, dot, minus, plain, positive, rational, to_float, to_floats, vector
 from pas.algebra.rational_function import FunctionLike
 from pas.parametric.maps import IntervalLike
 from pas.parametric.patches import RationalPatch
@@ -218,7 +218,7 @@ def cone_patches(
     Raises `ValueError` for a negative radius or two that are 0, and where both ends are the same point.
     """
     a, b = vector(start, "start"), vector(end, "end")
-    axis = (b[0] - a[0], b[1] - a[1], b[2] - a[2])
+    axis = minus(b, a)
     if dot(axis, axis) == 0:
         raise ValueError("start and end must be different points")
     first, last = to_float(rational(radius, "radius")), to_float(rational(end_radius, "end_radius"))

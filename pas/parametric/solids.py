@@ -18,17 +18,16 @@ from scipy.spatial import cKDTree
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import lengths, unit
-from pas.algebra.monomials import Floats
 from pas.certify.graph_proofs import crossed
 from pas.errors import GeometryError
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Bools, Floats, Integers
 from pas.mesh.topology import Edges
 from pas.parametric.maps import ParametricMap
 from pas.parametric.tiling import closes
 from pas.solid.functions import Distance, Parametrized
 from pas.solid.solid import Solid
-from pas.solid.tree import Atom, Bools, combined
+from pas.solid.tree import Atom, combined
 
 AROUND, FLAT = 128, 1e-7
 """Points of an edge; and how far it may be off its plane, over the surface's size."""

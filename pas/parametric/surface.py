@@ -19,13 +19,13 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, AffineShape
 from pas.algebra.brief import brief
-from pas.algebra.callables import ComponentLike, component
+from pas.algebra.callables import ComponentLike, component, is_function
 from pas.algebra.expressions import Formula, Names
 from pas.algebra.inputs import check_derivative, check_tolerance, short, shown
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import Exact, plain, rational
+from pas.algebra.rational import Exact, plain, rational, three
 from pas.algebra.rational_function import RationalFunction
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
@@ -141,8 +141,7 @@ class SurfaceCurve:
         """The exact coordinates as rational functions of the parameter; raises `ValueError` where there are none."""
         if self.exact_path is None:
             raise ValueError("the path of this curve is not exact; give it as rational functions over Q")
-        x, y, z = (c.substitute(*self.exact_path) for c in self.surface.components)
-        return x, y, z
+        return three(c.substitute(*self.exact_path) for c in self.surface.components)
 
     def parameters(self, s: ArrayLike) -> Floats:
         """The surface's parameters (t, h) at `s` (...): shape (..., 2)."""
@@ -198,8 +197,7 @@ def iso_curve(surface: ParametricSurface, t: Exact | None = None, h: Exact | Non
 
 def one_parameter(expression: Any) -> Any:
     """A callable of one array as one of two; an expression as it is."""
-    symbolic = hasattr(expression, "free_symbols") or isinstance(expression, RationalFunction)
-    return (lambda s, _: expression(s)) if callable(expression) and not symbolic else expression
+    return (lambda s, _: expression(s)) if is_function(expression) else expression
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 from pas.algebra.lengths import lengths, scaled, unit
 from pas.algebra.monomials import Floats
 from pas.mesh.rows import Integers
-from pas.mesh.topology import edge_table
+from pas.mesh.topology import connected, edge_table
 from pas.parametric.maps import ParametricMap
 
 GRID = 1 << 26
@@ -120,9 +120,6 @@ def _cut(points: Floats, quads: Integers) -> Integers:
 
 def _merged(points: Floats, triangles: Integers, places: Integers, size: float) -> Integers:
     """For each vertex the least number of those that are the same point: across seams and collapsed edges."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     edges = edge_table(triangles)[0]
     pairs = [edges[lengths(points[edges[:, 0]] - points[edges[:, 1]]) <= 1e-12 * size]]  # shorter edges are points
     order = np.argsort(places[:, 0] * ROW + places[:, 1])
@@ -135,12 +132,8 @@ def _merged(points: Floats, triangles: Integers, places: Integers, size: float) 
         found = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
         if (keys[found] == wanted).all() and (np.abs(points[start] - points[order[found]]) <= SEAM * size).all():
             pairs.append(np.stack([start, order[found]], axis=1))
-    rows, columns = np.concatenate(pairs).T
-    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(points), len(points)))
-    _, labels = connected_components(graph, directed=False)
-    least = np.full(labels.max() + 1, len(points))
-    np.minimum.at(least, labels, np.arange(len(points)))
-    return least[labels]
+    labels = connected(np.concatenate(pairs), len(points))
+    return np.asarray(np.unique(labels, return_index=True)[1][labels])
 
 
 def _normals(surface: ParametricMap, shares: Floats, number: Integers, count: int) -> Floats:

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, cross, dot, minus, to_floats
+from pas.algebra.rational import Vector, cross, dot, minus, three, to_floats
 from pas.errors import GeometryError
 from pas.kernels.library import compiled
 from pas.partition.layout import Ray, primitive, reduced
@@ -192,14 +192,8 @@ class CellComplex:
     @cached_property
     def _whole(self) -> tuple[int, list[Whole]]:
         """A common denominator of the vertices' coordinates, and the vertices times it."""
-        return _over_one(self.vertices)
-
-
-def _over_one(points: Sequence[Vector]) -> tuple[int, list[Whole]]:
-    """A common denominator, and points times it."""
-    denominator = lcm(*(int(x.q) for point in points for x in point))
-    whole = [[int(x.p) * (denominator // int(x.q)) for x in point] for point in points]
-    return denominator, [(x, y, z) for x, y, z in whole]
+        denominator = lcm(*(int(x.q) for point in self.vertices for x in point))
+        return denominator, [three(int(x.p) * (denominator // int(x.q)) for x in point) for point in self.vertices]
 
 
 def _normal(a: Whole, b: Whole, c: Whole) -> Whole:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from math import gcd, hypot, lcm
+from math import gcd, lcm
 from pathlib import Path
 from typing import Any
 
@@ -100,7 +100,7 @@ class Layout(Shape, Serialisable):
                 )
         triangles = [t for piece in self.triangles for t in piece]
         # every arc has triangles on both sides, so all directions are covered equally often: one is counted
-        times = times_covered([tuple(self.all_rays[i] for i in t) for t in triangles])
+        times = times_covered([tuple(self.rays[i] for i in t) for t in triangles])
         if times != 1:
             raise GeometryError(f"the pieces of a layout must cover all directions once; they do {times} times")
 
@@ -128,40 +128,19 @@ class Layout(Shape, Serialisable):
         )
 
     @cached_property
-    def all_rays(self) -> tuple[Ray, ...]:
-        """The rays, and those inside pieces that are cut into triangles from there."""
-        return self.rays + tuple(middle for middle, _ in self._cut if middle is not None)
-
-    @cached_property
     def triangles(self) -> tuple[tuple[Triangle, ...], ...]:
-        """Each piece cut into spherical triangles, counterclockwise: numbers of `all_rays`."""
-        found, extra = [], len(self.rays)
-        for piece, (middle, start) in zip(self.pieces, self._cut, strict=True):
-            if middle is None:
-                turned = piece[start:] + piece[:start]
-                found.append(tuple((turned[0], a, b) for a, b in pairwise(turned[1:])))
-            else:
-                found.append(tuple((extra, a, b) for a, b in zip(piece, (*piece[1:], piece[0]), strict=True)))
-                extra += 1
-        return tuple(found)
+        """Each piece cut into spherical triangles from one of its rays, counterclockwise: numbers of rays."""
+        return tuple(self._triangles(number, piece) for number, piece in enumerate(self.pieces))
 
-    @cached_property
-    def _cut(self) -> tuple[tuple[Ray | None, int], ...]:
-        """For each piece the ray inside it from which it is cut, or the place of one of its own."""
-        return tuple(self._way_to_cut(number) for number in range(len(self.pieces)))
-
-    def _way_to_cut(self, number: int) -> tuple[Ray | None, int]:
-        rays = [self.rays[i] for i in self.pieces[number]]
-        for start in range(len(rays)):
-            turned = rays[start:] + rays[:start]
-            if all(determinant(turned[0], a, b) > 0 for a, b in pairwise(turned[1:])):
-                return None, start
-        middle = middle_ray(rays)
-        if any(middle) and all(determinant(middle, a, b) > 0 for a, b in zip(rays, rays[1:] + rays[:1], strict=True)):
-            return middle, 0
+    def _triangles(self, number: int, piece: tuple[int, ...]) -> tuple[Triangle, ...]:
+        for start in range(len(piece)):
+            first, *others = piece[start:] + piece[:start]
+            triangles = tuple((first, a, b) for a, b in pairwise(others))
+            if all(determinant(*(self.rays[i] for i in triangle)) > 0 for triangle in triangles):
+                return triangles
         raise GeometryError(
-            f"pieces[{number}] of the layout is not seen undivided from one of its rays or from its middle; go round "
-            "it counterclockwise, seen from outside, or cut it in two"
+            f"pieces[{number}] of the layout is not seen undivided from one of its rays; go round it "
+            "counterclockwise, seen from outside, or cut it in two"
         )
 
     def __eq__(self, other: object) -> bool:
@@ -239,14 +218,6 @@ def reduced(v: Any) -> Ray:
     """Three whole numbers divided by their greatest common divisor."""
     common = gcd(*v)
     return v[0] // common, v[1] // common, v[2] // common
-
-
-def middle_ray(rays: Sequence[Ray]) -> Ray:
-    """A ray inside a convex piece: the sum of its rays, brought to about one length by whole factors."""
-    lengths = [hypot(*ray) for ray in rays]
-    factors = [max(1, round(max(lengths) / length)) for length in lengths]
-    x, y, z = (sum(k * r[axis] for k, r in zip(factors, rays, strict=True)) for axis in range(3))
-    return reduced((x, y, z)) if any((x, y, z)) else (0, 0, 0)
 
 
 def times_covered(triangles: Sequence[tuple[Ray, ...]]) -> int:

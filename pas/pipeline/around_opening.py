@@ -22,9 +22,9 @@ from pas.contacts.contact import Contact
 from pas.contacts.joins import Join
 from pas.errors import GeometryError
 from pas.layouts.discs import rounded
-from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.neighbours import is_left_once
+from pas.solid.faces import End
 from pas.solid.solid import Solid
 from pas.solid.strips import Chain, Outwards, SolidStrip, Straight
 

@@ -23,6 +23,15 @@ Strut: TypeAlias = "tuple[VectorLike, Exact] | tuple[VectorLike, Exact, Exact]"
 """A direction and a radius, and where the pipe is clipped if that is given (in lengths of the direction)."""
 
 
+class BlendOptions(Options, total=False):
+    """The keywords of `blend` that what is made by it passes on, but for those of limits."""
+
+    degree: int | Literal["lowest"] | None
+    partition: PartitionLike | None
+    wishes: Wishes | None
+    on_stage: OnStage | None
+
+
 @limited("finding a blend", "a lower order")
 def blend(
     contacts: Sequence[ContactLike],
@@ -114,13 +123,9 @@ def node(
     order: int = 1,
     *,
     center: VectorLike = (0, 0, 0),
-    degree: int | Literal["lowest"] | None = None,
-    partition: PartitionLike | None = None,
-    wishes: Wishes | None = None,
-    on_stage: OnStage | None = None,
     seconds: float | None = None,
     progress: Report | None = None,
-    **options: Unpack[Options],
+    **options: Unpack[BlendOptions],
 ) -> Blend:
     """The blend of pipes that meet in `center`: see `pas.struts` for the items, `pas.blend` for all else.
 
@@ -130,15 +135,7 @@ def node(
 
     Raises what both raise.
     """
-    return blend(
-        struts(items, order, center),
-        order,
-        degree,
-        partition,
-        wishes=wishes,
-        on_stage=on_stage,
-        **options,
-    )
+    return blend(struts(items, order, center), order, **options)
 
 
 @limited("solving for all surfaces", "a lower degree")

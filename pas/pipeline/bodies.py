@@ -16,7 +16,7 @@ from flint import fmpq
 
 from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, dot, exact, rational, to_float, to_floats
+from pas.algebra.rational import Exact, dot, exact, rational, three, to_float, to_floats
 from pas.algebra.scaling import Scaled, scaled
 from pas.contacts.contact import Contact
 from pas.contacts.ends import ContactEnd, triple
@@ -220,9 +220,8 @@ def _end(surface: PiecewiseSurface, number: int, reach: fmpq) -> ContactEnd:
         here = ContactEnd.of(contact, center)
         if reach == 0:
             return here
-        there = [exact(c + to_float(reach) * d) for c, d in zip(here.center, here.direction, strict=True)]
-        cap = _cap(clip_plane(surface, number), reach)
-        return ContactEnd.of(Contact(contact.surface, cap, (there[0], there[1], there[2])), center)
+        there = three(exact(c + to_float(reach) * d) for c, d in zip(here.center, here.direction, strict=True))
+        return ContactEnd.of(Contact(contact.surface, _cap(clip_plane(surface, number), reach), there), center)
     except GeometryError as error:
         raise GeometryError(f"contact {number + 1}, {to_float(reach):.4g} beyond its clip: {error}") from None
 

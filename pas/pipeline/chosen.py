@@ -34,7 +34,6 @@ from pas.limits import WorkLimits, checkpoint, limited, note, part, stage_line
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.piecewise import PiecewiseSurface
-from pas.settings import MeshSettings
 from pas.shape import Shape
 from pas.surface.fairness import Fairness
 from pas.surface.fairness_limits import FairnessLimits
@@ -247,11 +246,6 @@ class ChosenBlend(Shape):
     ) -> Mesh:
         """The surface's mesh; see `PiecewiseSurface.mesh`."""
         return self.surface.mesh(tolerance, max_triangles=max_triangles, quality=quality)
-
-    def meshed(self, settings: MeshSettings) -> Mesh:
-        """The surface's mesh by settings."""
-        mesh: Mesh = self.surface.meshed(settings)
-        return mesh
 
     def __repr__(self) -> str:
         s = self.surface

@@ -17,21 +17,18 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import permutations
 from math import asin, atan, atan2, cos, degrees, radians, sin, sqrt, tan
-from typing import Literal, Unpack
+from typing import Unpack
 
 from flint import fmpq
 
 from pas.algebra.inputs import shown
 from pas.algebra.rational import Vector, VectorLike, cross, dot, minus, moved, plain, to_float
-from pas.blending.place import PartitionLike
 from pas.contacts.cones import Opening
 from pas.contacts.endless import Pipe
 from pas.contacts.parallels import root
 from pas.errors import GeometryError
-from pas.fairing.wishes import Options, Wishes
 from pas.limits import Report, limited
-from pas.pipeline.blend import Strut, blend, node, pipes_of
-from pas.pipeline.chosen import OnStage
+from pas.pipeline.blend import BlendOptions, Strut, blend, node, pipes_of
 from pas.pipeline.result import Blend
 
 FINE = 64
@@ -102,11 +99,10 @@ class Tee:
         """Halfway between the branch and the normal of the run in their plane: exact for an upright branch."""
         run, branch = self.run.axis, self.branch.axis
         share = dot(run, branch) / dot(run, run)
-        upright: Vector = (branch[0] - share * run[0], branch[1] - share * run[1], branch[2] - share * run[2])
         if share == 0:
             return branch
         longer = fmpq(round(FINE / sin(radians(self.angle))), FINE)
-        return upright[0] * longer + branch[0], upright[1] * longer + branch[1], upright[2] * longer + branch[2]
+        return moved(branch, (longer, moved(branch, (-share, run))))
 
     @property
     def _ended(self) -> Pipe:
@@ -158,12 +154,9 @@ def foot(
     branch: Pipe,
     order: int = 1,
     *,
-    degree: int | Literal["lowest"] | None = None,
-    wishes: Wishes | None = None,
-    on_stage: OnStage | None = None,
     seconds: float | None = None,
     progress: Report | None = None,
-    **options: Unpack[Options],
+    **options: Unpack[BlendOptions],
 ) -> Blend:
     """The blend of a branch and the run that it rises out of, whose cylinder stays exact up to an opening.
 
@@ -178,7 +171,7 @@ def foot(
     Raises `GeometryError` for axes that do not meet and a branch that is not thinner, and what `pas.blend` raises.
     """
     tee = Tee.of(run, branch)
-    found = blend(tee.contacts, order, degree, wishes=wishes, on_stage=on_stage, **options)
+    found = blend(tee.contacts, order, **options)
     return replace(found, reason=f"foot, {tee.angle:.3g} degrees, {tee.ratio:.3g} of the run's radius: as asked")
 
 
@@ -188,13 +181,9 @@ def junction(
     order: int = 1,
     *,
     center: VectorLike = (0, 0, 0),
-    degree: int | Literal["lowest"] | None = None,
-    partition: PartitionLike | None = None,
-    wishes: Wishes | None = None,
-    on_stage: OnStage | None = None,
     seconds: float | None = None,
     progress: Report | None = None,
-    **options: Unpack[Options],
+    **options: Unpack[BlendOptions],
 ) -> Blend:
     """The blend of pipes that meet in `center`, with the same arguments as `pas.node`: a foot where that is better.
 
@@ -206,19 +195,10 @@ def junction(
 
     Raises what `pas.node` raises.
     """
-    tee = "a partition is given" if partition is not None else tee_of(pipes_of(items, order, center), order)
+    given = options.get("partition") is not None
+    tee = "a partition is given" if given else tee_of(pipes_of(items, order, center), order)
     if isinstance(tee, str):
-        found = node(
-            items,
-            order,
-            center=center,
-            degree=degree,
-            partition=partition,
-            wishes=wishes,
-            on_stage=on_stage,
-            **options,
-        )
-        return replace(found, reason=f"node: {tee}")
-    found = blend(tee.contacts, order, degree, wishes=wishes, on_stage=on_stage, **options)
+        return replace(node(items, order, center=center, **options), reason=f"node: {tee}")
+    found = blend(tee.contacts, order, **options)
     what = f"foot, {tee.angle:.3g} degrees, {tee.ratio:.3g} of the run's radius"
     return replace(found, reason=f"{what}: the run stays exact, the fillet is wider than a node's")

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations
 from typing import Unpack
 
@@ -127,12 +128,12 @@ def header(
         raise ValueError(f"ends must be a smaller and a larger number, not {shown(ends)}")
     outer, *inner = zip(*(foot.sides for foot in feet), strict=True)
     lengths = [length_of(length, foot) for foot in outer]
-    full = HeaderSide.of(run.clipped(1).contact.surface, outer, run, (low, high), lengths)
+    full = HeaderSide(run.clipped(1).contact.surface, outer, run, (low, high), lengths)
     if not inner:
         return replace(full.solid, sheets=_body(full.sheet))
     bore = inner[0][0]
     inside = next(c.surface for c, join in zip(bore.contacts, bore.joins, strict=True) if join.opening)
-    cavity = HeaderSide.of(inside, inner[0], run, (low, high), lengths, f"{INSIDE} ")
+    cavity = HeaderSide(inside, inner[0], run, (low, high), lengths, f"{INSIDE} ")
     proved = all(foot.certificate.proved for foot in feet)
     return replace(full.solid - cavity.solid, sheets=_body(full.sheet, cavity.sheet) if proved else None)
 
@@ -147,41 +148,37 @@ def _body(*sides: RunSide | None) -> SheetBody | None:
 @dataclass(frozen=True, eq=False)
 class HeaderSide:
     """The run inside a `surface` with feet on it between two `ends`: a full header, or a bore, whose faces have names
-    that begin with `inside`."""
+    that begin with `inside`.
+
+    Raises `GeometryError` where an opening reaches beyond an end of the run or into another.
+    """
 
     surface: Polynomial
-    openings: Sequence[OpenedRun]
+    feet: Sequence[PiecewiseSurface]
     run: Pipe
     ends: tuple[fmpq, fmpq]
     lengths: Sequence[fmpq]
-    inside: str
+    inside: str = ""
 
-    @classmethod
-    def of(
-        cls,
-        surface: Polynomial,
-        feet: Sequence[PiecewiseSurface],
-        run: Pipe,
-        ends: tuple[fmpq, fmpq],
-        lengths: Sequence[fmpq],
-        inside: str = "",
-    ) -> HeaderSide:
-        """That of feet; raises `GeometryError` where an opening reaches beyond an end of the run or into another."""
-        openings = [OpenedRun.of(foot, surface, number) for number, foot in enumerate(feet, start=1)]
-        found = cls(surface, openings, run, ends, lengths, inside)
-        for number, (low, high) in enumerate(found._extents, start=1):
-            if not to_float(ends[0]) < low <= high < to_float(ends[1]):
+    def __post_init__(self) -> None:
+        start, end = self.ends
+        for number, (low, high) in enumerate(self._extents, start=1):
+            if not to_float(start) < low <= high < to_float(end):
                 raise GeometryError(
                     f"the opening of foot {number} goes from {low:.4g} to {high:.4g} along the run, which ends at "
-                    f"{plain(ends[0])} and {plain(ends[1])}"
+                    f"{plain(start)} and {plain(end)}"
                 )
-        for (i, a), (j, b) in combinations(enumerate(openings, start=1), 2):
+        for (i, a), (j, b) in combinations(enumerate(self.openings, start=1), 2):
             if a.holds(b.points) or b.holds(a.points):
                 raise GeometryError(
                     f"the openings of feet {i} and {j} meet; move the branches apart along the run or around it, or "
                     "give them less slope or radius, or join them by pas.node"
                 )
-        return found
+
+    @cached_property
+    def openings(self) -> list[OpenedRun]:
+        """That of each foot."""
+        return [OpenedRun.of(foot, self.surface, number) for number, foot in enumerate(self.feet, start=1)]
 
     @property
     def _extents(self) -> list[tuple[float, float]]:

@@ -36,7 +36,6 @@ from pas.limits import WorkLimits, limited
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Integers
 from pas.mesh.topology import Edges
-from pas.mesh.walls import End
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.around_opening import AroundOpening
 from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of, up_to
@@ -46,7 +45,7 @@ from pas.pipeline.search import excess, find
 from pas.pipeline.wall_mesh import WallMesh
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
-from pas.solid.sheets import Faces
+from pas.solid.faces import End, Faces
 from pas.solid.solid import Solid
 from pas.surface.depth import Depth
 from pas.verdicts import Findings, Status, Verdict
@@ -95,7 +94,7 @@ class HollowBlend(Shape, Generic[B]):
     def certificate(self) -> Findings:
         """All verdicts: those on the outer and the inner blend, that the one is inside the other, and on each end."""
         both = Findings.of_parts({"outer": self.outer.certificate, "inner": self.inner.certificate})
-        return Findings((*both.found, *nesting(self.inner.surface, self.outer.surface)))
+        return Findings((*both.verdicts, *nesting(self.inner.surface, self.outer.surface)))
 
     @property
     def crossing(self) -> bool:

@@ -14,10 +14,6 @@ Not guaranteed: that solving anew would have rounded in the same way.  Not recog
 and of contacts in one plane those whose scale is.  Not kept: what was wished with points, handles, a basis, another
 normalisation or another energy than `CurvatureVariation`, what was not proved, and blends on a partition or layout that
 was given.
-
-Similarities take some curves' centres and planes to others, which makes two nodes the same.  Rotations, reflections,
-scales and translations with rational entries are found; irrational ones are not, and of anchors in one plane none whose
-scale is irrational.
 """
 
 from __future__ import annotations
@@ -28,13 +24,12 @@ from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from itertools import permutations
 from threading import Lock
-from typing import Self, TypeAlias
+from typing import Self
 
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.affine import ORIGIN, Affine
+from pas.algebra.affine import ORIGIN, Affine, reflection, scaling, translation
 from pas.algebra.inputs import whole
-from pas.algebra.matrices import leads
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import UNITS, Vector, cross, dot, minus, square_root, three
 from pas.certify.certificate import Certificate
@@ -183,7 +178,8 @@ class Session:
 
     def keep(self, blend: ChosenBlend, key: Hashable) -> None:
         """Keep a blend that is proved and was chosen by the usual energy; another is not kept."""
-        if not self.most or not blend.surface.looked_into or not blend.certificate.proved or not _usual(blend):
+        usual = type(blend.plate) is CurvatureVariation  # which has no unit
+        if not usual or not self.most or not blend.surface.looked_into or not blend.certificate.proved:
             return
         try:
             found = Found.of(blend)
@@ -194,11 +190,6 @@ class Session:
             self._kept[key, self._counter] = found
             while len(self._kept) > self.most:
                 self._kept.popitem(last=False)
-
-
-def _usual(blend: ChosenBlend) -> bool:
-    """Whether the energy that it was chosen by has no unit."""
-    return type(blend.plate) is CurvatureVariation
 
 
 def key_of(wishes: Wishes, *others: Hashable) -> Hashable | None:
@@ -228,9 +219,6 @@ def keep_blends(most: int = USUAL) -> None:
     _OPEN.set((Session(most),) if whole(most, "most", 0, MOST) else ())
 
 
-Matrix: TypeAlias = tuple[Vector, Vector, Vector]
-
-
 @dataclass(frozen=True)
 class Anchor:
     """A point and a direction that move with a contact: the centre of its curve and the normal of its plane."""
@@ -256,59 +244,32 @@ def similarities(before: Sequence[Anchor], after: Sequence[Anchor]) -> Iterator[
     ranks = [fmpq_mat([list(v) for v in _vectors(before[:size])]).rank() for size in sizes]
     base = before[: sizes[ranks.index(max(ranks))]]
     for chosen in permutations(after, len(base)):
-        for matrix, scale in linear_maps(_vectors(base), _vectors(chosen)):
-            image = Affine(matrix, ORIGIN).exact(base[0].point)
-            yield Affine(matrix, minus(chosen[0].point, image)), scale
+        for map_, scale in linear_maps(_vectors(base), _vectors(chosen)):
+            yield translation(minus(chosen[0].point, map_.exact(base[0].point))).after(map_), scale
 
 
 def _vectors(anchors: Sequence[Anchor]) -> list[Vector]:
     """Vectors that move with anchors: differences of points, and the first of these along the normals."""
     first, *others = anchors
     ways = [minus(other.point, first.point) for other in others]
-    along = [_times(a.normal, dot(ways[0], a.normal) / dot(a.normal, a.normal)) for a in anchors]
-    return [*ways, *along]
+    shares = (dot(ways[0], a.normal) / dot(a.normal, a.normal) for a in anchors)
+    return [*ways, *(three(share * c for c in a.normal) for share, a in zip(shares, anchors, strict=True))]
 
 
-def linear_maps(before: list[Vector], after: list[Vector]) -> list[tuple[Matrix, fmpq]]:
-    """The linear similarities that take some vectors to others, and their scales, which are rational."""
+def linear_maps(before: list[Vector], after: list[Vector]) -> list[tuple[Affine, fmpq]]:
+    """The linear similarities that take some vectors to others, and their scales, which are rational.
+
+    A reflection for each vector takes it where it is to go (Householder 1958) and keeps those before it.  Of vectors in
+    one plane the reflection in that does as well.
+    """
     square = dot(after[0], after[0]) / dot(before[0], before[0])
-    scale = square_root(square)
-    if scale**2 != square or any(
-        dot(a, after[0]) != dot(b, before[0]) * square for a, b in zip(after, before, strict=True)
-    ):
+    scale, pairs = square_root(square), list(zip(before, after, strict=True))
+    if scale**2 != square or any(dot(a, after[0]) != dot(b, before[0]) * square for b, a in pairs):
         return []
-    pivots = leads(*_columns(before).rref())
-    ours, theirs = [before[i] for i in pivots], [after[i] for i in pivots]
-    if len(pivots) == 1:
-        return [(_reflected(_times(ours[0], scale), theirs[0], scale), scale)]
-    if len(pivots) == 3:
-        choices = [(ours, theirs)]
-    else:
-        normal, image = cross(*ours), _times(cross(*theirs), 1 / scale)
-        choices = [([*ours, normal], [*theirs, image]), ([*ours, normal], [*theirs, _times(image, fmpq(-1))])]
-    found = []
-    for columns, images in choices:
-        matrix = _columns(images) * _columns(columns).inv()
-        if matrix.transpose() * matrix == fmpq_mat(3, 3, [scale**2 * (i == j) for i in range(3) for j in range(3)]):
-            found.append((_rows(matrix), scale))
-    return found
-
-
-def _reflected(old: Vector, new: Vector, scale: fmpq) -> Matrix:
-    """A reflection that takes a vector to another of its length (Householder 1958), or none, times the scale."""
-    w = minus(new, old)
-    square = dot(w, w)
-    rows = [[scale * ((i == j) - (2 * w[i] * w[j] / square if square else 0)) for j in range(3)] for i in range(3)]
-    return _rows(fmpq_mat(rows))
-
-
-def _columns(vectors: Sequence[Vector]) -> fmpq_mat:
-    return fmpq_mat([list(v) for v in vectors]).transpose()
-
-
-def _rows(matrix: fmpq_mat) -> Matrix:
-    return three((matrix[i, 0], matrix[i, 1], matrix[i, 2]) for i in range(3))
-
-
-def _times(a: Vector, factor: fmpq) -> Vector:
-    return three(c * factor for c in a)
+    map_ = scaling(scale, ORIGIN)
+    for old, new in pairs:
+        if any(way := minus(map_.direction(old), new)):
+            map_ = reflection(way, ORIGIN).after(map_)
+    normals = [normal for _, new in pairs if any(normal := cross(after[0], new))]
+    maps = [map_, *(reflection(normal, ORIGIN).after(map_) for normal in normals[:1])]
+    return [(m, scale) for m in maps if all(m.direction(old) == new for old, new in pairs)]

@@ -21,7 +21,7 @@ from pas.certify.local_mesh import OFF
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import manifold
 from pas.mesh.rows import Integers
-from pas.mesh.walls import End
+from pas.solid.faces import End, off_surface
 from pas.verdicts import Findings, Status, Verdict, Verdicts
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class WallMesh(Mesh):
             "outer": outer.certify_mesh(*_alone(self.points, of[0])),
             "inner": inner.certify_mesh(*_alone(self.points, of[1][:, ::-1])),
         }
-        sheets = Findings.of_parts(parts).found
+        sheets = Findings.of_parts(parts).verdicts
         size = float(np.ptp(outer.partition.points, axis=0).max())
         rings = [
             ring_verdict(f"a ring at end {number + 1}", self.points[of[2 + number]], end, size)
@@ -75,7 +75,7 @@ def ring_verdict(claim: str, corners: Floats, end: End, size: float) -> Verdict:
     """Whether triangles (T, 3, 3) are in an end, and all seen from one side; `size` is that of the region."""
     if not len(corners):
         return Verdict(Status.REFUTED, claim, "there are no triangles")
-    off = end.distances(corners.reshape(-1, 3))
+    off = off_surface(end.surface, corners.reshape(-1, 3))
     if not off.max() <= OFF * size:
         x, y, z = corners.reshape(-1, 3)[int(np.argmax(np.where(np.isnan(off), np.inf, off)))].tolist()
         return Verdict(Status.REFUTED, claim, "a vertex is not in the end", (x, y, z))

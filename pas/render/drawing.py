@@ -18,16 +18,16 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from html import escape
-from math import cos, inf, radians, sin
+from math import inf
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TypeVar, Unpack
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from pas.algebra.monomials import Floats
 from pas.errors import MissingLibraryError, PasError, optional
-from pas.exchange.files import check_folder, replacing, source, target
+from pas.exchange.files import make_folder, replacing, source, target
 from pas.exchange.picture_options import Picture, PictureOptions
 from pas.limits import Report, checkpoint, in_parts, limited
 from pas.mesh.mesh import Mesh
@@ -55,9 +55,7 @@ def draw(
     """Draw a shape, or a list of them, into a PNG file, or on a turntable into a GIF file; returns the path.
 
     A blend is drawn with its surfaces beyond their curves, in other colours, as far as they are known.  `options`
-    are those of `Picture`: `style`, `combs`, `size`, `view`, `domain`, `tolerance`, `four_views`, `exploded`, `cut`,
-    `parallel`, `transparent`, `occlusion`, `colors`, `labels`, `dimensions`.  `mesh`, that of the first shape, or of
-    its parts by name, spares meshing again.
+    are those of `Picture`.  `mesh`, that of the first shape, or of its parts by name, spares meshing again.
 
     `style` is a `pas.Style` or its name.  "zebra" shows isophotes, lines of equal angle between normal and a direction:
     across a joint they are broken for C^0, have kinks for GC^1 and are smooth for GC^2.  "highlights" shows highlight
@@ -144,8 +142,7 @@ def _moving(scenes: list[Scene], picture: Picture, turn: float, path: str | Path
     place, frames = Path(path), _frames(scenes, picture, turn)
     if not place.suffix:
         folder = source(path)
-        folder.mkdir(parents=True, exist_ok=True)
-        check_folder(folder)
+        make_folder(folder)
         for number, frame in enumerate(frames):
             with replacing(folder / f"{number:04d}.png") as temporary:
                 frame.save(temporary, format="png")
@@ -190,16 +187,11 @@ def _frames(scenes: list[Scene], picture: Picture, turn: float) -> list[Any]:
     pyvista, frames = offscreen_pyvista(), []
     for number, scene in enumerate(in_parts(scenes, "drawing")):
         scene.frame = frame
-        seen = replace(picture, view=tuple(_turned(np.array(view, dtype=float), turn * number / len(scenes))))
+        turned = Rotation.from_euler("z", turn * number / len(scenes), degrees=True).apply(view)
+        seen = replace(picture, view=tuple(turned))
         with closing(plotted(pyvista, scene, seen, off_screen=True, around=around)) as plotter:
             frames.append(_picture(plotter, seen))
     return frames
-
-
-def _turned(view: Floats, degrees: float) -> Floats:
-    """A direction (3,) turned about the last axis."""
-    c, s = cos(radians(degrees)), sin(radians(degrees))
-    return np.array([c * view[0] - s * view[1], s * view[0] + c * view[1], view[2]])
 
 
 def show(

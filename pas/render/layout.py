@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Unpack
 
 import numpy as np
+from scipy.spatial import geometric_slerp
 
-from pas.algebra.lengths import angle_between, unit
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
 from pas.contacts.contact import ContactLike, as_contact
@@ -76,9 +77,7 @@ def arc_mesh(layout: Layout, center: Floats) -> Mesh:
     bands = []
     for arc in layout.arcs:
         start, end = (unit(np.array(layout.rays[i], dtype=float)) for i in (arc.start, arc.end))
-        pole = unit(np.cross(start, end))
-        angles = np.linspace(0, angle_between(start, end), steps + 1)[:, None]
-        middle = np.cos(angles) * start + np.sin(angles) * np.cross(pole, start)
+        pole, middle = unit(np.cross(start, end)), geometric_slerp(start, end, np.linspace(0, 1, steps + 1))
         bands.append(unit(np.stack([middle - width / 2 * pole, middle + width / 2 * pole], axis=1)).reshape(-1, 3))
     triangles = np.concatenate(
         [connectivity((steps + 1, 2), False, False) + 2 * (steps + 1) * k for k in range(len(bands))]

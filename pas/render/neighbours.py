@@ -30,8 +30,7 @@ def collar(boundary: Boundary, sign: int, reach: float, normals: Floats) -> Mesh
     s = np.linspace(0.0, 1.0, len(normals), endpoint=not boundary.closed)
     away, found = -sign * unit(boundary.across(s)), None
     if isinstance(boundary.surface, Polynomial):
-        rows = strip(boundary.surface, boundary(s), away, reach / ROWS)
-        found = None if len(rows) < 2 else _mesh(rows, boundary.closed)
+        found = _mesh(strip(boundary.surface, boundary(s), away, reach / ROWS), boundary.closed)
     elif boundary.surface is not None and boundary.parameters is not None:
         places = np.broadcast_to(boundary.parameters(boundary.own(s)), (len(s), 2))
         found = collar_on(boundary.surface, places, away, reach, boundary.closed)
@@ -43,12 +42,16 @@ def collar_on(
     surface: ParametricSurface, places: Floats, away: Floats, reach: float, closed: bool = False
 ) -> Mesh | None:
     """The strip, `reach` wide, from parameters (n, 2) along unit vectors (n, 3); None where there is none."""
-    rows = _parametric(surface, places, away, reach / ROWS)
-    return None if len(rows) < 2 else _mesh(rows, closed)
+    return _mesh(_parametric(surface, places, away, reach / ROWS), closed)
 
 
-def _mesh(rows: list[Floats], closed: bool) -> Mesh:
-    """The mesh of rows of points and normals (2, n, 3), open or closed, its triangles facing the way of the normals."""
+def _mesh(rows: list[Floats], closed: bool) -> Mesh | None:
+    """The mesh of rows of points and normals (2, n, 3), open or closed, its triangles facing the way of the normals.
+
+    None where there are fewer than two.
+    """
+    if len(rows) < 2:
+        return None
     points, normals = (np.stack(parts, axis=1).reshape(-1, 3) for parts in zip(*rows, strict=True))
     triangles = connectivity((rows[0].shape[1], len(rows)), closed, False).copy()
     p = points[triangles]
@@ -139,10 +142,9 @@ def neighbours(surface: PiecewiseSurface, mesh: Mesh, length: float) -> list[Mes
         for chain in chains(contact_rim(contact, mesh)):
             closed = chain[0] == chain[-1]
             start = mesh.points[chain[:-1] if closed else chain]
-            rows = strip(f, start, _within(contact.clip.gradient(start), unit(f.gradient(start))), length / ROWS)
-            if len(rows) > 1:
-                result.append(_mesh(rows, bool(closed)))
-    return result
+            away = _within(contact.clip.gradient(start), unit(f.gradient(start)))
+            result.append(_mesh(strip(f, start, away, length / ROWS), bool(closed)))
+    return [mesh for mesh in result if mesh is not None]
 
 
 def contact_rim(contact: Contact, mesh: Mesh) -> Integers:

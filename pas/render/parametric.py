@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -29,22 +29,11 @@ Line = tuple[Floats, Floats]
 """The parameters of a curve's first and last point, (2,) each."""
 
 
-def surface_curves(domain: Domain) -> list[Line]:
-    """The borders of a finite domain and the lines in their middle, each way."""
+def lines(domain: Domain, firsts: Iterable[float], seconds: Iterable[float]) -> list[Line]:
+    """The lines of a finite domain on which one of the parameters has some value in it."""
     (a, b), (c, d) = domain
-    first = [(np.array([t, c]), np.array([t, d])) for t in (a, (a + b) / 2, b)]
-    return first + [(np.array([a, h]), np.array([b, h])) for h in (c, (c + d) / 2, d)]
-
-
-def blend_curves(domain: Domain, values: Sequence[float], closed: bool = False) -> list[Line]:
-    """The contact curves, which are lines of the second parameter's `values`, and some lines across them.
-
-    `closed`: the first and last line across are one.
-    """
-    (a, b), (c, d) = domain
-    across = np.linspace(a, b, 6, endpoint=not closed)
-    contacts = [(np.array([a, h]), np.array([b, h])) for h in values if c <= h <= d]
-    return contacts + [(np.array([t, c]), np.array([t, d])) for t in across]
+    along = [(np.array([a, h]), np.array([b, h])) for h in seconds if c <= h <= d]
+    return along + [(np.array([t, c]), np.array([t, d])) for t in firsts]
 
 
 def combs_on(surface: ParametricSurface, curves: Sequence[Line], mesh: Mesh) -> tuple[Comb, ...]:
@@ -74,7 +63,8 @@ def surface_layers(surface: ParametricSurface, scene: Scene) -> None:
     place = len(scene.layers) % len(COLORS)  # not a colour of a blend before
     layer = _layer(surface, scene, scene.picture.domain, COLORS[place], TINTS[place])
     if scene.picture.combs:
-        curves = surface_curves(finite_domain(surface, scene.picture.domain))
+        domain = finite_domain(surface, scene.picture.domain)
+        curves = lines(domain, *(np.linspace(*ends, 3) for ends in domain))  # borders, and those in the middle
         layer = replace(layer, combs=combs_on(surface, curves, layer.mesh))
     scene.layers.append(layer)
 
@@ -84,7 +74,7 @@ def blend_layers(blend: ParametricBlend, scene: Scene) -> None:
     rectangle = finite_domain(blend.surface, scene.picture.domain)
     layer = _layer(blend.surface, scene, rectangle, BLEND_COLOR, BLEND_TINT)
     if scene.picture.combs:
-        curves = blend_curves(rectangle, [to_float(value) for value in blend.data.values])
+        curves = lines(rectangle, np.linspace(*rectangle[0], 6), map(to_float, blend.data.values))
         layer = replace(layer, combs=combs_on(blend.surface, curves, layer.mesh))
     scene.layers.append(layer)
     reach, t = _reach(layer.mesh) / 2, np.linspace(*rectangle[0], ALONG)
@@ -112,7 +102,7 @@ def _beside(strip: Mesh | None, number: int, opacity: float = 1.0) -> list[Layer
 def _layer(surface: ParametricSurface, scene: Scene, domain: Any, color: str, tint: str) -> Layer:
     def make() -> Mesh:
         bounded = surface.with_domain(finite_domain(surface, domain))
-        return bounded.mesh(scene.picture.tolerance or scene.coloring.tolerance * extent(bounded)[1])
+        return bounded.mesh(scene.picture.tolerance or scene.picture.coloring.tolerance * extent(bounded)[1])
 
     mesh = scene.mesh(make)
     return Layer(mesh, color, tint, lambda: principal_on(mesh, surface), outlined=True)
@@ -127,7 +117,7 @@ def principal_on(mesh: Mesh, surface: ParametricSurface) -> Floats:
 
 def _size(scene: Scene) -> tuple[int, int]:
     """Of a blend's mesh: coarser for curvatures, which are smooth but slow."""
-    return (160, 60) if scene.coloring.curved else (ALONG, 120)
+    return (160, 60) if scene.picture.coloring.curved else (ALONG, 120)
 
 
 def layers(blend: GeneratrixBlend, scene: Scene) -> None:
@@ -175,4 +165,5 @@ def _sphere_curvatures(blend: SphereBlend, mesh: Mesh, size: tuple[int, int]) ->
 
 def _combs(blend: GeneratrixBlend, mesh: Mesh) -> tuple[Comb, ...]:
     """Along both boundaries and some generatrices."""
-    return combs_on(blend.surface, blend_curves(((0.0, 1.0), (0.0, 1.0)), (0.0, 1.0), blend.closed), mesh)
+    across = np.linspace(0, 1, 6, endpoint=not blend.closed)
+    return combs_on(blend.surface, lines(((0.0, 1.0), (0.0, 1.0)), across, (0.0, 1.0)), mesh)

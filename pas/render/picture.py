@@ -13,22 +13,7 @@ from pas.errors import optional
 from pas.exchange.picture_options import VIEWS, Picture
 from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Integers
-from pas.render.plotting import (
-    add_comb_legend,
-    add_combs,
-    add_dimensions,
-    add_labels,
-    add_legend,
-    add_lights,
-    add_lines,
-    bar,
-    hair_length,
-    look_at,
-    room,
-    tips,
-    widest_view,
-)
+from pas.render import plotting
 from pas.render.scene import Layer, Legend, Paint, Scene
 
 
@@ -50,7 +35,7 @@ def view_of(scene: Scene, picture: Picture) -> tuple[Any, Floats]:
     if isinstance(picture.view, str):
         return VIEWS[picture.view], np.eye(3)
     view = scene.view if picture.view is None else picture.view
-    return widest_view([layer.mesh for layer in scene.layers]) if view is None else view, scene.frame
+    return plotting.widest_view([layer.mesh for layer in scene.layers]) if view is None else view, scene.frame
 
 
 def _fill(plotter: Any, scene: Scene, picture: Picture, grid: tuple[int, int], around: Floats | None) -> None:
@@ -60,7 +45,7 @@ def _fill(plotter: Any, scene: Scene, picture: Picture, grid: tuple[int, int], a
     plane = _middle_plane(picture, meshes)
     shifts = _shifts(scene, picture)
     paints, legend = picture.coloring.paint(scene)
-    hair = hair_length(scene.layers)
+    hair = plotting.hair_length(scene.layers)
     points = np.concatenate(in_place(scene, picture))
     extent = float(np.ptp(points, axis=0).max())
     first, frame = view_of(scene, picture)
@@ -73,14 +58,15 @@ def _fill(plotter: Any, scene: Scene, picture: Picture, grid: tuple[int, int], a
         towards = unit(np.array(direction, dtype=float) @ frame)
         plotter.subplot(number // 2, number % 2)
         plotter.set_background(low, top=None if picture.occlusion else high)  # which takes a gradient for a surface
-        add_lights(plotter)
-        for place in _far_first(meshes, towards):
+        plotting.add_lights(plotter)
+        # what is seen through does not hide what is behind it, which is drawn before
+        for place in sorted(range(len(meshes)), key=lambda n: float(meshes[n].points.mean(axis=0) @ towards)):
             checkpoint(f"drawing {len(meshes[place].triangles)} triangles")
             layer, shift = scene.layers[place], shifts[place]
             before = len(plotter.renderer.actors)
             _add(plotter, layer, paints[place], picture, shift, legend, size[0])
             combs = len(plotter.renderer.actors)
-            add_combs(plotter, layer, hair, shift)
+            plotting.add_combs(plotter, layer, hair, shift)
             if plane is not None:
                 actors = list(plotter.renderer.actors.values())
                 _clip(actors[before:combs], plane, shift)
@@ -88,27 +74,29 @@ def _fill(plotter: Any, scene: Scene, picture: Picture, grid: tuple[int, int], a
                 colors = {*paints[place].faces}
                 _add_section(plotter, layer, plane, shift, colors.pop() if len(colors) == 1 else layer.color)
         if legend and number == 0:
-            add_legend(plotter, legend, size[0])
+            plotting.add_legend(plotter, legend, size[0])
         if picture.combs and number == 0:
-            add_comb_legend(plotter, scene.layers, size[0])
+            plotting.add_comb_legend(plotter, scene.layers, size[0])
         seen = points if around is None else around
         if picture.dimensions:
-            seen = np.concatenate([seen, add_dimensions(plotter, points, towards, size[0])])
+            seen = np.concatenate([seen, plotting.add_dimensions(plotter, points, towards, size[0])])
         if picture.labels:
-            add_labels(plotter, scene.layers, shifts, plane, towards, size[0])
+            plotting.add_labels(plotter, scene.layers, shifts, plane, towards, size[0])
             seen = seen + 0.12 * (seen - (seen.min(axis=0) + seen.max(axis=0)) / 2)  # as words are longer than faces
         if picture.occlusion:
             plotter.enable_ssao(radius=0.08 * extent, bias=0.005 * extent, kernel_size=64)
         plotter.enable_anti_aliasing("ssaa")
-        look_at(plotter, frame, direction, seen, size, room(legend, picture), parallel=picture.parallel)
+        plotting.look_at(
+            plotter, frame, direction, seen, size, plotting.room(legend, picture), parallel=picture.parallel
+        )
 
 
 def in_place(scene: Scene, picture: Picture) -> list[Floats]:
     """The points (n, 3) of each layer, with its combs, where they are drawn; where it is cut, those of the rest."""
-    hair, plane = hair_length(scene.layers), _middle_plane(picture, [layer.mesh for layer in scene.layers])
+    hair, plane = plotting.hair_length(scene.layers), _middle_plane(picture, [layer.mesh for layer in scene.layers])
     found = []
     for layer, shift in zip(scene.layers, _shifts(scene, picture), strict=True):
-        points = np.concatenate([layer.mesh.points, tips(layer, hair)])
+        points = np.concatenate([layer.mesh.points, plotting.tips(layer, hair)])
         if plane is not None:
             depths = (points - plane[1]) @ plane[0]
             ends = layer.mesh.edges[0]
@@ -124,11 +112,6 @@ def _shifts(scene: Scene, picture: Picture) -> Floats:
     extent = float(np.ptp(np.concatenate([layer.mesh.points for layer in scene.layers]), axis=0).max())
     step = np.array([0.0, 0.0, 0.35 * extent if picture.exploded else 0.0])
     return np.arange(len(scene.layers))[:, None] * step
-
-
-def _far_first(meshes: Sequence[Mesh], towards: Floats) -> list[int]:
-    """The order in which meshes are drawn, so that what is seen through does not hide what is behind it."""
-    return sorted(range(len(meshes)), key=lambda place: float(meshes[place].points.mean(axis=0) @ towards))
 
 
 def _middle_plane(picture: Picture, meshes: Sequence[Mesh]) -> tuple[Floats, Floats] | None:
@@ -162,7 +145,7 @@ def _add_section(plotter: Any, layer: Layer, plane: tuple[Floats, Floats], shift
         return
     section = type(whole).from_regular_faces(whole.points + shift, triangles).clean()
     plotter.add_mesh(section, color=color, ambient=0.6, diffuse=0.6)
-    add_lines(plotter, section.extract_feature_edges(feature_edges=False, manifold_edges=False), 2.0)
+    plotting.add_lines(plotter, section.extract_feature_edges(feature_edges=False, manifold_edges=False), 2.0)
 
 
 def _add(
@@ -178,7 +161,7 @@ def _add(
         data["shown"] = paint.values.ravel()
         options |= {"scalars": "shown", "interpolate_before_map": True}
         if legend is not None:
-            options |= {"show_scalar_bar": True, "scalar_bar_args": bar(legend, width)}
+            options |= {"show_scalar_bar": True, "scalar_bar_args": plotting.bar(legend, width)}
     elif paint.faces:
         colors = [[int(color[i : i + 2], 16) for i in (1, 3, 5)] for color in paint.faces]
         data.cell_data["shown"] = np.array(colors, dtype=np.uint8)[layer.mesh.faces]
@@ -190,16 +173,11 @@ def _add(
     for culling in (None,) if opacity == 1 else ("front", "back"):
         plotter.add_mesh(data, culling=culling, **options)
     if layer.outlined and (paint.values is None or legend is not None):
-        edges, times = layer.mesh.edges
-        for lines, thickness in ((edges[times == 1], 3.0), (layer.mesh.feature_edges, 2.0)):
-            add_lines(plotter, _lines(layer.mesh.points + shift, lines), thickness)
-
-
-def _lines(points: Floats, edges: Integers) -> Any:
-    """Edges (E, 2) between points (N, 3) as lines of pyvista."""
-    pyvista = optional("pyvista")
-    cells = np.concatenate([np.full((len(edges), 1), 2), edges], axis=1)
-    return pyvista.PolyData(points, lines=cells.ravel()) if len(edges) else pyvista.PolyData()
+        pyvista, (edges, times) = optional("pyvista"), layer.mesh.edges
+        for ends, thickness in ((edges[times == 1], 3.0), (layer.mesh.feature_edges, 2.0)):
+            if len(ends):
+                places = (layer.mesh.points + shift)[ends].reshape(-1, 3)
+                plotting.add_lines(plotter, pyvista.line_segments_from_points(places), thickness)
 
 
 def _data(mesh: Mesh, paint: Paint) -> Any:

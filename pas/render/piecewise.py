@@ -31,7 +31,7 @@ VIEW = (0.62, -0.62, 0.48)
 def layers(surface: PiecewiseSurface, scene: Scene) -> None:
     """Add the surface and its neighbours; raises `MeshError` where it has no region."""
     extent = float(np.ptp(surface.partition.points, axis=0).max()) if len(surface.partition.points) else 1.0
-    tolerance = scene.picture.tolerance or extent * scene.coloring.tolerance
+    tolerance = scene.picture.tolerance or extent * scene.picture.coloring.tolerance
     mesh = scene.mesh(lambda: surface.mesh(tolerance))
     scene.look(VIEW, _frame(surface))
     scene.layers.append(

@@ -58,9 +58,8 @@ def add_combs(plotter: Any, layer: Layer, factor: float, shift: Floats) -> None:
         for sign, color in ((1, CONVEX), (-1, CONCAVE)):
             for run in _runs(comb.curvatures * sign > 0):
                 places, ends = _ends(comb, base, factor, run)
-                cells = np.stack([np.full(len(run), 2), np.arange(len(run)), np.arange(len(run)) + len(run)], axis=1)
-                hairs = pyvista.PolyData(np.concatenate([base[run], ends[places]]), lines=cells.ravel())
-                _add(plotter, hairs, color, 1.2)
+                hairs = np.stack([base[run], ends[places]], axis=1).reshape(-1, 3)
+                _add(plotter, pyvista.line_segments_from_points(hairs), color, 1.2)
                 _add(plotter, pyvista.lines_from_points(ends), color, 2.5)
 
 
@@ -125,10 +124,8 @@ def look_at(
 ) -> None:
     """Point the camera so that the points fill the picture, but for `room` on the right and below, over its size."""
     angle, margin = 24.0, 1.12  # of the camera, in degrees, and the picture's height over that of what is drawn
-    ahead = -np.array(view, dtype=float) @ frame
-    ahead /= np.linalg.norm(ahead)
-    right = np.cross(ahead, frame[2] if np.linalg.norm(np.cross(ahead, frame[2])) > 1e-6 else frame[1])
-    right /= np.linalg.norm(right)
+    ahead = -unit(np.array(view, dtype=float) @ frame)
+    right = unit(np.cross(ahead, frame[2] if np.linalg.norm(np.cross(ahead, frame[2])) > 1e-6 else frame[1]))
     axes = np.array([right, np.cross(right, ahead), ahead])
     seen = points @ axes.T
     low, high = seen.min(axis=0), seen.max(axis=0)

@@ -17,7 +17,7 @@ from pas.algebra.inputs import shown
 from pas.algebra.monomials import Floats
 from pas.exchange.picture_options import STYLES, Picture
 from pas.mesh.mesh import Mesh
-from pas.shape import Kind, Shape, kind_of
+from pas.shape import Kind, Shape, kind_of, one
 
 BLEND_COLOR, PIPE_COLOR, CURVE_COLOR = "#e8a33d", "#b9c4cf", "#22303c"
 
@@ -125,11 +125,6 @@ class Scene:
     frame: Floats = field(default_factory=lambda: np.eye(3))
     view: Any = None
 
-    @property
-    def coloring(self) -> Coloring:
-        """What the colours show."""
-        return self.picture.coloring
-
     def mesh(self, make: Callable[[], Mesh], name: str = "") -> Mesh:
         """The known mesh of a part, or the one that `make` makes."""
         return self.known[name] if name in self.known else make()
@@ -173,8 +168,7 @@ def _check_curved(kind: Kind[Any], picture: Picture) -> None:
     if picture.curved and not kind.curved:
         what = "combs" if picture.combs else "colours"
         others = [name for name, coloring in STYLES.items() if not coloring.curved]
-        article = "an" if kind.name[0] in "aeiou" else "a"
         raise ValueError(
-            f"curvature {what} exist for blends and surfaces, and this is {article} {kind.name}; "
+            f"curvature {what} exist for blends and surfaces, and this is {one(kind.name)}; "
             f"draw it in one of the styles {', '.join(others)}{' without combs' if picture.combs else ''}"
         )

@@ -17,7 +17,7 @@ values, by area, and is symmetric about 0 where the sign changes; the legend nam
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import filter
 
 import numpy as np
@@ -192,11 +192,7 @@ class Curvature(Coloring):
 
 def point_areas(mesh: Mesh) -> Floats:
     """The area (N,) that each point of a mesh stands for: a third of its triangles'."""
-    p = mesh.points[mesh.triangles]
-    areas = np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1) / 6
-    result = np.zeros(len(mesh.points))
-    np.add.at(result, mesh.triangles, areas[:, None])
-    return result
+    return np.bincount(mesh.triangles.ravel(), np.repeat(mesh.areas / 3, 3), len(mesh.points)).astype(float)
 
 
 def color_range(values: Floats, areas: Floats) -> tuple[float, float]:
@@ -223,12 +219,8 @@ def color_range(values: Floats, areas: Floats) -> tuple[float, float]:
     return (max(low, 0.0), high) if high == most else (low, min(high, 0.0))
 
 
-def _mean(principal: Floats) -> Floats:
-    return principal.mean(axis=1)
-
-
-MEAN = Curvature("mean", "colours by mean curvature", "mean curvature", _mean)
-CURVATURE = Curvature("curvature", "the older name of mean", "mean curvature", _mean)
+MEAN = Curvature("mean", "colours by mean curvature", "mean curvature", lambda p: p.mean(axis=1))
+CURVATURE = replace(MEAN, name="curvature", shows="the older name of mean")
 GAUSS = Curvature("gauss", "colours by Gauss curvature", "Gauss curvature", lambda p: p.prod(axis=1), power=2)
 MAX = Curvature("max", "colours by the larger principal curvature", "larger principal\ncurvature", lambda p: p[:, 0])
 MIN = Curvature("min", "colours by the smaller principal curvature", "smaller principal\ncurvature", lambda p: p[:, 1])

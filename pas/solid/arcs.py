@@ -12,21 +12,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
 from flint import arb, ctx, fmpq
 
 from pas.algebra.curve import SpaceCurve
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import exact_vector
 from pas.algebra.roots import FIRST_BITS, RealRoot, between, bounds, rational_root
 from pas.algebra.zeros import RealZero, value_at
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.limits import checkpoint
+from pas.mesh.rows import Bools, Floats
 from pas.solid.germs import Ray, Sheets
-from pas.solid.tree import Atom, Bools, ScalarField
+from pas.solid.tree import Atom, ScalarField
 from pas.solid.truths import LeafTree, matters, rests_on, says
 
 Slab = tuple[RealRoot | None, RealRoot | None]
@@ -94,8 +95,7 @@ class Around:
     def __init__(self, sheets: Sheets, solid: LeafTree, nearby: AlongCurve, point: RealZero, slab: Slab) -> None:
         self.sheets, self.solid, self.nearby, self.point, self.slab = sheets, solid, nearby, point, slab
         self.doubts: set[int] = set()
-        self._signs: dict[int, int] = {}
-        self._cuts: dict[int, list[RealRoot]] = {}
+        self.cuts, self._sign = cache(self._cuts), cache(lambda number: point.sign(solid.polynomials[number]))
 
     def arc(self, plane: fmpq, names: Sequence[str]) -> Arc:
         """What is on the boundary along the arc, if there is no doubt."""
@@ -107,13 +107,8 @@ class Around:
         unknown = dict.fromkeys(range(len(self.sheets.regular)))
         return matters(self.solid.code, number, lambda n: self._holds(n, unknown))
 
-    def cuts(self, number: int) -> list[RealRoot]:
+    def _cuts(self, number: int) -> list[RealRoot]:
         """Values inside the slab at which the truth of a leaf may change."""
-        if number not in self._cuts:
-            self._cuts[number] = self._found_cuts(number)
-        return self._cuts[number]
-
-    def _found_cuts(self, number: int) -> list[RealRoot]:
         polynomial, _ = self.solid.signed[number]
         if polynomial in self.sheets.factors:
             return []
@@ -176,11 +171,6 @@ class Around:
         for other, power in factors.others:
             sign *= self.point.sign(other) ** power
         return self.solid.holds(number, sign) if sign else None
-
-    def _sign(self, number: int) -> int:
-        if number not in self._signs:
-            self._signs[number] = self.point.sign(self.solid.polynomials[number])
-        return self._signs[number]
 
     def _is_fixed(self, number: int) -> bool:
         if self.solid.signed[number][0] < 0 and not self.nearby.is_fixed(number, self.slab):

@@ -15,12 +15,12 @@ from numpy.typing import ArrayLike
 from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.algebra.brief import brief, listed
 from pas.algebra.inputs import shown
-from pas.algebra.monomials import Floats
 from pas.limits import WorkLimits, in_parts, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.settings import MeshSettings
+from pas.mesh.rows import Floats
 from pas.shape import Shape
+from pas.solid.bounds import hull
 from pas.solid.measures import Measures, PartList, flat_measures
 from pas.solid.solid import Solid
 from pas.verdicts import Findings, Verdicts
@@ -57,9 +57,7 @@ class Part(AffineShape["Part"], Shape):
         self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> Mesh:
         """The part's mesh; see `Solid.mesh`."""
-        if isinstance(self.shape, Solid):
-            return self.shape.mesh(tolerance, quality=quality)
-        return self.shape.mesh(tolerance)
+        return self.shape.mesh(tolerance, quality=quality)
 
     @limited("measuring a part", "a coarser tolerance")
     def measures(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> Measures:
@@ -76,11 +74,6 @@ class Part(AffineShape["Part"], Shape):
 
     def _patterned(self, maps: Sequence[Affine]) -> Part:
         return replace(self, shape=self.shape._patterned(maps))
-
-    def meshed(self, settings: MeshSettings) -> Mesh:
-        """The part's mesh by settings."""
-        mesh: Mesh = self.shape.meshed(settings)
-        return mesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,12 +99,6 @@ class Assembly(AffineShape["Assembly"], Shape):
     ) -> Mesh:
         """All parts as one mesh, whose faces are named "part: face"; each part as `Part.mesh` gives it."""
         return Mesh.together(self.meshes(tolerance, quality=quality))
-
-    def meshed(self, settings: MeshSettings) -> Mesh:
-        """All parts as one mesh by settings."""
-        return Mesh.together(
-            {name: self.parts[name].meshed(settings) for name in in_parts(self.parts, "meshing parts")}
-        )
 
     @limited("meshing an assembly", "a coarser tolerance")
     def meshes(
@@ -154,12 +141,12 @@ class Assembly(AffineShape["Assembly"], Shape):
     @property
     def box(self) -> Floats:
         """Two corners (2, 3) of a box that holds all parts."""
-        return _around([p.shape.box for p in self.parts.values()])
+        return hull([p.shape.box for p in self.parts.values()])
 
     @property
     def bounding_box(self) -> Floats:
         """Two corners (2, 3) of the smallest box with sides along the axes, up to the parts' default tolerances."""
-        return _around([p.bounding_box for p in self.parts.values()])
+        return hull([p.bounding_box for p in self.parts.values()])
 
     def _moved(self, map_: Affine) -> Assembly:
         return Assembly(MappingProxyType({name: part._moved(map_) for name, part in self.parts.items()}))
@@ -185,11 +172,6 @@ class Assembly(AffineShape["Assembly"], Shape):
 
     def __repr__(self) -> str:
         return listed("<Assembly of", self.parts)
-
-
-def _around(boxes: Sequence[Floats]) -> Floats:
-    """The smallest box (2, 3) that holds boxes."""
-    return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
 
 
 PartLike: TypeAlias = Solid | Mesh | tuple[Solid | Mesh, str]

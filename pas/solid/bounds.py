@@ -10,17 +10,16 @@ from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
-from flint import fmpq
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.scaling import scaled
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.errors import GeometryError
 from pas.limits import checkpoint
+from pas.mesh.rows import Bools, Floats
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import followed_by
-from pas.solid.tree import Bools, Node, Tree, atoms, is_contradiction, parts_of
+from pas.solid.tree import Node, Tree, atoms, is_contradiction, parts_of
 
 FARTHEST = 2.0**24
 """Coordinates beyond which a set counts as unbounded."""
@@ -40,8 +39,6 @@ EMPTY = "the solid is empty: no point satisfies all of its inequalities"
 NOTHING = np.array([[np.inf] * 3, [-np.inf] * 3])
 """The box of no points."""
 
-ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
-
 
 def bounding_box(tree: Tree) -> Floats:
     """A box (2, 3) that holds the set.
@@ -59,12 +56,12 @@ def bounding_box(tree: Tree) -> Floats:
             seen = found[1]
     if not boxes:
         raise GeometryError(EMPTY)
-    return _hull(boxes)
+    return hull(boxes)
 
 
 def narrowed(tree: Tree, within: Floats) -> Floats:
     """A box (2, 3) that holds a set in another one, which is kept where points of the set are near its sides."""
-    evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
+    evaluator = TreeEvaluator(tree)
     found = _shrunk(evaluator, within, NOTHING) if (within[0] <= within[1]).all() else None
     if found is None:
         raise GeometryError(EMPTY)
@@ -76,11 +73,12 @@ def _branch_box(tree: Tree, seen: Floats) -> tuple[Floats, Floats] | None:
     start = None if is_contradiction(tree) else _linear_box(tree)
     if start is None or ((seen[0] <= start[0]) & (start[1] <= seen[1])).all():
         return None if start is None else (start, seen)
-    evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
+    evaluator = TreeEvaluator(tree)
     return None if evaluator.is_empty else _shrunk(evaluator, _within_unions(tree, start), seen)
 
 
-def _hull(boxes: Sequence[Floats]) -> Floats:
+def hull(boxes: Sequence[Floats]) -> Floats:
+    """The smallest box (2, 3) that holds boxes."""
     return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
 
 
@@ -113,8 +111,8 @@ def _linear_box(tree: Tree) -> Floats | None:
         found = [inner for p in part.parts if (inner := _linear_box(p)) is not None]
         if not found:
             return None
-        hull = _hull(found)
-        box = np.stack([np.maximum(box[0], hull[0]), np.minimum(box[1], hull[1])])
+        within = hull(found)
+        box = np.stack([np.maximum(box[0], within[0]), np.minimum(box[1], within[1])])
         box = box if (box[0] <= box[1]).all() else None
     return box
 

@@ -16,10 +16,10 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import shown_point
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import exact, plain, rational, to_float, to_floats
 from pas.errors import GeometryError
+from pas.mesh.rows import Floats
 
 Point = tuple[fmpq, fmpq]
 

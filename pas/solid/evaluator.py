@@ -13,14 +13,15 @@ from functools import cached_property
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.affine import ORIGIN
 from pas.algebra.evaluation import CHUNK_ENTRIES, PolynomialBatch
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import to_float
+from pas.algebra.rational import Vector, to_float
 from pas.algebra.scaling import Scaled
 from pas.limits import checkpoint
+from pas.mesh.rows import Bools, Floats, Integers
 from pas.solid.taylor import TaylorForms
-from pas.solid.tree import Atom, Bools, Columns, Function, Integers, ScalarField, Tree, atoms
+from pas.solid.tree import Atom, Columns, Function, ScalarField, Tree, atoms
 from pas.solid.truths import CompiledTree
 from pas.surface.geometry import derivative_batch
 
@@ -43,7 +44,7 @@ def called(names: Iterable[str]) -> str:
     return " + ".join(names)
 
 
-class TreeEvaluator:
+class TreeEvaluator(CompiledTree):
     """The columns of a tree and the code that combines their signs.
 
     A polynomial and its multiples are one column, so that `{w <= 0}` and `{w >= 0}` leave no gap between them, and so
@@ -51,11 +52,11 @@ class TreeEvaluator:
     that the code does not use.
     """
 
-    def __init__(self, tree: Tree, center: tuple[fmpq, fmpq, fmpq], scale: fmpq, extra: tuple[Function, ...] = ()):
+    def __init__(self, tree: Tree, center: Vector = ORIGIN, scale: fmpq = fmpq(1), extra: tuple[Function, ...] = ()):
         self.center, self.scale = center, scale
         # Planes through points that are doubles are one up to their rounding, unless that is far from the origin.
         self._tree, self._numbers = tree, Columns(rounded=max(map(abs, center)) < 2**8 * scale)
-        self._compiled = CompiledTree(tree, self._column_of)
+        super().__init__(tree, self._column_of)
         names: list[dict[str, None]] = [{} for _ in self._numbers.functions]
         for atom in atoms(tree):
             names[self._column_of(atom)[0]] |= {atom.face: None} if atom.face else {}
@@ -108,13 +109,9 @@ class TreeEvaluator:
                     break
         return tuple(found) or names
 
-    def holds(self, yes: Bools, no: Bools) -> Bools:
-        """Where the tree is certainly true (N,), given where each column is certainly <= 0 or > 0 (M, N)."""
-        return self._compiled.holds(yes, no)
-
     def inside(self, signs: Bools) -> Bools:
         """Where the tree is true (N,), given which columns are <= 0 (M, N)."""
-        return self._compiled.holds(signs, ~signs)
+        return self.holds(signs, ~signs)
 
     def contains(self, points: Floats) -> Bools:
         """Where the tree is true (N,) at points (N, 3); in a block of these no values are needed of columns that have
@@ -166,10 +163,10 @@ class TreeEvaluator:
         Inside, walls only select which parts count, so that the value is not 0 where parts adjoin.
         """
         values = self._true(self.values(points, np.arange(self.used)))
-        plain = self._compiled.extremes(values)
+        plain = self.extremes(values)
         selecting = values.copy()
         selecting[self.walls] = np.where(values[self.walls] <= 0, -np.inf, np.inf)
-        chosen = self._compiled.extremes(selecting)
+        chosen = self.extremes(selecting)
         return np.where(self.inside(values <= 0) & np.isfinite(chosen), chosen, plain)
 
     def _true(self, values: Floats) -> Floats:
@@ -204,12 +201,6 @@ class TreeEvaluator:
     def walls(self) -> Bools:
         """Which columns of the tree (M,) are no faces."""
         return np.array([not c.names for c in self.columns[: self.used]])
-
-    @cached_property
-    def planes(self) -> Bools:
-        """Which columns of the tree (M,) are planes."""
-        functions = (c.function for c in self.columns[: self.used])
-        return np.array([isinstance(f, Polynomial) and f.degree == 1 for f in functions])
 
     @cached_property
     def _fields(self) -> dict[int, ScalarField]:
@@ -303,13 +294,6 @@ class TreeEvaluator:
             never &= nothing
         true[rows], false[rows] = always, never
         return true, false
-
-    def relevant(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
-        """Which columns (M, N) the tree depends on where it reads them `<= 0`, and where it reads them `> 0`.
-
-        `yes` and `no` (M, N) say where columns are certainly <= 0 and > 0.
-        """
-        return self._compiled.relevant(yes, no)
 
     def sides(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
         """Where the solid may be on the side `<= 0` alone of each column (M, N), and where on the side `> 0` alone.

@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, field
+from itertools import pairwise, product
 
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import near, plain, square_root, to_float
 from pas.errors import GeometryError
+from pas.mesh.rows import Floats, Integers
 from pas.solid.edges import Loop, PlaneEdge, at, gradient, line, radius_of
+from pas.solid.faces import COARSE, Faces, SolidBoundary, SweptBody, cross, flat, jets_of
 from pas.solid.formulas import PlaneSet, formula
 from pas.solid.joints import Joint
-from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operands
-from pas.solid.sheets import COARSE, Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import SweptBody, cross, flat, jets_of, put_flat, put_side
 from pas.solid.tree import Atom, Tree, combined
 
 X, Y, Z = GENERATORS
@@ -38,7 +36,7 @@ def extruded(profile: PlaneSet, height: fmpq, taper: fmpq) -> Solid:
     def lift(loop: Loop, outside: bool) -> Tree:
         lean = Lean(-slope if outside else slope)
         lean.check(loop, height)
-        return formula(loop, lambda edge: Atom(lean.surface(edge), edge.name), lambda edge: Atom(lean.wall(edge), ""))
+        return lean.tree(loop)
 
     ends = [Atom(Polynomial.from_raw(-Z), "bottom"), Atom(Polynomial.from_raw(Z - height), "top")]
     tree = combined(False, profile.tree(lift), *ends)
@@ -78,6 +76,10 @@ class Lean:
         apex = radius * edge.bow / self.slope
         return chord - Polynomial.from_raw(Z * (chord.raw(*center, 0) / apex))
 
+    def tree(self, loop: Loop) -> Tree:
+        """What is between the sides over a loop."""
+        return formula(loop, lambda edge: Atom(self.surface(edge), edge.name), lambda edge: Atom(self.wall(edge), ""))
+
     def check(self, loop: Loop, height: fmpq) -> None:
         """Raise `GeometryError` where sides that lean have no such surfaces."""
         if not self.slope:
@@ -114,49 +116,135 @@ def joints(loop: Loop, lean: Lean) -> Iterator[Joint]:
         yield Joint(one.name, other.name, (lean.surface(flat_side), across), 1)
 
 
+def _section(order: int, parts: int) -> Floats:
+    """Points (parts + 1, 2) of the section 2 s t = (1 - s - t)^(order + 1) of a fillet: t and s of each.
+
+    They are in the directions of points evenly along the circle that it is of order 1.
+    """
+    turns = np.linspace(0, np.pi / 2, parts + 1)
+    circle = 1 - np.stack([np.sin(turns), np.cos(turns)], axis=1)
+    shares = circle / circle.sum(axis=1)[:, None]
+    low, high = np.zeros(parts + 1), np.ones(parts + 1)
+    for _ in range(60):  # halvings, after which doubles are equal
+        middle = (low + high) / 2
+        inside = 2 * shares.prod(axis=1) * middle**2 < (1 - middle) ** (order + 1)
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    return np.asarray(shares * high[:, None]) if order else shares
+
+
+@dataclass(frozen=True)
+class Rounds:
+    """The faces, by name and surface, along the edges of a loop, by its number, in a plane across it at a `level`,
+    above it if `up` is 1 and below if -1: rounds of an end of its solid, or, where `foot` is not 0, fillets around it.
+
+    A fillet ends in the plane, in what the solid stands on, and begins where the sides are left.  Rounding would say
+    which of two faces in one plane is in front, so that the row of the sides is moved on by `foot` beyond it.
+    """
+
+    loop: int
+    level: float
+    up: int
+    foot: float
+    radius: float
+    order: int
+    faces: tuple[tuple[str, Polynomial], ...]
+
+    def fits(self, height: float) -> bool:
+        """Whether they are beside a solid up to a height, or at one of its ends."""
+        within = 0.0 <= self.level <= height and 0.0 < self.level + self.up * self.radius < height
+        return within and (self.foot > 0 or self.level in (0.0, height))
+
+    def rows(self, tolerance: float) -> Floats:
+        """How far inwards, and how high, rows (N, 2) along them are, from above."""
+        turns = max(2, math.ceil(0.9 * self.order * math.sqrt(3 * self.radius / tolerance)))
+        arc = self.radius * _section(self.order, turns) * [-1 if self.foot else 1, self.up]
+        beyond = np.array([[0.0, -self.up * self.foot]] if self.foot else np.empty((0, 2)))
+        return np.concatenate([beyond, arc])[:: -self.up] + [0, self.level]
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Prism(SweptBody):
-    """A solid over loops up to a height."""
+    """A solid over loops up to a height; one that does not lean may have rounds, or fillets around it, along some."""
 
     height: float
-    lean: Lean
+    lean: Lean = field(default=Lean(fmpq(0)))
+    rounds: tuple[Rounds, ...] = ()
 
     def made(self, tolerance: float) -> Faces | None:
-        """Its faces: rows of the loops' polygons at both ends, and between them the sides."""
-        found = self.polygons(tolerance)
+        """Its faces, finer where they are nearly singular, as tori are that nearly meet themselves."""
+        finer, finest = tolerance, min(tolerance, 2.0**-20 * self.extent)
+        while (found := self._rows(finer)) is not None and found.deviation > tolerance and finer > finest:
+            finer /= 4
+        return found
+
+    def _rows(self, tolerance: float) -> Faces | None:
+        """Rows of the loops' polygons, moved along the rounds, all between them, and both ends."""
+        found = self.polygons(tolerance / 3 if self.rounds else tolerance)
         if found is None:
             return None
-        polygons, counts, triangles = found
-        tops = [self._top(*some) for some in zip(self.loops, polygons, counts, strict=True)]
-        levels = (np.concatenate(polygons), 0.0), (np.concatenate(tops), self.height)
-        made = Faces([np.pad(p, ((0, 0), (0, 1)), constant_values=z) for p, z in levels], 0.0)
-        n, first = len(levels[0][0]), 0
-        for loop, points, count in zip(self.loops, polygons, counts, strict=True):
-            borders = np.cumsum([0, *count])
-            for edge, (a, b) in zip(loop.edges, pairwise(borders.tolist()), strict=True):
-                below, above = (first + np.arange(a, b + 1) % len(points) + up for up in (0, n))
-                put_side(made, edge.name, [*np.stack([above, below], axis=1)], jets_of(self.lean.surface(edge)))
-            first += len(points)
-        put_flat(made, "bottom", triangles[:, ::-1], np.array([0.0, 0.0, -1.0]))
-        top = flat(tops) if self.lean.slope else triangles
-        if top is None:
-            return None
-        put_flat(made, "top", n + top, np.array([0.0, 0.0, 1.0]))
-        return made
+        made, rims = Faces([], 0.0), list[tuple[Integers, Integers]]()
+        for number, polygon in enumerate(zip(*found[:2], strict=True)):
+            ends = self._put_sides(made, number, polygon, tolerance)
+            if ends is None:
+                return None
+            rims.append(ends)
+        tops, bottoms = zip(*rims, strict=True)
+        return made if made.put_level("top", tops, 1) and made.put_level("bottom", bottoms, -1) else None
 
-    def _top(self, loop: Loop, points: Floats, counts: list[int]) -> Floats:
-        """Where the points (N, 2) of a loop's polygon come to at the top."""
-        if not self.lean.slope:
-            return points
-        by = to_float(self.lean.slope) * self.height
+    def _sections(
+        self, made: Faces, number: int, polygon: tuple[Floats, list[int]], tolerance: float
+    ) -> list[tuple[Integers, Rounds | None]] | None:
+        """The rows of vertices of a loop, from above: those of its rounds, and others; None where rounds meet."""
+        rounds = [one for one in self.rounds if one.loop == number]
+        found: list[tuple[Floats, Rounds | None]] = [(one.rows(tolerance), one) for one in rounds]
+        ends, slope = {self.height, 0.0} - {one.level for one in rounds}, to_float(self.lean.slope)
+        found += [(np.array([[slope * z, z]]), None) for z in ends]
+        sections = sorted(found, key=lambda section: -section[0][:, 1].mean())
+        rows, last = np.concatenate([some for some, _ in sections]), np.cumsum([len(some) for some, _ in sections])
+        falls = -np.diff(rows[:, 1])
+        if falls.min() < 0 or falls[last[:-1] - 1].min() == 0:
+            return None
+        aside = rows[:, :1, None]
+        moved = polygon[0] + aside * (self._ways(self.loops[number], *polygon) if aside.any() else 1.0)
+        heights = np.broadcast_to(rows[:, 1, None, None], (*moved.shape[:2], 1))
+        numbers = made.added(np.concatenate([moved, heights], axis=2).reshape(-1, 3)).reshape(len(rows), -1)
+        for row, rim in zip(numbers, moved, strict=True):
+            same = np.linalg.norm(rim - np.roll(rim, 1, axis=0), axis=1) < 2.0**-40 * self.extent
+            row[:] = row[~same][np.cumsum(~same) - 1]  # of an arc of the radius one point is left
+        return [*zip(np.split(numbers, last[:-1]), (one for _, one in sections), strict=True)]
+
+    def _put_sides(
+        self, made: Faces, number: int, polygon: tuple[Floats, list[int]], tolerance: float
+    ) -> tuple[Integers, Integers] | None:
+        """The faces of a loop but for both ends, whose rows of vertices are given back; None where they cross."""
+        loop, sections = self.loops[number], self._sections(made, number, polygon, tolerance)
+        if sections is None:
+            return None
+        bands: list[tuple[Integers, Rounds | None]] = [(rows, one) for rows, one in sections if one]
+        bands += [(np.stack([above[-1], below[0]]), None) for (above, _), (below, _) in pairwise(sections)]
+        for place, (rows, one) in enumerate(bands):
+            if one and one.foot:
+                *arc, rim, inner = rows[:: one.up]
+                if not made.put_level(one.faces[0][0], (rim, inner[::-1]), -one.up):
+                    return None
+                bands[place] = np.stack([*arc, rim])[:: one.up], one
+        borders = np.cumsum([0, *polygon[1]])
+        for (rows, one), (k, edge) in product(bands, enumerate(loop.edges)):
+            name, surface = one.faces[0 if loop.whole else k] if one else (edge.name, self.lean.surface(edge))
+            across = rows[:, np.arange(borders[k], borders[k + 1] + 1) % rows.shape[1]]
+            made.put_side(name, [*across.T], jets_of(surface))
+        return sections[0][0][0], sections[-1][0][-1]
+
+    def _ways(self, loop: Loop, points: Floats, counts: list[int]) -> Floats:
+        """How the points (N, 2) of a loop's polygon move as its sides move inwards by 1."""
         ways, starts = np.concatenate(inwards(loop, points, counts)), np.cumsum([0, *counts[:-1]])
         for number, start in enumerate(starts.tolist()):
             mine, before = loop.edges[number], loop.edges[number - 1]
-            if mine.control is None and before.control is None:  # at a corner both sides lean
+            if mine.control is None and before.control is None:  # at a corner both sides move
                 pair = np.array([ways[start], ways[starts[number - 1]]])
                 turned = float(np.linalg.det(pair))
                 ways[start] = np.linalg.solve(pair, np.ones(2)) if abs(turned) > 1e-12 else ways[start]
-        return np.asarray(points + by * ways)
+        return ways
 
     def refuse_lost_top(self) -> None:
         """Raise `GeometryError` where the edges do not all reach the top in their order."""
@@ -165,7 +253,7 @@ class Prism(SweptBody):
         tops = []
         for loop in self.loops:
             points, count = loop.polygon(COARSE)
-            top = self._top(loop, points, count)
+            top = points + to_float(self.lean.slope) * self.height * self._ways(loop, points, count)
             chords = [np.roll(p, -1, axis=0) - p for p in (points, top)]
             lost = np.flatnonzero((chords[0] * chords[1]).sum(axis=1) <= 0)
             if len(lost):

@@ -11,14 +11,14 @@ from flint import fmpq
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import lengths, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, decimal, dot, near, square_root, to_float
 from pas.errors import GeometryError, meant
 from pas.mesh.mesh import Mesh
 from pas.mesh.projection import distances, newton
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Floats, Integers
 from pas.solid.joints import Joint
+from pas.solid.sections import Levels
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree
 
@@ -180,18 +180,6 @@ class FaceSeam:
                 return None
             found.append(moved)
         return np.concatenate(found)
-
-
-@dataclass(frozen=True, eq=False)
-class Levels:
-    """Polynomials by number, whose common zeros are looked for."""
-
-    functions: tuple[Polynomial, ...]
-
-    def jets(self, points: Floats, labels: int | Integers) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3) of the polynomial that has the number, one for all of them."""
-        function = self.functions[int(np.ravel(labels)[0])]
-        return np.concatenate([function(points)[:, None], function.gradient(points)], axis=1)
 
 
 def _along(edges: Floats) -> tuple[Floats, float]:

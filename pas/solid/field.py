@@ -8,13 +8,10 @@ from functools import cached_property
 from itertools import combinations, product
 
 import numpy as np
-from flint import fmpq
-from numpy.typing import NDArray
 
 from pas.algebra.affine import quadratic_form
 from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
@@ -22,8 +19,8 @@ from pas.contacts.rims import rim_of
 from pas.errors import GeometryError, MeshError
 from pas.mesh.diagnostics import touching
 from pas.mesh.field import FaceField, ShellWall
-from pas.mesh.rows import Integers
-from pas.solid.bounds import ORIGIN, bounding_box
+from pas.mesh.rows import Bools, Floats, Integers
+from pas.solid.bounds import bounding_box
 from pas.solid.evaluator import TreeEvaluator, called
 from pas.solid.functions import followed_by
 from pas.solid.seams import Seams, seams_of
@@ -57,7 +54,7 @@ class SolidField:
     def shells(self) -> list[SolidField]:
         """The surfaces of the boundary, if they are apart: those of hollows inside, and that of what they are in."""
         tree, box, seams, special = self._made_of
-        for part, others in splits_of(tree, union=False):
+        for part, others in splits_of(tree):
             if _is_within(complement(part), box):
                 fields = [SolidField(some, box, seams, special) for some in (part, others)]
                 return [shell for field in fields for shell in field.shells()]
@@ -91,22 +88,18 @@ class SolidField:
         return result
 
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
-        """The labels here of labels (N,) of one of these."""
         assert isinstance(shell, SolidField)
         columns, turned = self.evaluator.number(shell.evaluator, labels // 2)
         return 2 * columns + (labels % 2 ^ turned)
 
     @property
     def scale(self) -> float:
-        """The user's length of one local unit."""
         return to_float(self.evaluator.scale)
 
     def world(self, points: Floats) -> Floats:
-        """The user's coordinates of points (..., 3)."""
         return self.evaluator.world(points)
 
-    def crossed(self, centers: Floats, half: float) -> NDArray[np.bool_]:
-        """Which cubes (N,) the boundary may pass."""
+    def crossed(self, centers: Floats, half: float) -> Bools:
         true, false = self.evaluator.decided(*self.evaluator.taylor(centers, np.full((1, 3), half)))
         return ~(true | false)
 
@@ -143,20 +136,18 @@ class SolidField:
             result[rows] = np.where(_rise(gradients, changes), turn, np.inf)
         return result
 
-    def signs(self, points: Floats) -> NDArray[np.bool_]:
-        """Which columns are <= 0 (M, N)."""
+    def signs(self, points: Floats) -> Bools:
         return self.evaluator.signs(points)
 
-    def inside(self, signs: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Whether points with given signs are in the solid."""
+    def inside(self, signs: Bools) -> Bools:
         return self.evaluator.inside(signs)
 
-    def jets(self, points: Floats, label: int | Integers) -> Floats:
+    def jets(self, points: Floats, labels: int | Integers) -> Floats:
         """Values and gradients (N, 4) of a label's function, or each point's own (N,), positive outside.
 
         At special points both are 0 where they are rounding, which has no direction.
         """
-        labels = np.broadcast_to(np.asarray(label, dtype=np.intp), len(points))
+        labels = np.broadcast_to(np.asarray(labels, dtype=np.intp), len(points))
         jets = self.evaluator.jets(points, labels // 2) * (1.0 - 2.0 * (labels % 2))[:, None]
         for special in self.special_points:
             rounding = 2.0**-36  # of coordinates and functions that are of size 1
@@ -164,25 +155,19 @@ class SolidField:
             jets[here] = 0.0
         return jets
 
-    def lines(self, labels: Integers) -> NDArray[np.bool_]:
-        """Whether labels' functions (N,) are planes, cylinders or cones: quadrics without a determinant (N,)."""
-        return self._lines[labels // 2]
+    def ruled(self, labels: Integers) -> Integers:
+        """2 for planes, 1 for cylinders and cones, which are quadrics without a determinant, 0 for others (N,)."""
+        return self._ruled[labels // 2]
 
-    def planes(self, labels: Integers) -> NDArray[np.bool_]:
-        """Whether labels' functions (N,) are planes (N,)."""
-        return self.evaluator.planes[labels // 2]
-
-    def walls(self, labels: Integers) -> NDArray[np.bool_]:
-        """Whether labels' functions (N,) have no face (N,)."""
+    def walls(self, labels: Integers) -> Bools:
         return self.evaluator.walls[labels // 2]
 
     @cached_property
-    def _lines(self) -> NDArray[np.bool_]:
-        """Whether the functions of the tree's columns (M,) are planes, cylinders or cones."""
-        return np.array([_has_lines(c.function) for c in self.evaluator.columns[: self.evaluator.used]])
+    def _ruled(self) -> Integers:
+        """That of the functions of the tree's columns (M,)."""
+        return np.array([_ruled(c.function) for c in self.evaluator.columns[: self.evaluator.used]])
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
-        """The labels whose common zeros are where faces of given labels meet."""
         if labels not in self._placing:
             self._placing[labels] = self._functions(labels) if len(labels) > 1 else labels
         return self._placing[labels]
@@ -253,12 +238,14 @@ class SolidField:
                     )
 
 
-def _has_lines(function: Function) -> bool:
-    """Whether a function is of degree 2 at most with a symmetric matrix, in x, y, z and 1, without determinant."""
-    return isinstance(function, Polynomial) and function.degree <= 2 and bool(quadratic_form(function).det() == 0)
+def _ruled(function: Function) -> int:
+    """Of a function of degree 2 its symmetric matrix, in x, y, z and 1, says whether it is a cylinder or cone."""
+    if not isinstance(function, Polynomial) or function.degree > 2:
+        return 0
+    return 2 if function.degree == 1 else int(quadratic_form(function).det() == 0)
 
 
-def _rise(gradients: Floats, changes: Floats) -> NDArray[np.bool_]:
+def _rise(gradients: Floats, changes: Floats) -> Bools:
     """Whether functions with gradients (M, N, 3), up to changes, all rise steeply in some direction (N,).
 
     Tried are the mean of the gradients' directions and three that are turned towards the steepest.
@@ -282,7 +269,7 @@ def _rise(gradients: Floats, changes: Floats) -> NDArray[np.bool_]:
 
 def _is_within(tree: Tree, box: Floats) -> bool:
     """Whether a set lies in a box (2, 3), and is not empty."""
-    evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
+    evaluator = TreeEvaluator(tree)
     beyond = box.mean(axis=0) + np.array(list(product((-2.0, 2.0), repeat=3))) * np.ptp(box, axis=0)
     if evaluator.contains(beyond).any():  # as most complements are there, whose boxes take long
         return False
@@ -318,7 +305,7 @@ def without_implied(tree: Tree, box: Floats, within: float) -> Tree:
 
 def _is_thin(tree: Tree, box: Floats, within: float) -> bool:
     """Whether no boxes in another (2, 3) that are smaller than `within` have their centres in a set; they cover it."""
-    evaluator = TreeEvaluator(tree, ORIGIN, fmpq(1))
+    evaluator = TreeEvaluator(tree)
 
     def judge(boxes: Boxes, depth: int) -> Fates:
         open_ = ~evaluator.decided(*evaluator.taylor(boxes.centers, boxes.halves))[1]

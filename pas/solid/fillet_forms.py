@@ -34,7 +34,7 @@ from flint import fmpq
 from pas.algebra.affine import away, height, slope_at
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, decimal, dot, minus, near, square_root, three, to_float, to_floats, two_across
-from pas.contacts.parallels import principal_axes, quadratic_terms
+from pas.contacts.parallels import axis_of_revolution, quadratic_terms
 from pas.contacts.torus import torus_polynomial
 from pas.solid.face_seams import FaceSeam, SmoothEnd
 from pas.solid.joints import Joint
@@ -316,12 +316,11 @@ def _axis(faces: tuple[Polynomial, Polynomial]) -> Axis | None:
 def revolved(face: Polynomial) -> tuple[fmpq, Vector, list[Vector]] | None:
     """Of a quadric of revolution the eigenvalue across its axis, a point of that, and its direction, which spheres do
     not have; None of other faces."""
-    axes = principal_axes(quadratic_terms(face)) if face.degree == 2 else None
-    values = [value for _, value in axes or ()]
-    double = next((v for v in values if v != 0 and values.count(v) > 1), None)
-    if axes is None or double is None:
+    found = axis_of_revolution(quadratic_terms(face)) if face.degree == 2 else None
+    if found is None or found[0] == 0:
         return None
-    return double, three(-s / (2 * double) for s in slope_at(face)), [way for way, value in axes if value != double]
+    double, single, way = found
+    return double, three(-s / (2 * double) for s in slope_at(face)), [way] if single != double else []
 
 
 def radius_of_turned(face: Polynomial) -> fmpq | None:

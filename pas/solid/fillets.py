@@ -17,11 +17,11 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import check_order, shown_point
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
 from pas.algebra.rational import decimal, plain, to_float
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
+from pas.mesh.rows import Floats
 from pas.registry import loaded
 from pas.solid.face_seams import FaceSeam
 from pas.solid.fillet_forms import FilletPiece, radius_of_turned

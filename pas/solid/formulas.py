@@ -11,7 +11,7 @@ from operator import and_, or_
 from typing import Any, Protocol
 
 from pas.algebra.polynomial import Polynomial
-from pas.solid.edges import Loop, PlaneEdge, Point, across, along, line, minus, radius_of
+from pas.solid.edges import Loop, PlaneEdge, Point, across, along, minus, radius_of
 from pas.solid.tree import Atom, Tree, combined, complement, folded
 
 Truth = Tree | bool
@@ -39,17 +39,14 @@ class PlaneSet(Protocol):
         """The solids over its parts, and the operation, named as for `boolean`, that makes the one over it of them."""
 
 
-def formula(
-    loop: Loop, atom: Callable[[PlaneEdge], Truth] | None = None, wall: Callable[[PlaneEdge], Truth] | None = None
-) -> Tree:
+def formula(loop: Loop, atom: Callable[[PlaneEdge], Truth], wall: Callable[[PlaneEdge], Truth]) -> Tree:
     """What is inside a loop that is counterclockwise, by inequalities.
 
     It is what is inside its chords, and caps that arcs add or take away; their triangles are apart.
 
     `atom` makes the set to the left of an edge, of an arc that on its concave side; `wall` that to the left of an arc's
-    chord.  By default these are sets in the plane.
+    chord.
     """
-    atom, wall = atom or plane_atom, wall or plane_wall
     if loop.whole:
         found = atom(loop.edges[0])
     else:
@@ -121,16 +118,6 @@ def _outermost(first: Point, last: Point) -> Point:
     sizes = [abs(v[0]) + abs(v[1]) for v in (first, last)]
     x, y = (first[i] / sizes[0] + last[i] / sizes[1] for i in (0, 1))
     return (y, -x) if side > 0 else (-y, x)
-
-
-def plane_atom(edge: PlaneEdge) -> Tree:
-    """The set on the left of a straight edge, or on the concave side of an arc, whatever z is."""
-    return Atom(edge.curve, edge.name)
-
-
-def plane_wall(edge: PlaneEdge) -> Tree:
-    """The set on the left of an edge's chord, whatever z is."""
-    return Atom(line(edge.start, edge.end), "")
 
 
 def values(tree: Tree, sign: Callable[[Polynomial], Any]) -> Any:

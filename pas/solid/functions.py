@@ -12,13 +12,13 @@ from typing import ClassVar
 import numpy as np
 
 from pas.algebra.affine import Affine
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
+from pas.mesh.rows import Bools, Floats
 from pas.partition.cells import Partition
 from pas.piecewise import PiecewiseSurface
 from pas.solid.taylor import TaylorForms
-from pas.solid.tree import Atom, Bools, Function, Node, Tree, combined, complement, image, mapped, parts_of, splits_of
+from pas.solid.tree import Atom, Function, Node, Tree, combined, complement, image, mapped, parts_of, splits_of
 
 
 @dataclass(frozen=True)
@@ -104,11 +104,9 @@ class Moved(Distance):
 
     @property
     def follows(self) -> Followed | None:  # type: ignore[override]
-        """The images of the faces that the inner one follows."""
         return self.inner.follows and self.inner.follows.moved(self.map)
 
     def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4)."""
         jets = self.inner.jets(self.map.inverse.points(points))
         jets[:, 0] *= self.factor
         jets[:, 1:] = self.factor * jets[:, 1:] @ self.map.inverse.floats[0]
@@ -121,7 +119,7 @@ class Moved(Distance):
 
 def followed_by(tree: Tree) -> tuple[Tree, list[tuple[Distance, Followed]]] | None:
     """The set of which a tree is a shell, and the distances from its faces, and what they follow; or None."""
-    walls = ((rest, distances_from(rest, wall)) for wall, rest in splits_of(tree, union=False))
+    walls = ((rest, distances_from(rest, wall)) for wall, rest in splits_of(tree))
     return next(((rest, found) for rest, found in walls if found), None)
 
 
@@ -162,7 +160,6 @@ class Pieces:
 
     @property
     def exponent(self) -> int:
-        """Of the power of two that the pieces are scaled by."""
         return self.surface.scaled.exponent
 
     def jets(self, points: Floats) -> Floats:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import combinations
 
 from pas.algebra.curve import CurvePart, along, gradient
@@ -65,7 +65,7 @@ class Sheets:
         self.part = part
         self.polynomials: list[Polynomial] = []
         self.factors: dict[int, Factors] = {}
-        self._products: dict[tuple[int, int], Polynomial] = {}
+        self._product = cache(lambda i, j: dot(gradient(self.polynomials[i]), gradient(self.polynomials[j])))
         for number, polynomial in enumerate(polynomials):
             if part.contains(polynomial):
                 self.factors[number] = self._factored(polynomial)
@@ -146,9 +146,7 @@ class Sheets:
 
     def parallel(self, i: int, j: int, at: RealZero) -> int:
         """Whether the gradients of two sheets that touch point the same way (1) or opposite ways (-1)."""
-        if (i, j) not in self._products:
-            self._products[i, j] = dot(gradient(self.polynomials[i]), gradient(self.polynomials[j]))
-        return at.sign(self._products[i, j])
+        return at.sign(self._product(i, j))
 
     def signs(self, ray: Ray, at: RealZero) -> dict[int, int | None]:
         """The signs of all other sheets' polynomials along a ray at a point; None for sheets that are not regular."""

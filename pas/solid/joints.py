@@ -22,9 +22,9 @@ from pas.algebra.components import Components, LostError
 from pas.algebra.curve import CurvePart, SpaceCurve, SplitError
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.errors import GeometryError
+from pas.mesh.rows import Floats
 from pas.solid.arcs import AlongCurve, Arc, Around, arcs
 from pas.solid.functions import by_cells
 from pas.solid.germs import Sheets

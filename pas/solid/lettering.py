@@ -74,31 +74,29 @@ def _font_file(font: str | Path) -> str:
 
 def _contours(glyph: Any, glyphs: Any, font: Any) -> Iterator[Contour]:
     """The outlines of a glyph, in the font's units."""
+    from fontTools.pens.basePen import decomposeQuadraticSegment
     from fontTools.pens.cu2quPen import Cu2QuPen
     from fontTools.pens.recordingPen import DecomposingRecordingPen
 
     pen = DecomposingRecordingPen(glyphs)
     glyph.draw(Cu2QuPen(pen, font["head"].unitsPerEm / 1000))
-    pieces: Contour = []
-    here = begin = (rational(0), rational(0))
+    pieces, here, begin = list[Any](), (0, 0), (0, 0)
     for operation, given in pen.value:
-        points = [(rational(Fraction(p[0])), rational(Fraction(p[1]))) for p in given if p is not None]
+        points = [p for p in given if p is not None]
         if operation == "moveTo":
             pieces, here, begin = [], points[0], points[0]
         elif operation == "lineTo":
             pieces.append((here, points[0]))
             here = points[0]
         elif operation == "qCurveTo":
-            for number, control in enumerate(points[:-1]):
-                after = points[number + 1]
-                last = number == len(points) - 2
-                end = after if last else ((control[0] + after[0]) / 2, (control[1] + after[1]) / 2)
+            for control, end in decomposeQuadraticSegment(points):
                 pieces.append((here, control, end))
                 here = end
         else:
-            pieces = [piece for piece in [*pieces, (here, begin)] if piece[0] != piece[-1]]
-            if any(turn(pieces[0][0], pieces[0][-1], p) for piece in pieces for p in piece):  # fonts have hairlines
-                yield pieces
+            outline = (piece for piece in [*pieces, (here, begin)] if piece[0] != piece[-1])
+            made = [tuple((rational(Fraction(x)), rational(Fraction(y))) for x, y in piece) for piece in outline]
+            if any(turn(made[0][0], made[0][-1], p) for piece in made for p in piece):  # fonts have hairlines
+                yield made
 
 
 def _placed(contour: Contour, unit: Any, corner: Point) -> Contour:

@@ -15,37 +15,19 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from pas.algebra.affine import Affine
-from pas.algebra.monomials import Floats
+from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.walls import End, ring
+from pas.mesh.rows import Floats
+from pas.solid.faces import Faces, SolidBoundary, jets_of, ring
 from pas.solid.runs import gap_between
-from pas.solid.sheets import ROOM, Faces, Loops, SheetBody
-from pas.solid.strips import Sections, SolidStrip
-
-EQUAL = 2.0**-40
-"""Coefficients that are off by less, over the largest, are the same: heights of caps are rounded to doubles."""
-
-
-class SolidBoundary(Protocol):
-    """What bounds a solid, of which it gives a mesh without a lattice."""
-
-    @property
-    def coarse(self) -> Mesh | None:
-        """A coarse mesh of it, which shows where it is; None where it has none."""
-
-    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        """A closed mesh within a tolerance (the model's units), as measured; None where there is none."""
-
-    def moved(self, map_: Affine) -> SolidBoundary:
-        """Its image."""
+from pas.solid.sheets import EQUAL, ROOM, Loops, SheetBody
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,110 +46,29 @@ class Link:
         return self.number if part == self.part else self.other_number
 
 
-class LinkableEnd(NamedTuple):
-    """Of a chain of straight strips its number, the plane in which they end, positive outside, how long they are, the
-    surfaces of all sides, and a point (3,) where they begin."""
-
-    number: int
-    plane: Polynomial
-    length: float
-    tubes: tuple[Polynomial, ...]
-    place: Floats
-
-
 @dataclass(frozen=True, eq=False)
-class LinkedPart:
-    """One of the bodies of a union, with what is asked of it when it is united with others."""
-
-    body: SheetBody
-
-    def _placed(self, polynomial: Polynomial) -> Polynomial:
-        return polynomial if self.body.place is None else self.body.place.polynomial(polynomial)
-
-    @cached_property
-    def ends(self) -> tuple[LinkableEnd, ...]:
-        """Of the chains that may be linked: with at most one straight strip of a quadric on each side."""
-        found, place = list[LinkableEnd](), self.body.place
-        for number, chain in enumerate(self.body.sides[0].chains):
-            sides = [side.chains[number] for side in self.body.sides]
-            strips = [(strip, bowed) for side in sides for strip, bowed in zip(side.strips, side.bowed, strict=True)]
-            straight = not any(bowed or not isinstance(strip.rows, Sections) for strip, bowed in strips)
-            if straight and len(strips) <= len(sides) and chain.clip.surface.degree == 1:
-                tubes = tuple(self._placed(side.contact.surface) for side in sides)
-                plane, start = self._placed(chain.end.surface), chain.curve[0]
-                start = start if place is None else place.points(start)
-                length = -float(plane(start) / np.linalg.norm(plane.gradient(start)))
-                found.append(LinkableEnd(number, plane, length if strips else 0.0, tubes, start))
-        return tuple(found)
-
-    @cached_property
-    def boxes(self) -> dict[str, Floats]:
-        """The box (2, 3) of each face of the coarse mesh, by its name."""
-        mesh = self.body.coarse
-        assert mesh is not None
-        points = mesh.points[mesh.triangles]
-        corners = {name: points[mesh.faces == face].reshape(-1, 3) for face, name in enumerate(mesh.names)}
-        return {name: np.stack([some.min(axis=0), some.max(axis=0)]) for name, some in corners.items()}
-
-    @cached_property
-    def box(self) -> Floats:
-        """The box (2, 3) of all."""
-        found = np.array([*self.boxes.values()])
-        return np.stack([found[:, 0].min(axis=0), found[:, 1].max(axis=0)])
-
-    def carried(self, strip: SolidStrip, points: Floats, share: float) -> Floats:
-        """Points (N, 3) of the loop in which a strip begins, moved a share of the way along it."""
-        place = self.body.place
-        return (
-            strip.rows(points, share)
-            if place is None
-            else place.points(strip.rows(place.inverse.points(points), share))
-        )
-
-    def named(self, number: int) -> set[str]:
-        """The names of the faces that go on from a contact, to its end."""
-        chains = [side.chains[number] for side in self.body.sides]
-        return {chains[0].name, *(strip.name for chain in chains for strip in chain.strips)}
-
-    def beside(self, plane: Polynomial, room: float, without: set[str]) -> set[str] | None:
-        """The faces, but for some, that come as near as `room` to a plane, positive outside; None where one is beyond
-        it."""
-        mesh = self.body.coarse
-        assert mesh is not None
-        kept = np.array([name not in without for name in mesh.names])[mesh.faces]
-        slope = plane.gradient(np.zeros(3))
-        heights = (plane(mesh.points) / np.linalg.norm(slope))[mesh.triangles[kept]]
-        if heights.max() > EQUAL * (1 + np.abs(mesh.points).max()):
-            return None
-        return {mesh.names[face] for face in np.unique(mesh.faces[kept][(heights > -room).any(axis=1)])}
-
-
-@dataclass(frozen=True, eq=False)
-class LinkedBodies:
+class LinkedBodies(SolidBoundary):
     """Several bodies that are apart but for the `links` in which they go on in one another."""
 
-    parts: tuple[LinkedPart, ...]
+    parts: tuple[SheetBody, ...]
     links: tuple[Link, ...] = ()
 
     @cached_property
     def coarse(self) -> Mesh:
-        """Those of all of them."""
         made = Faces([], 0.0)
         for part in self.parts:
-            made.put(part.body.coarse)  # type: ignore[arg-type]  # without which it is no part
+            made.put(part.coarse)  # type: ignore[arg-type]  # without which it is no part
         return made.mesh
 
     def moved(self, map_: Affine) -> LinkedBodies:
-        """Its image."""
-        return replace(self, parts=tuple(LinkedPart(part.body.moved(map_)) for part in self.parts))
+        return replace(self, parts=tuple(part.moved(map_) for part in self.parts))
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        """A closed mesh within a tolerance (the model's units), as measured; None where a body has none."""
         made, loops = Faces([], 0.0), list[Loops]()
         for number, part in enumerate(self.parts):
             ends = {k.number: k.share is not None for k in self.links if k.part == number}
             ends |= {k.other_number: False for k in self.links if k.other == number}
-            found = part.body.opened(tolerance, quality, ends)
+            found = part.opened(tolerance, quality, ends)
             if found is None:
                 return None
             first = made.put(found[0])
@@ -181,27 +82,26 @@ class LinkedBodies:
         """The strip of a link, on each side, between the loops in which one chain ends and the other begins."""
         other = self.parts[link.other]
         _, plane, _, tubes, _ = next(end for end in other.ends if end.number == link.other_number)
-        slope = -plane.gradient(np.zeros(3))
-        axis = slope / np.linalg.norm(slope)
+        axis = unit(-plane.gradient(np.zeros(3)))
         for side, tube in enumerate(tubes):
             loop, begin = near[side, link.number], far[side, link.other_number]
-            (strip,) = other.body.sides[side].chains[link.other_number].strips
+            (strip,) = other.sides[side].chains[link.other_number].strips
             flat = np.concatenate([points[loop], other.carried(strip, points[begin], link.share or 1.0)])
             found = ring(flat, np.arange(len(loop)), np.arange(len(loop), len(flat)), axis, strip.name)
             triangles = np.concatenate([loop, begin])[found if side == 0 else found[:, ::-1]]
-            made.add_on(End(tube, axis), strip.name, triangles, 1 if side == 0 else -1)
+            made.put_curved(strip.name, triangles, jets_of(tube))
 
 
 def united(one: SolidBoundary | None, other: SolidBoundary | None) -> LinkedBodies | None:
     """Both together; None where they are not found to be apart but for links."""
     if not isinstance(one, SheetBody | LinkedBodies) or not isinstance(other, SheetBody | LinkedBodies):
         return None
-    these, those = ((b if isinstance(b, LinkedBodies) else LinkedBodies((LinkedPart(b),))) for b in (one, other))
+    these, those = ((b if isinstance(b, LinkedBodies) else LinkedBodies((b,))) for b in (one, other))
     first, links = len(these.parts), list(these.links)
     links += [replace(k, part=k.part + first, other=k.other + first) for k in those.links]
     for i, mine in enumerate(these.parts):
         for j, its in enumerate(those.parts, first):
-            meshes = mine.body.coarse, its.body.coarse
+            meshes = mine.coarse, its.coarse
             if meshes[0] is None or meshes[1] is None:
                 return None
             room = ROOM * sum(mesh.deviation or 0.0 for mesh in meshes if mesh)
@@ -217,12 +117,12 @@ def united(one: SolidBoundary | None, other: SolidBoundary | None) -> LinkedBodi
     return LinkedBodies((*these.parts, *those.parts), tuple(links))
 
 
-def _links(i: int, one: LinkedPart, j: int, other: LinkedPart) -> Iterator[tuple[Link, Polynomial]]:
+def _links(i: int, one: SheetBody, j: int, other: SheetBody) -> Iterator[tuple[Link, Polynomial]]:
     """Where two parts, `i` and `j`, go on in one another, and planes amid what they share, positive towards `j`."""
     for mine, its in product(one.ends, other.ends):
         if len(mine.tubes) != len(its.tubes) or not all(map(_same, mine.tubes, its.tubes)):
             continue
-        way, its_way = (g / np.linalg.norm(g) for g in (end.plane.gradient(np.zeros(3)) for end in (mine, its)))
+        way, its_way = (unit(end.plane.gradient(np.zeros(3))) for end in (mine, its))
         rounding, (short, long) = EQUAL * (1 + np.abs(mine.place).max()), sorted((mine.length, its.length))
         overlap = short + long - float((its.place - mine.place) @ way)
         if way @ its_way <= EQUAL - 1 and long > rounding and -rounding <= overlap <= short + rounding:
@@ -233,7 +133,7 @@ def _links(i: int, one: LinkedPart, j: int, other: LinkedPart) -> Iterator[tuple
 
 
 def _parted(
-    one: LinkedPart, gone: set[str], other: LinkedPart, its_gone: set[str], plane: Polynomial, room: float
+    one: SheetBody, gone: set[str], other: SheetBody, its_gone: set[str], plane: Polynomial, room: float
 ) -> bool:
     """Whether a plane, positive towards the other one, is between two parts without some faces, and what comes as near
     as `room` to it is further apart than that."""
@@ -256,7 +156,7 @@ def _same(one: Polynomial, other: Polynomial) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class RenamedBoundary:
+class RenamedBoundary(SolidBoundary):
     """What bounds a solid, with other names of its faces."""
 
     body: SolidBoundary
@@ -264,7 +164,6 @@ class RenamedBoundary:
 
     @property
     def coarse(self) -> Mesh | None:
-        """That of the body, by its names."""
         return self.body.coarse
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
@@ -273,5 +172,4 @@ class RenamedBoundary:
         return found and replace(found, names=tuple(self.names.get(name, name) for name in found.names))
 
     def moved(self, map_: Affine) -> RenamedBoundary:
-        """Its image."""
         return replace(self, body=self.body.moved(map_))

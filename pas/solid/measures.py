@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pas.limits import checkpoint
-from pas.mesh.closed import FaceMesh
 from pas.mesh.field import FaceField
 from pas.mesh.grading import LARGEST
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.projection import newton, pair_normals, placing, project
+from pas.mesh.refusals import FaceMesh
 from pas.mesh.rows import Floats, Integers
 
 _GAUSS = [
@@ -199,7 +199,7 @@ def _cut(found: FaceMesh, field: FaceField) -> Labelled:
             third = np.abs((along * (normals[rows[:, 0]] + normals[rows[:, 1]])).sum(axis=1)) / 8
             singular = (np.abs(normals[rows]).max(axis=2).min(axis=1) == 0) & (mesh.lengths > apex)
             third[singular] = np.inf
-            off = np.maximum(off, np.where(field.lines(column) & ~field.planes(column), third, 0.0))
+            off = np.maximum(off, np.where(field.ruled(column) == 1, third, 0.0))
         off[mesh.topology.seam_mask] = 0.0
         if not (off > most).any() or len(mesh.triangles) > LARGEST / 4:
             break

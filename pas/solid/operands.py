@@ -18,7 +18,6 @@ import numpy as np
 
 from pas.algebra.affine import Affine
 from pas.algebra.inputs import FINEST
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import rational
 from pas.errors import GeometryError, MeshError
@@ -27,11 +26,12 @@ from pas.mesh.closed import refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import SAME
 from pas.mesh.quality import Quality
-from pas.mesh.rows import cross, dots, norms
+from pas.mesh.rows import Floats, cross, dots, norms
 from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.settings import RELATIVE_TOLERANCE
+from pas.solid.faces import SolidBoundary
 from pas.solid.field import SolidField
-from pas.solid.linked import LinkedBodies, RenamedBoundary, SolidBoundary, united
+from pas.solid.linked import LinkedBodies, RenamedBoundary, united
 from pas.solid.runs import plain_run
 from pas.solid.sheets import SheetBody
 from pas.solid.shell import Hollowable
@@ -70,7 +70,7 @@ def renamed_boundary(body: SolidBoundary | None, names: Mapping[str, str]) -> So
 
 
 @dataclass(frozen=True, eq=False)
-class Operands:
+class Operands(SolidBoundary):
     """Solids that no set operation made, and the steps in which these made another one of them; see `carried_out`."""
 
     parts: tuple[Operand, ...]
@@ -120,7 +120,6 @@ class Operands:
         """None: what is cut is only a first mesh."""
 
     def moved(self, map_: Affine) -> Operands:
-        """That of the image."""
         return replace(self, parts=tuple(part._moved(map_) for part in self.parts))
 
     def first_mesh(self, field: SolidField, tolerance: float) -> Labelled | None:

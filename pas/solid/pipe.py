@@ -27,7 +27,6 @@ from scipy.spatial import cKDTree
 from pas.algebra.affine import away, height
 from pas.algebra.inputs import shown
 from pas.algebra.lengths import across
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import (
     Exact,
@@ -45,12 +44,11 @@ from pas.algebra.rational import (
     vector,
 )
 from pas.errors import GeometryError
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
+from pas.solid.faces import FacedBody, Faces, jets_of
 from pas.solid.joints import Joint
-from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import FacedBody, jets_of, put_flat, put_side
 from pas.solid.tree import Atom, Tree, combined, complement
 
 
@@ -178,7 +176,7 @@ class PipeBody(FacedBody):
                     ways = ways - np.outer(ways @ onward, normal + onward) / (1 + normal @ onward)  # the smallest turn
                     normal, row = onward, made.added(center + radius * ways)
                     rows.append(np.append(row, row[0]))
-                put_side(made, piece.name, rows[begin:][:: -1 if number else 1], jets_of(piece.surface))
+                made.put_side(piece.name, rows[begin:][:: -1 if number else 1], jets_of(piece.surface))
             rims += [rows[0], rows[-1]]
         for side, name in enumerate(("start", "end")):
             outer, inner = rims[side], rims[side - 2]
@@ -187,7 +185,7 @@ class PipeBody(FacedBody):
             a, b = (outer, inner) if side else (inner, outer)
             corners = np.concatenate([np.stack(t, axis=1) for t in ((a[:-1], a[1:], b[1:]), (a[:-1], b[1:], b[:-1]))])
             normal = _circles(self.sides[0][-side].balls(1))[2][-side] * (2 * side - 1)
-            put_flat(made, f"{self.face} {name}", corners[(corners != np.roll(corners, 1, axis=1)).all(axis=1)], normal)
+            made.put_flat(f"{self.face} {name}", corners[(corners != np.roll(corners, 1, axis=1)).all(axis=1)], normal)
         return made
 
 

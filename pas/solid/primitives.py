@@ -35,7 +35,7 @@ from pas.algebra.rational import (
 )
 from pas.contacts.torus import torus_polynomial
 from pas.solid.edges import Loop, PlaneEdge
-from pas.solid.extrusion import Lean, Prism
+from pas.solid.extrusion import Prism
 from pas.solid.joints import Joint
 from pas.solid.linked import RenamedBoundary
 from pas.solid.revolution import Turned
@@ -80,7 +80,7 @@ def box(lower: VectorLike, upper: VectorLike, face: str = "box") -> Solid:
     edges = zip(corners, [*corners[1:], corners[0]], (near, right, far, left), strict=True)
     loop = Loop(tuple(PlaneEdge.straight(*edge) for edge in edges))
     up = translation((fmpq(0), fmpq(0), low[2]))
-    body = Prism(loops=(loop,), height=to_float(high[2] - low[2]), lean=Lean(fmpq(0)), place=up)
+    body = Prism(loops=(loop,), height=to_float(high[2] - low[2]), place=up)
     return Solid(tree, (), (), RenamedBoundary(body, {"bottom": bottom, "top": top}))
 
 

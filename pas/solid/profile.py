@@ -19,12 +19,12 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, numbered, reflection, rotation, scaling, translation, translations, turns
 from pas.algebra.inputs import points_of, shown
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, rational
 from pas.errors import GeometryError, missing
+from pas.mesh.rows import Floats
 from pas.solid.edges import Loop, PlaneEdge, Point, apart
-from pas.solid.extrusion import extruded
-from pas.solid.formulas import Lift, formula, values
+from pas.solid.extrusion import Lean, extruded
+from pas.solid.formulas import Lift, values
 from pas.solid.revolution import revolved
 from pas.solid.solid import Solid
 from pas.solid.tree import Tree, combined, complement
@@ -178,7 +178,7 @@ class Profile:
 
     @cached_property
     def _formula(self) -> Tree:
-        return self._tree(lambda loop, _: formula(loop), False)
+        return self._tree(lambda loop, _: Lean(fmpq(0)).tree(loop), False)
 
     def contains(self, points: ArrayLike) -> np.ndarray:
         """Whether points (..., 2) are inside, shape (...)."""

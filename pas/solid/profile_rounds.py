@@ -9,10 +9,9 @@ Guaranteed: that the rounds of one end do not meet, as they are on the mesh.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise, product
+from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -20,22 +19,19 @@ from flint import fmpq
 
 from pas.algebra.affine import slope_at
 from pas.algebra.inputs import check_order
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import dot, plain, rational, square_root, to_float
 from pas.errors import GeometryError, meant
-from pas.mesh.rows import Integers
 from pas.solid.edges import Loop, PlaneEdge, at, radius_of
-from pas.solid.extrusion import Prism, inwards, square_of
+from pas.solid.extrusion import Prism, Rounds, square_of
 from pas.solid.face_seams import FaceSeam, SmoothEnd
+from pas.solid.faces import SolidBoundary
 from pas.solid.fillet_forms import FilletPiece
 from pas.solid.joints import Joint
-from pas.solid.linked import RenamedBoundary, SolidBoundary
+from pas.solid.linked import RenamedBoundary
 from pas.solid.operands import Operands
 from pas.solid.rounding import rounded as of_planes
-from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import SweptBody, jets_of, put_level, put_side
 from pas.solid.tree import Atom, combined, complement
 
 X, Y, Z = GENERATORS
@@ -68,139 +64,14 @@ def _claims(pieces: Sequence[FilletPiece]) -> Iterator[Joint]:
             yield Joint(one.face, after.face, one.section(one.seam.smooth[1]), 1)
 
 
-def _section(order: int, parts: int) -> Floats:
-    """Points (parts + 1, 2) of the section 2 s t = (1 - s - t)^(order + 1) of a fillet: t and s of each.
-
-    They are in the directions of points evenly along the circle that it is of order 1.
-    """
-    turns = np.linspace(0, np.pi / 2, parts + 1)
-    circle = 1 - np.stack([np.sin(turns), np.cos(turns)], axis=1)
-    shares = circle / circle.sum(axis=1)[:, None]
-    low, high = np.zeros(parts + 1), np.ones(parts + 1)
-    for _ in range(60):  # halvings, after which doubles are equal
-        middle = (low + high) / 2
-        inside = 2 * shares.prod(axis=1) * middle**2 < (1 - middle) ** (order + 1)
-        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
-    return np.asarray(shares * high[:, None]) if order else shares
-
-
-@dataclass(frozen=True)
-class RoundFace:
-    """The name and the surface of a face."""
-
-    face: str
-    surface: Polynomial
-
-
-@dataclass(frozen=True)
-class Rounds:
-    """The faces along the edges of a loop, by its number, in a plane across it at a `level`, above it if `up` is 1 and
-    below if -1: rounds of an end of the loop's solid, or, where `foot` is not 0, fillets around it.
-
-    A fillet ends in the plane, in what the solid stands on, and begins where the sides are left.  Rounding would say
-    which of two faces in one plane is in front, so that the row of the sides is moved on by `foot` beyond it.
-    """
-
-    loop: int
-    level: float
-    up: int
-    foot: float
-    radius: float
-    order: int
-    faces: tuple[RoundFace, ...]
-
-    @classmethod
-    def of(cls, loop: int, pieces: Sequence[FilletPiece], height: float) -> Rounds:
-        """Those of the fillets along a loop of a solid up to a height; see `pieces_along`."""
-        (plane, _), sign, radius = pieces[0].seam.faces, pieces[0].seam.sign, to_float(pieces[0].radius)
-        slope = plane.diff(2).raw(0, 0, 0)
-        level, up = to_float(-plane.raw(0, 0, 0) / slope), sign if slope > 0 else -sign
-        foot = min(radius / 64, (level if up > 0 else height - level) / 2 or radius) if sign > 0 else 0.0
-        faces = tuple(RoundFace(piece.face, piece.form.surface) for piece in pieces)
-        return cls(loop, level, up, foot, radius, pieces[0].order, faces)
-
-    def fits(self, height: float) -> bool:
-        """Whether they are beside a solid up to a height, or at one of its ends."""
-        within = 0.0 <= self.level <= height and 0.0 < self.level + self.up * self.radius < height
-        return within and (self.foot > 0 or self.level in (0.0, height))
-
-    def rows(self, tolerance: float) -> Floats:
-        """How far inwards, and how high, rows (N, 2) along them are, from above."""
-        turns = max(2, math.ceil(0.9 * self.order * math.sqrt(3 * self.radius / tolerance)))
-        arc = self.radius * _section(self.order, turns) * [-1 if self.foot else 1, self.up]
-        beyond = np.array([[0.0, -self.up * self.foot]] if self.foot else np.empty((0, 2)))
-        return np.concatenate([beyond, arc])[:: -self.up] + [0, self.level]
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class RoundedPrism(SweptBody):
-    """What bounds an upright solid over loops with rounds, or fillets around it, all along some of them."""
-
-    height: float
-    rounds: tuple[Rounds, ...]
-
-    def made(self, tolerance: float) -> Faces | None:
-        """Its faces, finer where they are nearly singular, as tori are that nearly meet themselves."""
-        finer, finest = tolerance, min(tolerance, 2.0**-20 * self.extent)
-        while (found := self._rows(finer)) is not None and found.deviation > tolerance and finer > finest:
-            finer /= 4
-        return found
-
-    def _rows(self, tolerance: float) -> Faces | None:
-        """Rows of the loops' polygons, moved along the rounds, all between them, and both ends."""
-        found = self.polygons(tolerance / 3)
-        if found is None:
-            return None
-        made, rims = Faces([], 0.0), list[tuple[Integers, Integers]]()
-        for number, polygon in enumerate(zip(*found[:2], strict=True)):
-            ends = self._put_sides(made, number, polygon, tolerance)
-            if ends is None:
-                return None
-            rims.append(ends)
-        tops, bottoms = zip(*rims, strict=True)
-        return made if put_level(made, "top", tops, 1) and put_level(made, "bottom", bottoms, -1) else None
-
-    def _sections(
-        self, made: Faces, number: int, polygon: tuple[Floats, list[int]], tolerance: float
-    ) -> list[tuple[Integers, Rounds | None]] | None:
-        """The rows of vertices of a loop, from above: those of its rounds, and others; None where rounds meet."""
-        rounds = [one for one in self.rounds if one.loop == number]
-        found: list[tuple[Floats, Rounds | None]] = [(one.rows(tolerance), one) for one in rounds]
-        found += [(np.array([[0.0, z]]), None) for z in {self.height, 0.0} - {one.level for one in rounds}]
-        sections = sorted(found, key=lambda section: -section[0][:, 1].mean())
-        rows, ends = np.concatenate([some for some, _ in sections]), np.cumsum([len(some) for some, _ in sections])
-        falls = -np.diff(rows[:, 1])
-        if falls.min() < 0 or falls[ends[:-1] - 1].min() == 0:
-            return None
-        moved = polygon[0] + rows[:, :1, None] * np.concatenate(inwards(self.loops[number], *polygon))
-        heights = np.broadcast_to(rows[:, 1, None, None], (*moved.shape[:2], 1))
-        numbers = made.added(np.concatenate([moved, heights], axis=2).reshape(-1, 3)).reshape(len(rows), -1)
-        for row, rim in zip(numbers, moved, strict=True):
-            same = np.linalg.norm(rim - np.roll(rim, 1, axis=0), axis=1) < 2.0**-40 * self.extent
-            row[:] = row[~same][np.cumsum(~same) - 1]  # of an arc of the radius one point is left
-        return [*zip(np.split(numbers, ends[:-1]), (one for _, one in sections), strict=True)]
-
-    def _put_sides(
-        self, made: Faces, number: int, polygon: tuple[Floats, list[int]], tolerance: float
-    ) -> tuple[Integers, Integers] | None:
-        """The faces of a loop but for both ends, whose rows of vertices are given back; None where they cross."""
-        loop, sections = self.loops[number], self._sections(made, number, polygon, tolerance)
-        if sections is None:
-            return None
-        bands: list[tuple[Integers, Rounds | None]] = [(rows, one) for rows, one in sections if one]
-        bands += [(np.stack([above[-1], below[0]]), None) for (above, _), (below, _) in pairwise(sections)]
-        for place, (rows, one) in enumerate(bands):
-            if one and one.foot:
-                *arc, rim, inner = rows[:: one.up]
-                if not put_level(made, one.faces[0].face, (rim, inner[::-1]), -one.up):
-                    return None
-                bands[place] = np.stack([*arc, rim])[:: one.up], one
-        borders = np.cumsum([0, *polygon[1]])
-        for (rows, one), (k, edge) in product(bands, enumerate(loop.edges)):
-            face = one.faces[0 if loop.whole else k] if one else RoundFace(edge.name, edge.curve)
-            across = rows[:, np.arange(borders[k], borders[k + 1] + 1) % rows.shape[1]]
-            put_side(made, face.face, [*across.T], jets_of(face.surface))
-        return sections[0][0][0], sections[-1][0][-1]
+def _rounds(loop: int, pieces: Sequence[FilletPiece], height: float) -> Rounds:
+    """The fillets along a loop, by its number, of a solid up to a height; see `pieces_along`."""
+    (plane, _), sign, radius = pieces[0].seam.faces, pieces[0].seam.sign, to_float(pieces[0].radius)
+    slope = plane.diff(2).raw(0, 0, 0)
+    level, up = to_float(-plane.raw(0, 0, 0) / slope), sign if slope > 0 else -sign
+    foot = min(radius / 64, (level if up > 0 else height - level) / 2 or radius) if sign > 0 else 0.0
+    faces = tuple((piece.face, piece.form.surface) for piece in pieces)
+    return Rounds(loop, level, up, foot, radius, pieces[0].order, faces)
 
 
 def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int) -> Solid:
@@ -208,7 +79,7 @@ def rounded(solid: Solid, faces: Sequence[str] | None, radius: fmpq, order: int)
     known = solid.sheets
     first: Any = known.parts[0] if isinstance(known, Operands) and known.is_difference else solid
     body = first.sheets
-    if isinstance(body, RoundedPrism):
+    if isinstance(body, Prism) and body.rounds:
         raise GeometryError("edges of the solid are rounded already: name the faces of all that are to be in one call")
     arcs = isinstance(body, Prism) and any(edge.control for loop in body.loops for edge in loop.edges)
     if not isinstance(body, Prism) or body.lean.slope or not arcs:
@@ -246,8 +117,8 @@ def rounded_prism(solid: Solid, body: Prism, faces: Sequence[str] | None, radius
     most = height / len({end for _, end in rounds})
     if radius >= most:
         raise GeometryError(f"radius must be below {plain(most)}, where the sides are used up, not {plain(radius)}")
-    known_rounds = tuple(Rounds.of(number, some, body.height) for (number, _), some in rounds.items())
-    made = RoundedPrism(loops=body.loops, height=body.height, rounds=known_rounds, place=body.place)
+    known_rounds = tuple(_rounds(number, some, body.height) for (number, _), some in rounds.items())
+    made = replace(body, rounds=known_rounds)
     if made.coarse is None:
         raise GeometryError(f"radius {plain(radius)} is too large: rounds of the profile's edges would meet on an end")
     rests = (complement(piece.tree()) for some in rounds.values() for piece in some)
@@ -270,7 +141,7 @@ def filleted(known: SolidBoundary | None, pieces: Sequence[FilletPiece], gains: 
     if isinstance(known, RenamedBoundary):
         body = filleted(known.body, pieces, gains)
         return body and RenamedBoundary(body, {**known.names, face: face})
-    if isinstance(known, Prism | RoundedPrism):
+    if isinstance(known, Prism):
         return _prism_filleted(known, pieces, flat[0], gains)
     if isinstance(known, Operands):
         for number, part in enumerate(known.parts):
@@ -283,12 +154,9 @@ def filleted(known: SolidBoundary | None, pieces: Sequence[FilletPiece], gains: 
     return None
 
 
-def _prism_filleted(
-    known: Prism | RoundedPrism, pieces: Sequence[FilletPiece], plane: Polynomial, gains: bool
-) -> RoundedPrism | None:
+def _prism_filleted(known: Prism, pieces: Sequence[FilletPiece], plane: Polynomial, gains: bool) -> Prism | None:
     """What bounds an upright solid with such fillets in a plane; see `filleted`."""
-    old = known.rounds if isinstance(known, RoundedPrism) else ()
-    stretch = None if isinstance(known, Prism) and known.lean.slope else _stretch(known)
+    stretch = None if known.lean.slope else _stretch(known)
     if stretch is None:
         return None
     sign, first = 1 if gains else -1, pieces[0]
@@ -303,14 +171,14 @@ def _prism_filleted(
     for number, loop in enumerate(known.loops if not any(slope_at(level)[:2]) else ()):
         if faces == {level.primitive(), *(edge.curve.primitive() for edge in loop.edges)}:
             own = pieces_along(loop, "", level, first.radius / stretch, first.order, sign)
-            new = Rounds.of(number, [replace(piece, face=first.face) for piece in own], known.height)
+            new = _rounds(number, [replace(piece, face=first.face) for piece in own], known.height)
             if new.fits(known.height) and surfaces == {piece.form.surface.primitive() for piece in own}:
-                made = RoundedPrism(loops=known.loops, height=known.height, rounds=(*old, new), place=known.place)
+                made = replace(known, rounds=(*known.rounds, new))
                 return made if made.coarse is not None else None
     return None
 
 
-def _stretch(body: Prism | RoundedPrism) -> fmpq | None:
+def _stretch(body: Prism) -> fmpq | None:
     """By how much lengths grew where it was moved; None where not all by the same."""
     if body.place is None:
         return fmpq(1)

@@ -17,18 +17,16 @@ import numpy as np
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.affine import rotation
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import plain, to_float
 from pas.errors import GeometryError
+from pas.mesh.rows import Floats
 from pas.solid.edges import Loop, PlaneEdge, at, line
+from pas.solid.faces import Faces, SolidBoundary, SweptBody
 from pas.solid.formulas import PlaneSet, Truth, formula, joined, negated
 from pas.solid.joints import Joint
-from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operands
-from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import SweptBody, put_flat, put_side
 from pas.solid.tree import Atom, combined
 
 X, Y, Z = GENERATORS
@@ -165,11 +163,11 @@ class Turned(SweptBody):
             for edge, (a, b) in zip(loop.edges, pairwise(borders.tolist()), strict=True):
                 if edge.control is not None or edge.start[0] != 0 or edge.end[0] != 0:  # it is not on the axis
                     turned = [rows[first + k % len(some)] for k in range(a, b + 1)]
-                    put_side(made, edge.name, turned, partial(_jets, edge.curve))
+                    made.put_side(edge.name, turned, partial(_jets, edge.curve))
             first += len(some)
         if not self.is_full:
             last = turns[-1]
-            put_flat(made, "start", np.array([row[0] for row in rows])[triangles], np.array([0.0, -1.0, 0.0]))
+            made.put_flat("start", np.array([row[0] for row in rows])[triangles], np.array([0.0, -1.0, 0.0]))
             end = np.array([row[-1] for row in rows])[triangles[:, ::-1]]
-            put_flat(made, "end", end, np.array([-last[1], last[0], 0.0]))
+            made.put_flat("end", end, np.array([-last[1], last[0], 0.0]))
         return made

@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from pas.algebra.lengths import lengths, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.mesh.rows import Floats
 from pas.solid.face_seams import FaceSeam
 
 

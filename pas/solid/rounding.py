@@ -34,18 +34,15 @@ from numpy.polynomial import Polynomial as Series
 
 from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.lengths import across, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot, plain, to_float, to_floats
 from pas.errors import GeometryError, meant
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Floats, Integers
 from pas.solid.face_seams import PlaneFace
+from pas.solid.faces import FacedBody, Faces, SolidBoundary, flat, jets_of
 from pas.solid.joints import Joint
-from pas.solid.linked import SolidBoundary
 from pas.solid.operands import Operands
-from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import FacedBody, flat, jets_of, put_curved, put_flat, put_side, weights_and_triangles
 from pas.solid.tree import Atom, Tree, combined, complement, parts_of
 
 
@@ -258,7 +255,6 @@ class RoundedBody(FacedBody):
 
     @property
     def extent(self) -> float:
-        """The longest side of the polyhedron's box."""
         corners = [_corner(tuple(vertex), np.ones((1, 3)), 0.0) for edge in self.edges for vertex in edge.vertices]
         return float(np.ptp(np.concatenate(corners), axis=0).max())
 
@@ -284,7 +280,7 @@ class RoundedBody(FacedBody):
                     outlines.setdefault(plane, []).append(here)
                 continue
             planes = (*patch.planes, *(vertex - {*patch.planes}))
-            weights, triangles = weights_and_triangles(n, len(patch.planes))
+            weights, triangles = _weights_and_triangles(n, len(patch.planes))
             q = np.ones((len(weights), 3))
             q[:, : len(patch.planes)] = patch.heights(weights / n)
             numbers = made.added(_corner(planes, q, radius))
@@ -304,9 +300,9 @@ class RoundedBody(FacedBody):
             if pair in self.patches:
                 patch = self.patches[pair]
                 start, end = (arcs[pair, vertex] for vertex in edge.vertices)
-                put_side(made, patch.face, [*np.stack([end, start], axis=1)], jets_of(patch.surface))
+                made.put_side(patch.face, [*np.stack([end, start], axis=1)], jets_of(patch.surface))
         for patch, triangles in curved:
-            put_curved(made, patch.face, [triangles], jets_of(patch.surface))
+            made.put_curved(patch.face, triangles, jets_of(patch.surface))
         points = made.points
         for plane, parts in outlines.items():
             normal = unit(to_floats(plane.normal))
@@ -317,8 +313,21 @@ class RoundedBody(FacedBody):
             found = flat([shown[order]])
             if found is None:
                 return None
-            put_flat(made, plane.name, numbers[order][found], normal)
+            made.put_flat(plane.name, numbers[order][found], normal)
         return made
+
+
+def _weights_and_triangles(n: int, many: int) -> tuple[Integers, Integers]:
+    """Weights (N, many) of two or three corners, whole numbers that add up to n, and triangles (T, 3) between them."""
+    if many == 2:
+        return np.stack([n - np.arange(n + 1), np.arange(n + 1)], axis=1), np.empty((0, 3), dtype=np.intp)
+    u, v = np.nonzero(np.add.outer(np.arange(n + 1), np.arange(n + 1)) <= n)
+    number = np.zeros((n + 2, n + 2), dtype=np.intp)
+    number[u, v] = np.arange(len(u))
+    up, down = u + v < n, u + v < n - 1
+    first = np.stack([number[u, v], number[u + 1, v], number[u, v + 1]], axis=1)[up]
+    second = np.stack([number[u + 1, v], number[u + 1, v + 1], number[u, v + 1]], axis=1)[down]
+    return np.stack([n - u - v, u, v], axis=1), np.concatenate([first, second])
 
 
 def _corner(planes: Sequence[PlaneFace], q: Floats, radius: float) -> Floats:

@@ -17,16 +17,15 @@ from itertools import combinations
 import numpy as np
 
 from pas.algebra.affine import quadratic_form, slope_at
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import cross, dot, three
 from pas.contacts.contact import Contact
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Integers
+from pas.mesh.rows import Floats, Integers
 from pas.mesh.sweep import between_loops
-from pas.mesh.walls import End
-from pas.solid.sheets import COARSE, ROOM, Faces, Loose, SheetBody, Side, merged
-from pas.solid.strips import Chain, chain_between
+from pas.solid.faces import COARSE, Faces, jets_of
+from pas.solid.sheets import ROOM, Loose, SheetBody, Side, merged
+from pas.solid.strips import Chain, chain_between, goes_on
 from pas.solid.tree import Atom, Node, Tree, complement, parts_of
 
 
@@ -100,7 +99,7 @@ class RunSide:
             return None
         for number, chain in enumerate(self.ends):
             for strip in chain.strips if number not in without else ():
-                if not made.goes_on(strip, loops, number, tolerance):
+                if not goes_on(made, strip, loops, number, tolerance):
                     return None
         whole = made.mesh
         return merged(whole, whole.names), loops  # the strips are of the same face
@@ -113,7 +112,7 @@ class RunSide:
         triangles = between_loops(np.stack([np.arctan2(y, x), heights], axis=1), circles, holes)
         if triangles is None:
             return False
-        made.add_on(End(self.ends[0].contact.surface, np.zeros(3)), self.name, triangles)
+        made.put_curved(self.name, triangles, jets_of(self.ends[0].contact.surface))
         return True
 
 

@@ -28,13 +28,13 @@ from flint import fmpq, fmpq_mat
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import lengths, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, residue_place
 from pas.algebra.rational import cross, to_floats
+from pas.mesh.rows import Bools, Floats
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import polynomials_of
 from pas.solid.sections import SLACK, multiples, smooth_sections, tangent_line, touch_along
-from pas.solid.tree import Bools, Tree, atoms
+from pas.solid.tree import Tree, atoms
 
 Curve = tuple[Polynomial, Polynomial]
 

@@ -6,17 +6,19 @@ Guaranteed: exact, but for where on a section the faces are, which is seen at so
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import combinations, permutations
 
 import numpy as np
-from flint import fmpq, fmpq_mpoly
+from flint import fmpq_mpoly
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import lengths, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.mesh.projection import least_norm, newton
+from pas.mesh.rows import Bools, Floats, Integers
 from pas.solid.evaluator import TreeEvaluator
-from pas.solid.tree import Bools, Tree, atoms
+from pas.solid.tree import Tree, atoms
 
 HIGHEST = 6
 """Degree of functions of which plane sections are looked at: that of the blends of pipes with continuous curvature."""
@@ -87,7 +89,7 @@ def _go_on(tree: Tree, box: Floats, plane: Polynomial, curve: Polynomial, pair: 
     ways = plane.gradient(points)
     ways = unit(ways - (ways * normals).sum(axis=1)[:, None] * normals)
     sides = [np.concatenate([points + side * share * size * ways for share in ASIDE]) for side in (-1, 1)]
-    evaluator = TreeEvaluator(tree, (fmpq(0), fmpq(0), fmpq(0)), fmpq(1))
+    evaluator = TreeEvaluator(tree)
     bounding = [[_bounds(evaluator, f, side) for side in sides] for f in pair]
     return any(bool((a[0] & b[1]).any() and not (a[1] | b[0]).any()) for a, b in permutations(bounding))
 
@@ -108,14 +110,22 @@ def _is(function: object, primitive: Polynomial) -> bool:
     return isinstance(function, Polynomial) and function.primitive() == primitive
 
 
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """Polynomials by number, whose common zeros are looked for."""
+
+    functions: tuple[Polynomial, ...]
+
+    def jets(self, points: Floats, labels: int | Integers) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3) of the polynomial that has the number, one for all of them."""
+        function = self.functions[int(np.max(labels, initial=0))]
+        return np.concatenate([function(points)[:, None], function.gradient(points)], axis=1)
+
+
 def _near(points: Floats, functions: tuple[Polynomial, ...]) -> tuple[Floats, Bools]:
-    """Common zeros (N, 3) of one function or two near points (N, 3), by the Gauss-Newton method, and which are some."""
+    """Common zeros (N, 3) of one function or two near points (N, 3), and which are some."""
+    levels, numbers, far = Levels(functions), np.tile(np.arange(len(functions)), (len(points), 1)), np.inf
     with np.errstate(all="ignore"):  # some go so far away that they overflow
-        for _ in range(20):
-            values = np.stack([f(points) for f in functions], axis=1)
-            slopes = np.stack([f.gradient(points) for f in functions], axis=1)
-            lost = ~(np.isfinite(values).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2)))
-            values[lost], slopes[lost] = np.nan, 0.0
-            steps = np.einsum("nij,nj->ni", np.linalg.pinv(slopes), values)
-            points = points - steps
-    return points, np.asarray(lengths(steps) <= 1e-9 * np.maximum(lengths(points), 1.0))
+        points = newton(points, levels, numbers, np.full(len(points), far), 20)
+        left = lengths(least_norm(levels, numbers, points))
+    return points, np.asarray(left <= 1e-9 * np.maximum(lengths(points), 1.0))

@@ -10,29 +10,29 @@ sheet; a surface that ends elsewhere than in one loop on each contact has no suc
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, TypeAlias, TypeVar
+from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
-from pas.algebra.affine import Affine
-from pas.algebra.monomials import Floats
-from pas.mesh.closed import FaceMesh, refined_faces
+from pas.algebra.polynomial import Polynomial
+from pas.mesh.closed import refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Integers, norms
+from pas.mesh.refusals import FaceMesh
+from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.topology import Edges
-from pas.mesh.walls import End, ring
 from pas.piecewise import PiecewiseSurface
+from pas.solid.bounds import hull
+from pas.solid.faces import Faces, PlacedBody
 from pas.solid.field import SolidField
-from pas.solid.strips import Chain, SolidStrip, off_strip, rows_within
+from pas.solid.strips import Chain, Sections, SolidStrip, goes_on
 
-COARSE = 2.0**-6
-"""Tolerance of meshes that show where a body is, over the size of it."""
+EQUAL = 2.0**-40
+"""Coefficients that are off by less, over the largest, are the same: heights of caps are rounded to doubles."""
 
 ROOM = 2.0
 """Over the distances of two such meshes from their bodies, how far these must be apart."""
@@ -80,85 +80,9 @@ class Side:
         loops = [known[number] for number in nearest]
         for number, chain in enumerate(self.chains):
             for strip in chain.strips if number not in without else ():
-                if not made.goes_on(strip, loops, number, tolerance):
+                if not goes_on(made, strip, loops, number, tolerance):
                     return None
         return made.mesh, loops
-
-
-class Faces:
-    """A mesh while it is made: blocks of points, and triangles by the names of their faces."""
-
-    def __init__(self, points: Sequence[Floats], deviation: float) -> None:
-        self.blocks, self.deviation = [*points], deviation
-        self._faces: list[tuple[str, Integers, Floats]] = []
-
-    @property
-    def points(self) -> Floats:
-        return np.concatenate(self.blocks)
-
-    def add(self, name: str, triangles: Integers, normals: Floats) -> None:
-        if len(triangles):
-            self._faces.append((name, triangles, normals))
-
-    def added(self, points: Floats) -> Integers:
-        """The numbers of points (N, 3), now among those of the mesh."""
-        first = sum(map(len, self.blocks))
-        self.blocks.append(points)
-        return np.arange(first, first + len(points))
-
-    def goes_on(self, strip: SolidStrip, loops: list[Integers], number: int, tolerance: float) -> bool:
-        """Whether a strip goes on from a loop, which it then replaces by that in which it ends."""
-        begin = self.points[loops[number]]
-        rows = rows_within(strip, begin, tolerance)
-        if rows is None:
-            return False
-        side, here, parts = End(strip.surface, np.zeros(3)), loops[number], []
-        for row in rows:
-            there = self.added(row)
-            parts += [np.stack(corners, axis=1) for corners in _quads(here, there)]
-            here = there
-        triangles = np.concatenate(parts)
-        self.add(strip.name, triangles, side.normals(self.points[triangles]))
-        self.deviation = max(self.deviation, off_strip(strip.surface, [begin, *rows]))
-        loops[number] = here
-        return True
-
-    def add_on(self, end: End, name: str, triangles: Integers, side: int = 1) -> None:
-        """A face on a surface, seen from its inside where `side` is -1; how far off its edges' middles are is noted."""
-        corners = self.points[triangles]
-        self.deviation = max(self.deviation, end.off((corners + np.roll(corners, 1, axis=1)) / 2))
-        self.add(name, triangles, side * end.normals(corners))
-
-    def ended(self, end: End, name: str, outer: Integers, inner: Integers | None) -> bool:
-        """Whether an end closes the mesh at a loop, or in a wall between two loops."""
-        points = self.points
-        if inner is None:
-            (middle,) = self.added(points[outer].mean(axis=0)[None])
-            points, triangles = self.points, _fan(outer, int(middle))
-            if end.facing(points[triangles]).min() <= 0:
-                return False
-        else:
-            triangles = ring(points, outer, inner, end.axis, name)
-        self.deviation = max(self.deviation, end.off(points[triangles]))
-        self.add_on(end, name, triangles)
-        return True
-
-    def put(self, mesh: Mesh, flipped: bool = False) -> int:
-        """All of a mesh, perhaps seen from its other side; the number that its first vertex has now."""
-        first = int(self.added(mesh.points)[0])
-        turned = mesh.flipped if flipped else mesh
-        for face, name in enumerate(turned.names):
-            self.add(name, turned.triangles[turned.faces == face] + first, turned.normals[turned.faces == face])
-        self.deviation = max(self.deviation, mesh.deviation or 0.0)
-        return first
-
-    @property
-    def mesh(self) -> Mesh:
-        """All of them, in order; a name may stand there several times."""
-        faces = np.repeat(np.arange(len(self._faces)), [len(triangles) for _, triangles, _ in self._faces])
-        triangles, normals = (np.concatenate([face[i] for face in self._faces]) for i in (1, 2))
-        names = tuple(name for name, _, _ in self._faces)
-        return Mesh(self.points, triangles, faces, names, normals, deviation=self.deviation)
 
 
 def roomy(mesh: Mesh) -> Floats:
@@ -172,43 +96,15 @@ def merged(mesh: Mesh, order: Sequence[str]) -> Mesh:
     return replace(mesh, faces=np.array([names.index(name) for name in mesh.names])[mesh.faces], names=tuple(names))
 
 
-def _quads(begin: Integers, end: Integers) -> list[tuple[Integers, Integers, Integers]]:
-    """The corners of two triangles for each edge of a loop that has its mesh to the left, between it and another."""
-    after, beyond = np.roll(begin, -1), np.roll(end, -1)
-    return [(after, begin, end), (after, end, beyond)]
+class LinkableEnd(NamedTuple):
+    """Of a chain of straight strips its number, the plane in which they end, positive outside, how long they are, the
+    surfaces of all sides, and a point (3,) where they begin."""
 
-
-B = TypeVar("B", bound="PlacedBody")
-
-
-@dataclass(frozen=True, eq=False)
-class PlacedBody(ABC):
-    """What bounds a solid all faces of which are made without a lattice; `place` is how it was moved."""
-
-    place: Affine | None = field(default=None, kw_only=True)
-
-    def moved(self: B, map_: Affine) -> B:
-        """Its image."""
-        return replace(self, place=map_ if self.place is None else map_.after(self.place))
-
-    @cached_property
-    def coarse(self) -> Mesh | None:
-        """A coarse mesh of it, which shows where it is; None where it has none."""
-        return self.mesh(COARSE * self.stretch * self.extent, Quality.BALANCED)
-
-    @property
-    def stretch(self) -> float:
-        """By how much lengths grow at most where it was moved."""
-        return 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
-
-    @property
-    @abstractmethod
-    def extent(self) -> float:
-        """About how large it was before it was moved."""
-
-    @abstractmethod
-    def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        """A closed mesh within a tolerance (the model's units), as measured; None where there is none."""
+    number: int
+    plane: Polynomial
+    length: float
+    tubes: tuple[Polynomial, ...]
+    place: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,7 +151,6 @@ class SheetBody(PlacedBody):
         return float(np.ptp(points, axis=0).max())
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        """A closed mesh within a tolerance (the model's units), as measured; None where a surface is not as wished."""
         found = self.opened(tolerance, quality, {})
         return None if found is None else found[0]
 
@@ -283,10 +178,64 @@ class SheetBody(PlacedBody):
         left = {key: loop for key, loop in loops.items() if key[1] in ends}
         return mesh if self.place is None else mesh._moved(self.place), left
 
+    def _placed(self, polynomial: Polynomial) -> Polynomial:
+        return polynomial if self.place is None else self.place.polynomial(polynomial)
 
-def _fan(loop: Integers, middle: int) -> Integers:
-    """The triangles (T, 3) between a loop that has its mesh to the left and a vertex."""
-    return np.stack([np.roll(loop, -1), loop, np.full(len(loop), middle)], axis=1)
+    @cached_property
+    def ends(self) -> tuple[LinkableEnd, ...]:
+        """Of the chains that may be linked: with at most one straight strip of a quadric on each side."""
+        found, place = list[LinkableEnd](), self.place
+        for number, chain in enumerate(self.sides[0].chains):
+            sides = [side.chains[number] for side in self.sides]
+            strips = [(strip, bowed) for side in sides for strip, bowed in zip(side.strips, side.bowed, strict=True)]
+            straight = not any(bowed or not isinstance(strip.rows, Sections) for strip, bowed in strips)
+            if straight and len(strips) <= len(sides) and chain.clip.surface.degree == 1:
+                tubes = tuple(self._placed(side.contact.surface) for side in sides)
+                plane, start = self._placed(chain.end.surface), chain.curve[0]
+                start = start if place is None else place.points(start)
+                length = -float(plane(start) / np.linalg.norm(plane.gradient(start)))
+                found.append(LinkableEnd(number, plane, length if strips else 0.0, tubes, start))
+        return tuple(found)
+
+    @cached_property
+    def boxes(self) -> dict[str, Floats]:
+        """The box (2, 3) of each face of the coarse mesh, by its name."""
+        mesh = self.coarse
+        assert mesh is not None
+        points = mesh.points[mesh.triangles]
+        corners = {name: points[mesh.faces == face].reshape(-1, 3) for face, name in enumerate(mesh.names)}
+        return {name: np.stack([some.min(axis=0), some.max(axis=0)]) for name, some in corners.items()}
+
+    @cached_property
+    def box(self) -> Floats:
+        """The box (2, 3) of all."""
+        return hull([*self.boxes.values()])
+
+    def carried(self, strip: SolidStrip, points: Floats, share: float) -> Floats:
+        """Points (N, 3) of the loop in which a strip begins, moved a share of the way along it."""
+        place = self.place
+        return (
+            strip.rows(points, share)
+            if place is None
+            else place.points(strip.rows(place.inverse.points(points), share))
+        )
+
+    def named(self, number: int) -> set[str]:
+        """The names of the faces that go on from a contact, to its end."""
+        chains = [side.chains[number] for side in self.sides]
+        return {chains[0].name, *(strip.name for chain in chains for strip in chain.strips)}
+
+    def beside(self, plane: Polynomial, room: float, without: set[str]) -> set[str] | None:
+        """The faces, but for some, that come as near as `room` to a plane, positive outside; None where one is beyond
+        it."""
+        mesh = self.coarse
+        assert mesh is not None
+        kept = np.array([name not in without for name in mesh.names])[mesh.faces]
+        slope = plane.gradient(np.zeros(3))
+        heights = (plane(mesh.points) / np.linalg.norm(slope))[mesh.triangles[kept]]
+        if heights.max() > EQUAL * (1 + np.abs(mesh.points).max()):
+            return None
+        return {mesh.names[face] for face in np.unique(mesh.faces[kept][(heights > -room).any(axis=1)])}
 
 
 def face_mesh(mesh: Mesh, field: SolidField, tolerance: float, quality: Quality) -> FaceMesh:

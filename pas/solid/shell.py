@@ -17,21 +17,20 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial import cKDTree
 
-from pas.algebra.monomials import Floats
 from pas.errors import GeometryError
 from pas.limits import checkpoint
-from pas.mesh.closed import FaceMesh
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import least_norm, project
-from pas.mesh.rows import Integers, cross
+from pas.mesh.refusals import FaceMesh
+from pas.mesh.rows import Bools, Floats, Integers, cross
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.functions import Distance, Followed
 from pas.solid.joints import Joint
-from pas.solid.tree import Atom, Bools, Node, Tree, combined, complement
+from pas.solid.tree import Atom, Node, Tree, combined, complement
 
 BESIDE = 1e-7
 """How far on both sides of a foot the solid is looked for, over the local extent."""
@@ -50,13 +49,8 @@ class _Target:
     tree: cKDTree
 
 
-@dataclass(frozen=True)
-class _Feet:
-    """The nearest points (N, 3) of faces, the outward normals there, and the least (N,) that the distance may be."""
-
-    points: Floats
-    normals: Floats
-    least: Floats
+_Feet = tuple[Floats, Floats, Floats]
+"""The nearest points (N, 3) of faces, the outward normals there, and the least (N,) that the distance may be."""
 
 
 class Hollowable(Protocol):
@@ -111,10 +105,10 @@ class FaceDistance(Distance):
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4); far from the value 0 they are those of the nearest vertex."""
         local = self._field.evaluator.local(points)
-        feet = self._nearest(local)
-        away = local - feet.points
+        points, normals, _ = self._nearest(local)
+        away = local - points
         distance = np.linalg.norm(away, axis=1)
-        side = np.where(self._outside(local, feet), -1.0, 1.0)
+        side = np.where(self._outside(local, points, normals), -1.0, 1.0)
         gradient = away * (side / np.maximum(distance, 1e-300))[:, None]
         return np.concatenate([(side * distance * self._scale - self.thickness)[:, None], gradient], axis=1)
 
@@ -124,17 +118,17 @@ class FaceDistance(Distance):
         Where a ball is neither certainly in the solid nor outside, only what holds of its points in the solid is said.
         """
         local, reach = self._field.evaluator.local(centers), radii / self._scale
-        feet, aim = self._nearest(local), self.thickness / self._scale
-        outside, most = self._outside(local, feet), np.linalg.norm(local - feet.points, axis=1)
+        (points, normals, least), aim = self._nearest(local), self.thickness / self._scale
+        outside, most = self._outside(local, points, normals), np.linalg.norm(local - points, axis=1)
         below = most + reach <= aim  # on either side
-        rows = np.flatnonzero(outside & (feet.least > reach))
+        rows = np.flatnonzero(outside & (least > reach))
         evaluator, half = self._field.evaluator, np.repeat(reach[rows, None], 3, axis=1)
         below[rows] = evaluator.decided(*evaluator.taylor(local[rows], half))[1]
-        return below, ~outside & (feet.least - reach > aim)
+        return below, ~outside & (least - reach > aim)
 
-    def _outside(self, points: Floats, feet: _Feet) -> Bools:
+    def _outside(self, points: Floats, feet: Floats, normals: Floats) -> Bools:
         """Which points are outside the solid, and on the outer side of the faces that are followed."""
-        beyond = ((points - feet.points) * feet.normals).sum(axis=1) > 0
+        beyond = ((points - feet) * normals).sum(axis=1) > 0
         beyond[beyond] = ~self._field.inside(self._field.signs(points[beyond]))
         return np.asarray(beyond)
 
@@ -147,7 +141,7 @@ class FaceDistance(Distance):
         close = np.flatnonzero((least <= aim) & (distance >= aim - self._longest / 2))
         feet[close], normals[close] = self._feet(points[close], distance[close], feet[close], normals[close])
         least[close] = np.linalg.norm(points[close] - feet[close], axis=1)
-        return _Feet(feet, normals, least)
+        return feet, normals, least
 
     def _feet(self, points: Floats, nearest: Floats, feet: Floats, normals: Floats) -> tuple[Floats, Floats]:
         """The nearest points (N, 3) of the faces and the normals there, given the nearest vertices and theirs."""

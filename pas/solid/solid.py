@@ -20,23 +20,24 @@ from numpy.typing import ArrayLike
 from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.algebra.brief import listed
 from pas.algebra.inputs import check_names, check_tolerance, points_of
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, rational, to_float
 from pas.errors import GeometryError, meant
 from pas.limits import WorkLimits, limited
-from pas.mesh.closed import FaceMesh, triangulate_faces
+from pas.mesh.closed import triangulate_faces
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.mesh.refusals import FaceMesh
+from pas.mesh.rows import Floats
 from pas.registry import loaded
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape, refuse_mixed
 from pas.solid.bounds import bounding_box, narrowed
 from pas.solid.edge_verbs import WithEdges
+from pas.solid.faces import SolidBoundary
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
 from pas.solid.joints import Joint, Known, orders, prove, refuse_unknown, verdict_list
-from pas.solid.linked import SolidBoundary
 from pas.solid.measures import Measures, curved_measures
 from pas.solid.operands import Operands, combined_boundary, renamed_boundary
 from pas.solid.sheets import face_mesh, merged, roomy

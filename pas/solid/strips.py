@@ -10,31 +10,26 @@ Around an opening there are rays from the centre, and straight lines up to edges
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.affine import Frame, quadratic_form
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, dot, to_float, to_floats
 from pas.algebra.scaling import scaled
 from pas.contacts.cones import first_met
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
-from pas.mesh.walls import End
+from pas.mesh.rows import Floats, Integers
+from pas.solid.faces import End, Faces, jets_of, off_surface
 
-
-class Rows(Protocol):
-    """From the points (N, 3) of a loop to those of the loop a share of the way along a strip."""
-
-    def __call__(self, points: Floats, share: float) -> Floats:
-        """The points (N, 3); those of the loop itself with 0, of the strip's end with 1."""
+Rows = Callable[[Floats, float], Floats]
+"""From the points (N, 3) of a loop to those of the loop a share of the way along a strip: the strip's end with 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +149,7 @@ class Chain:
 
     def off(self, points: Floats) -> float:
         """How far points (N, 3) are at most from the curve in which it begins, to first order."""
-        return max(self.clip.off(points), End(self.contact.surface, self.clip.axis).off(points))
+        return max(self.clip.off(points), float(off_surface(self.contact.surface, points).max()))
 
     @cached_property
     def loops(self) -> tuple[Floats, ...]:
@@ -232,11 +227,22 @@ def rows_within(strip: SolidStrip, begin: Floats, tolerance: float) -> list[Floa
     return None
 
 
+def goes_on(made: Faces, strip: SolidStrip, loops: list[Integers], number: int, tolerance: float) -> bool:
+    """Whether a strip goes on from a loop of a mesh, which it then replaces by that in which it ends."""
+    rows = rows_within(strip, made.points[loops[number]], tolerance)
+    if rows is None:
+        return False
+    every = [loops[number], *map(made.added, rows)]
+    made.put_side(strip.name, [np.append(row, row[0]) for row in every[::-1]], jets_of(strip.surface))
+    loops[number] = every[-1]
+    return True
+
+
 def off_strip(surface: Polynomial, rows: Sequence[Floats]) -> float:
     """How far the triangles between rows are from a surface at the middles of their edges, to first order."""
-    found, side = 0.0, End(surface, np.zeros(3))
+    found = 0.0
     for here, there in pairwise(rows):
         across = [(here + there) / 2, (np.roll(here, -1, axis=0) + there) / 2]
         along = [(row + np.roll(row, -1, axis=0)) / 2 for row in (here, there)]
-        found = max(found, *(side.off(points) for points in (*across, *along)))
+        found = max(found, *(float(off_surface(surface, points).max()) for points in (*across, *along)))
     return found

@@ -13,10 +13,10 @@ from math import comb
 import numpy as np
 
 from pas.algebra.evaluation import evaluate
-from pas.algebra.monomials import Floats, derivative_matrix, exponents, positions
+from pas.algebra.monomials import derivative_matrix, exponents, positions
 from pas.algebra.polynomial import Polynomial
 from pas.limits import checkpoint
-from pas.solid.tree import Bools, Integers
+from pas.mesh.rows import Bools, Floats, Integers
 
 HELD = 1 << 22
 """Numbers held at once while boxes are bounded."""

@@ -15,13 +15,12 @@ from typing import Any
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact, plain, positive, square_root, to_float
+from pas.mesh.rows import Floats
+from pas.solid.faces import FacedBody, Faces, jets_of
 from pas.solid.functions import Distance, Parametrized
-from pas.solid.sheets import Faces
 from pas.solid.solid import Solid
-from pas.solid.swept import FacedBody, jets_of, put_curved, put_flat
 from pas.solid.tree import Atom, combined
 
 X, Y, Z = GENERATORS
@@ -66,7 +65,6 @@ class Flank(Distance, Parametrized):
         return np.stack([r * np.cos(angle), r * np.sin(angle), self.pitch * turn + off], axis=1)
 
     def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3)."""
         off, r = self.off(points), np.hypot(points[:, 0], points[:, 1])
         # Inside the root, where it is not asked for, the winding is faded out: it is not continuous at the axis.
         share = np.clip(2 * r / self.root - 1 / 2, 0, 1)
@@ -84,12 +82,10 @@ class Flank(Distance, Parametrized):
         return found[..., 0], found[..., 1:]
 
     def to_record(self) -> dict[str, Any]:
-        """The diameter and the pitch, exact."""
         return {"diameter": plain(self.exact_diameter), "pitch": plain(self.exact_pitch)}
 
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> Flank:
-        """The flank of `to_record`."""
         return cls(record["diameter"], record["pitch"])
 
 
@@ -103,7 +99,6 @@ class Wound(FacedBody):
 
     @property
     def extent(self) -> float:
-        """The larger one of its height and its diameter."""
         return max(self.height, 2 * self.flank.crest)
 
     def made(self, tolerance: float) -> Faces:
@@ -142,13 +137,12 @@ class Wound(FacedBody):
         for name, (kinds, jets) in bands.items():
             some = np.flatnonzero(np.isin(np.arange(lines - 5) % 4, kinds))
             a, b, c, d = number[:, some], after[:, some], after[:, some + 1], number[:, some + 1]
-            put_curved(
-                made, f"{self.face} {name}", [np.stack(t, -1).reshape(-1, 3) for t in ((a, b, c), (a, c, d))], jets
-            )
+            triangles = [np.stack(t, -1).reshape(-1, 3) for t in ((a, b, c), (a, c, d))]
+            made.put_curved(f"{self.face} {name}", np.concatenate(triangles), jets)
         for end, sign in enumerate((-1, 1)):
             rim, center = np.arange(columns) + end * columns, np.full(columns, len(used) + end)
             fan = np.stack([rim, np.roll(rim, -sign), center], axis=1)
-            put_flat(made, f"{self.face} {('start', 'end')[end]}", fan, np.array([0.0, 0.0, sign]))
+            made.put_flat(f"{self.face} {('start', 'end')[end]}", fan, np.array([0.0, 0.0, sign]))
         return made
 
 

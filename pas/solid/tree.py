@@ -7,15 +7,11 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol, TypeVar, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.affine import Affine
 from pas.algebra.inputs import check_coefficients
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-
-Bools = NDArray[np.bool_]
-Integers = NDArray[np.intp]
+from pas.mesh.rows import Bools, Floats
 
 
 @runtime_checkable
@@ -118,11 +114,11 @@ def parts_of(tree: Tree, union: bool) -> tuple[Tree, ...]:
     return tree.parts if isinstance(tree, Node) and tree.union == union else (tree,)
 
 
-def splits_of(tree: Tree, union: bool) -> Iterator[tuple[Tree, Tree]]:
-    """Each of several sets whose union, or intersection, a set is, with that of the others."""
-    parts = parts_of(tree, union)
+def splits_of(tree: Tree) -> Iterator[tuple[Tree, Tree]]:
+    """Each of several sets whose intersection a set is, with that of the others."""
+    parts = parts_of(tree, union=False)
     for part in parts if len(parts) > 1 else ():
-        yield part, combined(union, *(other for other in parts if other is not part))
+        yield part, combined(False, *(other for other in parts if other is not part))
 
 
 def folded(tree: Tree, leaf: Callable[[Atom], Value], branch: Callable[[Node, list[Value]], Value]) -> Value:

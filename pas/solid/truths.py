@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.limits import checkpoint
-from pas.solid.tree import Atom, Bools, Columns, Integers, Node, Tree, atoms, folded
+from pas.mesh.rows import Bools, Floats, Integers
+from pas.solid.tree import Atom, Columns, Node, Tree, atoms, folded
 
 Bits = NDArray[np.uint8]
 
@@ -42,7 +42,7 @@ class Level:
 
 
 class CompiledTree:
-    """The unions and intersections of a tree over `columns` columns, by height: many boxes or points at once.
+    """The unions and intersections of a tree over `width` columns, by height: many boxes or points at once.
 
     `column_of` gives for an inequality a column, from 0 on, that must be <= 0, and whether it is the opposite.  Leaves
     are the first numbers, the whole is the last.
@@ -64,8 +64,8 @@ class CompiledTree:
             return height + 1, len(heights[height]) - 1
 
         folded(tree, leaf, branch)
-        self.columns = 1 + max(column for column, _ in leaves)
-        self.rows: Integers = np.array([column + self.columns * negated for column, negated in leaves], dtype=np.intp)
+        self.width = 1 + max(column for column, _ in leaves)
+        self.rows: Integers = np.array([column + self.width * negated for column, negated in leaves], dtype=np.intp)
         firsts = np.cumsum([0, len(leaves), *map(len, heights)])
         self.size = int(firsts[-1])
         self.levels = []
@@ -87,7 +87,10 @@ class CompiledTree:
         return _unpacked(np.concatenate(found), yes.shape[1])
 
     def relevant(self, yes: Bools, no: Bools) -> tuple[Bools, Bools]:
-        """Which columns (M, N) the tree depends on where it reads them `<= 0`, and where it reads them `> 0`."""
+        """Which columns (M, N) the tree depends on where it reads them `<= 0`, and where it reads them `> 0`.
+
+        `yes` and `no` (M, N) say where columns are certainly <= 0 and > 0.
+        """
         found = np.concatenate([self._relevant(*block) for block in _blocks(yes, no)], axis=1)
         below, above = np.split(_unpacked(found, yes.shape[1]), 2)
         return below, above
@@ -115,7 +118,7 @@ class CompiledTree:
             open_[level.parts] &= open_[level.numbers][level.owners]
         order = np.argsort(self.rows, kind="stable")
         rows, starts = np.unique(self.rows[order], return_index=True)
-        result = np.zeros((2 * self.columns, yes.shape[1]), dtype=np.uint8)
+        result = np.zeros((2 * self.width, yes.shape[1]), dtype=np.uint8)
         result[rows] = np.bitwise_or.reduceat(open_[order], starts, axis=0)
         return result
 

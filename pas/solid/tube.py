@@ -18,14 +18,14 @@ from scipy.spatial import cKDTree
 from pas.algebra.callables import component
 from pas.algebra.inputs import shown, whole
 from pas.algebra.jets import Jet, variables
-from pas.algebra.lengths import across
-from pas.algebra.monomials import Floats
+from pas.algebra.lengths import across, arc_lengths
 from pas.algebra.rational import Exact, Symbolic, plain, positive, rational, to_float
 from pas.errors import GeometryError
+from pas.mesh.rows import Bools, Floats
 from pas.mesh.shading import unit_rows
 from pas.solid.functions import Distance, Parametrized
 from pas.solid.solid import Solid
-from pas.solid.tree import Atom, Bools, combined
+from pas.solid.tree import Atom, combined
 
 SAMPLES = 512
 """Of a curve, at least."""
@@ -126,7 +126,6 @@ class Tube(Distance, Parametrized):
         self._table, self._tree = (points, slopes, bends), cKDTree(points)
 
     def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3)."""
         _, nearest = self.nearest(points)
         away = points - nearest
         distance = np.linalg.norm(away, axis=1)
@@ -219,7 +218,6 @@ class Tube(Distance, Parametrized):
         return make_interp_spline(t, normals, k=5, bc_type="periodic")
 
     def to_record(self) -> dict[str, Any]:
-        """The formulas, the interval and the radius, exact."""
         return {
             "curve": list(self.curve.formulas),
             "interval": [plain(c) for c in self.curve.exact_interval],
@@ -228,7 +226,6 @@ class Tube(Distance, Parametrized):
 
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> Tube:
-        """The tube of `to_record`."""
         return cls(TubeCurve(record["curve"], record["interval"]), record["radius"], record.get("round", True))
 
 
@@ -250,7 +247,6 @@ class TubeEnd(Distance):
         self.plane = self._point, self._outwards
 
     def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3)."""
         # another strand of the tube may pass this end; the plane cuts only its own
         far = 2 * self.tube.radius
         near = np.flatnonzero(np.linalg.norm(points - self._point, axis=1) < far)
@@ -266,9 +262,7 @@ class TubeEnd(Distance):
 
     @cached_property
     def _lengths(self) -> Floats:
-        points = self.tube.curve.jets(self.tube.parameters)[0]
-        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        lengths = np.concatenate([[0.0], np.cumsum(steps)])
+        lengths = arc_lengths(self.tube.curve.jets(self.tube.parameters)[0])
         return lengths[-1] - lengths if self.side else lengths
 
     def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
@@ -278,12 +272,10 @@ class TubeEnd(Distance):
         return away > 2 * self.tube.radius, np.zeros(len(centers), dtype=bool)
 
     def to_record(self) -> dict[str, Any]:
-        """The tube and the side."""
         return {"tube": self.tube.to_record(), "side": self.side}
 
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> TubeEnd:
-        """The end of `to_record`."""
         return cls(Tube.from_record(record["tube"]), whole(record["side"], "side", 0, 1))
 
 

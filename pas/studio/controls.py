@@ -135,7 +135,7 @@ def _number_control(path: list[Any], label: str, group: str, low: float, high: f
 
 
 def _size(problem: Data) -> float:
-    """A power of two not below any clip or radius: so the ends of sliders stay when values change a little."""
+    """One that is not below any clip or radius."""
     numbers = [
         abs(_number(value))
         for table in CONTACTS
@@ -143,7 +143,12 @@ def _size(problem: Data) -> float:
         for value in entry.values()
         if _exact(value) is not None
     ]
-    return float(2 ** ceil(log2(1.2 * max([*numbers, 1e-6]))))
+    return rounded(1.2 * max([*numbers, 1e-6]))
+
+
+def rounded(wide: float) -> float:
+    """The power of two above, so that the ends of sliders stay when values change a little."""
+    return float(2.0 ** ceil(log2(wide)))
 
 
 def _number(value: Any) -> float:

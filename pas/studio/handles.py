@@ -8,8 +8,6 @@ one region: a document that holds some has to say its degree.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from math import ceil, log2
 from typing import Any
 
 import numpy as np
@@ -29,7 +27,7 @@ from pas.fairing.refit import compliance
 from pas.fairing.wishes import Wishes
 from pas.pipeline.result import Blend
 from pas.studio import Data
-from pas.studio.controls import Control
+from pas.studio.controls import Control, rounded
 
 
 def free_handle(blend: Blend, point: Floats) -> tuple[Handle, float]:
@@ -39,30 +37,23 @@ def free_handle(blend: Blend, point: Floats) -> tuple[Handle, float]:
     Raises `InputError` where none is free.
     """
     candidates = handles(blend.space)
-    places, along = _grips(blend, blend.wishes, candidates)
+    places, correlation, share = _grips(blend, blend.wishes, candidates)
     local = (point - to_floats(blend.surface.partition.frame.origin)) / to_float(blend.surface.partition.frame.scale)
     size = float(np.linalg.norm(blend.surface.local.points, axis=1).max())
     # a handle near by is six times as good as one at the end of the region with which the surface goes along as well;
     # where a good one takes hold, the function changes by a hundredth of the coefficient at least
     near = 1 / (1 + 5.0 * np.linalg.norm(places - local, axis=1) / size)
-    good = np.where(along.share > 0.01, along.correlation * near, 0.0)
+    good = np.where(share > 0.01, correlation * near, 0.0)
     if not good.max() > 0:
         raise InputError("no handle is free: what is held settles the surface, or it goes along with none")
     handle = candidates[int(good.argmax())]
     return handle, float(blend.surface.cells[handle[0]].b_coefficients[handle[1]])
 
 
-@dataclass(frozen=True)
-class Along:
-    """How a surface goes along with each of some B-coefficients where they take hold of it: the correlation, 0 where
-    one is settled or the surface is not met, and how much the function changes there with the coefficient."""
-
-    correlation: Floats
-    share: Floats
-
-
-def _grips(blend: Blend, wishes: Wishes, candidates: Sequence[Handle]) -> tuple[Floats, Along]:
-    """Where B-coefficients take hold of the surface, in local coordinates (N, 3), and how it goes along.
+def _grips(blend: Blend, wishes: Wishes, candidates: Sequence[Handle]) -> tuple[Floats, Floats, Floats]:
+    """Where B-coefficients take hold of the surface, in local coordinates (N, 3), and how it goes along with each
+    there: the correlation (N,), 0 where one is settled or the surface is not met, and how much the function changes
+    with the coefficient (N,).
 
     A place is where the ray from the centre through the domain point meets the surface.
     """
@@ -82,24 +73,23 @@ def _grips(blend: Blend, wishes: Wishes, candidates: Sequence[Handle]) -> tuple[
     both = np.einsum("ij,jk,ik->i", rows, follows, values)
     free = met & (own > 1e-6 * own.max()) & (there > 0)  # it gives way, so it is not settled
     own, there = np.where(free, own, 1.0), np.where(free, there, 1.0)
-    return places, Along(np.where(free, np.abs(both) / np.sqrt(own * there), 0.0), np.where(free, both / own, 0.0))
+    return places, np.where(free, np.abs(both) / np.sqrt(own * there), 0.0), np.where(free, both / own, 0.0)
 
 
 def shares_of(blend: Any) -> list[float | None]:
     """For each handle that is held, how much the function changes at its place with the coefficient, if all else
     follows; None where that cannot be told."""
-    if not pulled_by_coefficients(blend):
-        return []
-    return [_share(blend, number) for number in range(len(blend.wishes.handles))]
+    held = blend.wishes.handles if pulled_by_coefficients(blend) else ()
+    return [_share(blend, number) for number in range(len(held))]
 
 
 def _share(blend: Blend, number: int) -> float | None:
     handle, _ = blend.wishes.handles[number]
     try:
-        _, along = _grips(blend, blend.wishes.without([("handles", number)]), [handle])
+        _, _, share = _grips(blend, blend.wishes.without([("handles", number)]), [handle])
     except InfeasibleError:
         return None
-    return float(along.share[0]) or None
+    return float(share[0]) or None
 
 
 def with_handle(document: Data, blend: Any, point: Any) -> Data:
@@ -127,7 +117,7 @@ def handle_controls(document: Data, shape: Any) -> Iterator[Control]:
     Of "coefficients", `names` are the members as polynomials and `ends` the least and the greatest values that any
     surface with clean contacts and walls has, as far as samples tell, whatever else is wished.
     """
-    if getattr(shape, "kind", "") != "blend" or shape.dimension < 2:
+    if not can_follow(shape) or shape.dimension < 2:
         return
     if coefficients_of(shape):
         yield {"kind": "coefficients", "path": path_of(document, "coefficients"), "label": "coefficients",
@@ -143,11 +133,12 @@ def pulled_by_coefficients(shape: Any) -> bool:
     On many cells they are not: what the surface does correlates with a single one by 0.1 or so, since all others
     follow by energy.  There points to pass through take hold of the surface.
     """
-    return (
-        getattr(shape, "kind", "") == "blend"
-        and shape.surface.partition.cells
-        and len(shape.surface.partition.pieces) == 1
-    )
+    return can_follow(shape) and bool(shape.surface.partition.cells) and len(shape.surface.partition.pieces) == 1
+
+
+def can_follow(shape: Any) -> bool:
+    """Whether other sliders can be followed from it."""
+    return getattr(shape, "kind", "") == "blend"
 
 
 def path_of(document: Data, name: str) -> list[Any]:
@@ -157,7 +148,7 @@ def path_of(document: Data, name: str) -> list[Any]:
 
 def coefficients_of(shape: Any) -> list[float]:
     """The coefficients of a single cell's members, where a shape has few enough to show them."""
-    single = getattr(shape, "kind", "") == "blend" and len(shape.surface.partition.pieces) == 1
+    single = can_follow(shape) and len(shape.surface.partition.pieces) == 1
     most_members = 40  # coefficients that are offered: more are no family that anybody shapes by hand
     return [float(value) for value in shape.coefficients] if single and shape.dimension <= most_members else []
 
@@ -174,7 +165,7 @@ def _members(blend: Blend) -> dict[str, Any]:
     equations = MemberProgramme(prepared, wishes).equations
     among = {"A_ub": -rows.rows, "b_ub": -rows.at_least, "A_eq": equations[:, :-1], "b_eq": equations[:, -1]}
     ends = [
-        [_least(column, among, -_rounded(end)), -_least(-column, among, -_rounded(end))]
+        [_least(column, among, -rounded(end)), -_least(-column, among, -rounded(end))]
         for column, end in zip(to_doubles(prepared.basis.transform).T, wide, strict=True)
     ]
     return {"names": [short(str(member)) for member in found], "ends": ends}
@@ -184,8 +175,3 @@ def _least(cost: Floats, among: dict[str, Floats], otherwise: float) -> float:
     """The least value of a linear form under linear conditions, to four digits; where there is none, what is said."""
     found = linprog(cost, **among, bounds=(None, None))
     return float(f"{found.fun:.4g}") if found.status == 0 else otherwise
-
-
-def _rounded(wide: float) -> float:
-    """The power of two above, so that the ends of sliders stay when values change a little."""
-    return float(2.0 ** ceil(log2(wide)))

@@ -16,6 +16,7 @@ from typing import Any, cast
 import numpy as np
 
 from pas.algebra.affine import ORIGIN
+from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float, to_floats
@@ -147,8 +148,7 @@ def _beyond(join: Join, length: float) -> tuple[dict[str, Any], Floats]:
         end = _end(join)
         return box | {"clips": [end.degree]}, np.concatenate([values, (-end).dense(end.degree)])
     rim = neighbour(join, 1.0)
-    slope = join.contact.clip.dense(1)[1:]
-    along = slope / np.linalg.norm(slope)
+    along = unit(join.contact.clip.dense(1)[1:])
     across = np.linalg.svd(along[None])[2][1:]
     straight = np.abs(_change(surface, along)).max() < 1e-12 * np.abs(values).max()
     radius = rim.radius * 1.05 + (0.0 if straight else length)

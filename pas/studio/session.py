@@ -32,6 +32,7 @@ from pas.studio import Data, Message, documents
 from pas.studio.controls import LENGTHS, SHAPE, controls
 from pas.studio.handles import (
     at_degree,
+    can_follow,
     coefficients_of,
     handle_controls,
     pulled_by_coefficients,
@@ -76,14 +77,18 @@ class StudioSession:
                 read_problem(path)
                 problem = documents.plain_tables(read_toml(path)[2])
                 return {"kind": "problem", "problem": {"name": path.stem, **problem}}
-            shape = self.opened[path.name] = load(path)
-            return {"kind": "project", "name": path.name, "sliders": {}, "blend": can_follow(shape)}
+            return self.open(path.name, load(path))
+
+    def open(self, name: str, shape: Shape) -> Data:
+        """The document of a shape, which is open from then on."""
+        self.opened[name] = shape
+        return {"kind": "project", "name": name, "sliders": {}, "blend": can_follow(shape)}
 
     def solve(self, document: Data) -> Message:
         """The final picture of a document with its verdicts."""
         shape = self.shape_of(document)
-        message = picture(shape)
-        head = {**message.head, **_judged(shape), **_texts(document),
+        message, kind = picture(shape), documents.DOCUMENTS[document["kind"]]
+        head = {**message.head, **_judged(shape), "python": kind.python(document), "toml": kind.toml(document),
                 "controls": [*controls(document), *handle_controls(document, shape)],
                 "members": coefficients_of(shape), "shares": shares_of(shape), "formats": formats_for(shape),
                 "final": True, "scene": name_of_scene(message), "name": name_of(document)}  # fmt: skip
@@ -264,12 +269,9 @@ class StudioSession:
         if wishes is None:
             return problem.solve()
         degree = getattr(getattr(self.seen, "surface", None), "degree", None)
-        held = degree if document["problem"].get("degree") is None and self._same_order(document) else None
+        same = degree is not None and self.seen.surface.placed.order == problem.order  # type: ignore[union-attr]
+        held = degree if same and problem.degree is None else None
         return replace(problem, degree=held or problem.degree, wishes=wishes.changed(prove=False)).solve()
-
-    def _same_order(self, document: Data) -> bool:
-        surface = getattr(self.seen, "surface", None)
-        return surface is not None and surface.placed.order == document["problem"].get("order")
 
     def _keep(self, key: str, shape: Shape) -> None:
         self.bases.pop(key, None)
@@ -282,12 +284,6 @@ class StudioSession:
 def formats_for(shape: Shape) -> list[str]:
     """The suffixes of the files that a shape can be exported to."""
     return [PROJECT, *suffixes_for(shape)]
-
-
-def _texts(document: Data) -> dict[str, Any]:
-    """The program and the problem file to copy."""
-    kind = documents.DOCUMENTS[document["kind"]]
-    return {"python": kind.python(document), "toml": kind.toml(document)}
 
 
 def name_of(document: Data) -> str:
@@ -314,11 +310,6 @@ def _shaped(before: Data, document: Data) -> dict[str, Any] | None:
     moved = {name: value for name, value in new["shape"].items() if value != old["shape"][name]}
     plain_ones = all(name in SHAPE and not isinstance(value, list | dict) for name, value in moved.items())
     return moved if plain_ones else None
-
-
-def can_follow(shape: Any) -> bool:
-    """Whether other sliders can be followed from it."""
-    return getattr(shape, "kind", "") == "blend"
 
 
 def _key(document: Data) -> str:

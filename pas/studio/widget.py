@@ -21,7 +21,7 @@ from pas.errors import PasError, library
 from pas.shape import Shape
 from pas.studio import GALLERY, Data, Message, refusal
 from pas.studio.server import PAGE
-from pas.studio.session import StudioSession, can_follow
+from pas.studio.session import StudioSession
 
 if TYPE_CHECKING:
     from pas.pipeline.result import Blend
@@ -54,13 +54,6 @@ def _taken(found: re.Match[str]) -> str:
     return f"const {{{found['names'].replace(' as ', ': ')}}} = {found['module']}_;"
 
 
-def document_of(shape: Shape, session: StudioSession) -> Data:
-    """A document of a shape, which the session has open from then on."""
-    name = "shape.pas.json"
-    session.opened[name] = shape
-    return {"kind": "project", "name": name, "sliders": {}, "blend": can_follow(shape)}
-
-
 @cache
 def widget_class() -> type[Any]:
     """The class of widgets; raises `MissingLibraryError` without the library of `pas[notebook]`."""
@@ -77,8 +70,8 @@ def widget_class() -> type[Any]:
 
         def __init__(self, document: Data | None = None, shape: Shape | None = None) -> None:
             self.session, self._shot = StudioSession(), 0
-            start = document or next(iter(GALLERY.values())) if shape is None else document_of(shape, self.session)
-            super().__init__(document=start)
+            start = document or next(iter(GALLERY.values()))
+            super().__init__(document=start if shape is None else self.session.open("shape.pas.json", shape))
             self.on_msg(lambda _, request, __: self.answer(request))
 
         @property

@@ -18,8 +18,7 @@ from pas.limits import checkpoint
 from pas.mesh.grading import NOWHERE, Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind, following
 from pas.mesh.mesh import Mesh
-from pas.mesh.refusals import too_many
-from pas.mesh.remesher import Remeshed
+from pas.mesh.refusals import FaceMesh, too_many
 from pas.mesh.rows import Floats, Integers, cross, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.sheet import BadMeshError, given
@@ -44,7 +43,7 @@ def bisected(field: RadialField, tolerance: float, settings: Settings) -> Mesh:
         halves = _chosen(mesh, rim, (off > tolerance) | (mesh.cosines < settings.folded))
         if not len(halves):
             require_once(field, mesh.points[mesh.kinds == VertexKind.INSIDE])
-            return given(field, Remeshed(mesh.value, float(off.max())), tolerance, settings)
+            return given(field, FaceMesh(mesh.value, float(off.max())), tolerance, settings)
         if len(mesh.labels) + 2 * len(halves) > settings.most:
             raise too_many(field, len(mesh.labels), settings.most, tolerance, float(off.max())).error
         size, middles, rims = len(mesh.points), mesh.middles(NOWHERE, halves)[1], _rims(mesh, halves)

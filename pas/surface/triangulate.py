@@ -161,12 +161,12 @@ def _first(field: LocalField, grid: Lattice) -> Labelled:
         points[inner] = field.near(points[inner])
         if not field.within(points):
             continue
-        upright = uprightness(points, triangles, unit_rows(field.gradients(points)))
+        upright = uprightness(points[triangles], unit_rows(field.gradients(points))[triangles])
         # Share of folded triangles, and of those without area, that coarsening and smoothing may have to mend.
         folds = 0.03
         if np.mean(~(upright >= Settings.folded)) <= folds and _shows_curves(field, points[~inner]):
             return open_mesh(field, points, triangles, rim)
-    upright = uprightness(crossed, plain, unit_rows(field.gradients(crossed)))
+    upright = uprightness(crossed[plain], unit_rows(field.gradients(crossed))[plain])
     place = crossed[plain[np.argmin(upright)]].mean(axis=0)
     raise BadMeshError("triangles are folded, or where the surface ends is not seen", place)
 

@@ -57,7 +57,7 @@ def main() -> None:
         print(row(path.stem), flush=True)
         problem = pas.read_parametric_problem(path)
         drawn = [problem.blend(), ball()] if path.stem == "obstacle" else problem.blend()
-        pas.draw(drawn, folder / f"{path.stem}.png", style=pas.Style(problem.style), view=problem.view, size=SIZE)
+        pas.draw(drawn, folder / f"{path.stem}.png", style=problem.picture.style, view=problem.picture.view, size=SIZE)
     joined = three_pipes().require()
     print(f"{'three_pipes':<20} {len(joined.mesh().triangles)} triangles, welded")
     pas.draw(joined, folder / "three_pipes.png", style=pas.Style.ZEBRA, size=SIZE)

@@ -152,10 +152,6 @@ class Content(Generic[C]):
         return True
 
 
-def _no_library() -> None:
-    """Formats that need no library of their own."""
-
-
 @dataclass(frozen=True)
 class Format(Generic[C]):
     """A file format by its suffix, `name`, such as ".stl".
@@ -171,7 +167,7 @@ class Format(Generic[C]):
     name: str
     content: Content[C]
     write: Callable[[C, Path, Request], Sequence[Any] | None]
-    require: Callable[[], object] = _no_library
+    require: Callable[[], object] = lambda: None
     limits: Callable[[Any], bool] | None = None
     bodies: bool = False
     closed: bool = False
@@ -179,14 +175,11 @@ class Format(Generic[C]):
 
     def holds(self, thing: Any) -> bool:
         """Whether a thing can be written here, less what would first have to be filled with tetrahedra."""
-        return self._installed() and self.content.can_be_of(thing) and (self.limits is None or self.limits(thing))
-
-    def _installed(self) -> bool:
         try:
             self.require()
         except MissingLibraryError:
             return False
-        return True
+        return self.content.can_be_of(thing) and (self.limits is None or self.limits(thing))
 
     def check(self, request: Request) -> None:
         """Raise `ValueError` for an option that says nothing of such files, such as a unit where they have none."""
@@ -207,8 +200,8 @@ FORMATS: Registry[Format[Any]] = Registry(
         ".3mf": "pas.exchange.formats.libraries:THREE_MF",
         ".glb": "pas.exchange.formats.libraries:GLB",
         ".vtp": "pas.exchange.formats.libraries:VTP",
-        ".step": "pas.exchange.formats.step:STEP",
-        ".stp": "pas.exchange.formats.step:STEP",
+        ".step": "pas.exchange.formats.libraries:STEP",
+        ".stp": "pas.exchange.formats.libraries:STEP",
         ".vtu": "pas.exchange.formats.libraries:VTU",
         ".msh": "pas.exchange.formats.libraries:MSH",
         ".csv": "pas.exchange.formats.plain:CSV",

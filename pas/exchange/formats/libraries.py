@@ -1,17 +1,13 @@
-"""GLB and VTP of all triangles, 3MF of closed bodies, VTU and MSH of cells, each by a library.
+"""GLB and VTP of all triangles, 3MF of closed bodies, VTU and MSH of cells, STEP of exact faces, each by a library.
 
-GLB (binary glTF), by trimesh: a named node and a material for each part, normals of the points, single precision;
-what stands in many places is one mesh, of which that node has a child for each.  Its lengths are meters (glTF 2.0,
-3.4): of a model with a unit they are.  The unit of the numbers is written as the scene's extras.
+What they hold is said by `pas.exchange.write`.  GLB (binary glTF), by trimesh: what stands in many places is one mesh,
+of which the node of its part has a child for each.  Lengths are meters (glTF 2.0, 3.4); the unit of the numbers is
+written as the scene's extras.  VTP (VTK's XML of polygons), by pyvista: points have `parameters` where all parts are
+meshes of parametric surfaces.
 
-VTP (VTK's XML of polygons), by pyvista: `face`, `part` and `color` of triangles, names, normals, double precision;
-points have `parameters` where all parts are meshes of parametric surfaces.  In both, points are doubled along sharp
-edges.
-
-3MF, by lib3mf: one named object a part, its colour and the unit of lengths.  Guaranteed: each part is an object of its
-own in the file's build, of the type "surface" where it is open (3MF core 1.3, 4.1); what stands in many places is
-written once, as components of one object.  Not guaranteed: more than single
-precision, which is what lib3mf takes.
+3MF, by lib3mf, which takes single precision.  Guaranteed: each part is an object of its own in the file's build, of the
+type "surface" where it is open (3MF core 1.3, 4.1); what stands in many places is written once, as components of one
+object.
 
 VTU (VTK's XML of cells), by pyvista: the tetrahedra of a volume, or a piecewise surface's cells with polynomials; and
 Gmsh's .msh of tetrahedra, version 2.2, by meshio, with parts and faces as physical groups.  A polynomial of degree n is
@@ -27,8 +23,10 @@ from __future__ import annotations
 import ctypes
 import json
 import re
+import struct
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
+from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -40,20 +38,21 @@ from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.errors import library, optional
 from pas.exchange.formats import Content, Format, Request
 from pas.exchange.parts import (
+    FACES,
     PLACED,
     TRIANGLES,
     Piece,
     all_different,
-    counted_on,
     face_numbers,
     in_unit,
     is_closed,
     repeated_colors,
-    triangles_of,
 )
 from pas.exchange.volume import TETRAHEDRA, VolumeMesh, is_filled, tetrahedra_of
 from pas.limits import checkpoint
+from pas.mesh.rows import counted_on
 from pas.piecewise import PiecewiseSurface
+from pas.registry import loaded
 from pas.shape import Shape, kind_of
 from pas.surface.function import Cell
 
@@ -64,10 +63,7 @@ def write_glb(parts: Sequence[Piece], path: Path, request: Request) -> None:
 
     parts, told = in_unit(parts, request, "meter"), "meter" if request.unit else request.told_unit
     names = [p.name for p in parts]
-    root = "root"
-    while root in names:
-        root += "_"
-    scene: Any = trimesh.Scene(metadata={"unit": told}, base_frame=root)
+    scene: Any = trimesh.Scene(metadata={"unit": told}, base_frame=all_different([*names, "root"], "_")[-1])
     for part in parts:
         checkpoint()
         scene.add_geometry(part.mesh.to_trimesh(), node_name=part.name, geom_name=part.name)
@@ -103,12 +99,9 @@ def _placed(data: bytes, places: dict[str, Floats]) -> list[bytes]:
         children += _each(f'{{"mesh":{mesh},"translation":[%.9g,%.9g,%.9g]}},', shifts)
     text += children
     text[-1] = text[-1].rstrip(b",") + b"]}"
-    length = sum(map(len, text))
-    text[-1] += b" " * (-length % 4)
-    length += -length % 4
-    rest = data[20 + size :]
-    head = b"glTF" + b"".join(n.to_bytes(4, "little") for n in (2, 20 + length + len(rest), length)) + b"JSON"
-    return [head, *text, rest]
+    text.append(b" " * (-sum(map(len, text)) % 4))
+    length, rest = sum(map(len, text)), data[20 + size :]
+    return [struct.pack("<4sIII4s", b"glTF", 2, 20 + length + len(rest), length, b"JSON"), *text, rest]
 
 
 def _each(line: str, places: Floats) -> Iterator[bytes]:
@@ -140,9 +133,9 @@ def write_vtp(parts: Sequence[Piece], path: Path, request: Request) -> None:
     if len(parameters) == len(parts):
         data.point_data["parameters"] = np.concatenate(parameters)
     numbers, names = face_numbers(parts)
-    data.cell_data["face"] = numbers
-    data.cell_data["part"] = np.repeat(np.arange(len(parts)), [len(s[1]) for s in shading])
-    data.cell_data["color"] = repeated_colors(parts, triangles_of)
+    counts = [len(s[1]) for s in shading]
+    data.cell_data["face"], data.cell_data["part"] = numbers, np.repeat(np.arange(len(parts)), counts)
+    data.cell_data["color"] = repeated_colors(parts, counts)
     data.field_data["face names"] = np.array(names)
     data.field_data["part names"] = np.array([p.name for p in parts])
     data.field_data["unit"] = np.array([request.told_unit])
@@ -151,6 +144,15 @@ def write_vtp(parts: Sequence[Piece], path: Path, request: Request) -> None:
 
 
 VTP = Format(".vtp", TRIANGLES, write_vtp)
+
+
+def write_step(content: Sequence[Any], path: Path, request: Request) -> Sequence[Any] | None:
+    """See `pas.exchange.step.writing`; raises `MissingLibraryError` here, for what a shape lacks is said before."""
+    library("OCP.STEPControl", "STEP files need Open Cascade: pip install 'pas[step]'")
+    return loaded("pas.exchange.step.writing:write_faces")(content, path, request)
+
+
+STEP: Format[Any] = Format(".step", FACES, write_step, limits=lambda _: find_spec("OCP") is not None)
 
 
 def require_lib3mf() -> Any:
@@ -164,8 +166,7 @@ def require_lib3mf() -> Any:
 
 def three_mf_unit(name: str) -> Any:
     """The unit of lib3mf that has this name in `UNITS`."""
-    units = {unit.lower(): unit for unit in ("MicroMeter", "MilliMeter", "CentiMeter", "Meter", "Inch", "Foot")}
-    return getattr(require_lib3mf().ModelUnit, units[name])
+    return {unit.name.lower(): unit for unit in require_lib3mf().ModelUnit}[name]
 
 
 def write_3mf(parts: Sequence[Piece], path: Path, request: Request) -> None:
@@ -181,7 +182,7 @@ def write_3mf(parts: Sequence[Piece], path: Path, request: Request) -> None:
         item.SetType(lib3mf.ObjectType.Model if part.mesh.is_closed else lib3mf.ObjectType.Surface)
         item.SetName(part.name)
         points, triangles = part.mesh.points, part.mesh.triangles
-        item.SetGeometry(_records(lib3mf.Position, points, "<f4"), _records(lib3mf.Triangle, triangles, "<u4"))
+        item.SetGeometry(records(lib3mf.Position, points, "<f4"), records(lib3mf.Triangle, triangles, "<u4"))
         group = model.AddColorGroup()
         item.SetObjectLevelProperty(group.GetResourceID(), group.AddColor(wrapper.RGBAToColor(*part.color, 255)))
         if part.places is None:
@@ -236,10 +237,9 @@ def save_3mf(writer: Any, path: Path) -> None:
         raise failed[0]
 
 
-def _records(kind: Any, rows: Any, number: str) -> Any:
-    """The rows (N, 3) as an array of structures."""
-    data = np.ascontiguousarray(rows, dtype=number).tobytes()
-    return (kind * len(rows)).from_buffer_copy(data)
+def records(kind: Any, rows: Any, number: Any) -> Any:
+    """Rows of numbers of some type as an array of structures."""
+    return (kind * len(rows)).from_buffer_copy(np.ascontiguousarray(rows, dtype=number))
 
 
 THREE_MF = Format(".3mf", PLACED, write_3mf, require_lib3mf, is_closed, bodies=True, closed=True)
@@ -282,8 +282,7 @@ def cell_grid(surface: PiecewiseSurface) -> Any:
     )
     types = np.full(number, pyvista.CellType.LAGRANGE_TETRAHEDRON, dtype=np.uint8)
     grid = pyvista.UnstructuredGrid(connectivity.ravel(), types, np.array(points, dtype=float))
-    values = [float(p.at(x)) for p, x in zip(polynomials, points, strict=True)]
-    grid.point_data["f"] = np.array(values)
+    grid.point_data["f"] = np.array([float(p.at(x)) for p, x in zip(polynomials, points, strict=True)])
     grid.cell_data["piece"] = np.asarray(surface.partition.piece_of, dtype=int)
     indices = homogeneous_exponents(surface.degree, 4)
     coefficients = [[float(cell.b_coefficients[i]) for i in indices] for cell in surface.cells]  # type: ignore[index]
@@ -323,16 +322,14 @@ def write_vtu(grid: Any, path: Path, request: Request) -> None:
 VTU: Format[Any] = Format(".vtu", Content("cells", grid_of, ("tolerance",), has_cells), write_vtu, unitless=True)
 
 
-def _require_meshio() -> Any:
-    return library("meshio", "files of Gmsh need meshio: pip install meshio")
-
-
 def write_msh(mesh: VolumeMesh, path: Path, request: Request) -> None:
     """In version 2.2, which every reader knows; faces are groups 1 to F, parts F + 1 onwards."""
-    meshio = _require_meshio()
+    import meshio
+
     faces = len(mesh.names)
     tags = [(mesh.faces + 1).astype(np.int32), (mesh.regions + 1 + faces).astype(np.int32)]
-    names = _quotable([*mesh.names, *mesh.region_names])
+    plain = (" ".join(name.replace('"', "'").split()) for name in (*mesh.names, *mesh.region_names))
+    names = all_different(plain, " ")  # a part may be named as a face
     groups = {name: np.array([i + 1, 2 if i < faces else 3]) for i, name in enumerate(names)}
     meshio.Mesh(
         mesh.points,
@@ -342,9 +339,7 @@ def write_msh(mesh: VolumeMesh, path: Path, request: Request) -> None:
     ).write(path, file_format="gmsh22", binary=False)
 
 
-def _quotable(names: Sequence[str]) -> list[str]:
-    """The names without quotes and line ends, all different (a part may be named as a face)."""
-    return all_different((" ".join(name.replace('"', "'").split()) for name in names), " ")
-
-
-MSH = Format(".msh", TETRAHEDRA, write_msh, _require_meshio, unitless=True)
+MSH = Format(
+    ".msh", TETRAHEDRA, write_msh, lambda: library("meshio", "files of Gmsh need meshio: pip install meshio"),
+    unitless=True,
+)  # fmt: skip

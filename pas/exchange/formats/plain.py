@@ -1,16 +1,8 @@
-"""STL, OBJ, PLY and CSV, which are written here, without a library.
+"""STL, OBJ, PLY and CSV, which are written here, without a library; `pas.exchange.write` says what they hold.
 
-STL, binary: bare triangles with the normals of the facets, in single precision.  Parts are put together without a
-boolean, and there are no points to share.  Whoever reads one takes its numbers for millimeters: of a model with a unit
-they are.
-
-OBJ: an object for each part, a group for each face, normals of the corners, double precision.  Colours stand after the
-coordinates of the points, since materials need a second file.
-
-CSV: what each part measures, a line each.
-
-PLY, binary: points in double precision, colours, `face` and `part` of each triangle, their names as comments.  Points
-have normals where no part has a sharp edge, at which a point has several.
+In OBJ files colours stand after the coordinates of the points, since materials need a second file.  In PLY files, which
+are binary as those of STL, names are comments, and points have normals where no part has a sharp edge, at which a point
+has several.
 """
 
 from __future__ import annotations
@@ -31,9 +23,7 @@ from pas.exchange.parts import (
     face_numbers,
     in_unit,
     joined,
-    points_of,
     repeated_colors,
-    triangles_of,
 )
 from pas.limits import checkpoint
 from pas.mesh.rows import Floats
@@ -111,14 +101,14 @@ def write_ply(parts: Sequence[Piece], path: Path, request: Request) -> None:
     smooth = all(len(p.mesh.shading_points) <= len(p.mesh.points) for p in parts)
     fields = [("point", "<f8", 3), *([("normal", "<f8", 3)] if smooth else []), ("color", "u1", 3)]
     vertices = np.zeros(len(points), dtype=fields)
-    vertices["point"], vertices["color"] = points, repeated_colors(parts, points_of)
+    vertices["point"], vertices["color"] = points, repeated_colors(parts, [len(p.mesh.points) for p in parts])
     if smooth:
         vertices["normal"] = np.concatenate([p.mesh.point_normals for p in parts])
     record = [("count", "u1"), ("corners", "<i4", 3), ("color", "u1", 3), ("face", "<i4"), ("part", "<i4")]
     faces = np.zeros(len(triangles), dtype=record)
     faces["count"], faces["corners"], faces["face"] = 3, triangles, numbers
-    faces["color"] = repeated_colors(parts, triangles_of)
-    faces["part"] = np.repeat(np.arange(len(parts)), [len(p.mesh.triangles) for p in parts])
+    counts = [len(p.mesh.triangles) for p in parts]
+    faces["color"], faces["part"] = repeated_colors(parts, counts), np.repeat(np.arange(len(parts)), counts)
     colors = [f"property uchar {c}" for c in ("red", "green", "blue")]
     header = [
         *("ply", "format binary_little_endian 1.0", f"comment unit: {request.told_unit}"),

@@ -129,13 +129,7 @@ def _conic(points: Floats) -> Curve | None:
     if weights[0] <= 0:
         return None
     place = middle + size * (center @ axes[:2])
-    if radius:
-        first = points[0] - place
-        first = first * (radius * size / np.linalg.norm(first))
-        second = np.cross(axes[0], axes[1])
-        second = np.cross(second / np.linalg.norm(second), first)
-    else:
-        first, second = (size / np.sqrt(w) * (way @ axes[:2]) for w, way in zip(weights, ways.T, strict=True))
+    first, second = (size / np.sqrt(w) * (way @ axes[:2]) for w, way in zip(weights, ways.T, strict=True))
 
     def angles(flipped: Floats) -> Floats:
         moved = points - place

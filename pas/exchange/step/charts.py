@@ -119,7 +119,7 @@ class Atlas:
         points = self.points[np.unique(self.triangles[self.chart == label])]
         polynomial = self.field.evaluator.polynomial(label // 2)
         return Sheet(
-            partial(self.field.jets, label=label), label, polynomial, surface_of(self.field, label // 2, points)
+            partial(self.field.jets, labels=label), label, polynomial, surface_of(self.field, label // 2, points)
         )
 
     def _add(self, rows: Integers, sheet: Sheet) -> list[int]:
@@ -227,7 +227,7 @@ class Atlas:
             return sheets[0], plane
         placing = self.field.functions(tuple(sorted(labels)))
         if {p // 2 for p in placing} != {label // 2 for label in labels}:
-            made = (Sheet(partial(self.field.jets, label=p), p) for p in placing)
+            made = (Sheet(partial(self.field.jets, labels=p), p) for p in placing)
             return tuple(self._seams.setdefault(p, sheet) for p, sheet in zip(placing, made, strict=True))
         plane, _ = _nearest(self.planes_between(left, right), points)
         return sheets[0], sheets[1] if plane is None else plane

@@ -14,6 +14,20 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from OCP.BRep import BRep_Builder, BRep_Tool
+from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
+from OCP.BRepCheck import BRepCheck_Analyzer
+from OCP.BRepGProp import BRepGProp
+from OCP.BRepMesh import BRepMesh_IncrementalMesh
+from OCP.Geom import Geom_BSplineSurface
+from OCP.gp import gp_Pnt, gp_Trsf, gp_Vec
+from OCP.GProp import GProp_GProps
+from OCP.ShapeAnalysis import ShapeAnalysis_ShapeTolerance
+from OCP.ShapeUpgrade import ShapeUpgrade_UnifySameDomain
+from OCP.Standard import Standard_Failure
+from OCP.TopAbs import TopAbs_ShapeEnum
+from OCP.TopExp import TopExp_Explorer
+from OCP.TopoDS import TopoDS, TopoDS_Compound
 
 from pas.algebra.inputs import check_tolerance
 from pas.algebra.monomials import Floats
@@ -31,9 +45,6 @@ from pas.solid.solid import Solid
 
 def explored(shape: Any, kind: str) -> list[Any]:
     """The SOLID, SHELL, FACE or EDGE shapes within one, each once for each place in which it is."""
-    from OCP.TopAbs import TopAbs_ShapeEnum
-    from OCP.TopExp import TopExp_Explorer
-
     explorer, found = TopExp_Explorer(shape, getattr(TopAbs_ShapeEnum, f"TopAbs_{kind}")), []
     while explorer.More():
         found.append(explorer.Current())
@@ -43,9 +54,6 @@ def explored(shape: Any, kind: str) -> list[Any]:
 
 def is_valid(shape: Any) -> bool:
     """Whether all of a shape's geometry and topology is consistent, and its shells are closed."""
-    from OCP.BRep import BRep_Tool
-    from OCP.BRepCheck import BRepCheck_Analyzer
-
     return bool(BRepCheck_Analyzer(shape).IsValid()) and all(map(BRep_Tool.IsClosed_s, explored(shape, "SHELL")))
 
 
@@ -53,9 +61,6 @@ def adaptive_volume(shape: Any, error: float = 5e-7) -> float:
     """The volume of the solids in a shape, negative where they are inside out, by quadrature that aims at a relative
     error: one that does not adapt is off by 13 % on some valid solids.
     """
-    from OCP.BRepGProp import BRepGProp
-    from OCP.GProp import GProp_GProps
-
     found = GProp_GProps()
     BRepGProp.VolumeProperties_s(shape, found, error, False, False)
     return float(found.Mass())
@@ -65,10 +70,6 @@ def meshed_volume(shape: Any, distance: float) -> float:
     """The volume of a mesh of the solids in a shape, within a distance: rougher than by quadrature, which does not
     converge on some trimmed rational faces.
     """
-    from OCP.BRepGProp import BRepGProp
-    from OCP.BRepMesh import BRepMesh_IncrementalMesh
-    from OCP.GProp import GProp_GProps
-
     BRepMesh_IncrementalMesh(shape, distance, False, 0.1, False)
     found = GProp_GProps()
     BRepGProp.VolumeProperties_s(shape, found, False, False, True)
@@ -77,8 +78,6 @@ def meshed_volume(shape: Any, distance: float) -> float:
 
 def largest_tolerance(shape: Any) -> float:
     """The largest distance within which vertices and edges of a shape are taken to be on what they belong to."""
-    from OCP.ShapeAnalysis import ShapeAnalysis_ShapeTolerance
-
     return float(ShapeAnalysis_ShapeTolerance().Tolerance(shape, 1))
 
 
@@ -104,8 +103,6 @@ def smoothness(maker: ShapeMaker) -> tuple[float, float]:
 
 def _across(maker: ShapeMaker, chart: int, points: Floats, along: Floats) -> tuple[Floats, Floats]:
     """Outward normals (N, 3) and curvatures (N,) of a chart's surface, across directions (N, 3) along a border."""
-    from OCP.gp import gp_Pnt, gp_Vec
-
     point, vectors = gp_Pnt(), [gp_Vec() for _ in range(5)]
     found = np.empty((len(points), 5, 3))
     for row, uv in enumerate(maker.parameters[chart].uv(points).tolist()):
@@ -238,14 +235,6 @@ def _not_valid(maker: ShapeMaker, name: str) -> GeometryError:
 
 def _joined(solid: Any) -> Any:
     """A valid solid with faces joined that are on one surface, where what comes of it is as good."""
-    from OCP.BRep import BRep_Tool
-    from OCP.BRepGProp import BRepGProp
-    from OCP.Geom import Geom_BSplineSurface
-    from OCP.GProp import GProp_GProps
-    from OCP.ShapeUpgrade import ShapeUpgrade_UnifySameDomain
-    from OCP.Standard import Standard_Failure
-    from OCP.TopoDS import TopoDS
-
     joining = ShapeUpgrade_UnifySameDomain(solid, True, True, False)
     try:
         joining.Build()
@@ -265,9 +254,6 @@ def _joined(solid: Any) -> Any:
 
 def _in_world(solids: list[Any], scale: float, place: Floats) -> Any:
     """Solids in the user's coordinates, several as a compound."""
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
-    from OCP.gp import gp_Pnt, gp_Trsf, gp_Vec
-
     move = gp_Trsf()
     move.SetScale(gp_Pnt(0, 0, 0), scale)
     move.SetTranslationPart(gp_Vec(*place.tolist()))
@@ -277,9 +263,6 @@ def _in_world(solids: list[Any], scale: float, place: Floats) -> Any:
 
 def compound(shapes: Sequence[Any]) -> Any:
     """Several shapes as one."""
-    from OCP.BRep import BRep_Builder
-    from OCP.TopoDS import TopoDS_Compound
-
     builder, result = BRep_Builder(), TopoDS_Compound()
     builder.MakeCompound(result)
     for shape in shapes:

@@ -11,6 +11,16 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from OCP import Geom
+from OCP.BRep import BRep_Builder
+from OCP.BRepClass3d import BRepClass3d_SolidClassifier
+from OCP.collections import Array1_double, Array1_gp_Pnt, Array1_gp_Pnt2d, Array1_int, Array2_double, Array2_gp_Pnt
+from OCP.Geom import Geom_BSplineCurve, Geom_BSplineSurface, Geom_Circle, Geom_Ellipse, Geom_Line
+from OCP.Geom2d import Geom2d_BSplineCurve
+from OCP.gp import gp_Ax2, gp_Ax3, gp_Dir, gp_Pnt, gp_Pnt2d, gp_Vec
+from OCP.TopAbs import TopAbs_Orientation, TopAbs_State
+from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Shell, TopoDS_Solid, TopoDS_Vertex, TopoDS_Wire
 from scipy.interpolate import BSpline, make_interp_spline
 
 from pas.algebra.monomials import Floats
@@ -29,8 +39,6 @@ class ShapeMaker:
     """
 
     def __init__(self, borders: Borders, parameters: dict[int, Parameters], curves: Sequence[Curve]) -> None:
-        from OCP.BRep import BRep_Builder
-
         self.borders, self.parameters, self.curves = borders, parameters, curves
         self._builder = BRep_Builder()
         self.surfaces = {chart: surface_of(found) for chart, found in parameters.items()}
@@ -41,10 +49,6 @@ class ShapeMaker:
 
     def _edge(self, number: int) -> Any:
         """The edge of a border, with a curve in the parameters of each chart beside it, and its vertices."""
-        from OCP.TopAbs import TopAbs_Orientation
-        from OCP.TopLoc import TopLoc_Location
-        from OCP.TopoDS import TopoDS_Edge, TopoDS_Vertex
-
         builder, border, curve = self._builder, self.borders.borders[number], self.curves[number]
         flats = {}
         tolerance = LEAST
@@ -78,9 +82,6 @@ class ShapeMaker:
 
     def _face(self, chart: int) -> Any:
         """The face of a chart, outside out."""
-        from OCP.TopAbs import TopAbs_Orientation
-        from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Wire
-
         builder, face, natural = self._builder, TopoDS_Face(), self.natural[chart]
         builder.MakeFace(face, self.surfaces[chart], LEAST)
         for loop in self.borders.loops(chart):
@@ -98,8 +99,6 @@ class ShapeMaker:
         return face if natural else TopoDS.Face(face.Reversed())
 
     def _is_natural(self, chart: int) -> bool:
-        from OCP.gp import gp_Pnt, gp_Vec
-
         atlas = self.borders.atlas
         corners = atlas.points[atlas.triangles[atlas.rows(chart)]]
         areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
@@ -110,10 +109,6 @@ class ShapeMaker:
 
     def _apex(self, chart: int, one: tuple[int, bool], other: tuple[int, bool]) -> Any:
         """The edge without length at a cone's apex, between two others that meet there; None elsewhere."""
-        from OCP.TopAbs import TopAbs_Orientation
-        from OCP.TopLoc import TopLoc_Location
-        from OCP.TopoDS import TopoDS_Edge
-
         found = self.parameters[chart]
         if not isinstance(found, CarrierParameters) or found.carrier.kind is not CarrierKind.CONE:
             return None
@@ -138,10 +133,6 @@ class ShapeMaker:
 
     def solids(self) -> list[Any]:
         """A solid for each outer surface, with the surfaces of its cavities."""
-        from OCP.BRepClass3d import BRepClass3d_SolidClassifier
-        from OCP.TopAbs import TopAbs_State
-        from OCP.TopoDS import TopoDS_Shell, TopoDS_Solid
-
         atlas, charts, solids = self.borders.atlas, np.array(sorted(self.parameters)), []
         ends = np.array([(b.left, b.right) for b in self.borders.borders], dtype=np.intp).reshape(-1, 2)
         part = connected(np.searchsorted(charts, ends), len(charts))
@@ -199,9 +190,6 @@ def _continued(found: Parameters, uv: Floats) -> Floats:
 
 def surface_of(found: Parameters) -> Any:
     """Open Cascade's surface with some parameters."""
-    from OCP import Geom
-    from OCP.gp import gp_Ax3, gp_Dir
-
     if isinstance(found, SplinePatch):
         return spline_surface(found.poles, found.weights, found.knots, (found.degree, found.degree))
     carrier, place = found.carrier, found.carrier.place
@@ -223,9 +211,6 @@ def surface_of(found: Parameters) -> Any:
 
 def spline_surface(poles: Floats, weights: Floats | None, knots: Sequence[Floats], degrees: tuple[int, int]) -> Any:
     """Open Cascade's spline with control points (m, n, 3), weights (m, n) or none, and all knots of both directions."""
-    from OCP.collections import Array2_double, Array2_gp_Pnt
-    from OCP.Geom import Geom_BSplineSurface
-
     rows, columns = poles.shape[:2]
     points, values = Array2_gp_Pnt(1, rows, 1, columns), Array2_double(1, rows, 1, columns)
     for i, j in np.ndindex(rows, columns):
@@ -238,10 +223,6 @@ def spline_surface(poles: Floats, weights: Floats | None, knots: Sequence[Floats
 
 def curve_of(curve: Curve) -> Any:
     """Open Cascade's curve with the same parameter."""
-    from OCP.collections import Array1_gp_Pnt
-    from OCP.Geom import Geom_BSplineCurve, Geom_Circle, Geom_Ellipse, Geom_Line
-    from OCP.gp import gp_Ax2, gp_Dir, gp_Vec
-
     if curve.spline is not None:
         poles = Array1_gp_Pnt(1, len(curve.spline.c))
         for i, pole in enumerate(curve.spline.c, start=1):
@@ -258,10 +239,6 @@ def curve_of(curve: Curve) -> Any:
 
 def flat_spline(spline: BSpline) -> Any:
     """A curve in parameters as Open Cascade's."""
-    from OCP.collections import Array1_gp_Pnt2d
-    from OCP.Geom2d import Geom2d_BSplineCurve
-    from OCP.gp import gp_Pnt2d
-
     poles = Array1_gp_Pnt2d(1, len(spline.c))
     for i, pole in enumerate(spline.c.tolist(), start=1):
         poles.SetValue(i, gp_Pnt2d(*pole))
@@ -270,8 +247,6 @@ def flat_spline(spline: BSpline) -> Any:
 
 def point_of(point: Floats) -> Any:
     """Open Cascade's point."""
-    from OCP.gp import gp_Pnt
-
     return gp_Pnt(*map(float, point))
 
 
@@ -281,8 +256,6 @@ def _floats(point: Any) -> Floats:
 
 def knots_of(knots: Floats) -> tuple[Any, Any]:
     """The distinct knots and how often each occurs, as Open Cascade's arrays."""
-    from OCP.collections import Array1_double, Array1_int
-
     distinct, times = np.unique(knots, return_counts=True)
     values, counts = Array1_double(1, len(distinct)), Array1_int(1, len(distinct))
     for place, (value, count) in enumerate(zip(distinct.tolist(), times.tolist(), strict=True), start=1):

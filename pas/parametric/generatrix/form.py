@@ -26,7 +26,7 @@ from pas.algebra.brief import brief
 from pas.algebra.callables import on_series
 from pas.algebra.lengths import exponent, lengths, unit
 from pas.algebra.monomials import Floats
-from pas.algebra.rational import rational, square_root
+from pas.algebra.rational import rational, square_root, three
 from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction, total
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import Integers
@@ -298,8 +298,7 @@ class GeneratrixForm:
         weights = bernstein_polynomials(self.degree, GENERATORS[1], fmpq(0), fmpq(1))
         functions = [RationalFunction.quotient(w, ONE, NAMES) for w in weights]
         rows = list(zip(functions, [start, one, *middle, two, end], strict=True))
-        x, y, z = (total([b * row[axis] for b, row in rows]) for axis in range(3))
-        return x, y, z
+        return three(total([b * row[axis] for b, row in rows]) for axis in range(3))
 
 
 def _exact_leg(
@@ -308,17 +307,13 @@ def _exact_leg(
     """C and C + l T of a boundary as functions of (s, t)."""
     exact, slope, rest = boundary.exact, slant.value, _cosine_of(slant)
     assert exact is not None and length is not None and slope is not None and rest is not None
-    start = 1 - GENERATORS[0] if boundary.backwards else GENERATORS[0]
-    own = RationalFunction.quotient(start, ONE, NAMES)
+    own = RationalFunction.quotient(1 - GENERATORS[0] if boundary.backwards else GENERATORS[0], ONE, NAMES)
     along = rational(-slope if boundary.backwards else slope)
     size = length.exact
     assert size is not None
-    x, y, z = (c.substitute(own, own) for c in exact.curve)
-    tangent = [
-        (w * (rest * sign) + e * along).substitute(own, own) for w, e in zip(exact.across, exact.velocity, strict=True)
-    ]
-    u, v, w = (c + size * part for c, part in zip((x, y, z), tangent, strict=True))
-    return (x, y, z), (u, v, w)
+    start = three(c.substitute(own, own) for c in exact.curve)
+    ways = (w * (rest * sign) + e * along for w, e in zip(exact.across, exact.velocity, strict=True))
+    return start, three(c + size * way.substitute(own, own) for c, way in zip(start, ways, strict=True))
 
 
 def _cosine_of(slant: ShapeFunction) -> fmpq | None:

@@ -30,6 +30,7 @@ from pas.algebra.lengths import unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, to_floats
+from pas.certify.free_curves import dual
 from pas.errors import GeometryError
 from pas.parametric.generatrix.boundary import Boundary, part
 from pas.parametric.generatrix.paths import Curve, on_unit_interval
@@ -82,14 +83,9 @@ class QuadricPair:
     def polished(self, points: Floats) -> Floats:
         """Local points (n, 3) after one step of Newton's method of least length on both polynomials."""
         f, g = (q.polynomial for q in self.local)
-        p, q = f.gradient(points), g.gradient(points)
-        pp, pq, qq = ((a * b).sum(axis=-1) for a, b in ((p, p), (p, q), (q, q)))
-        u, v = f(points), g(points)
-        gram = pp * qq - pq * pq
-        a, b = (u * qq - v * pq) / gram, (v * pp - u * pq) / gram
-        moved = points - a[..., None] * p - b[..., None] * q
-        good = np.isfinite(moved).all(axis=-1) & (gram > 1e-12 * pp * qq)
-        return np.where(good[..., None], moved, points)
+        along_f, along_g, regular = dual(f.gradient(points), g.gradient(points))
+        moved = points - f(points)[:, None] * along_f - g(points)[:, None] * along_g
+        return np.where(regular[:, None], moved, points)
 
 
 @dataclass(frozen=True, eq=False)

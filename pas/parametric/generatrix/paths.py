@@ -22,7 +22,7 @@ from pas.algebra.inputs import shown
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, cross, dot, rational, to_float
+from pas.algebra.rational import Exact, cross, dot, rational, three, to_float
 from pas.algebra.rational_function import GENERATORS, RationalFunction
 from pas.algebra.roots import in_one
 from pas.errors import GeometryError
@@ -169,8 +169,7 @@ class ExactCurve:
     @cached_property
     def velocity(self) -> Components:
         """C'(s)."""
-        x, y, z = (c.diff(1, 0) for c in self.curve)
-        return x, y, z
+        return three(c.diff(1, 0) for c in self.curve)
 
     @cached_property
     def across(self) -> Components:

@@ -16,9 +16,27 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from pas.errors import GeometryError, MissingLibraryError, library
-from pas.exchange.formats import UNITS, Format, Request
-from pas.exchange.parts import FACES, ExactPart
+from OCP.BRep import BRep_Builder
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Sewing
+from OCP.BRepLib import BRepLib
+from OCP.Interface import Interface_Static
+from OCP.Message import Message, Message_Gravity
+from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
+from OCP.STEPCAFControl import STEPCAFControl_Writer
+from OCP.STEPControl import STEPControl_Reader, STEPControl_StepModelType
+from OCP.StepData import StepData_StepWriter
+from OCP.STEPEdit import STEPEdit
+from OCP.TCollection import TCollection_ExtendedString
+from OCP.TDataStd import TDataStd_Name
+from OCP.TDocStd import TDocStd_Document
+from OCP.TopAbs import TopAbs_ShapeEnum
+from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS_Solid
+from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
+
+from pas.errors import GeometryError
+from pas.exchange.formats import UNITS, Request
+from pas.exchange.parts import ExactPart
 from pas.exchange.step.model import (
     StepPart,
     StepReport,
@@ -44,7 +62,6 @@ def write_faces(
 
     Raises `GeometryError` for one that is refused.
     """
-    _require_library()
     with _quiet():
         solids = [part for part in content if isinstance(part, ExactPart)]
         if solids:
@@ -57,15 +74,9 @@ def write_faces(
         return None
 
 
-def _require_library() -> Any:
-    return library("OCP.STEPControl", "STEP files need Open Cascade: pip install 'pas[step]'")
-
-
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Without the statistics that Open Cascade prints."""
-    from OCP.Message import Message, Message_Gravity
-
     printers = [(p, p.GetTraceLevel()) for p in Message.DefaultMessenger_s().Printers()]
     for printer, _ in printers:
         printer.SetTraceLevel(Message_Gravity.Message_Fail)
@@ -77,8 +88,6 @@ def _quiet() -> Iterator[None]:
 
 
 def _face(patch: RationalPatch, number: int) -> Any:
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
-
     size = float(abs(patch.points - patch.points[0, 0]).max())
     if size == 0:
         raise GeometryError(f"patches[{number}] is a single point")
@@ -91,12 +100,6 @@ def _face(patch: RationalPatch, number: int) -> Any:
 
 def _sewn(faces: Sequence[Any], distance: float) -> Any:
     """One shell, solid or compound of shells."""
-    from OCP.BRep import BRep_Builder
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_Sewing
-    from OCP.BRepLib import BRepLib
-    from OCP.TopAbs import TopAbs_ShapeEnum
-    from OCP.TopoDS import TopoDS_Solid
-
     sewing = BRepBuilderAPI_Sewing(distance)
     for face in faces:
         sewing.Add(face)
@@ -123,12 +126,6 @@ def write_parts(parts: Sequence[StepPart], path: Path, name: str, unit: str) -> 
 
 def _print(parts: Sequence[Named], path: Path, name: str, unit: str) -> None:
     """A file of shapes, in whose text doubles come back as they were."""
-    from OCP.Interface import Interface_Static
-    from OCP.STEPCAFControl import STEPCAFControl_Writer
-    from OCP.STEPControl import STEPControl_StepModelType
-    from OCP.StepData import StepData_StepWriter
-    from OCP.STEPEdit import STEPEdit
-
     writer = STEPCAFControl_Writer()  # before the settings, which do not exist without one
     Interface_Static.SetCVal_s("xstep.cascade.unit", unit)
     Interface_Static.SetCVal_s("write.step.unit", unit)
@@ -149,13 +146,6 @@ def _print(parts: Sequence[Named], path: Path, name: str, unit: str) -> None:
 
 def _document(parts: Sequence[Named], name: str) -> Any:
     """Open Cascade's document with a product for each part, and one that has several as components."""
-    from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
-    from OCP.TCollection import TCollection_ExtendedString
-    from OCP.TDataStd import TDataStd_Name
-    from OCP.TDocStd import TDocStd_Document
-    from OCP.TopLoc import TopLoc_Location
-    from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
-
     document = TDocStd_Document(TCollection_ExtendedString("BinXCAF"))
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     colors = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
@@ -176,8 +166,6 @@ def _document(parts: Sequence[Named], name: str) -> Any:
 
 def _checked(parts: Sequence[StepPart], path: Path) -> tuple[StepReport, ...]:
     """What is known of the parts of a file, read again."""
-    from OCP.STEPControl import STEPControl_Reader
-
     reader = STEPControl_Reader()
     reader.ReadFile(str(path))
     reader.TransferRoots()
@@ -204,15 +192,3 @@ def _checked(parts: Sequence[StepPart], path: Path) -> tuple[StepReport, ...]:
 
 def _refused(reason: str) -> GeometryError:
     return GeometryError(f"no STEP file was written, because {reason}; try another tolerance, or write triangles")
-
-
-def _is_installed(_: Any) -> bool:
-    """What a shape lacks is said before what the machine lacks: so `require` is none."""
-    try:
-        _require_library()
-    except MissingLibraryError:
-        return False
-    return True
-
-
-STEP = Format(".step", FACES, write_faces, limits=_is_installed)
