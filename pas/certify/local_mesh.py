@@ -46,9 +46,6 @@ OFF = 1e-9
 BEYOND = 0.5
 """In local units: how far beyond its region a surface is followed at most."""
 
-LARGEST = 2.0**12
-"""By how much the region is enlarged for that at most: `BESIDE` comes to so much more there."""
-
 BESIDE = 1e-9
 """In barycentric coordinates: how far outside a face or cell a point still counts as one of it."""
 
@@ -135,7 +132,7 @@ class FramedSurface:
         It is a power of two, by which doubles are divided exactly, and what is moved by less than that times the room
         is in the enlarged region, as each point of the room sees all of the region.
         """
-        return float(min(2.0 ** np.ceil(np.log2(1 + BEYOND / max(self.room, BEYOND / LARGEST))), LARGEST))
+        return float(2.0 ** np.ceil(np.log2(1 + BEYOND / max(self.room, OUTSIDE))))
 
     @property
     def beyond(self) -> float:
