@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 from functools import cache
 
 import numpy as np
@@ -13,6 +14,7 @@ import pas
 from pas.certify.graph_proofs import crossed
 from pas.certify.mesh_proofs import _grouped
 from pas.certify.triangle_forms import ELEVATED, TriangleForms, elevation, lattice
+from pas.mesh.shading import unit_rows
 from pas.verdicts import Status
 
 TORUS = "(x^2 + y^2 + z^2 + 8/9)^2 - 4*(x^2 + y^2)"
@@ -174,6 +176,77 @@ def test_mutated_meshes_get_no_certificate(mutate):
     wrong = mutate(torus()).certificate
     assert not wrong.holds or not topology(wrong).proved
     assert not (topology(wrong).proved and wrong.distance is not None and wrong.distance < 2e-2 * 1.5)
+
+
+def octants(center):
+    """The unit sphere in an octahedron, whose eight cells have a common corner."""
+    corners = [center, (2, 0, 0), (0, 2, 0), (0, 0, 2), (-2, 0, 0), (0, -2, 0), (0, 0, -2)]
+    cells = [(0, 1 + a, 2 + b, 3 + c) for a in (0, 3) for b in (0, 3) for c in (0, 3)]
+    partition = pas.Partition(corners, cells, center)
+    return pas.PiecewiseSurface.from_polynomials(partition, (), 1, ["x^2 + y^2 + z^2 - 1"] * 8)
+
+
+def test_the_distance_is_bounded_where_the_centre_is_close_to_a_wall():
+    assert octants(("1997/3000",) * 3).mesh(5e-2).certificate.distance < 6e-2
+
+
+def test_what_is_outside_the_region_is_no_distance_from_the_surface():
+    """A small octahedron beyond the middle of a wall, where the pieces have no value however far they go on."""
+    surface = octants((0, 0, 0))
+    mesh = surface.mesh(5e-2)
+    points = np.concatenate([mesh.points, 2.4 + 0.1 * np.array([*np.eye(3), *-np.eye(3)])])
+    more = np.array(surface.partition.cells)[:, 1:] - 1 + len(mesh.points)
+    more[[1, 2, 4, 7]] = more[[1, 2, 4, 7], ::-1]
+    found = surface.certify_mesh(points, np.concatenate([mesh.triangles, more]))
+    assert mesh.certificate.distance < 6e-2 and found.distance is None
+
+
+SHARP = [
+    ((-723, 204, -44), "3/16"),
+    ((-450, 222, 249), "17/64"),
+    ((559, -441, -149), "13/64"),
+    ((583, -66, -208), "15/64"),
+]
+"""Struts of a foam around a node, and where they begin, which leave edges that are 100 times as sharp as what is beside
+them at the lowest degree."""
+
+
+def test_a_mesh_of_a_sharp_node_is_proved_along_rays():
+    """Some triangles beside its edges look away from the gradient, and normals lead through the edges."""
+    radius = Fraction(4096, 177)
+    surface = pas.blend([pas.Pipe(axis, radius, clip) for axis, clip in SHARP], 1, "lowest").surface
+    certificate = surface.mesh(0.03 * radius).certificate
+    assert "are seen once from the centre" in topology(certificate).reason
+    assert topology(certificate).proved and certificate.distance < 4 * 0.03 * radius
+
+
+def spiked(surface, mesh):
+    """A vertex moved along the ray to the centre, so that triangles around it look away from the gradient."""
+    points = mesh.points.copy()
+    inner = np.setdiff1d(np.arange(len(points)), mesh.boundary)
+    vertex = inner[np.argmin((unit_rows(points[inner]) * mesh.point_normals[inner]).sum(axis=1))]
+    points[vertex] *= 0.7
+    return surface.certify_mesh(points, mesh.triangles)
+
+
+def test_what_is_seen_once_has_the_topology_of_graphs_alone():
+    """Not of a surface that is torn along faces, nor where contacts' curves may be several."""
+    corner = solved(EQUAL, 1).surface
+    mesh = corner.mesh(2e-2)
+    assert "are seen once" in topology(spiked(corner, mesh)).reason and topology(spiked(corner, mesh)).proved
+    first, *others = corner.polynomials
+    clips = [contact.clip for contact in corner.contacts]
+    added = first + pas.Polynomial("1/1000") * (clips[0] * clips[1] * clips[2]) ** 2
+    torn = pas.PiecewiseSurface.from_polynomials(corner.partition, corner.contacts, 1, [added, *others])
+    assert torn.certificate.one_sheet.proved and torn.certificate.enclosed.proved
+    assert not topology(torn.certify_mesh(mesh.points, mesh.triangles)).proved
+    for power, proved in ((2, True), (4, False)):
+        tube = f"y^{power} + z^{power} - 1/16"
+        ends = [pas.Contact(tube, "x - 2"), pas.Contact(tube, "-x - 2")]
+        box = pas.SingleCell((-2, -1, -1), (2, 1, 1))
+        surface = pas.PiecewiseSurface.from_polynomials(box, ends, 1, [tube])
+        assert surface.certificate.proved
+        assert topology(spiked(surface, surface.mesh(2e-2))).proved is proved
 
 
 def test_a_component_that_is_missing_is_found():

@@ -1,7 +1,10 @@
-"""The proof that a mesh that ends where its region is open is the surface: both are graphs over the same directions.
+"""The proof that a mesh has the topology of a surface that is a graph over directions: it is one over the same.
 
-A surface that is proved to have one sheet and to be enclosed is a graph over the sphere of directions less one disc a
-contact.  A mesh is such a graph as well if
+A surface that is proved to be continuous, to have one sheet and to be enclosed is a graph over the sphere of directions
+less those that lead out through clip faces where f_i < 0, or through an opening (theorem 7 of docs/theory/verdicts.md).
+These are one disc a curve: f_i > 0 all around a clip face, and where a polynomial of degree 2 is negative on such a
+face an ellipse bounds; of a higher degree there may be several, and nothing is proved.  However sharp the surface is,
+and wherever its gradient points beside triangles, a mesh is such a graph as well if
 
 - each triangle is seen from the centre with its outside away, so that looking from there is one to one near each point,
   but for vertices that are gone round more than once;
@@ -48,6 +51,9 @@ def certify_graph(mesh: FramedMesh, edges: Edges, promised: Callable[[], Certifi
         rings = surface.placed.loops
     except ArithmeticError as unseen:
         return Verdict(Status.UNDECIDED, BORDER, str(unseen)), _open(str(unseen))
+    if not rings or any(not join.opening and join.contact.surface.degree > 2 for join in surface.joins):
+        unknown = "of the contacts' curves it is not known that each bounds one disc"
+        return Verdict(Status.UNDECIDED, BORDER, unknown), _open(unknown)
     loops = edges.loops
     rim = edges.rim[:, 0]
     off = np.array([ring.off(points[rim]) for ring in rings])
@@ -65,7 +71,7 @@ def certify_graph(mesh: FramedMesh, edges: Edges, promised: Callable[[], Certifi
         reason = f"{len(turned)} triangles are not seen from the centre with their outside away"
         return chain, _open(reason, mesh.local.point(mesh.points[mesh.triangles[turned[0], 0]]))
     certificate = promised()
-    if not (certificate.one_sheet.proved and certificate.enclosed.proved):
+    if not all(verdict.proved for verdict in (*certificate.faces, certificate.one_sheet, certificate.enclosed)):
         return chain, _open("the surface is not proved to be a graph over directions")
     reason = _parted(points, loops, owner, rings)
     if reason:

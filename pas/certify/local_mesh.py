@@ -43,8 +43,8 @@ ROUNDINGS = 64
 OFF = 1e-9
 """In local units: how far vertices may be from the surface, and those of the boundary from the contacts' curves."""
 
-LARGER = 16.0
-"""By how much the region is enlarged where the surface beyond its walls counts as well (exact in doubles)."""
+BEYOND = 0.5
+"""In local units: how far beyond its region a surface is followed at most."""
 
 BESIDE = 1e-9
 """In barycentric coordinates: how far outside a face or cell a point still counts as one of it."""
@@ -125,10 +125,19 @@ class FramedSurface:
         assert self.center is not None
         return float((self.planes[:, 3] - self.planes[:, :3] @ self.center).min())
 
+    @cached_property
+    def larger(self) -> float:
+        """By how much the region is enlarged about its centre where the surface beyond its walls counts as well.
+
+        It is a power of two, by which doubles are divided exactly, and what is moved by less than that times the room
+        is in the enlarged region, as each point of the room sees all of the region.
+        """
+        return float(2.0 ** np.ceil(np.log2(1 + BEYOND / max(self.room, OUTSIDE))))
+
     @property
     def beyond(self) -> float:
-        """How far beyond the walls the surface is followed: in the region enlarged by `LARGER`, or half of a unit."""
-        return 0.0 if self.center is None else min((LARGER - 1) * self.room, 0.5)
+        """How far beyond the walls the surface is followed."""
+        return 0.0 if self.center is None else min((self.larger - 1) * self.room, BEYOND)
 
     def placed(self, points: Floats) -> tuple[np.ndarray, list[Integers]]:
         """Which points (N, 3) are in the region, but for rounding, and, of each plane of outer faces, which are on

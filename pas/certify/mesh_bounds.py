@@ -12,12 +12,12 @@ import numpy as np
 from pas.algebra.monomials import Floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
-from pas.certify.local_mesh import LARGER, ROUNDINGS, FramedMesh, FramedSurface
+from pas.certify.local_mesh import ROUNDINGS, FramedMesh, FramedSurface
 from pas.certify.triangle_forms import on_corners
 from pas.mesh.rows import Integers, any_of, cross, dots, norms, quarters
 
-CUTS = 6
-"""How often triangles are cut into four where bounds on them do not do."""
+CUTS = 8
+"""How often triangles are cut into four where bounds on them do not do; the rounding of forms counts so many cuts."""
 
 ALL = Limits(CUTS, 1 << 22)
 """Of triangles that are bounded: some 100 bytes are needed for each."""
@@ -194,10 +194,11 @@ def _on_sides(local: FramedSurface, parts: Parts, along: Floats, loose: Floats) 
 def farthest(mesh: FramedMesh, bounds: TriangleBounds) -> Floats | None:
     """How far triangles (T,) are from the zeros at most, in local units, infinite where that is not known.
 
-    A triangle, or each of its parts, is moved along its normal, to one side until f < 0 on it, to the other until
-    f > 0: between the two places of each of its points there is a zero, as the pieces of f go on beyond the walls as
-    cones about the centre.  Most are moved as far as f and its gradient say in the middle of triangles, those
-    that are left farther.
+    A triangle, or each of its parts, is moved to one side until f < 0 on it, to the other until f > 0: between one of
+    the two places of each of its points and the point there is a zero, as the pieces of f go on beyond the walls as
+    cones about the centre.  It is moved along its normal or, where this leads through a sharp edge or past it, along
+    the ray from the centre, which stays on one side of a surface that it crosses once.  Most are moved as far as f and
+    its gradient say in the middle of triangles, those that are left farther.
     """
     local = mesh.local
     if local.center is None:
@@ -217,16 +218,30 @@ def farthest(mesh: FramedMesh, bounds: TriangleBounds) -> Floats | None:
 
 
 def _one_signed(mesh: FramedMesh, chosen: Integers, away: float) -> Integers:
-    """Of some triangles those that were not seen to have both signs, they or each of their parts moved so far."""
+    """Of some triangles those that were not seen to have both signs, they or each of their parts moved so far.
+
+    One is given up where the middle of a part has a sign on neither way: parts of that would not have it either.
+    """
+    local, limits = mesh.local, Limits(depth=6, cells=4096)  # a farther way costs less than smaller parts
 
     def judge(parts: Parts, depth: int) -> Fates:
-        fates, ways = np.full(len(parts), Fate.SPLIT.value), away * mesh.normals[chosen[parts.owner]]
-        done = np.flatnonzero(_signs(mesh.local, parts.corners, -ways, -1))
-        fates[done[_signs(mesh.local, parts.corners[done], ways[done], 1)]] = Fate.SETTLED
+        fates, done = np.full(len(parts), Fate.SPLIT.value), np.arange(len(parts))
+        middles, wrong = parts.corners.mean(axis=1), np.zeros(len(parts), dtype=bool)
+        rays = middles - local.center
+        ways = mesh.normals[chosen[parts.owner]], rays / np.maximum(norms(rays), 1e-300)[:, None]
+        for sign in (-1, 1):
+            left = done
+            for way in ways:
+                left = left[~_signs(local, parts.corners[left], sign * away * way[left], sign)]
+            done = np.setdiff1d(done, left)
+            moved = [middles[left] + sign * away * way[left] for way in ways]
+            wrong[left] |= np.all([sign * local.jets(points)[0] <= 0 for points in moved], axis=0)
+        fates[np.isin(parts.owner, parts.owner[wrong])] = Fate.KEEP
+        fates[done] = Fate.SETTLED
         return fates
 
-    cells, limits = Parts.of(mesh.corners[chosen]), Limits(CUTS, 4096)
-    return chosen[np.unique(search(cells, judge, Parts.quarters, limits, "bounding distances").open.owner)]
+    found = search(Parts.of(mesh.corners[chosen]), judge, Parts.quarters, limits, "bounding distances")
+    return chosen[np.unique(np.concatenate([found.open.owner, found.kept.owner]))]
 
 
 def _times(rows: list[Integers], count: int) -> Integers:
@@ -237,8 +252,9 @@ def _times(rows: list[Integers], count: int) -> Integers:
 def _signs(local: FramedSurface, corners: Floats, ways: Floats, sign: int) -> np.ndarray:
     """On which triangles (T, 3, 3), moved along ways (T, 3) in the enlarged region, f surely has a sign."""
     corners = corners + ways[:, None]
-    result = np.ones(len(corners), dtype=bool)
-    for maker, near in zip(local.makers, local.touched(corners, LARGER), strict=True):
+    touched = local.touched(corners, local.larger)
+    result = _times(touched, len(corners)) > 0
+    for maker, near in zip(local.makers, touched, strict=True):
         rows = near[result[near]]
         for closer in (False, True) if len(rows) else ():
             low, high = maker.ranges(corners[rows], closer)

@@ -17,6 +17,9 @@ The zeros of v are enclosed by simplices of the cells, the outer faces, the edge
 `pas.certify.local_mesh`), the triangles are bounded by Bernstein forms (`pas.certify.mesh_bounds`), w is counted
 along segments from the centre (`pas.certify.graph_proofs.crossed`).  All count their rounding.  Points of the boundary
 may be off the walls by rounding, and are then taken to be on them.
+
+Where v is not seen to cross all triangles, as where they are large beside a sharp edge, the mesh is the surface as well
+if both are graphs over the same directions from the centre (see `pas.certify.graph_proofs`).
 """
 
 from __future__ import annotations
@@ -74,6 +77,9 @@ def certify_mesh(
     chain, borders = _border(mesh, edges)
     if chain.proved:
         topology, places = _topology(mesh, found, borders)
+        if not topology.proved and local.function.joins and local.center is not None:
+            _, seen = certify_graph(mesh, edges, promised)
+            topology, places = (seen, ()) if seen.proved else (topology, places)
     else:
         topology = Verdict(Status.UNDECIDED, CLAIM, "the mesh does not end on the walls")
         places = () if chain.witness is None else (chain.witness,)
@@ -278,6 +284,6 @@ def _distance(mesh: FramedMesh, found: TriangleBounds, closed: bool) -> tuple[Ve
                 reason = "the triangles there are too large to bound it: try a smaller tolerance"
         return Verdict(Status.UNDECIDED, "a distance from the surface", reason, place), None
     most = float(way.max()) * local.scale
-    beyond = "" if closed else ", which go on beyond the walls"
-    reason = f"|f| on triangles over the least slope of f across them, to the zeros{beyond}"
+    beyond = "" if closed else ", in pieces that go on beyond the walls"
+    reason = f"f < 0 and f > 0 so near to all points of triangles, along normals or rays from the centre{beyond}"
     return Verdict(Status.PROVED, f"within {most:.3g} of the surface", reason), most

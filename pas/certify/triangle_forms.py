@@ -2,7 +2,7 @@
 
 Values at the lattice points of each triangle, times the inverse of the Bernstein polynomials' values there, which is
 exact before it is rounded.  With |x| <= r in each coordinate, the points err by 4 u r, and by 2 u r for each time that
-a triangle was cut at middles of its sides, in all by at most 16 u r, values by Horner's rule by
+a triangle was cut at middles of its sides, in all by at most 20 u r, values by Horner's rule by
 2 (n + 3) u sum |c| r^|a| (see `pas.algebra.evaluation`), the product with m columns by (m + 2) u times the sizes, and
 so does the one that raises the degree.
 """
@@ -91,7 +91,7 @@ def _rounding(tables: Floats, degree: int, reach: float) -> float:
     size = float((np.abs(tables) * reach**powers).sum(axis=1).max())
     slope = float((np.abs(tables) * powers * reach ** np.maximum(powers - 1, 0)).sum(axis=1).max())
     places, _, norm = lattice(degree)
-    each = (2 * (degree + 3) + 2 * len(places) + 5) * size + 16 * reach * slope
+    each = (2 * (degree + 3) + 2 * len(places) + 5) * size + 20 * reach * slope
     return 2 * norm * UNIT_ROUNDOFF * each  # twice, for products of roundings, which are left out
 
 

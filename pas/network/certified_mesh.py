@@ -49,7 +49,7 @@ class NetworkMesh(Mesh):
             open_ = [verdict for verdict in found.verdicts if not (verdict.proved or verdict.measured)]
             for verdict in open_:
                 failed = replace(verdict, reason=f"{one}: {verdict.claim}: {verdict.reason}")
-            # with the topology goes that points of both are joined along the gradient, on which the distance is bounded
+            # a mesh that may lack a part of its surface, though near to it where it is, is not near the body
             distance = max(distance, np.inf if open_ or found.distance is None else step * found.distance)
         return failed, distance
 

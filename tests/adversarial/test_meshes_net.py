@@ -165,7 +165,7 @@ def test_no_tampered_wall_of_many_is_certified(name, block):
     assert walls_wrongly_certified(name, range(10 * block, 10 * block + 10)) == []
 
 
-@pytest.mark.parametrize("name", ["foot", "nozzle"])
+@pytest.mark.parametrize("name", ["corner", "foot", "nozzle"])
 @pytest.mark.parametrize("radius", [0.1, 0.6, 0.92, 0.95, 0.98, 1.01, 1.3, 2.0, 40.0])
 def test_closed_spheres_around_the_centre_are_seen(name, radius):
     """However large: as seen from the centre they cover every direction once more."""
