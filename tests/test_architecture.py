@@ -92,7 +92,6 @@ BY_CLASS = {
     ("parametric/data.py", "ParametricSurface"): "an argument is checked",
     ("parametric/surface.py", "ParametricSurface"): "an argument is checked",
     ("parametric/fitting.py", "ParametricSurface"): "an argument is checked, which may be a blend with a surface",
-    ("parametric/generatrix/paths.py", "ParametricSurface"): "an argument may be a curve on a surface, or expressions",
 }
 """Where a class of a kind of shapes may be asked for outside the kinds' own files, and why."""
 

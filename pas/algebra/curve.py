@@ -74,8 +74,6 @@ class SpaceCurve:
 
         No component lies in a plane of the form then, and none goes to infinity between two of them.
         """
-        if self.ideal.is_whole_ring:
-            return True
         tops = [Polynomial.from_raw(leading_form(p.raw)) for p in self.ideal.groebner_basis()]
         return standard_monomials(Ideal(*tops, linear_form(linear)).form) is not None
 
@@ -145,7 +143,7 @@ class CurvePart:
             weights = (n**i for i in range(len(basis)))
             separator = sum((p * w for p, w in zip(basis, weights, strict=True)), Polynomial(0))
             both = Ideal(*self.ideal.groebner_basis(), polynomial, separator)
-            if both.is_whole_ring or standard_monomials(both.form) is not None:
+            if standard_monomials(both.form) is not None:
                 return [CurvePart(self.curve, self.ideal.saturated(separator)), CurvePart(self.curve, off)]
         raise AssertionError
 

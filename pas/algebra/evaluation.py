@@ -121,9 +121,9 @@ def evaluate(points: Floats, coefficients: Floats) -> Floats:
     return result.reshape(*np.shape(points)[:-1], columns)
 
 
-def degree_of(size: int) -> int:
+def degree_of(size: int, variables: int = 3) -> int:
     """The least degree up to which there are so many monomials, or more."""
-    return next(n for n in range(size + 1) if count(n) >= size)
+    return next(n for n in range(size + 1) if count(n, variables) >= size)
 
 
 @cache

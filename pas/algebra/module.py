@@ -169,11 +169,8 @@ class Submodule(Exchanged):
 
 def combination(coefficients: Sequence[Any], vectors: Sequence[Vector]) -> Vector:
     """The sum of the vectors times their (raw) coefficients."""
-    total = [RING.constant(0)] * len(vectors[0])
-    for factor, vector in zip(coefficients, vectors, strict=True):
-        if not factor.is_zero():
-            total = [t + factor * p for t, p in zip(total, vector, strict=True)]
-    return tuple(total)
+    zero = RING.constant(0)
+    return tuple(sum((c * p for c, p in zip(coefficients, v, strict=True)), zero) for v in zip(*vectors, strict=True))
 
 
 def _bounded(vectors: Sequence[Vector], degree: int) -> list[Vector]:

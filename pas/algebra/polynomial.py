@@ -220,12 +220,10 @@ class Polynomial:
         return Polynomial.from_raw(-self.raw)
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Polynomial):
-            try:
-                other = Polynomial(other)  # type: ignore[arg-type]  # refused where it is none
-            except (TypeError, ValueError):
-                return NotImplemented
-        return bool(self.raw == other.raw)
+        try:
+            return bool(self.raw == _read(other))
+        except (TypeError, ValueError):  # it is none
+            return NotImplemented
 
     def __hash__(self) -> int:
         return self._hash
@@ -247,12 +245,11 @@ class Polynomial:
         return f"${latex(str(self))}$"
 
     def _combine(self, other: PolynomialLike, operation: Callable[[fmpq_mpoly, fmpq_mpoly], fmpq_mpoly]) -> Polynomial:
-        if not isinstance(other, Polynomial):
-            try:
-                other = Polynomial(other)
-            except TypeError:
-                return NotImplemented
-        return Polynomial.from_raw(operation(self.raw, other.raw))
+        try:
+            raw = _read(other)
+        except TypeError:
+            return NotImplemented
+        return Polynomial.from_raw(operation(self.raw, raw))
 
 
 def as_sympy(raw: fmpq_mpoly, names: Sequence[Any]) -> sympy.Expr:

@@ -60,12 +60,8 @@ class RationalFunction:
         """The quotient of two polynomials of the ring; raises `ValueError` for a zero denominator."""
         if denominator.is_zero():
             raise ValueError("the denominator of a rational function is zero")
-        if denominator.is_constant():
-            return cls.from_lowest_terms(numerator / denominator.leading_coefficient(), ONE, names)
         common = numerator.gcd(denominator)
-        if not common.is_constant():
-            numerator, denominator = numerator / common, denominator / common
-        return cls.from_lowest_terms(numerator, denominator, names)
+        return cls.from_lowest_terms(numerator / common, denominator / common, names)
 
     @classmethod
     def from_lowest_terms(
@@ -84,13 +80,13 @@ class RationalFunction:
     @property
     def degree(self) -> int:
         """The greater of the total degrees of numerator and denominator (0 for the zero function)."""
-        return max(_total_degree(self.numerator), _total_degree(self.denominator), 0)
+        return max(int(self.numerator.total_degree()), int(self.denominator.total_degree()))
 
     @property
     def degrees(self) -> tuple[int, int]:
         """The greater of the degrees of numerator and denominator in each parameter (0 for the zero function)."""
-        tops = [p.degrees() if not p.is_zero() else (0, 0) for p in (self.numerator, self.denominator)]
-        return max(int(d[0]) for d in tops), max(int(d[1]) for d in tops)
+        above, below = self.numerator.degrees(), self.denominator.degrees()
+        return max(int(above[0]), int(below[0])), max(int(above[1]), int(below[1]))
 
     @property
     def is_polynomial(self) -> bool:
@@ -176,12 +172,11 @@ class RationalFunction:
         return RationalFunction.from_lowest_terms(base.numerator**n, base.denominator**n, self.names)
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, RationalFunction):
-            try:
-                other = RationalFunction(other, self.names)  # type: ignore[arg-type]  # refused where it is none
-            except (TypeError, ValueError):
-                return NotImplemented
-        return bool(self.numerator == other.numerator and self.denominator == other.denominator)
+        try:
+            made = _read(other, self.names)
+        except (TypeError, ValueError):  # it is none
+            return NotImplemented
+        return bool(self.numerator == made.numerator and self.denominator == made.denominator)
 
     def __hash__(self) -> int:
         return hash((str(self.numerator), str(self.denominator)))
@@ -209,12 +204,11 @@ class RationalFunction:
     def _with(
         self, other: FunctionLike, operation: Callable[[RationalFunction, RationalFunction], RationalFunction]
     ) -> RationalFunction:
-        if not isinstance(other, RationalFunction):
-            try:
-                other = RationalFunction(other, self.names)
-            except TypeError:
-                return NotImplemented
-        result = operation(self, other)
+        try:
+            made = _read(other, self.names)
+        except TypeError:
+            return NotImplemented
+        result = operation(self, made)
         return self._owned(result.numerator, result.denominator, self.names)
 
 
@@ -247,10 +241,6 @@ def homogenised(
     ring = fmpq_mpoly_ctx.get([f"u{i}" for i in range(len(tops) + 1)], Ordering.degrevlex)
     lifted = ring.from_dict({(*map(int, e), highest - sum(map(int, e))): c for e, c in terms.items()})
     return lifted.compose(*tops, over, ctx=RING)
-
-
-def _total_degree(polynomial: fmpq_mpoly) -> int:
-    return -1 if polynomial.is_zero() else int(polynomial.total_degree())
 
 
 def _plain_terms(polynomial: fmpq_mpoly) -> dict[tuple[int, int], Fraction]:

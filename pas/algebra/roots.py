@@ -72,7 +72,7 @@ def _balls(key: tuple[int, ...], bits: int) -> tuple[arb, ...]:
 
 
 def real_roots(polynomial: fmpq_poly) -> list[RealRoot]:
-    """The distinct real roots of a polynomial that is not zero, in no order."""
+    """The distinct real roots of a polynomial, in no order; of zero none."""
     result = []
     for factor, _ in polynomial.numer().factor()[1]:
         number = len(_balls(tuple(map(int, factor.coeffs())), FIRST_BITS))

@@ -80,16 +80,12 @@ def standard_monomials(form: NormalForm) -> list[Exponents] | None:
 
 def values_at_zeros(ideal: Ideal, linear: tuple[int, int, int]) -> list[RealRoot] | None:
     """Real numbers among which are the values of a linear form at all real zeros; None for infinitely many zeros."""
-    if ideal.is_whole_ring:
-        return []
     quotient = Quotient.of(ideal)
     return None if quotient is None else real_roots(quotient.times(linear).charpoly())
 
 
 def count_zeros(ideal: Ideal) -> int | None:
     """The number of distinct complex zeros of an ideal; None for infinitely many."""
-    if ideal.is_whole_ring:
-        return 0
     quotient = Quotient.of(ideal)
     radical = None if quotient is None else Quotient.of(_radical(ideal, quotient))
     return None if radical is None else len(radical.standard)

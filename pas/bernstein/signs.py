@@ -25,12 +25,13 @@ import numpy as np
 from flint import fmpq_mpoly
 from numpy.typing import NDArray
 
+from pas.algebra.evaluation import degree_of
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.algebra.polynomial import RING
 from pas.algebra.rational import Vector
 from pas.bernstein.forms import UNIT_ROUNDOFF, corner_points, nearby_forms, rounded_forms
 from pas.bernstein.search import Fate, Fates, Limits, search
-from pas.bernstein.simplices import Simplices, at_vertices, degree_of, halves
+from pas.bernstein.simplices import Simplices, at_vertices, halves
 from pas.verdicts import Status
 
 
@@ -220,7 +221,7 @@ def _witness(batch: _Claim) -> Floats:
         return corners[at_vertices(batch.value, vertices)[0].argmin()]
     values = at_vertices(batch.zeros[0], vertices)[0]
     low, high = int(values.argmin()), int(values.argmax())
-    degree = degree_of(batch.zeros[0].shape[1], vertices)
+    degree = degree_of(batch.zeros[0].shape[1], vertices - 1)
     # the B-form on the edge from low to high: of all other vertices the index is 0
     pairs = zip(homogeneous_exponents(degree, vertices), batch.zeros[0][0], strict=True)
     edge = np.array([c for _, c in sorted((a[high], c) for a, c in pairs if a[low] + a[high] == degree)])

@@ -26,6 +26,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.algebra.evaluation import degree_of
 from pas.algebra.monomials import Floats, homogeneous_exponents
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells, Fates
@@ -49,7 +50,7 @@ class Simplices(Cells):
     @classmethod
     def of(cls, forms: Sequence[Floats], corners: Floats, error: float = UNIT_ROUNDOFF) -> Self:
         """Simplices (N, d + 1, 3) with forms (N, m), each scaled to at most 1 and off by at most `error`."""
-        degrees = tuple(degree_of(form.shape[1], corners.shape[1]) for form in forms)
+        degrees = tuple(degree_of(form.shape[1], corners.shape[1] - 1) for form in forms)
         return cls(np.concatenate(forms, axis=1), corners, np.arange(len(corners)), degrees, error)
 
     @property
@@ -94,14 +95,9 @@ def rounding_bound(degree: int, halvings: int, error: float = UNIT_ROUNDOFF) -> 
     return 2 * (error + halvings * (degree + 2) * UNIT_ROUNDOFF)
 
 
-def degree_of(size: int, vertices: int) -> int:
-    """The degree of a form with so many coefficients on a simplex with so many vertices."""
-    return next(n for n in range(size) if len(homogeneous_exponents(n, vertices)) == size)
-
-
 def at_vertices(form: Floats, vertices: int) -> Floats:
     """The values (N, d + 1) of forms (N, m) at the vertices of their simplices."""
-    degree = degree_of(form.shape[1], vertices)
+    degree = degree_of(form.shape[1], vertices - 1)
     indices = homogeneous_exponents(degree, vertices)
     return form[:, [i for i, a in enumerate(indices) if max(a) == degree][:vertices]]
 

@@ -45,7 +45,6 @@ class Sphere(Axial):
 
     @cached_property
     def contact(self) -> Contact:
-        """The surface and its clip plane as polynomials."""
         return self.ended(self.square - self.radius**2, turned=False)
 
     def __str__(self) -> str:
@@ -83,7 +82,6 @@ class Ellipsoid(Axial):
 
     @cached_property
     def contact(self) -> Contact:
-        """The surface and its clip plane as polynomials."""
         return self.ended(self.squares(self.semiaxes) - 1, turned=False)
 
     def __str__(self) -> str:
@@ -123,7 +121,6 @@ class Paraboloid(Axial):
 
     @cached_property
     def contact(self) -> Contact:
-        """The surface and its clip plane as polynomials."""
         return self.ended(self.squares(self.semiaxes) - self.along * (1 / self.clip))
 
     def __str__(self) -> str:
@@ -156,7 +153,6 @@ class EllipticPipe(Endless):
 
     @cached_property
     def contact(self) -> Contact:
-        """The surface and its clip plane as polynomials."""
         return self.ended(self.squares(self.semiaxes) - 1)
 
     def width(self, clip: float) -> float:
@@ -201,7 +197,6 @@ class Hyperboloid(Endless):
 
     @cached_property
     def contact(self) -> Contact:
-        """The surface and its clip plane as polynomials."""
         return self.ended(self.squares(self.semiaxes) - (self.along * (1 / self.conjugate)) ** 2 - 1)
 
     def width(self, clip: float) -> float:

@@ -89,7 +89,6 @@ class Circular(Endless):
 
     @cached_property
     def contact(self) -> Contact:
-        """The surface and its clip plane as polynomials."""
         radius = (self.along - self.end) * self.slope + self.radius
         return self.ended(self.square - self.along**2 * dot(self.axis, self.axis) - radius * radius)
 

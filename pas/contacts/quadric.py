@@ -50,7 +50,6 @@ class QuadricContact(Movable):
 
     @cached_property
     def contact(self) -> Contact:
-        """The surface and its clip as polynomials."""
         return Contact(self.quadric, self.clip)
 
     @staticmethod

@@ -55,7 +55,6 @@ class Torus(Axial):
 
     @cached_property
     def contact(self) -> Contact:
-        """The surface and its clip plane as polynomials."""
         surface = torus_polynomial(self.point, self.axis, dot(self.arm, self.arm), self.radius**2)
         tip = [p + a for p, a in zip(self.point, self.arm, strict=True)]
         return Contact(surface, Polynomial.from_raw(self.part(cross(self.axis, self.arm))), near=tip)

@@ -22,12 +22,6 @@ def below(height: Fraction) -> Polynomial:
     return Polynomial(height) - Polynomial.from_raw(GENERATORS[2])
 
 
-def height_along(axis: Sequence[Exact], point: Sequence[Exact]) -> Polynomial:
-    """The polynomial `axis . (x - point)`, which is positive ahead of the point."""
-    x = map(Polynomial.from_raw, GENERATORS)
-    return sum(((g - p) * a for g, p, a in zip(x, point, axis, strict=True)), Polynomial(0))
-
-
 def filleted(
     solid: Solid,
     names: tuple[str, str, str],

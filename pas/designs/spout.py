@@ -10,9 +10,11 @@ from functools import cached_property
 from itertools import pairwise
 from math import dist
 
+from pas.algebra.affine import height
+from pas.algebra.inputs import shown_point
 from pas.algebra.polynomial import Polynomial
 from pas.contacts.endless import Cone
-from pas.designs.body import Body, below, filleted, height_along
+from pas.designs.body import Body, below, filleted
 from pas.designs.exact import Design, Point, Points, closest, even, nearest, points
 from pas.errors import GeometryError, InfeasibleError, NoSolutionError, PasError
 from pas.pipeline.blend import blend
@@ -84,11 +86,11 @@ class Spout(Design):
         if body.lower.at(first) >= 0 or body.lower.at(second) <= 0:
             raise GeometryError(
                 "the joint of spout and body cannot be made: the first line of the spout's axis must lead out of the "
-                f"lower body, not from {_told(first)} to {_told(second)}"
+                f"lower body, not from {shown_point(first)} to {shown_point(second)}"
             )
         start = self._cone(0, 1, NONE, NONE)
         solid |= union([*self._tubes(self.bends, "spout", NONE)])
-        tube, ahead = start.contact.surface, height_along(start.axis, first)
+        tube, ahead = start.contact.surface, Polynomial.from_raw(height(start.point, start.axis))
         sides = self.body_side, self.tube_side
         return filleted(solid, ("body lower", "spout base", "spout fillet"), (body.lower, tube), sides, ahead)
 
@@ -273,7 +275,3 @@ def _naming(what: str) -> Iterator[None]:
 def _near(length: float) -> Fraction:
     """A short fraction close to a length: any keeps the joints."""
     return Fraction(length).limit_denominator(100)
-
-
-def _told(point: Point) -> str:
-    return f"({', '.join(f'{float(c):.4g}' for c in point)})"

@@ -27,8 +27,9 @@ from pas.verdicts import Findings
 POT_COLOR, LID_COLOR = "#7d9db5", "#e8a33d"
 
 
-class Limb(Protocol):
-    """What handles and spouts must be able to do."""
+@runtime_checkable
+class HandleShape(Protocol):
+    """What a handle must be able to do, and a spout as well."""
 
     def walls(self) -> tuple[tuple[Polynomial, ...], tuple[Polynomial, ...]]:
         """Where upper and lower body end at it: polynomials that are positive on the body's side."""
@@ -38,13 +39,8 @@ class Limb(Protocol):
 
 
 @runtime_checkable
-class HandleShape(Limb, Protocol):
-    """What a handle must be able to do."""
-
-
-@runtime_checkable
-class SpoutShape(Limb, Protocol):
-    """What a spout must be able to do."""
+class SpoutShape(HandleShape, Protocol):
+    """What a spout must be able to do, which is more."""
 
     def channel(self) -> Solid | None:
         """The room inside, from the room of the body to beyond the mouth; None for a pot that is not hollow."""

@@ -6,7 +6,6 @@ import numpy as np
 
 from pas.mesh.field import FaceField
 from pas.mesh.halfedges import HalfEdges, VertexKind
-from pas.mesh.labelled import Labelled
 from pas.mesh.projection import least_norm, newton, placing
 from pas.mesh.rows import Floats, Integers, norms
 from pas.mesh.shading import unit_rows
@@ -93,11 +92,3 @@ def inner_points(corners: Floats) -> Floats:
     result[:, 0] = total / 3
     result[:, 1:] = (total[:, None] + 3 * corners) / 6
     return result.reshape(-1, 3)
-
-
-def deviation(mesh: Labelled, field: FaceField) -> float:
-    """The largest distance of edges and points inside triangles of a mesh from their faces and curves, as measured."""
-    ground = FaceGround(field, int(mesh.labels.max()) + 1)
-    halves = HalfEdges(mesh, ground.faces)
-    rows = np.flatnonzero(halves.twins < np.arange(len(halves.twins)))
-    return max(float(found.max()) for found in ground.measured(halves, np.arange(len(mesh.labels)), rows))

@@ -38,11 +38,6 @@ def any_of(table: Bools) -> Bools:
     return result
 
 
-def all_of(table: Bools) -> Bools:
-    """In which rows (N,) of a table (N, k) all is true."""
-    return ~any_of(~table)
-
-
 def quarters(triangles: Floats) -> Floats:
     """The four parts (T, 4, 3, ...) of triangles (T, 3, ...), cut at the middles of their sides."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]

@@ -176,14 +176,11 @@ def _expansion(component: RationalFunction, value: fmpq, order: int) -> Expansio
     below = taylor(component.denominator, value, order)
     lead = below[0]
     powers = [lead**j for j in range(order + 2)]
-    if all(d.is_zero() for d in below[1:]):
-        tops, bottom = above, lead
-    else:
-        raw: list[fmpq_poly] = []
-        for j in range(order + 1):
-            rest = sum((below[m] * powers[m - 1] * raw[j - m] for m in range(1, j + 1)), fmpq_poly([0]))
-            raw.append(above[j] * powers[j] - rest)
-        tops, bottom = [raw[j] * powers[order - j] for j in range(order + 1)], powers[order + 1]
+    raw: list[fmpq_poly] = []
+    for j in range(order + 1):
+        rest = sum((below[m] * powers[m - 1] * raw[j - m] for m in range(1, j + 1)), fmpq_poly([0]))
+        raw.append(above[j] * powers[j] - rest)
+    tops, bottom = [raw[j] * powers[order - j] for j in range(order + 1)], powers[order + 1]
     common = bottom
     for top in tops:
         common = common.gcd(top)
@@ -196,7 +193,7 @@ def _isolated(
 ) -> list[IsolatedPoint]:
     above, below = (taylor(p, value, 0)[0] for p in (component.numerator, component.denominator))
     found = []
-    for factor, _ in below.factor()[1] if below.degree() > 0 else ():
+    for factor, _ in below.factor()[1]:
         kind = PointKind.BASE_POINT if above.gcd(factor).degree() > 0 else PointKind.POLE
         text = str(RationalFunction.quotient(univariate(factor, 0), ONE))
         roots = [root for root in rounded_roots(factor) if domain[0] <= root <= domain[1]]

@@ -176,7 +176,7 @@ def _roots(above: fmpq_mpoly, below: fmpq_mpoly, kept: int) -> list[arb]:
     if all(int(p.degrees()[1 - kept]) == 0 for p in (above, below)):
         return []  # coprime polynomials in one parameter have no common zero
     result = in_one(above.resultant(below, PARAMETERS[1 - kept]), kept)
-    return [root.ball(256) for root in sorted(real_roots(result))] if result.degree() > 0 else []
+    return [root.ball(256) for root in sorted(real_roots(result))]
 
 
 def _may_vanish(polynomial: fmpq_mpoly, t: arb, h: arb) -> bool:

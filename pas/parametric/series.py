@@ -44,14 +44,13 @@ def taylor(polynomial: fmpq_mpoly, at: fmpq, order: int | None = None) -> list[f
 
 def rounded_roots(polynomial: fmpq_poly) -> list[float]:
     """The distinct real roots, in order, rounded."""
-    return [] if polynomial.degree() < 1 else [to_float(middle_of(r.ball())) for r in sorted(real_roots(polynomial))]
+    return [to_float(middle_of(root.ball())) for root in sorted(real_roots(polynomial))]
 
 
 def roots_and_sides(polynomial: fmpq_poly, low: fmpq, high: fmpq) -> list[tuple[float, bool]]:
     """The distinct real roots, in order, rounded, and whether low < root < high, decided exactly."""
     ends = rational_root(low), rational_root(high)
-    roots = sorted(real_roots(polynomial)) if polynomial.degree() > 0 else []
-    return [(to_float(middle_of(root.ball())), ends[0] < root < ends[1]) for root in roots]
+    return [(to_float(middle_of(root.ball())), ends[0] < root < ends[1]) for root in sorted(real_roots(polynomial))]
 
 
 def roots_between(polynomial: fmpq_poly, low: fmpq, high: fmpq) -> list[float]:
@@ -61,7 +60,5 @@ def roots_between(polynomial: fmpq_poly, low: fmpq, high: fmpq) -> list[float]:
 
 def zeros_in_unit_interval(polynomial: fmpq_poly) -> list[float]:
     """The real zeros in [0, 1], in order, rounded; whether they lie there is decided exactly."""
-    if polynomial.degree() < 1:
-        return []
     ends = [float(e) for e in (0, 1) if polynomial(e) == 0]
     return sorted([*ends, *roots_between(polynomial, fmpq(0), fmpq(1))])

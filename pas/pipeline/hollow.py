@@ -166,7 +166,7 @@ class HollowBlend(Shape, Generic[B]):
         for number, join in enumerate(outer.joins):
             inner = up_to(inner, number, outer.contacts[number].clip) if join.opening else inner
         sheets, ends = (outer, inner), [self._end(number) for number in range(len(outer.contacts))]
-        made, loops = Faces([], 0.0), list[list[Integers]]()
+        made, loops = Faces(), list[list[Integers]]()
         for sheet, name in zip(sheets, ("blend", "inside of blend"), strict=True):
             mesh = sheet.mesh(tolerance, quality=quality)
             first = made.put(replace(mesh, names=(name,)), flipped=len(loops) > 0)

@@ -182,7 +182,7 @@ class Prism(SweptBody):
         found = self.polygons(tolerance / 3 if self.rounds else tolerance)
         if found is None:
             return None
-        made, rims = Faces([], 0.0), list[tuple[Integers, Integers]]()
+        made, rims = Faces(), list[tuple[Integers, Integers]]()
         for number, polygon in enumerate(zip(*found[:2], strict=True)):
             ends = self._put_sides(made, number, polygon, tolerance)
             if ends is None:

@@ -18,6 +18,7 @@ from pas.errors import MeshError
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.rows import Floats, Integers
+from pas.mesh.shading import unit_rows
 from pas.solid.edges import Loop
 
 Jets = Callable[[Floats], tuple[Floats, Floats]]
@@ -58,8 +59,8 @@ class End:
 class Faces:
     """A mesh while it is made: blocks of points, and triangles by the names of their faces."""
 
-    def __init__(self, points: Sequence[Floats], deviation: float) -> None:
-        self.blocks, self.deviation = [*points], deviation
+    def __init__(self, *points: Floats) -> None:
+        self.blocks, self.deviation = [*points], 0.0
         self._faces: list[tuple[str, Integers, Floats]] = []
 
     @property
@@ -118,7 +119,7 @@ class Faces:
         _, slopes = jets(corners)
         facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         slopes *= np.sign((slopes * facing[:, None, :]).sum(axis=-1, keepdims=True))
-        self.add(name, triangles, slopes / np.linalg.norm(slopes, axis=-1, keepdims=True))
+        self.add(name, triangles, unit_rows(slopes))
         values, slopes = jets((corners + np.roll(corners, 1, axis=1)) / 2)
         self.deviation = max(self.deviation, float((np.abs(values) / np.linalg.norm(slopes, axis=-1)).max()))
 
@@ -265,15 +266,12 @@ def ring(points: Floats, outer: Integers, inner: Integers, normal: Floats, name:
         angles, loop = (some if step == 1 else np.roll(some, 1) for some in (angles, loop))
         if (np.diff(angles) <= 0).any():
             raise MeshError(f"{name} is no ring that can be seen around from the middle of its inner curve")
-        rings.append((loop.tolist(), [*angles.tolist(), angles[0] + 2 * np.pi]))
+        rings.append((loop, np.append(angles[1:], angles[0] + 2 * np.pi)))
     (wide, out), (narrow, within) = rings
-    found, i, j = [], 0, 0
-    while i < len(wide) or j < len(narrow):
-        a, b = wide[i % len(wide)], narrow[j % len(narrow)]
-        if j == len(narrow) or (i < len(wide) and out[i + 1] <= within[j + 1]):
-            i += 1
-            found.append((a, wide[i % len(wide)], b))
-        else:
-            j += 1
-            found.append((a, narrow[j % len(narrow)], b))
-    return np.array(found)
+    is_out = np.argsort(np.concatenate([out, within]), kind="stable") < len(wide)  # by where the next vertices are
+    steps = np.stack([is_out, ~is_out])
+    met: Integers = np.cumsum(steps, axis=1) - steps  # before each
+    here, there = (loop[(met + steps) % len(loop)] for loop in (wide, narrow))
+    return np.stack(
+        [wide[met[0] % len(wide)], np.where(is_out, here[0], there[1]), narrow[met[1] % len(narrow)]], axis=1
+    )

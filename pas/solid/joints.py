@@ -21,7 +21,7 @@ from pas.algebra.brief import brief
 from pas.algebra.components import Components, LostError
 from pas.algebra.curve import CurvePart, SpaceCurve, SplitError
 from pas.algebra.ideal import Ideal
-from pas.algebra.inputs import check_order
+from pas.algebra.inputs import check_order, short
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.errors import GeometryError
 from pas.mesh.rows import Floats
@@ -214,8 +214,8 @@ class _Proof:
     def _curve(self) -> Verdict | None:
         """The two polynomials cut out a real curve."""
         if not self.is_reduced:
-            g, h = self.joint.along
-            reason = f"{_short(g)} and {_short(h)} touch all along a part of the curve; take two that cross there"
+            g, h = (short(str(polynomial)) for polynomial in self.joint.along)
+            reason = f"{g} and {h} touch all along a part of the curve; take two that cross there"
             return self._undecided(reason)
         where = " there" if self.joint.within else ""
         reason = f"the curve has no real points{where}, or isolated ones only"
@@ -305,13 +305,8 @@ class _Proof:
         exactly = f"exactly GC^{min(orders)}" if orders else "the same surface"
         carriers = {s.sheets.polynomials[border.ray.sheet] for s in self._joined for border in s.arc.borders}
         if power <= 12 and all(map(Ideal(g, h**power).contains, carriers)):
-            return f"both in <{_short(g)}, ({_short(h)})^{power}>, {exactly}"
+            return f"both in <{short(str(g))}, ({short(str(h))})^{power}>, {exactly}"
         return f"they have contact all along the curve, {exactly}"
-
-
-def _short(polynomial: object) -> str:
-    text = str(polynomial)
-    return text if len(text) <= 40 else text[:37] + "..."
 
 
 def verdict_list(verdicts: Sequence[Verdict]) -> str:

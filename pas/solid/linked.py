@@ -55,7 +55,7 @@ class LinkedBodies(SolidBoundary):
 
     @cached_property
     def coarse(self) -> Mesh:
-        made = Faces([], 0.0)
+        made = Faces()
         for part in self.parts:
             made.put(part.coarse)  # type: ignore[arg-type]  # without which it is no part
         return made.mesh
@@ -64,7 +64,7 @@ class LinkedBodies(SolidBoundary):
         return replace(self, parts=tuple(part.moved(map_) for part in self.parts))
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        made, loops = Faces([], 0.0), list[Loops]()
+        made, loops = Faces(), list[Loops]()
         for number, part in enumerate(self.parts):
             ends = {k.number: k.share is not None for k in self.links if k.part == number}
             ends |= {k.other_number: False for k in self.links if k.other == number}

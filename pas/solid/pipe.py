@@ -157,7 +157,7 @@ class PipeBody(FacedBody):
 
     def made(self, tolerance: float) -> Faces:
         """Its faces: a row of points for each of the circles in which balls touch their envelope."""
-        made, part = Faces([], 0.0), tolerance / 4  # for circles around and along, whose errors add up on diagonals
+        made, part = Faces(), tolerance / 4  # for circles around and along, whose errors add up on diagonals
         widest = max(to_float(ball.radius) for piece in self.sides[0] for ball in (piece.start, piece.end))
         angles = np.linspace(0, 2 * np.pi, 1 + max(6, math.ceil(math.pi / math.acos(max(1 - part / widest, 0.5)))))
         rims: list[Integers] = []

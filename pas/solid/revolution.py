@@ -157,7 +157,7 @@ class Turned(SweptBody):
             rows.append(first + np.resize(np.arange(len(row)), many + 1))
             space.append(row)
             first += len(row)
-        made, first = Faces([np.concatenate(space)], 0.0), 0
+        made, first = Faces(np.concatenate(space)), 0
         for loop, some, count in zip(self.loops, polygons, counts, strict=True):
             borders = np.cumsum([0, *count])
             for edge, (a, b) in zip(loop.edges, pairwise(borders.tolist()), strict=True):

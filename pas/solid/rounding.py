@@ -268,7 +268,7 @@ class RoundedBody(FacedBody):
             parts = ceil(parts * max(1.1, sqrt(found.deviation / tolerance)))
 
     def _in_parts(self, n: int) -> Faces | None:
-        made, arcs = Faces([], 0.0), dict[tuple[frozenset[PlaneFace], frozenset[PlaneFace]], Integers]()
+        made, arcs = Faces(), dict[tuple[frozenset[PlaneFace], frozenset[PlaneFace]], Integers]()
         outlines: dict[PlaneFace, list[Integers]] = {}
         curved, radius = list[tuple[RoundPatch, Integers]](), to_float(self.radius)
         for vertex in dict.fromkeys(vertex for edge in self.edges for vertex in edge.vertices):

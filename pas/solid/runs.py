@@ -84,7 +84,7 @@ class RunSide:
 
         None where a foot has none, or where it is not seen that feet are apart.
         """
-        made, holes, loops = Faces([], 0.0), list[Integers](), list[Integers]()
+        made, holes, loops = Faces(), list[Integers](), list[Integers]()
         within = tolerance * (1 - 2.0**-10)  # the line that sweeps leans, by which triangles are wider than a step
         for number, (foot, opening) in enumerate(zip(self.feet, self.openings, strict=True)):
             found = foot.mesh(within, quality, (1 - opening,) if number + 2 in without else ())

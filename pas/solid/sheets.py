@@ -75,8 +75,8 @@ class Side:
         nearest = [int(np.argmin([chain.off(found.points[loop]) for loop in known])) for chain in self.chains if known]
         if sorted(nearest) != [*range(len(self.chains))] or len(known) != len(nearest):
             return None
-        made = Faces([found.points], deviation=found.deviation or 0.0)
-        made.add(self.name, found.triangles, found.normals)
+        made = Faces()
+        made.put(replace(found, names=(self.name,)))
         loops = [known[number] for number in nearest]
         for number, chain in enumerate(self.chains):
             for strip in chain.strips if number not in without else ():
@@ -162,7 +162,7 @@ class SheetBody(PlacedBody):
         stretch = self.stretch
         short = [number for number, whole in ends.items() if not whole]
         found = [side.mesh(tolerance / stretch, quality, short) for side in self.sides]
-        made, loops = Faces([], 0.0), Loops({})
+        made, loops = Faces(), Loops({})
         for number, pair in enumerate(found):
             if pair is None:
                 return None
@@ -231,8 +231,7 @@ class SheetBody(PlacedBody):
         mesh = self.coarse
         assert mesh is not None
         kept = np.array([name not in without for name in mesh.names])[mesh.faces]
-        slope = plane.gradient(np.zeros(3))
-        heights = (plane(mesh.points) / np.linalg.norm(slope))[mesh.triangles[kept]]
+        heights = (plane(mesh.points) / np.linalg.norm(plane.gradient(np.zeros(3))))[mesh.triangles[kept]]
         if heights.max() > EQUAL * (1 + np.abs(mesh.points).max()):
             return None
         return {mesh.names[face] for face in np.unique(mesh.faces[kept][(heights > -room).any(axis=1)])}

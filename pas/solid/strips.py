@@ -19,6 +19,7 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.affine import Frame, quadratic_form
+from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, dot, to_float, to_floats
 from pas.algebra.scaling import scaled
@@ -199,8 +200,7 @@ def chain_between(
     contact: Contact, plane: Polynomial, cap: Polynomial, names: tuple[str, str], center: Vector | None = None
 ) -> Chain | None:
     """What goes on from a contact between parallel planes, with the names of its face and its end; see `Sections`."""
-    slope = scaled(plane).gradient(np.zeros(3))
-    axis, strips = slope / np.linalg.norm(slope), tuple[SolidStrip, ...]()
+    axis, strips = unit(scaled(plane).gradient(np.zeros(3))), tuple[SolidStrip, ...]()
     if cap != plane:
         rows = Sections.of(contact.surface, plane, cap, center)
         if rows is None:

@@ -130,7 +130,7 @@ class Wound(FacedBody):
         angle = 2 * np.pi * np.broadcast_to(turns[:, None], heights.shape)
         wall = np.stack([radii * np.cos(angle), radii * np.sin(angle), heights], axis=-1).reshape(-1, 3)
         used = np.unique(np.concatenate([np.arange(2 * columns), number.ravel()]))
-        made = Faces([np.concatenate([*flat, wall])[used], np.array([[0, 0, 0], [0, 0, self.height]])], 0.0)
+        made = Faces(np.concatenate([*flat, wall])[used], np.array([[0, 0, 0], [0, 0, self.height]]))
         number, after = (np.searchsorted(used, n) for n in (number, after))
         crest, root = (jets_of(_round(r)) for r in (flank.exact_crest, flank.exact_root))
         bands = {"crest": ([1], crest), "root": ([3], root), "flank": ([0, 2], flank.jets_at)}

@@ -79,7 +79,7 @@ class TubeCurve:
     def ends(self) -> tuple[Floats, Floats]:
         """Points (2, 3) and unit tangents (2, 3) at the two ends."""
         points, slopes, _ = self.jets(np.array(self.interval))
-        return points, slopes / np.linalg.norm(slopes, axis=1, keepdims=True)
+        return points, unit_rows(slopes)
 
     @cached_property
     def is_closed(self) -> bool:

@@ -18,7 +18,7 @@ from pas.algebra.monomials import homogeneous_exponents
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.bernstein.simplices import Means, means, raised
 from pas.limits import checkpoint
-from pas.mesh.rows import Floats, Integers, all_of, any_of
+from pas.mesh.rows import Floats, Integers, any_of
 from pas.mesh.topology import MOST, first_with
 from pas.surface.local_field import LocalField
 from pas.verdicts import Status
@@ -131,7 +131,7 @@ class Subdivision:
         values = np.where(values == 0, TINY, values)
         joined = joined.reshape(-1, 4)
         negative = (values < 0)[joined]
-        return Lattice(points, values, joined[any_of(negative) & ~all_of(negative)])
+        return Lattice(points, values, joined[any_of(negative) & any_of(~negative)])
 
 
 @cache

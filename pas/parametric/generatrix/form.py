@@ -15,8 +15,9 @@ and its normal P_s x P_t: a few products of small matrices.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, cached_property, lru_cache
 
 import numpy as np
 from flint import fmpq
@@ -92,7 +93,6 @@ class Frames:
     signs: tuple[int, int]
     unit: bool
     middle: ParametricSurface | None = None
-    kept: dict[int, Stations] = field(default_factory=dict)
 
     @property
     def closed(self) -> bool:
@@ -118,11 +118,10 @@ class Frames:
         """`size` values of s, evenly: for closed curves without s = 1."""
         return np.linspace(0.0, 1.0, size, endpoint=not self.closed)
 
-    def grid(self, size: int) -> Stations:
+    @cached_property
+    def grid(self) -> Callable[[int], Stations]:
         """Those at so many values of s, computed once."""
-        if size not in self.kept:
-            self.kept[size] = self.at(self.parameters(size))
-        return self.kept[size]
+        return cache(lambda size: self.at(self.parameters(size)))
 
     def at(self, s: Floats) -> Stations:
         """Both edges and the middle curve at s (n,)."""

@@ -31,7 +31,7 @@ from pas.parametric.surface import ParametricSurface, one_parameter
 
 NAMES: Names = ("s", "t")
 
-CurveLike: TypeAlias = "ParametricSurface | Sequence[ComponentLike] | Callable[[Floats], ArrayLike]"
+CurveLike: TypeAlias = "Sequence[ComponentLike] | Callable[[Floats], ArrayLike]"
 """What is taken for vectors along a curve: three expressions in s, or a callable from (n,) to (n, 3)."""
 
 Curve = Callable[[Floats], Floats]
@@ -62,8 +62,6 @@ def on_unit_interval(interval: Sequence[Exact], name: str) -> tuple[tuple[float,
 
 def space_curve(expression: CurveLike, name: str) -> ParametricSurface:
     """A curve given by three expressions in s or one callable, as a surface that does not depend on t."""
-    if isinstance(expression, ParametricSurface):
-        return expression
     if callable(expression):
         first, second, third = (_coordinate(expression, axis) for axis in range(3))
         return ParametricSurface(first, second, third, NAMES)

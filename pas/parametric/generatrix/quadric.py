@@ -229,8 +229,7 @@ def members(first: Quadric, second: Quadric) -> list[Member]:
     """The two quadrics, and members for each rational zero of det(A + mu B) and between neighbouring real ones."""
     a, b = first.matrix, second.matrix
     determinant = _determinant(a, b)
-    roots = sorted(real_roots(determinant)) if determinant.degree() > 0 else []
-    ends = [] if determinant.is_zero() else pairwise([None, *roots, None])
+    ends = [] if determinant.is_zero() else pairwise([None, *sorted(real_roots(determinant)), None])
     mixed = (a + b * mu for mu in (*rational_zeros(a, b), *(between(low, high) for low, high in ends)))
     return [Member(m, inertia(m)) for m in (a, b, *mixed)]
 
@@ -240,8 +239,7 @@ def rational_zeros(a: fmpq_mat, b: fmpq_mat) -> list[fmpq]:
     determinant = _determinant(a, b)
     if determinant.is_zero():
         return [fmpq(n) for n in (1, -1, 2, -2)]
-    factors = determinant.factor()[1] if determinant.degree() > 0 else ()
-    return [-factor[0] / factor[1] for factor, _ in factors if factor.degree() == 1]
+    return [-factor[0] / factor[1] for factor, _ in determinant.factor()[1] if factor.degree() == 1]
 
 
 def _determinant(a: fmpq_mat, b: fmpq_mat) -> fmpq_poly:
