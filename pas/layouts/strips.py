@@ -153,12 +153,10 @@ def _layout(cycles: Sequence[Sequence[Ray]], center: Vector, name: str) -> Layou
 def _triangulated(sites: Sequence[Site]) -> tuple[tuple[tuple[int, int, int], ...], Floats] | None:
     """The Laguerre-Delaunay triangles of discs on the sphere, as the hull of the tips of their polar cones; None where
     a disc is hidden or the centre is not inside."""
-    if len(sites) < 4:
-        return None
     tips = np.array([s.direction / cos(s.angle) for s in sites])
     try:
         hull = ConvexHull(tips)
-    except QhullError:
+    except QhullError:  # of fewer than four sites, too
         return None
     if len(hull.vertices) < len(sites) or not bool((hull.equations[:, 3] < -1e-6).all()):
         return None
