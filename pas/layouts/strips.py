@@ -92,7 +92,7 @@ class SiteTriangulation:
             cycles.append([ray for _, ray in rays])
             if len(set(cycles[-1])) < len(cycles[-1]):
                 raise GeometryError("corners of a piece coincide when they are rounded")
-        owner = {edge: t for t, tri in enumerate(self.triangles) for edge in _edges(tri)}
+        owner = {edge: t for t, (i, j, k) in enumerate(self.triangles) for edge in ((i, j), (j, k), (k, i))}
         for t, triangle in enumerate(self.triangles):
             cycles.append([corners[i, t] for i in triangle])
         for (i, j), t in owner.items():
@@ -169,11 +169,6 @@ def _triangulated(sites: Sequence[Site]) -> tuple[tuple[tuple[int, int, int], ..
         found.append(((i, j, k)[start:] + (i, j, k)[:start], unit(equation[:3])))
     found.sort(key=lambda pair: pair[0])
     return tuple((a, b, c) for (a, b, c), _ in found), np.array([node for _, node in found])
-
-
-def _edges(triangle: tuple[int, int, int]) -> list[tuple[int, int]]:
-    i, j, k = triangle
-    return [(i, j), (j, k), (k, i)]
 
 
 def _distance(a: Floats, b: Floats) -> float:
