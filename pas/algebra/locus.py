@@ -101,8 +101,6 @@ class Locus:
 
     def doubtful(self, polynomial: fmpq_mpoly) -> tuple[fmpq_mpoly, ...]:
         """The irreducible factors of a reduced polynomial that may vanish somewhere on the locus."""
-        if polynomial.is_constant():
-            return ()
         return tuple(q for q in self.parameters.factors(polynomial) if str(q) not in self._excluded)
 
     def excludes(self, polynomial: fmpq_mpoly) -> bool:
@@ -200,15 +198,11 @@ def _is_empty(locus: Locus) -> bool:
 
 def _basis(parameters: Parameters, equations: Sequence[fmpq_mpoly]) -> tuple[fmpq_mpoly, ...]:
     generators = [integral(g, parameters.integers) for g in equations if not g.is_zero()]
-    if not generators:
-        return ()
     basis = groebner(generators, parameters.integers)
     return tuple(primitive(parameters.ring.from_dict(g.to_dict())) for g in basis)
 
 
 def _sum_sign(signs: Sequence[Sign]) -> Sign:
-    if not signs:
-        return frozenset({0})
     if any(-1 in s for s in signs) and any(1 in s for s in signs):
         return ANY
     definite = any(0 not in s for s in signs)

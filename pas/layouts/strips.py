@@ -92,7 +92,7 @@ class SiteTriangulation:
             cycles.append([ray for _, ray in rays])
             if len(set(cycles[-1])) < len(cycles[-1]):
                 raise GeometryError("corners of a piece coincide when they are rounded")
-        owner = {edge: t for t, tri in enumerate(self.triangles) for edge in _edges(tri)}
+        owner = {edge: t for t, (i, j, k) in enumerate(self.triangles) for edge in ((i, j), (j, k), (k, i))}
         for t, triangle in enumerate(self.triangles):
             cycles.append([corners[i, t] for i in triangle])
         for (i, j), t in owner.items():
@@ -153,12 +153,10 @@ def _layout(cycles: Sequence[Sequence[Ray]], center: Vector, name: str) -> Layou
 def _triangulated(sites: Sequence[Site]) -> tuple[tuple[tuple[int, int, int], ...], Floats] | None:
     """The Laguerre-Delaunay triangles of discs on the sphere, as the hull of the tips of their polar cones; None where
     a disc is hidden or the centre is not inside."""
-    if len(sites) < 4:
-        return None
     tips = np.array([s.direction / cos(s.angle) for s in sites])
     try:
         hull = ConvexHull(tips)
-    except QhullError:
+    except QhullError:  # of fewer than four sites, too
         return None
     if len(hull.vertices) < len(sites) or not bool((hull.equations[:, 3] < -1e-6).all()):
         return None
@@ -171,11 +169,6 @@ def _triangulated(sites: Sequence[Site]) -> tuple[tuple[tuple[int, int, int], ..
         found.append(((i, j, k)[start:] + (i, j, k)[:start], unit(equation[:3])))
     found.sort(key=lambda pair: pair[0])
     return tuple((a, b, c) for (a, b, c), _ in found), np.array([node for _, node in found])
-
-
-def _edges(triangle: tuple[int, int, int]) -> list[tuple[int, int]]:
-    i, j, k = triangle
-    return [(i, j), (j, k), (k, i)]
 
 
 def _distance(a: Floats, b: Floats) -> float:

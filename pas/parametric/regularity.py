@@ -163,8 +163,6 @@ def base_points(surface: ParametricMap) -> tuple[BasePoint, ...]:
 
 def _base_points(component: RationalFunction) -> list[tuple[float, float]]:
     both = component.numerator, component.denominator
-    if any(p.is_constant() for p in both):
-        return []
     with ctx.workprec(256):
         firsts, seconds = _roots(*both, 0), _roots(*both, 1)
         pairs = [(t, h) for t in firsts for h in seconds if all(_may_vanish(p, t, h) for p in both)]
@@ -173,8 +171,6 @@ def _base_points(component: RationalFunction) -> list[tuple[float, float]]:
 
 def _roots(above: fmpq_mpoly, below: fmpq_mpoly, kept: int) -> list[arb]:
     """Real balls around the values of a parameter at common zeros."""
-    if all(int(p.degrees()[1 - kept]) == 0 for p in (above, below)):
-        return []  # coprime polynomials in one parameter have no common zero
     result = in_one(above.resultant(below, PARAMETERS[1 - kept]), kept)
     return [root.ball(256) for root in sorted(real_roots(result))]
 

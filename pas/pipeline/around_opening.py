@@ -162,7 +162,9 @@ class AroundOpening:
         0, and a ring in the edge, or in the cone of the opening, above a floor."""
         clip, strips = self._clip, tuple[SolidStrip, ...]()
         if works > 0 and self.flat:
-            middle = np.array([*to_floats(self._above(self.middle)), 1.0])
+            # where the line from the centre through the middle is in the plane through the opening across the axis
+            way = minus(self.middle, self.center)
+            middle = np.array([*to_floats(moved(self.center, (self.low / dot(way, self.axis), way))), 1.0])
             strips = (SolidStrip(name, self.contact.surface, Straight(scaled(edge), middle, towards=False)),)
         elif works > 0:
             axis = np.array(to_floats(self.axis)) * to_float(self.scale)
@@ -170,11 +172,6 @@ class AroundOpening:
             strips = (SolidStrip(name, self.contact.surface, rays),)
         end = End(scaled(edge) if works > 0 else clip.surface, clip.axis)
         return Chain(self.contact, clip, self._curve, strips, end, f"{name} end", floor)
-
-    def _above(self, point: Vector) -> Vector:
-        """Where the line from the centre through a point is in the plane through the opening across the axis."""
-        from_center = minus(point, self.center)
-        return moved(self.center, (self.low / dot(from_center, self.axis), from_center))
 
     @property
     def _center(self) -> Floats:

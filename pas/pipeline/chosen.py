@@ -11,12 +11,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cache, cached_property, partial
+from functools import cache, cached_property
 from itertools import chain
 from math import floor, log10
 from typing import Self, TypeVar, Unpack
 
-from flint import fmpq, fmpq_mat
+from flint import fmpq
 
 from pas.algebra.inputs import shown, whole
 from pas.algebra.rational import binary_exponent, rational, to_fraction
@@ -24,7 +24,6 @@ from pas.blending.solving import solve
 from pas.blending.space import Member, Space
 from pas.certify.certificate import Certificate
 from pas.errors import GeometryError, NotProvedError
-from pas.fairing.basis import BasisChange
 from pas.fairing.contradictions import check_kept
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.prepared import SETTINGS, FitSettings
@@ -116,9 +115,10 @@ class ChosenBlend(Shape):
         attempts: Sequence[Attempt],
     ) -> Self:
         """The blend of a choice in a solution space."""
+        working, change = choice.working, space.prepared.basis.change
         return cls(
             surface=choice.surface,
-            find_coefficients=partial(_entries, choice.working, space.prepared.basis.change),
+            find_coefficients=lambda: list((working * change.matrix).entries()),
             energy=choice.energy,
             timings=timings,
             attempts=tuple(attempts),
@@ -276,11 +276,6 @@ def choose(blends: type[B], space: Space, wishes: Wishes, stages: Stages, settin
         failed = next(v for v in certificate.verdicts if not v.proved)
         raise NotProvedError(f"the surface of degree {space.degree} is not proved: {failed}", result)
     return result
-
-
-def _entries(row: fmpq_mat, change: BasisChange) -> list[fmpq]:
-    """The entries of a changed row, as a function that can be called later."""
-    return list((row * change.matrix).entries())
 
 
 def simplified(surface: PiecewiseSurface, space: Space, wishes: Wishes, denominator: int) -> PiecewiseSurface:

@@ -161,8 +161,6 @@ class Session:
         """A blend of the same contacts, up to a similarity, that was found under the same key."""
         with self._lock:
             candidates = [(name, found) for name, found in reversed(self._kept.items()) if name[0] == key]
-        if not candidates:
-            return None
         try:
             given = tuple(map(Anchor.of, contacts))
         except GeometryError:

@@ -29,6 +29,7 @@ from pas.limits import LIMITED
 SENTENCE = re.compile(r"gave up after \d[\d.e+-]* s while [^;\n]+; allow more seconds( or [^;\n]+)?")
 
 SHORT = {
+    "Kind.mesh",
     "Shape.meshed",
     "VolumeMesh.write",
     "Layout.mesh",

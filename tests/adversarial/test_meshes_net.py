@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from adversarial.mesh_tamperings import TAMPERINGS, loops, octahedron, tampered, with_part
+from adversarial.mesh_tamperings import TAMPERINGS, cone_over, loops, octahedron, tampered, with_part
 from conftest import EQUAL, read, solved
 
 import pas
@@ -175,6 +175,27 @@ def test_closed_spheres_around_the_centre_are_seen(name, radius):
     more = with_part((points, triangles), octahedron(center, radius))
     certificate = surface.certify_mesh(*more)
     assert not any(v.proved for v in certificate.verdicts if "topology" in v.claim)
+
+
+@pytest.mark.parametrize("name", ["corner", "foot", "nozzle"])
+def test_ends_that_are_covered_twice_are_seen(name):
+    """One lid goes on from the mesh, another one ends on the contact's curve."""
+    surface, points, triangles = honest(name)
+    center, covered = np.array(to_floats(surface.partition.center)), 0
+    for loop in loops(triangles):
+        tip, size = center + 0.9 * (points[loop].mean(axis=0) - center), len(points)
+        lid = np.array(cone_over(points, loop, size))
+        more = np.concatenate([points, [tip]])
+        if (np.linalg.det(more[lid] - center) <= 0).any():  # of an opening, which leads away from its curve
+            continue
+        number = np.arange(size + 1)
+        number[[*loop, size]] = size + 1 + np.arange(len(loop) + 1)
+        found = surface.certify_mesh(
+            np.concatenate([more, more[[*loop, size]]]), np.concatenate([triangles, lid, number[lid]])
+        )
+        assert not any(v.proved for v in found.verdicts if "topology" in v.claim)
+        covered += 1
+    assert covered
 
 
 def test_vertices_outside_the_region_are_not_on_the_surface():
