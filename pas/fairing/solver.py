@@ -119,8 +119,8 @@ class FitSolver:
     def best(self, share: float) -> FittedMember | None:
         """The best member with a share of the usual margins, proved where that is wished for; None where none is.
 
-        Where the end of the way is not proved, it goes on from the member next to it that is clean on a finer lattice
-        of rays, or from the last one that is proved.
+        Where the end of the way is not proved, but a member on it is, it goes on from the member next to the end that
+        is clean on a finer lattice of rays, or from the last one that is proved; where none is, it begins again there.
         """
         best: FittedMember | None = None
         start: Iterate | None = None
@@ -140,7 +140,7 @@ class FitSolver:
             if last is end or (found is not None and self.hopeless(end)):
                 break
             finer = SampledConditions(self.space, share, self.settings.lattices[-1])
-            start = self.step(end, finer, np.inf) or last
+            start = last and (self.step(end, finer, np.inf) or last)
         return best
 
     def furthest(self, way: list[Iterate], share: float) -> tuple[FittedMember | None, Iterate | None]:
