@@ -335,7 +335,7 @@ def test_a_solvers_failure_is_not_called_a_contradiction(monkeypatch):
 
     space = pas.solutions(pipes(EQUAL), 1)
     failed = QuadraticSolution(Outcome.FAILED, np.zeros(space.dimension))
-    monkeypatch.setattr("pas.fairing.programme.solve", lambda programme: failed)
+    monkeypatch.setattr("pas.fairing.programme.solve", lambda *_: failed)
     with pytest.raises(pas.NotSolvedError, match="the solver found no optimum that passes its checks"):
         space.fit(inside=[(0, 0, 0)])
 

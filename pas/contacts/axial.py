@@ -28,7 +28,9 @@ class Axial(Movable):
     clip: fmpq | Literal["auto"]
     point: Vector
 
-    def settle(self, axis: VectorLike, point: VectorLike, semiaxes: Any = None, **numbers: Exact) -> None:
+    def settle(
+        self, axis: VectorLike, point: VectorLike, semiaxes: Sequence[VectorLike] | None = None, **numbers: Exact
+    ) -> None:
         """Make what was given exact, and check it; raises `ValueError` for a zero axis, and for semi-axes, if there are
         some, that are not two across the axis and one another."""
         exact = {name: rational(value, name) for name, value in numbers.items()}

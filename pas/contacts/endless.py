@@ -5,6 +5,7 @@ Pipes and cones are the circular ones.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Literal, Self
@@ -28,7 +29,9 @@ class Endless(Axial):
     the same surface with an end.  To be inherited by frozen dataclasses.
     """
 
-    def settle(self, axis: VectorLike, point: VectorLike, semiaxes: Any = None, **numbers: Exact) -> None:
+    def settle(
+        self, axis: VectorLike, point: VectorLike, semiaxes: Sequence[VectorLike] | None = None, **numbers: Exact
+    ) -> None:
         """Make what was given exact, and check it; raises `ValueError` for a zero axis and a clip that is no number
         and not "auto"."""
         clip = numbers.pop("clip")
@@ -82,7 +85,9 @@ class Circular(Endless):
     radius: fmpq
     slope: fmpq = fmpq(0)
 
-    def settle(self, axis: VectorLike, point: VectorLike, semiaxes: Any = None, **numbers: Exact) -> None:
+    def settle(
+        self, axis: VectorLike, point: VectorLike, semiaxes: Sequence[VectorLike] | None = None, **numbers: Exact
+    ) -> None:
         """Make what was given exact, and check it; raises `ValueError` for a zero axis or a radius not positive."""
         super().settle(axis, point, semiaxes, **numbers)
         positive(self.radius, "radius")

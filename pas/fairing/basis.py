@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import accumulate
+from itertools import accumulate, chain
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
@@ -232,6 +232,22 @@ class _FixedPoint:
         scaled = [v * self.source.denominator << max(-total, 0) for row in entries for v in row]
         return BasisChange(fmpz_mat(self.size, self.size, scaled), max(total, 0))
 
+    @cached_property
+    def generators(self) -> list[list[tuple[int, int]]]:
+        """The coefficients of each generator, side by side on the pieces: the places of those other than 0, and
+        these."""
+        rows = zip(*(table.tolist() for table in self.source.tables), strict=True)
+        return [[(place, int(v)) for place, v in enumerate(chain(*parts)) if v] for parts in rows]
+
+    def _combined(self, row: list[int]) -> list[int]:
+        """A combination of the generators: most numbers are 0 in both."""
+        total = [0] * sum(self.widths)
+        for factor, generator in zip(row, self.generators, strict=True):
+            if factor:
+                for place, value in generator:
+                    total[place] += factor * value
+        return total
+
     def _rounded(self, bits: int) -> fmpz_mat:
         """All members, side by side on the pieces, in whole numbers of 2^-bits.
 
@@ -240,14 +256,8 @@ class _FixedPoint:
         kept = max(bits, *self.lengths) if max(self.lengths) <= 2 * bits else bits + self.lost
         while True:
             cut = [max(length - kept, 0) for length in self.lengths]
-            rows = [v >> c for row, c in zip(self.rows, cut, strict=True) for v in row]
-            generated = fmpz_mat(self.size, len(self.rows[0]), rows)
-            parts = [[int(v) for v in (generated * table).entries()] for table in self.source.tables]
-            whole = [
-                [part[i * width : (i + 1) * width] for part, width in zip(parts, self.widths, strict=True)]
-                for i in range(self.size)
-            ]
-            sizes = [max(map(_length, row)) for row in whole]
+            whole = [self._combined([v >> c for v in row]) for row, c in zip(self.rows, cut, strict=True)]
+            sizes = [_length(row) for row in whole]
             missing = max((bits + self.lost - s for s, c in zip(sizes, cut, strict=True) if c), default=0)
             if missing <= 0:
                 break
@@ -256,7 +266,7 @@ class _FixedPoint:
         moved: list[int] = []
         for row, size in zip(whole, sizes, strict=True):
             up, down = max(bits - size, 0), max(size - bits, 0)
-            moved += [v << up >> down for part in row for v in part]
+            moved += [v << up >> down for v in row]
         return fmpz_mat(self.size, sum(self.widths), moved)
 
 

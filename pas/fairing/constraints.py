@@ -61,10 +61,18 @@ class Inequalities:
     at_least: Floats
 
     def __add__(self, other: Inequalities) -> Inequalities:
+        if not len(self) or not len(other):
+            return self if len(self) else other
         return Inequalities(np.concatenate([self.rows, other.rows]), np.concatenate([self.at_least, other.at_least]))
 
     def __len__(self) -> int:
         return len(self.rows)
+
+    @property
+    def unit(self) -> Inequalities:
+        """These half-spaces by rows of unit length, which serve solvers best."""
+        by = lengths(self.rows)
+        return Inequalities(self.rows / by[:, None], self.at_least / by)
 
     def missed(self, unknowns: Floats, share: float) -> Inequalities:
         """Those of which a member does not reach a share of the right-hand side."""
@@ -317,3 +325,9 @@ def lattice_weights(subdivisions: int, vertices: int) -> Floats:
 
 def _lengths(vectors: Floats) -> Floats:
     return np.sqrt((vectors * vectors).sum(axis=-1))
+
+
+def lengths(rows: Floats) -> Floats:
+    """Lengths of rows (N, m) by which they can be divided: (N,), 1 for those that are 0."""
+    found = np.sqrt(np.einsum("ij,ij->i", rows, rows))
+    return np.where(found > 0, found, 1.0)

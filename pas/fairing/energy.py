@@ -306,3 +306,11 @@ def differences(residuals: Callable[[SurfacePoints], Floats], points: SurfacePoi
             found.append(residuals(points.with_quantities(moved)))
         columns.append((found[0] - found[1]) / (2 * step))
     return np.stack(columns, axis=2)
+
+
+def slopes_by_place(values: Callable[[Floats], Floats], points: Floats, step: float) -> Floats:
+    """The derivatives (N, ..., 3) of values (N, ...) at points (N, 3) by these, by central differences."""
+    moved = points + step * np.concatenate([np.eye(3), -np.eye(3)])[:, None]
+    found = values(moved.reshape(-1, 3))
+    ahead, behind = found.reshape(2, 3, len(points), *found.shape[1:])
+    return np.moveaxis((ahead - behind) / (2 * step), 0, -1)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Protocol
 
@@ -17,7 +18,7 @@ from scipy.spatial import ConvexHull
 
 from pas.algebra.monomials import Floats
 from pas.fairing.basis import WorkingBasis
-from pas.fairing.energy import STEP, SurfacePoints
+from pas.fairing.energy import STEP, SurfacePoints, slopes_by_place
 from pas.fairing.ray_samples import AREA, Numbers, Residuals, SampledGeometry
 from pas.surface.directions import AROUND, Directions, circle, planes, runs
 from pas.surface.fairness import BULGE, HOLLOW, NARROW, SHARP, WRONG
@@ -122,8 +123,7 @@ class WaistExcess:
         for number, run in enumerate(self.runs):
             own = points[here := self.owner == number]
             far[here] = _off(run, own)
-            for axis, moved in enumerate(step * np.eye(3)):
-                slopes[here, axis] = (_off(run, own + moved) - _off(run, own - moved)) / (2 * step)
+            slopes[here, :3] = slopes_by_place(partial(_off, run), own, step)
         slopes *= np.sign(far)[:, None]
         yield from by_area(sampled, np.abs(far) - self.limits.waist / (2 * TIGHT), slopes, self.radius)
 

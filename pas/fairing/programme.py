@@ -58,7 +58,7 @@ class MemberProgramme:
             return None
         if not self.quadratic:
             return self._unit_optimum(rows)
-        return self._solved(self._programme(self.equations, self.points + rows))
+        return self._solved(self._programme(self.equations, self.points.unit + rows))
 
     def possible(self, rows: Inequalities) -> bool:
         """Whether all constraints can hold together."""
@@ -66,7 +66,7 @@ class MemberProgramme:
             return False
         if not self.quadratic:
             return self.optimum(rows) is not None
-        return feasible(self._programme(self.equations, self.points + rows))
+        return feasible(self._programme(self.equations, self.points.unit + rows))
 
     def holds(self, member: Floats) -> bool:
         """Whether the user's points and the normalisation hold for a member already."""
@@ -97,9 +97,10 @@ class MemberProgramme:
             text = f"the constraints {', '.join(conflict)} contradict one another in degree {degree}"
         return InfeasibleError(text, conflict)
 
-    def step(self, hessian: Floats, linear: Floats, rows: Inequalities) -> Floats | None:
-        """The unknowns of least `1/2 q^T H q + g^T q` under the constraints and rows; None where there are none."""
-        return self._solved(self._programme(self.equations, self.points + rows, hessian, linear))
+    def step(self, hessian: Floats, linear: Floats, rows: Inequalities, near: Floats) -> Floats | None:
+        """The unknowns of least `1/2 q^T H q + g^T q` under the constraints and rows, and `near` others; None where
+        there are none."""
+        return self._solved(self._programme(self.equations, self.points.unit + rows, hessian, linear), near)
 
     @property
     def quadratic(self) -> bool:
@@ -168,10 +169,10 @@ class MemberProgramme:
         """The programme of the objective, or of another quadratic one."""
         form = self._hessian if hessian is None else hessian
         by = np.zeros(self.basis.size) if linear is None else linear
-        return Programme.scaled(form, by, equations, inequalities.rows, inequalities.at_least)
+        return Programme.scaled(form, by, equations, inequalities)
 
-    def _solved(self, programme: Programme) -> Floats | None:
-        solution = solve(programme)
+    def _solved(self, programme: Programme, near: Floats | None = None) -> Floats | None:
+        solution = solve(programme, near)
         if solution.outcome is Outcome.FAILED:
             raise NotSolvedError(f"the solver found no optimum that passes its checks in degree {self.space.degree}")
         return solution.unknowns if solution.outcome is Outcome.SOLVED else None
@@ -200,7 +201,7 @@ class MemberProgramme:
         if not free.shape[1]:
             return None
         vector = free @ eigh(free.T @ self._hessian @ free, free.T @ gram @ free, subset_by_index=[0, 0])[1][:, 0]
-        inequalities = self.points + self._homogeneous(rows)
+        inequalities = self.points.unit + self._homogeneous(rows)
         starts = sorted((vector, -vector), key=lambda q: self._missed(inequalities, q))
         if self._missed(inequalities, starts[0]) <= 0:
             return starts[0]
@@ -236,7 +237,7 @@ class MemberProgramme:
         if not len(rows.rows):
             return rows
         shifted = rows.rows - rows.at_least[:, None] * self.space.guard.mean_alpha
-        return Inequalities(shifted, np.zeros(len(shifted)))
+        return Inequalities(shifted, np.zeros(len(shifted))).unit
 
     @cached_property
     def _hessian(self) -> Floats:

@@ -25,6 +25,7 @@ from pas.algebra.matrices import leads, solved
 from pas.algebra.monomials import Floats
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
+from pas.fairing.constraints import Inequalities, lengths
 from pas.limits import checkpoint
 
 RESIDUAL, ACTIVE = 1e-7, 1e-6
@@ -62,15 +63,13 @@ class Programme:
     at_least: Floats
 
     @classmethod
-    def scaled(cls, hessian: Floats, linear: Floats, equations: Floats, rows: Floats, at_least: Floats) -> Programme:
-        """One with rows of unit length and a Hessian of largest entry 1; `equations` (p, m + 1) with right-hand sides
-        as their last column."""
+    def scaled(cls, hessian: Floats, linear: Floats, equations: Floats, inequalities: Inequalities) -> Programme:
+        """One with equations of unit length and a Hessian of largest entry 1; `equations` (p, m + 1) with right-hand
+        sides as their last column."""
         size = float(np.abs(hessian).max()) or 1.0
         equations = equations / lengths(equations[:, :-1])[:, None]
-        by = lengths(rows)
-        return cls(
-            hessian / size, linear / size, equations[:, :-1], equations[:, -1], rows / by[:, None], at_least / by
-        )
+        sides = inequalities.rows, inequalities.at_least
+        return cls(hessian / size, linear / size, equations[:, :-1], equations[:, -1], *sides)
 
 
 @dataclass(frozen=True)
@@ -79,12 +78,6 @@ class QuadraticSolution:
 
     outcome: Outcome
     unknowns: Floats
-
-
-def lengths(rows: Floats) -> Floats:
-    """Lengths of rows (N, m) by which they can be divided: (N,), 1 for those that are 0."""
-    found = np.sqrt(np.einsum("ij,ij->i", rows, rows))
-    return np.where(found > 0, found, 1.0)
 
 
 def feasible(programme: Programme) -> bool:
@@ -96,13 +89,17 @@ def feasible(programme: Programme) -> bool:
     return solve(replace(programme, hessian=np.eye(m), linear=np.zeros(m))).outcome is not Outcome.INFEASIBLE
 
 
-def solve(programme: Programme) -> QuadraticSolution:
-    """The optimum, by the rows that matter: those that the optimum without them misses, the worst of them first.
+def solve(programme: Programme, near: Floats | None = None) -> QuadraticSolution:
+    """The optimum, by the rows that matter: as many as there are unknowns that are next to being active at unknowns
+    `near` the optimum, where such are known, then those that the optimum without them misses, the worst first.
 
     The optimum under some of the rows that meets the others too is that under all of them.
     """
     m = len(programme.linear)
     chosen = np.zeros(len(programme.rows), dtype=bool)
+    if near is not None and len(programme.rows) > m:
+        left = programme.rows @ near - programme.at_least
+        chosen = left <= np.partition(left, m)[m]
     while True:
         q, flag = _daqp(programme, chosen)
         if flag in (-1, -6):
@@ -226,7 +223,7 @@ def _guess(programme: ExactProgramme) -> list[int]:
     if not count:
         return []
     quadratic, equations, table = map(to_doubles, (programme.quadratic, programme.equations, programme.inequalities))
-    numerical = Programme.scaled(quadratic, np.zeros(m), equations, table[:, :m], table[:, m])
+    numerical = Programme.scaled(quadratic, np.zeros(m), equations, Inequalities(table[:, :m], table[:, m]).unit)
     solution = solve(numerical)
     if solution.outcome is not Outcome.SOLVED:
         return []

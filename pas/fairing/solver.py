@@ -62,6 +62,11 @@ class FittedMember:
     iterate: Iterate | None = None
     beyond: float = 0.0
 
+    @property
+    def phi(self) -> float:
+        """What was minimised."""
+        return self.energy + self.beyond
+
 
 class _ContradictionError(Exception):
     """No member satisfies some inequalities and the user's constraints."""
@@ -114,7 +119,8 @@ class FitSolver:
     def best(self, share: float) -> FittedMember | None:
         """The best member with a share of the usual margins, proved where that is wished for; None where none is.
 
-        Where the end of the way is not proved, it goes on from the last member that is, on a finer lattice of rays.
+        Where the end of the way is not proved, but a member on it is, it goes on from the member next to the end that
+        is clean on a finer lattice of rays, or from the last one that is proved; where none is, it begins again there.
         """
         best: FittedMember | None = None
         start: Iterate | None = None
@@ -127,11 +133,14 @@ class FitSolver:
             way = [replace(start, damping=self.settings.damping)]
             way += self.descent(way[0], conditions)
             way += self.closer(way[-1], conditions)
-            found, start = self.furthest(way, share)
-            if found is not None and (best is None or found.energy <= best.energy):
+            end = way[-1]
+            found, last = self.furthest(way, share)
+            if found is not None and (best is None or found.phi <= best.phi):
                 best = found
-            if start is way[-1] or (found is not None and self.hopeless(way[-1])):
+            if last is end or (found is not None and self.hopeless(end)):
                 break
+            finer = SampledConditions(self.space, share, self.settings.lattices[-1])
+            start = last and (self.step(end, finer, np.inf) or last)
         return best
 
     def furthest(self, way: list[Iterate], share: float) -> tuple[FittedMember | None, Iterate | None]:
@@ -207,13 +216,15 @@ class FitSolver:
                 return
             at = new
 
-    def step(self, at: Iterate, conditions: SampledConditions) -> Iterate | None:
-        """A clean member of less Phi; None where there is none, or none that is worth a step.
+    def step(self, at: Iterate, conditions: SampledConditions, most: float | None = None) -> Iterate | None:
+        """A clean member of less Phi than its own, or than `most`; None where there is none, or none that is worth a
+        step.
 
         Where a user's constraint does not hold yet, the first step is to where it does, whatever Phi is there.
         """
         s, now = self.settings, self.phi(at.member, at.value)
-        most = now if self.programme.holds(at.member) else np.inf
+        if most is None:
+            most = now if self.programme.holds(at.member) else np.inf
         met = most == now and not len(at.rows.missed(at.member, 1 - self.settings.met))
         model = self.model(at)
         unit = np.trace(model.matrices()[0]) / len(at.member) * np.eye(len(at.member))
@@ -251,13 +262,13 @@ class FitSolver:
     def least(self, at: Iterate, model: LocalModel, damping: Floats, rows: Inequalities) -> tuple[Floats | None, float]:
         """The member of least linearised Phi with a matrix added that damps, under inequalities, and by how much that
         is less; which limits are passed there is found by Newton's method (Qi and Sun 1993)."""
-        passed, new, step = model.values > 0, None, np.zeros(len(at.member))
+        passed, new, step = model.values > 0, at.member, np.zeros(len(at.member))
         for _ in range(self.settings.sets):
             matrix, slope = model.matrices(passed)
-            new = self.programme.step(matrix + damping, slope - (matrix + damping) @ at.member, rows)
-            if new is None:
+            found = self.programme.step(matrix + damping, slope - (matrix + damping) @ at.member, rows, new)
+            if found is None:
                 return None, 0.0
-            step = new - at.member
+            new, step = found, found - at.member
             before, passed = passed, model.values + model.rows @ step > 0
             if (before == passed).all():
                 break

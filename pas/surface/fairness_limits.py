@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations
-from math import inf
+from math import ceil, inf
 from typing import Any
 
 import numpy as np
@@ -109,7 +109,10 @@ def check_limits(limits: Any) -> FairnessLimits:
 @lru_cache(maxsize=32)
 def neighbour(join: Join, scale: float) -> Neighbour:
     """What the measures need of a contact; `join` is in local coordinates, a unit of which is `scale` of the user's."""
-    subdivisions = 96  # of a clip face's edge: chords of a coarser curve would look like bulges
+    shared = (
+        192  # subdivisions of the edges of all clip faces together: chords of a coarser curve would look like bulges
+    )
+    subdivisions = ceil(shared / max(2, len(join.faces)))
     sizes = [np.ptp(join.partition.points[list(face.vertices)], axis=0).max() for face in join.faces] or [1.0]
     measured = zip(sizes, join.measured_curves(subdivisions), strict=True)
     parts = [(points, weights * size) for size, (points, weights) in measured]

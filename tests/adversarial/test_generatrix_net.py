@@ -148,7 +148,7 @@ def off_plane(number: int, unit: bool = False) -> pas.GeneratrixBlend:
     )
     items = list(blend.boundaries)
     items[number] = replace(items[number], exact=bad)
-    made = replace(blend, frames=replace(blend.frames, boundaries=tuple(items), kept={}))
+    made = replace(blend, frames=replace(blend.frames, boundaries=tuple(items)))
     made.__dict__["surface"] = blend.surface
     return made
 

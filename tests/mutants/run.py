@@ -126,7 +126,7 @@ def prepared(root: Path, folder: Path) -> Path:
 
 def pytest_status(tree: Path, tests: tuple[str, ...], seconds: float | None) -> tuple[int | None, str]:
     """The exit status of the tests in a tree and what they printed; None where they took too long."""
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-m", "slow or not slow", *tests]
     environment = os.environ | ENVIRONMENT | {"PYTHONPATH": str(tree)}
     process = subprocess.Popen(
         command, cwd=tree, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,

@@ -21,7 +21,7 @@ from flint import fmpq
 
 from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, amount, rational, to_float
-from pas.fairing.energy import QUANTITIES, STEP, Energy, Sizes, SurfacePoints
+from pas.fairing.energy import QUANTITIES, STEP, Energy, Sizes, SurfacePoints, slopes_by_place
 from pas.surface.straight_runs import guided
 
 TIMES = np.sqrt([1.0, 3.0, 3.0, 1.0])
@@ -67,9 +67,9 @@ class CurvatureVariation(Energy):
         for i in range(4):
             slopes[:, i, 10 + i] = sizes.radius * TIMES[i]
         slopes[:, 4, 6] = self._roots(sizes)[1] / points.gradients
-        for axis, moved in enumerate(STEP * sizes.radius * np.eye(3) if sizes.runs else ()):
-            ahead, behind = (self._off_runs(points.points + sign * moved, sizes) for sign in (1, -1))
-            slopes[:, 6:, axis] = (ahead - behind) / (2 * STEP * sizes.radius)
+        if sizes.runs:
+            step = STEP * sizes.radius
+            slopes[:, 6:, :3] = slopes_by_place(lambda moved: self._off_runs(moved, sizes), points.points, step)
         return slopes
 
     def _off_runs(self, points: Floats, sizes: Sizes) -> Floats:
