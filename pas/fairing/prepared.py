@@ -149,9 +149,8 @@ class FitSettings:
     faster: float = 0.1
     """What the damping grows by where Phi does not fall, and shrinks to where it falls as foreseen."""
 
-    brief: int = 24
-    """Steps that are taken while more than `hopeless` is beyond the limits: of 42 nodes of a foam those that became
-    fair were not hopeless after 21."""
+    brief: int = 40
+    """Steps that are taken while more than `hopeless` is beyond the limits."""
 
     enough: float = 3e-4
     """A step that lowers Phi by a smaller share is the last one."""

@@ -119,8 +119,7 @@ class FitSolver:
     def best(self, share: float) -> FittedMember | None:
         """The best member with a share of the usual margins, proved where that is wished for; None where none is.
 
-        Where the end of the way is not proved, but a member on it is, it goes on from the member next to the end that
-        is clean on a finer lattice of rays, or from the last one that is proved; where none is, it begins again there.
+        Where the end of the way is not proved, it goes on from the last member that is, on a finer lattice of rays.
         """
         best: FittedMember | None = None
         start: Iterate | None = None
@@ -133,14 +132,11 @@ class FitSolver:
             way = [replace(start, damping=self.settings.damping)]
             way += self.descent(way[0], conditions)
             way += self.closer(way[-1], conditions)
-            end = way[-1]
-            found, last = self.furthest(way, share)
+            found, start = self.furthest(way, share)
             if found is not None and (best is None or found.phi <= best.phi):
                 best = found
-            if last is end or (found is not None and self.hopeless(end)):
+            if start is way[-1] or (found is not None and self.hopeless(way[-1])):
                 break
-            finer = SampledConditions(self.space, share, self.settings.lattices[-1])
-            start = last and (self.step(end, finer, np.inf) or last)
         return best
 
     def furthest(self, way: list[Iterate], share: float) -> tuple[FittedMember | None, Iterate | None]:
@@ -216,15 +212,13 @@ class FitSolver:
                 return
             at = new
 
-    def step(self, at: Iterate, conditions: SampledConditions, most: float | None = None) -> Iterate | None:
-        """A clean member of less Phi than its own, or than `most`; None where there is none, or none that is worth a
-        step.
+    def step(self, at: Iterate, conditions: SampledConditions) -> Iterate | None:
+        """A clean member of less Phi; None where there is none, or none that is worth a step.
 
         Where a user's constraint does not hold yet, the first step is to where it does, whatever Phi is there.
         """
         s, now = self.settings, self.phi(at.member, at.value)
-        if most is None:
-            most = now if self.programme.holds(at.member) else np.inf
+        most = now if self.programme.holds(at.member) else np.inf
         met = most == now and not len(at.rows.missed(at.member, 1 - self.settings.met))
         model = self.model(at)
         unit = np.trace(model.matrices()[0]) / len(at.member) * np.eye(len(at.member))
