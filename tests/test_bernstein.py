@@ -246,7 +246,8 @@ def test_values_that_became_small_are_worked_out_anew():
 
     assert proof([above]) == (Status.UNDECIDED, Status.PROVED)
     assert proof([above, below]) == (Status.UNDECIDED, Status.REFUTED)
-    assert proof([above], 0.6, 8)[1] is Status.UNDECIDED
+    assert proof([above], depth=20)[1] is Status.PROVED
+    assert proof([above], 1e-3, 20)[1] is Status.UNDECIDED
 
 
 def test_an_error_before_the_halvings_counts():

@@ -209,7 +209,10 @@ def test_notebooks_show_a_table_and_a_picture(name, monkeypatch):
     assert "<table>" in html
     assert "data:image/png;base64," in html
     monkeypatch.setattr("pas.render.plotting.LIBRARIES", {"libnothing.so.9": "libnothing9"})
+    monkeypatch.setattr("sys.platform", "linux")
     assert "no picture: pictures need OpenGL" in shape._repr_html_()
+    monkeypatch.setattr("sys.platform", "darwin")  # which brings its own
+    assert "data:image/png;base64," in shape._repr_html_()
 
 
 JOINED = {

@@ -162,6 +162,13 @@ def test_faces_that_are_apart_on_one_surface_keep_their_names():
     assert (first | second).mesh(1e-2).names[0] == "bar 1 + bar -1"  # one piece
 
 
+def test_a_face_has_the_names_of_those_that_make_it():
+    """Four plates end in one plane; what is left of three, with the third taken away, is nothing."""
+    first, second, taken, last = (solid.box((-n, -n, -n), (n, n, 1), f"plate {n}") for n in (4, 5, 6, 3))
+    body = ((first & second) - taken) | last
+    assert {name for name in body.mesh(1e-1).names if "z+" in name} == {"plate 3 z+"}
+
+
 ROUNDED = {
     "a cutter that reaches beyond": ((10, 2, 8), "3/2", 1),
     "a flush cutter": ((10, 6, 4), 3, 0),

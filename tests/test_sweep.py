@@ -45,6 +45,13 @@ def test_all_between_the_loops_is_covered_once(case):
     polygons = [20 * r * s * np.sin(2 * np.pi / 40) for *_, r, s in HOLES[case]]
     assert areas.min() > 0 and areas.sum() == pytest.approx(2 * np.pi * HEIGHT - sum(polygons))
     assert np.ptp(corners[..., 0], axis=1).max() <= 2 * np.pi / AROUND * (1 + 1e-5)
+    places = np.stack([np.cos(flat[:, 0]), np.sin(flat[:, 0]), flat[:, 1]], axis=1)[triangles]
+    normals, middles = (
+        np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]),
+        places.mean(axis=1) * (1, 1, 0),
+    )
+    cosines = (normals * middles).sum(axis=1) / np.linalg.norm(normals, axis=1) / np.linalg.norm(middles, axis=1)
+    assert cosines.min() > np.sqrt(1 / 2)  # turned by less than 45 degrees from the cylinder
 
 
 def test_loops_that_meet_are_refused():

@@ -32,7 +32,7 @@ from pas.exchange.picture_options import Picture, PictureOptions
 from pas.limits import Report, checkpoint, in_parts, limited
 from pas.mesh.mesh import Mesh
 from pas.render.picture import in_place, plotted, view_of
-from pas.render.plotting import offscreen_pyvista
+from pas.render.plotting import OWN_WINDOWS, offscreen_pyvista
 from pas.render.scene import Scene, scene_of
 from pas.shape import Shape
 
@@ -210,9 +210,7 @@ def show(
 
 def show_scene(scene: Scene, picture: Picture) -> None:
     """Show a scene in a window; raises `MissingLibraryError` where there is no screen."""
-    if sys.platform not in ("win32", "darwin") and not any(
-        os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")
-    ):
+    if sys.platform not in OWN_WINDOWS and not any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")):
         raise MissingLibraryError(
             "a window needs a screen, and there is none here (DISPLAY is not set); draw a picture with pas.draw"
         )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import sys
 from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
@@ -296,18 +297,22 @@ def _write(
 LIBRARIES = {"libGL.so.1": "libgl1", "libEGL.so.1": "libegl1"}
 """The shared libraries that drawing needs, and Debian's packages of them."""
 
+OWN_WINDOWS = ("win32", "darwin")
+"""Systems that bring libraries for graphics, and a screen."""
+
 
 def offscreen_pyvista() -> Any:
     """The pyvista module, ready to draw without a screen.
 
     Raises `MissingLibraryError` naming the packages to install.
     """
-    missing = [package for library, package in LIBRARIES.items() if not _loads(library)]
-    if missing:
-        raise MissingLibraryError(
-            f"pictures need OpenGL, which is not installed; on Debian: apt-get install {' '.join(missing)}"
-        )
-    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    if sys.platform not in OWN_WINDOWS:
+        missing = [package for library, package in LIBRARIES.items() if not _loads(library)]
+        if missing:
+            raise MissingLibraryError(
+                f"pictures need OpenGL, which is not installed; on Debian: apt-get install {' '.join(missing)}"
+            )
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     checkpoint("loading the graphics library")  # which takes seconds on slow machines: looked at between its halves
     pyvista = optional("pyvista")
     checkpoint()
