@@ -6,6 +6,7 @@ import json
 import re
 import runpy
 import sys
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -412,7 +413,7 @@ def test_the_script_draws_them_all(tmp_path, monkeypatch, capsys):
 
 
 def test_how_curves_run_is_judged_anew(tmp_path, monkeypatch):
-    """A file that says that the curves run the same way is not believed."""
+    """A blend or a file that says that the curves run the same way is not believed."""
     coarse = partial(verdicts.simple_verdict, size=(24, 8))  # this twisted one crosses itself all over
     monkeypatch.setattr(verdicts, "simple_verdict", coarse)
     tables = (
@@ -421,6 +422,8 @@ def test_how_curves_run_is_judged_anew(tmp_path, monkeypatch):
     )
     blend = pas.generatrix_blend(*map(pas.boundary_from, tables), align=False, unit=False)
     assert blend.surface.is_exact and blend.certificate.sense.status is Status.REFUTED
+    told = replace(blend, alignment=replace(blend.alignment, opposed=False, reason="they do"))
+    assert told.certificate.sense.status is Status.REFUTED
     path = pas.save_parametric(blend, tmp_path / "a.pas.json", blend.certificate)
     record = json.loads(path.read_text())
     record["content"]["alignment"].update(opposed=False, reason="they do")

@@ -170,8 +170,14 @@ def test_parts_that_cross_are_one_set():
     cross = solid.rectangle(3, 1, (0, 1)) | solid.rectangle(1, 3, (1, 0), face="bar")
     assert cross.boundary is None
     assert cross.extrude(1).mesh().volume == pytest.approx(5)
-    both = (solid.rectangle(3, 1, (0, 1)) & solid.rectangle(1, 3, (1, 0), face="bar")).extrude(1)
-    assert both.mesh().volume == pytest.approx(1)
+    both = solid.rectangle(3, 1, (0, 1)) & solid.rectangle(1, 3, (1, 0), face="bar")
+    assert both.extrude(1).mesh().volume == pytest.approx(1)
+    less = solid.rectangle(3, 1, (0, 1)) - solid.rectangle(1, 3, (1, 0), face="bar")
+    assert [p.operands(lambda part: part.extrude(1))[1] for p in (cross, both, less)] == [
+        "Add",
+        "Intersect",
+        "Subtract",
+    ]
 
 
 CROSSING = {

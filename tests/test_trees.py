@@ -10,6 +10,7 @@ import sys
 import numpy as np
 import pytest
 
+import pas
 from pas.algebra.polynomial import Polynomial
 from pas.solid import truths
 from pas.solid.tree import Atom, Node, atoms, complement, mapped
@@ -107,3 +108,9 @@ def test_trees_are_equal_in_another_process(tmp_path):
     seeded = os.environ | {"PYTHONHASHSEED": "2" if os.environ.get("PYTHONHASHSEED") == "1" else "1"}
     run = subprocess.run(command, env=seeded, capture_output=True, text=True, check=False)
     assert run.stdout.strip() == "True True", run.stderr
+
+
+def test_functions_in_pieces_are_equal_by_what_they_are_made_of():
+    node = pas.blend([pas.Pipe(axis, "1/2", 1) for axis in np.eye(3, dtype=int).tolist()], 1, energy=pas.ThinPlate())
+    one, other = ({atom.function for atom in atoms(node.solid(1).rotate((1, 2, 3), 40).tree)} for _ in range(2))
+    assert one == other and len(one) > 1
