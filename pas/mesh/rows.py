@@ -38,6 +38,14 @@ def any_of(table: Bools) -> Bools:
     return result
 
 
+def largest_of(table: Floats) -> Floats:
+    """The largest entries (N,) of the rows of a table (N, k)."""
+    result = table[:, 0].copy()
+    for column in table.T[1:]:
+        np.maximum(result, column, out=result)
+    return result
+
+
 def quarters(triangles: Floats) -> Floats:
     """The four parts (T, 4, 3, ...) of triangles (T, 3, ...), cut at the middles of their sides."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
