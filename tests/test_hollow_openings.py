@@ -161,7 +161,7 @@ def test_the_solid_of_a_hollow_plate_is_the_same_everywhere():
         wall = foot.hollow(EIGHTH).solid("1/2")
         assert wall.sheets is not None
         volumes.append(wall.mesh(1e-2).volume)
-    assert volumes[0] == pytest.approx(volumes[1], rel=2e-3)  # fits end within 5e-5 of one another's energy
+    assert volumes[0] == pytest.approx(volumes[1], rel=1e-6)
 
 
 def test_walls_that_are_too_thick():

@@ -36,6 +36,16 @@ def test_optima(problem, optimum):
     assert solution.unknowns == pytest.approx(optimum, abs=1e-5)
 
 
+def test_where_the_search_for_active_rows_starts_does_not_change_the_optimum():
+    rng = np.random.default_rng(3)
+    root, rows = rng.normal(size=(6, 6)), rng.normal(size=(60, 6))
+    problem = programme(root @ root.T, rng.normal(size=6), (), (), rows, rows @ rng.normal(size=6) - 0.1)
+    plain = solve(problem).unknowns
+    for near in (plain, -plain, np.zeros(6), *rng.normal(scale=9, size=(20, 6))):
+        started = solve(problem, near)
+        assert started.outcome is Outcome.SOLVED and started.unknowns == pytest.approx(plain, abs=1e-7)
+
+
 @pytest.mark.parametrize(
     "problem",
     [

@@ -2,7 +2,7 @@
 
 The reduced basis of a solution space can be nearly dependent in floating point (condition
 numbers of 10^10 to 10^17 were measured on corners).  So the basis is first changed by a matrix of
-binary fractions to one that is orthonormal over the region up to rounding; that one is rounded to
+binary fractions to one that is orthonormal over the region up to `CONDITION`; that one is rounded to
 doubles.  The change is exact, and coefficients found go back exactly; the changed basis itself
 has numbers of hundreds of digits, is worked out to as many as its doubles need, and exactly on demand.
 """
@@ -57,7 +57,8 @@ class WorkingBasis:
 
     `source` holds those that it was made from, (m, C(n+3, 3)) on each piece, and `change` gives it in terms of them;
     `coefficients` (pieces, m, C(n+3, 3)) are its doubles.  `partition` is that of the local coordinates, `frame` says
-    where these are: `x = origin + scale * u`.
+    where these are: `x = origin + scale * u`.  `gram` (m, m) has the integrals of products of two members over the
+    region, in local volumes.
     """
 
     partition: Partition
@@ -66,6 +67,7 @@ class WorkingBasis:
     source: Products
     change: BasisChange
     coefficients: Floats
+    gram: Floats
 
     @classmethod
     def of(cls, partition: Partition, source: Products, degree: int) -> WorkingBasis:
@@ -79,7 +81,8 @@ class WorkingBasis:
             return np.concatenate([f @ t.T for f, t in zip(factors, tables, strict=True)])
 
         change, doubles = orthonormal(source, samples)
-        return cls(partition.local, partition.frame, degree, source, change, np.array(doubles))
+        columns = samples(doubles)
+        return cls(partition.local, partition.frame, degree, source, change, np.array(doubles), columns.T @ columns)
 
     @property
     def members(self) -> tuple[fmpq_mat, ...]:

@@ -221,7 +221,8 @@ class FitSolver:
         most = now if self.programme.holds(at.member) else np.inf
         met = most == now and not len(at.rows.missed(at.member, 1 - self.settings.met))
         model = self.model(at)
-        unit = np.trace(model.matrices()[0]) / len(at.member) * np.eye(len(at.member))
+        gram = self.space.basis.gram  # changes of f over the region are damped, whichever basis was found
+        unit = np.trace(np.linalg.solve(gram, model.matrices()[0])) / len(gram) * gram
         rows, damping, cuts = at.rows, at.damping, 0
         for _ in range(s.trials):
             try:

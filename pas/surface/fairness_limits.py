@@ -109,9 +109,7 @@ def check_limits(limits: Any) -> FairnessLimits:
 @lru_cache(maxsize=32)
 def neighbour(join: Join, scale: float) -> Neighbour:
     """What the measures need of a contact; `join` is in local coordinates, a unit of which is `scale` of the user's."""
-    shared = (
-        192  # subdivisions of the edges of all clip faces together: chords of a coarser curve would look like bulges
-    )
+    shared = 192  # subdivisions of all clip faces together: chords of a coarser curve would look like bulges
     subdivisions = ceil(shared / max(2, len(join.faces)))
     sizes = [np.ptp(join.partition.points[list(face.vertices)], axis=0).max() for face in join.faces] or [1.0]
     measured = zip(sizes, join.measured_curves(subdivisions), strict=True)
