@@ -22,9 +22,10 @@ from scipy.linalg import svd
 
 from pas.algebra.brief import brief
 from pas.algebra.matrices import Products, leads
-from pas.algebra.monomials import Floats, exponents, homogeneous_exponents
+from pas.algebra.monomials import exponents, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, rational, to_float, to_fraction, vector
+from pas.arrays import Floats
 from pas.blending.refining import refined
 from pas.blending.space import Space
 from pas.certify.free_curves import transversality

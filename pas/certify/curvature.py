@@ -20,13 +20,12 @@ from typing import TypeVar
 
 import numpy as np
 from flint import fmpq, fmpq_mpoly
-from numpy.typing import NDArray
 
 from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal, NormalForm
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import cross, dot, plain, three, to_float
+from pas.arrays import Floats, Integers
 from pas.bernstein.forms import BoundedForms, nearby_forms, polar_forms
 from pas.bernstein.search import Limits
 from pas.bernstein.signs import prove_positive
@@ -181,7 +180,7 @@ def curvature_below(surface: PiecewisePolynomial, bound: fmpq) -> Verdict:
     local, degree = surface.local, 6 * max(surface.degree - 1, 0)
     pieces, square = local.piece_of.tolist(), to_float((bound * surface.partition.frame.scale) ** 2)
 
-    def values(parts: Floats, numbers: NDArray[np.intp]) -> tuple[Floats, float]:
+    def values(parts: Floats, numbers: Integers) -> tuple[Floats, float]:
         checkpoint("bounding curvature")
         patches = [surface.scaled.polynomials[pieces[number]] for number in numbers.tolist()]
         jet = _jet(patches, parts, surface.degree, float(np.abs(local.points).max()))

@@ -27,14 +27,14 @@ from itertools import product
 
 import numpy as np
 from flint import fmpq_mpoly
-from numpy.typing import NDArray
 
 from pas.algebra.ideal import NormalForm
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact_vector, moved, to_floats
 from pas.algebra.scaling import scaled
+from pas.arrays import Bools, Floats
 from pas.bernstein.forms import b_form, on_simplex
 from pas.bernstein.signs import alike, apart_on, positive_on
 from pas.certify.certificate import Proposition
@@ -220,7 +220,7 @@ def _sign(polynomial: fmpq_mpoly, simplices: Sequence[Sequence[Vector]]) -> int:
     return 1 if min(values) > 0 else -1 if max(values) < 0 else 0
 
 
-def dual(f: Floats, d: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+def dual(f: Floats, d: Floats) -> tuple[Floats, Floats, Bools]:
     """The vectors in the span of two gradients (N, 3) along which one function rises by 1 and the other stays.
 
     And where they exist, (N,): where the gradients are not parallel.

@@ -23,11 +23,11 @@ from itertools import combinations
 import numpy as np
 
 from pas.algebra.lengths import angle_between
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats, Integers
 from pas.certify.certificate import Certificate
 from pas.certify.local_mesh import OFF, FramedMesh
 from pas.kernels.library import compiled
-from pas.mesh.rows import Integers, cross, dots, norms
+from pas.mesh.rows import cross, dots, norms
 from pas.mesh.topology import Edges
 from pas.surface.boundary_loops import BoundaryLoop
 from pas.verdicts import Point, Status, Verdict

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats, Integers
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.certify.local_mesh import ROUNDINGS, FramedMesh, FramedSurface
 from pas.certify.triangle_forms import on_corners
-from pas.mesh.rows import Integers, any_of, cross, dots, norms, quarters
+from pas.mesh.rows import any_of, cross, dots, norms, quarters
 
 CUTS = 8
 """How often triangles are cut into four where bounds on them do not do; the rounding of forms counts so many cuts."""

@@ -30,12 +30,11 @@ from itertools import combinations
 
 import numpy as np
 
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats, Integers
 from pas.certify.certificate import Certificate
 from pas.certify.graph_proofs import CLAIM, certify_graph, crossed
 from pas.certify.local_mesh import OFF, ON_WALL, CriticalParts, FramedMesh, FramedSurface, critical_parts
 from pas.certify.mesh_bounds import BoxTable, TriangleBounds, along_walls, apart, bounds, farthest
-from pas.mesh.rows import Integers
 from pas.mesh.topology import Edges, same_places
 from pas.verdicts import Findings, Point, Status, Verdict
 

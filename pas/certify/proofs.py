@@ -32,9 +32,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from flint import fmpq_mpoly
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_floats
+from pas.arrays import Floats
 from pas.bernstein.forms import corner_points, nearby_forms, on_simplex
 from pas.bernstein.signs import SignResult, positive_on, prove_positive
 from pas.certify.certificate import Certificate, Proposition

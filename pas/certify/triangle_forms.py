@@ -15,12 +15,12 @@ from math import comb, factorial, prod
 
 import numpy as np
 from flint import fmpq, fmpq_mat
-from numpy.typing import NDArray
 
 from pas.algebra.evaluation import horner, order_of_rule
-from pas.algebra.monomials import Floats, exponents, homogeneous_exponents
+from pas.algebra.monomials import exponents, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
+from pas.arrays import Bools, Floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.kernels.library import compiled
 from pas.limits import checkpoint
@@ -123,7 +123,7 @@ def elevation(degree: int, higher: int) -> Floats:
 
 
 @cache
-def on_corners(degree: int) -> NDArray[np.bool_]:
+def on_corners(degree: int) -> Bools:
     """Which B-coefficients (8, m) are those on the side or at the corner of a triangle that some corners span: those of
     the numbers k for which the bit 2^k is set."""
     used = np.array(homogeneous_exponents(degree, 3)) > 0

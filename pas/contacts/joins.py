@@ -16,9 +16,9 @@ from itertools import combinations
 import numpy as np
 
 from pas.algebra.bracket import zeros_of_columns
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector
+from pas.arrays import Floats
 from pas.bernstein.signs import SignResult, apart_on
 from pas.contacts.cones import first_met, nappe, nappe_rays
 from pas.contacts.contact import Contact

@@ -11,8 +11,8 @@ from flint import fmpq, fmpq_mat
 from scipy.linalg import eigh, null_space, qr
 
 from pas.algebra.matrices import leads
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
+from pas.arrays import Floats
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
 from pas.fairing.constraints import Inequalities

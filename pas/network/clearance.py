@@ -20,8 +20,9 @@ from typing import Any
 
 import numpy as np
 
+from pas.arrays import Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.rows import Floats, Integers, dots
+from pas.mesh.rows import dots
 from pas.network.covers import NodeCovers
 from pas.network.graph import NetworkProblem, StrutGraph, told
 from pas.verdicts import Status, Verdict

@@ -17,15 +17,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.lengths import unit
 from pas.algebra.rational import to_floats
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.forms import corner_points, nearby_forms
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.bernstein.simplices import Simplices
 from pas.certify.thickness import parted, slices
-from pas.mesh.rows import Floats, Integers
 from pas.network.classes import Kinds, ranked, turn
 from pas.network.graph import StrutGraph
 from pas.pipeline.result import Blend
@@ -97,7 +96,7 @@ class NodeCovers:
         here, there = (self.ends[struts, end, None] for end in (0, 1))
         return np.stack([first + here * (second - first), second - there * (second - first)], axis=1)
 
-    def nodes_apart(self, first: Integers, second: Integers) -> NDArray[np.bool_]:
+    def nodes_apart(self, first: Integers, second: Integers) -> Bools:
         """Of which pairs of nodes (M,) it is proved that their surfaces do not meet."""
         places, of = self.network.places, self.kinds.of
 
@@ -113,7 +112,7 @@ class NodeCovers:
 
         return self._each([of[first], of[second], *(places[second] - places[first]).T], prove)
 
-    def struts_apart(self, nodes: Integers, struts: Integers) -> NDArray[np.bool_]:
+    def struts_apart(self, nodes: Integers, struts: Integers) -> Bools:
         """Of which nodes and struts (M,) it is proved that they do not meet, where the struts are straight."""
         network, of = self.network, self.kinds.of
         links = network.edges[struts]
@@ -132,7 +131,7 @@ class NodeCovers:
 
         return self._each(columns, prove)
 
-    def _each(self, columns: Any, prove: Callable[[int], bool]) -> NDArray[np.bool_]:
+    def _each(self, columns: Any, prove: Callable[[int], bool]) -> Bools:
         """What is proved of each row of some columns, once of equal ones."""
         of, firsts = ranked(columns)
         rows = list(zip(*(column[firsts].tolist() for column in columns), strict=True))

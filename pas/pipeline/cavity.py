@@ -18,8 +18,8 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import HIGHEST_DEGREE
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, to_float, to_floats
+from pas.arrays import Floats
 from pas.contacts.contact import Contact
 from pas.contacts.joins import Join
 from pas.contacts.rims import outlook

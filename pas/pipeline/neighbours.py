@@ -34,9 +34,9 @@ import numpy as np
 from flint import fmpq, fmpq_mpoly, fmpq_poly
 
 from pas.algebra.affine import away, height, slope_at
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact, minus, moved, three, to_float, to_floats, two_across
+from pas.arrays import Floats
 from pas.bernstein.signs import alike
 from pas.certify.nesting import prove_inside
 from pas.errors import GeometryError

@@ -16,11 +16,11 @@ import numpy as np
 from pas.algebra.bracket import Jets
 from pas.algebra.evaluation import PolynomialBatch
 from pas.algebra.lengths import across
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.arrays import Floats, Integers
 from pas.contacts.cones import first_met, nappe_rays
 from pas.contacts.joins import Join
-from pas.mesh.rows import Integers, dots
+from pas.mesh.rows import dots
 from pas.surface.geometry import derivative_batch
 
 STEPS = 40

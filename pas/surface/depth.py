@@ -17,10 +17,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float, to_floats
+from pas.arrays import Floats, Integers
 from pas.surface.directions import Directions
 from pas.surface.geometry import FIRST, SECOND, derivative_batch, tangent_frame
 
@@ -77,7 +76,7 @@ class Depth:
             feet[here[beyond]], normals[here[beyond]] = found[beyond], across[beyond]
         return -((local - feet) * normals).sum(axis=1) * self._scale, normals
 
-    def _feet(self, points: Floats, near: Floats, numbers: NDArray[np.intp]) -> tuple[Floats, Floats]:
+    def _feet(self, points: Floats, near: Floats, numbers: Integers) -> tuple[Floats, Floats]:
         """The feet (N, 3) of local points on pieces of given numbers (N,), or the contacts' surfaces after these, from
         places near by, and the unit normals (N, 3) there."""
         steps, enough = 8, 1e-6  # a step as short as this, in local units, is the last: the next would be its square

@@ -13,14 +13,15 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pas.algebra.evaluation import PolynomialBatch
 from pas.algebra.inputs import shown
-from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import to_float, to_floats
 from pas.algebra.scaling import Scaled
+from pas.arrays import Bools, Floats
 from pas.limits import checkpoint
 from pas.partition.boxes import SingleCell
 from pas.partition.cells import Partition
@@ -135,7 +136,7 @@ class Evaluator:
         """Partial derivatives of the scaled patches at points (..., 3), (..., entries), finite inside; NaN outside."""
         return self._located(points, orders)[0]
 
-    def _located(self, points: Floats, orders: Sequence[int]) -> tuple[Floats, NDArray[np.bool_]]:
+    def _located(self, points: Floats, orders: Sequence[int]) -> tuple[Floats, Bools]:
         """The derivatives of the scaled patches (..., entries), and which points (...) are in the region."""
         flat, batch = np.asarray(points, dtype=float).reshape(-1, 3), self.batch(*orders)
         result, inside = np.empty((len(flat), batch.degrees.shape[1])), np.empty(len(flat), dtype=bool)

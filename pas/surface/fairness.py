@@ -19,8 +19,8 @@ from scipy.spatial import ConvexHull
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import spiral
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
+from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.surface.directions import AROUND, Directions, circle, planes, runs

@@ -13,8 +13,8 @@ import numpy as np
 
 from pas.algebra.inputs import check_order, shown
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import amount, to_float
+from pas.arrays import Floats
 from pas.contacts.joins import Join
 from pas.surface.geometry import Geometry, derivative_batch
 

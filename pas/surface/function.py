@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pas.algebra.inputs import check_surface_degree, points_of
-from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_fraction, vector
 from pas.algebra.scaling import Scaled
+from pas.arrays import Floats
 from pas.bernstein.forms import b_form, nearby_forms, on_simplex
 from pas.contacts.joins import Join
 from pas.partition.cells import Partition

@@ -17,10 +17,10 @@ from itertools import pairwise, product
 from math import perm, prod
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.evaluation import PolynomialBatch, degree_of
-from pas.algebra.monomials import Floats, count, exponents, homogeneous_exponents, positions
+from pas.algebra.monomials import count, exponents, homogeneous_exponents, positions
+from pas.arrays import Floats, Integers
 
 JETS = tuple(e for d in range(4) for e in homogeneous_exponents(d, 3))
 """The derivatives of f that are used, by exponents: value, gradient, Hessian, third order; 20 in all."""
@@ -146,7 +146,7 @@ def _along(form: Floats, vectors: Floats) -> Floats:
 
 
 @cache
-def derivatives(degree: int) -> tuple[NDArray[np.intp], Floats]:
+def derivatives(degree: int) -> tuple[Integers, Floats]:
     """For each jet entry and monomial: the monomial that its derivative is a multiple of, and the factor."""
     where, table = positions(degree), exponents(degree)
     indices, factors = np.zeros((len(JETS), len(table)), dtype=np.intp), np.zeros((len(JETS), len(table)))
@@ -157,7 +157,7 @@ def derivatives(degree: int) -> tuple[NDArray[np.intp], Floats]:
 
 
 @cache
-def _scattered(degree: int) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
+def _scattered(degree: int) -> tuple[Integers, Integers, Floats]:
     """Where in a table (20, C(n+3, 3)) the coefficients of derivatives stand, and of which they are what multiples."""
     indices, factors = derivatives(degree)
     rows, sources = np.nonzero(factors)

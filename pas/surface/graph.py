@@ -13,15 +13,15 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
+from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Floats, Integers, cross, dots
+from pas.mesh.rows import cross, dots
 from pas.mesh.shading import unit_rows
 from pas.mesh.sheet import open_mesh, remeshed
 from pas.mesh.topology import Edges, connected
@@ -147,7 +147,7 @@ def _icosahedral(level: int) -> Integers:
     return triangles
 
 
-def seen(points: Floats, triangles: Integers) -> NDArray[np.bool_]:
+def seen(points: Floats, triangles: Integers) -> Bools:
     """Which triangles (T,) are seen from 0 with their outside away."""
     a, b, c = (points[triangles[:, i]] for i in range(3))
     volume = dots(a, cross(b, c))

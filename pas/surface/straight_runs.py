@@ -23,8 +23,7 @@ from itertools import combinations, permutations
 import numpy as np
 
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
-from pas.mesh.rows import Integers
+from pas.arrays import Floats, Integers
 from pas.surface.fairness_limits import Neighbour
 
 ROUND = 0.01

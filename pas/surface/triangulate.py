@@ -16,6 +16,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pas.algebra.inputs import shown_point
+from pas.arrays import Floats, Integers
 from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
@@ -24,7 +25,6 @@ from pas.mesh.grading import Settings
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import AIM
-from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows, uprightness
 from pas.mesh.sheet import BadMeshError, open_mesh, remeshed
 from pas.mesh.topology import Edges, euler_characteristic, is_manifold, piece_count
