@@ -28,7 +28,7 @@ JETS = tuple(e for d in range(4) for e in homogeneous_exponents(d, 3))
 ORDERS = np.array([sum(e) for e in JETS])
 
 
-def _places(order: int) -> NDArray[np.intp]:
+def _places(order: int) -> Integers:
     """Where in a jet the derivatives (3, ..., 3) of an order along axes stand."""
     axes = product(range(3), repeat=order)
     return np.reshape([JETS.index((a.count(0), a.count(1), a.count(2))) for a in axes], (3,) * order)
