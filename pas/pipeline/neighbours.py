@@ -39,6 +39,7 @@ from pas.algebra.rational import Vector, cross, dot, exact, minus, moved, three,
 from pas.arrays import Floats
 from pas.bernstein.signs import alike
 from pas.certify.nesting import prove_inside
+from pas.certify.proofs import radial_derivative
 from pas.errors import GeometryError
 from pas.partition.boxes import KUHN_CELLS
 from pas.verdicts import Status
@@ -200,8 +201,7 @@ class Slab:
 def is_left_once(surface: Polynomial, cone: Polynomial, floor: Sequence[Vector], roof: Sequence[Vector]) -> bool:
     """Whether it is proved that each ray from 0 in a cone, `cone <= 0`, leaves a surface once between two plane quads
     across it, four corners each in order on the same four rays, and from inside to outside."""
-    slopes = (g * surface.raw.derivative(i) for i, g in enumerate(GENERATORS))
-    rising = Polynomial.from_raw(sum(slopes, 0 * GENERATORS[0]))
+    rising = Polynomial.from_raw(radial_derivative(surface))
     claims: list[tuple[Positive, Sequence[Sequence[Vector]]]] = [
         ((cone, ()), sides(roof)),
         ((-surface, (cone,)), halves(floor)),
