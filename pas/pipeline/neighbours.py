@@ -31,7 +31,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
-from flint import fmpq, fmpq_mpoly, fmpq_poly
+from flint import fmpq, fmpq_poly
 
 from pas.algebra.affine import away, height, slope_at
 from pas.algebra.polynomial import GENERATORS, Polynomial
@@ -192,7 +192,7 @@ class Slab:
         ]
         inner = self.join.inside_point()
         for first, second in self.join.rim():
-            edge = Polynomial.from_raw(_through(first, second, self.normal))
+            edge = Polynomial.from_raw(height(first, cross(minus(second, first), self.normal)))
             edge = edge if inner is None or edge.raw(*inner) < 0 else -edge
             claims.append(((f, (-edge, cylinder)), halves(square)))
         return all(proved(claim, simplices) for claim, simplices in claims)
@@ -237,8 +237,3 @@ def _shortened(vector: Vector) -> Vector:
     """The vector over a rational number that is about its length."""
     size = exact(float(np.linalg.norm(to_floats(vector))))
     return three(c / size for c in vector)
-
-
-def _through(first: Vector, second: Vector, along: Vector) -> fmpq_mpoly:
-    """The plane through two points along a direction, as a polynomial."""
-    return height(first, cross(minus(second, first), along))
