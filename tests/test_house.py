@@ -22,8 +22,8 @@ brought files and 300 lines, ways of fits that end where they gain little 18, an
 their surfaces, with lists of what is not proved, a file and 200; struts of rings whose angles are not small, and
 the time that parts of the work are told to take, 89; nullspaces whose numbers are not longer than those of the basis,
 spaces that are counted before they are solved, and waists that are limited in the fit, 96; meshes of sharp
-nodes, 37; programmes that start next to their optimum, and damping that no basis changes, 47; types of arrays have a file
-of their own, the last."""
+nodes, 37; programmes that start next to their optimum, and damping that no basis changes, 47; types of arrays, the
+last file."""
 
 
 def module(path: Path) -> str:
