@@ -17,7 +17,9 @@ from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from pas.arrays import Floats
 
 if TYPE_CHECKING:
     from flint import fmpq, fmpq_mpoly
@@ -182,7 +184,7 @@ def check_tolerance(tolerance: Any, size: float | None = None) -> float:
     return value
 
 
-def points_of(points: ArrayLike) -> NDArray[np.float64]:
+def points_of(points: ArrayLike) -> Floats:
     """Points (..., 3) as an array.  Raises `ValueError` for another shape."""
     array = np.asarray(points, dtype=float)
     if array.ndim == 0 or array.shape[-1] != 3:

@@ -10,7 +10,7 @@ from typing import Any
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import shown_point
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 from pas.bernstein.signs import SignResult
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status, Verdict, Verdicts

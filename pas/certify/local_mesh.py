@@ -18,16 +18,17 @@ from itertools import combinations
 import numpy as np
 
 from pas.algebra.affine import Frame
-from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact_vector, to_float, to_floats
 from pas.algebra.scaling import Scaled, scaled
+from pas.arrays import Floats, Integers
 from pas.bernstein.forms import LARGEST_ERROR, SMALLEST, UNIT_ROUNDOFF, b_form, on_simplex, polar_forms
 from pas.bernstein.search import Fate, Fates, Limits, Searched, search
 from pas.bernstein.simplices import Simplices
 from pas.certify.proofs import face_verdict
 from pas.certify.triangle_forms import TriangleForms
-from pas.mesh.rows import Integers, cross, dots
+from pas.mesh.rows import cross, dots
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Point
 

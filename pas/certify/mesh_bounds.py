@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats, Integers
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.certify.local_mesh import ROUNDINGS, FramedMesh, FramedSurface
 from pas.certify.triangle_forms import on_corners
-from pas.mesh.rows import Integers, any_of, cross, dots, norms, quarters
+from pas.mesh.rows import any_of, cross, dots, norms, quarters
 
 CUTS = 8
 """How often triangles are cut into four where bounds on them do not do; the rounding of forms counts so many cuts."""
@@ -52,20 +52,6 @@ class Parts(Cells):
         marks = quarters(self.marks.astype(float)).reshape(-1, 3) == 1
         parts = Parts(quarters(self.corners).reshape(-1, 3, 3), np.repeat(self.owner, 4), marks)
         return parts if marks.all() else parts.select(marks.any(axis=1))
-
-
-class BoxTable:
-    """Many boxes from `low` (N, 3) to `high` (N, 3)."""
-
-    def __init__(self, low: Floats, high: Floats) -> None:
-        self._low, self._high = np.ascontiguousarray(low.T), np.ascontiguousarray(high.T)
-
-    def meeting(self, low: Floats, high: Floats) -> Integers:
-        """The numbers of those that meet the box from `low` (3,) to `high` (3,)."""
-        rows = np.flatnonzero((self._low[0] <= high[0]) & (self._high[0] >= low[0]))
-        for axis in (1, 2):
-            rows = rows[(self._low[axis, rows] <= high[axis]) & (self._high[axis, rows] >= low[axis])]
-        return rows
 
 
 def apart(simplices: Floats, corners: Floats, normals: Floats) -> np.ndarray:

@@ -22,7 +22,6 @@ from pas.algebra.affine import height, slope_at
 from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import short, shown_point
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import (
     Vector,
@@ -39,6 +38,7 @@ from pas.algebra.rational import (
 )
 from pas.algebra.scaling import Scaled, scaled
 from pas.algebra.zeros import RealZero, real_zeros
+from pas.arrays import Floats
 from pas.contacts.ovals import Oval, Strip, ovals
 from pas.errors import GeometryError
 

@@ -23,9 +23,9 @@ from flint import fmpq
 
 from pas.algebra.affine import Affine
 from pas.algebra.inputs import whole
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational, vector
+from pas.arrays import Floats
 from pas.exchange.files import checksum
 from pas.exchange.records import PARAMETRIC, PARTITION, SURFACE
 from pas.exchange.schema import (

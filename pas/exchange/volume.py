@@ -23,6 +23,7 @@ import numpy as np
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import natural
+from pas.arrays import Floats, Integers
 from pas.elsewhere import elsewhere
 from pas.errors import GeometryError, library, optional
 from pas.exchange.files import target
@@ -31,7 +32,7 @@ from pas.exchange.parts import Piece, face_names, parts_of
 from pas.exchange.write import write
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Floats, Integers, counted_on
+from pas.mesh.rows import counted_on
 from pas.mesh.topology import is_closed_manifold
 from pas.settings import MeshSettings
 from pas.solid.assembly import Assembly

@@ -14,11 +14,11 @@ from functools import _lru_cache_wrapper, cached_property, lru_cache
 from math import ceil, gcd, pi
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from pas.algebra.monomials import Exponents, Floats, exponents, homogeneous_exponents, monomial_values
+from pas.algebra.monomials import Exponents, exponents, homogeneous_exponents, monomial_values
 from pas.algebra.rational import to_float
+from pas.arrays import Floats, Integers
 from pas.contacts.joins import Join
 from pas.fairing.basis import WorkingBasis
 from pas.kernels.library import compiled
@@ -128,7 +128,7 @@ class AlphaOnCone:
         self.inner = np.concatenate([middle[None], *(middle + s * (self.ends - middle) for s in shares)])
         self.inner_pieces = self._pieces(join, self.inner)
 
-    def _pieces(self, join: Join, points: Floats) -> NDArray[np.intp]:
+    def _pieces(self, join: Join, points: Floats) -> Integers:
         return np.asarray(join.partition.piece_of[join.partition.locate(points, tolerance=np.inf)])
 
     def depths(self) -> Floats:
@@ -273,7 +273,7 @@ class RayLattice:
         return np.asarray(terms @ self._monomials[piece])
 
 
-def crossed(profiles: Floats, shares: Floats, band: float) -> tuple[NDArray[np.intp], Floats, Floats]:
+def crossed(profiles: Floats, shares: Floats, band: float) -> tuple[Integers, Floats, Floats]:
     """Where polynomials, columns of `profiles` (n + 1, N), pass -band, 0 and band between shares (S,) that are evenly
     apart from 0 on, at most 65: columns, shares and slopes, (M,) each, by rising columns, shares and levels."""
     levels = 3  # values that are looked for, each of which a ray may pass once in a step: -band, 0 and band

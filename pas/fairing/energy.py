@@ -26,9 +26,9 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.inputs import shown
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, plain, rational, to_float
+from pas.arrays import Floats
 from pas.fairing.basis import WorkingBasis
 from pas.partition.cells import Partition
 from pas.registry import Registry, Serialisable, read_record

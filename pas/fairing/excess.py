@@ -16,10 +16,10 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats, Integers
 from pas.fairing.basis import WorkingBasis
 from pas.fairing.energy import STEP, SurfacePoints, slopes_by_place
-from pas.fairing.ray_samples import AREA, Numbers, Residuals, SampledGeometry
+from pas.fairing.ray_samples import AREA, Residuals, SampledGeometry
 from pas.surface.directions import AROUND, Directions, circle, planes, runs
 from pas.surface.fairness import BULGE, HOLLOW, NARROW, SHARP, WRONG
 from pas.surface.fairness_limits import FairnessLimits, Neighbour, largest_arc, sharpest_of, widest
@@ -219,7 +219,7 @@ def section_curvatures(points: SurfacePoints, across: Floats) -> tuple[Floats, F
     return along / cosine, slopes
 
 
-def _thinned(run: Numbers) -> Numbers:
+def _thinned(run: Integers) -> Integers:
     places = np.minimum(np.arange(len(run)), np.arange(len(run))[::-1])  # from the nearer end: symmetric
     return run[(places < ENDS) | (places % EVERY == 0)]
 

@@ -16,8 +16,9 @@ import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_mpoly
 from scipy.special import roots_jacobi, roots_legendre
 
-from pas.algebra.monomials import Floats, count, exponents
+from pas.algebra.monomials import count, exponents
 from pas.algebra.rational import Vector, VectorLike, cross, dot, minus, to_floats, vector
+from pas.arrays import Floats
 from pas.bernstein.forms import b_form, gram, on_simplex, polar_row
 from pas.partition.cells import Partition
 

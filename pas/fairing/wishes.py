@@ -11,11 +11,11 @@ from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, TypedDict, Unpack
 
 from flint import fmpq
-from numpy.typing import NDArray
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import check_flag, shown
 from pas.algebra.rational import Exact, Vector, VectorLike, amount, plain, rational, to_float, vector
+from pas.arrays import AnyArray
 from pas.errors import meant
 from pas.fairing.energies.curvature_variation import CurvatureVariation
 from pas.fairing.energy import Energy, as_energy
@@ -76,7 +76,7 @@ class UnitCoefficients:
 
 Normalization = MeanAlpha | SumOfCoefficients | ValueAt | UnitCoefficients
 
-PointsLike = Sequence[Any] | NDArray[Any]
+PointsLike = Sequence[Any] | AnyArray
 """Points as users write them: sequences of three numbers each (or an array), or a single one."""
 
 

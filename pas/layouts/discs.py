@@ -12,8 +12,8 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.lengths import across, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, binary_exponent, dot, exact, minus, three, to_float, to_floats
+from pas.arrays import Floats
 from pas.contacts.contact import Movable
 from pas.contacts.rims import Rim
 from pas.errors import GeometryError

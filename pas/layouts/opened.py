@@ -19,10 +19,10 @@ from flint import fmpq
 
 from pas.algebra.affine import slope_at
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, minus, moved, plain, to_float, to_floats
 from pas.algebra.scaling import scaled
+from pas.arrays import Floats
 from pas.contacts.cones import apex, first_met, nappe
 from pas.contacts.contact import Contact, as_contact
 from pas.contacts.endless import Endless

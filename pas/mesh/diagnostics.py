@@ -16,10 +16,11 @@ from itertools import combinations, product
 
 import numpy as np
 
+from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.projection import distances, least_solutions, newton, second_derivatives
-from pas.mesh.rows import Bools, Floats, Integers, cross, dots, norms
+from pas.mesh.rows import cross, dots, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected
 

@@ -24,6 +24,7 @@ from itertools import combinations, pairwise, permutations
 
 import numpy as np
 
+from pas.arrays import Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.crossings import crossings
 from pas.mesh.face_ground import inner_points
@@ -33,7 +34,6 @@ from pas.mesh.halfedges import following
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton, pair_normals, project, second_derivatives
 from pas.mesh.refusals import FaceMesh, Made, Refusal
-from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, is_closed_manifold
 

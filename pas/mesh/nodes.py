@@ -20,12 +20,13 @@ import numpy as np
 from scipy.spatial import ConvexHull, cKDTree
 
 from pas.algebra.lengths import spiral
+from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import distances, least_norm, least_solutions, newton, second_derivatives
 from pas.mesh.refusals import Refusal
-from pas.mesh.rows import Bools, Floats, Integers, any_of, cross, norms
+from pas.mesh.rows import any_of, cross, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, edge_table, numbered, pinched, same_places
 

@@ -13,10 +13,10 @@ from itertools import product
 
 import numpy as np
 
+from pas.arrays import Bools, Floats, Integers
 from pas.kernels.library import compiled
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of
-from pas.mesh.rows import Bools, Floats, Integers
 from pas.mesh.topology import numbered
 
 SHIFT = np.array([0.381966, 0.267949, 0.414214])

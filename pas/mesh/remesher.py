@@ -16,11 +16,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.grading import Grading
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.refusals import FaceMesh
-from pas.mesh.rows import Bools, Floats, Integers
 
 
 @dataclass(frozen=True)

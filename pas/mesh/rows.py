@@ -5,12 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.intp]
-Bools = NDArray[np.bool_]
-Numbers = NDArray[np.int32]
+from pas.arrays import Bools, Floats, Integers
 
 
 def dots(u: Floats, v: Floats) -> Floats:

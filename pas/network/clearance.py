@@ -22,8 +22,9 @@ import numpy as np
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.rational import to_floats
+from pas.arrays import Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.rows import Floats, Integers, dots
+from pas.mesh.rows import dots
 from pas.network.covers import Found, NodeCovers
 from pas.network.graph import NetworkProblem, StrutGraph, told
 from pas.network.overlaps import common_point

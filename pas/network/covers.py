@@ -22,11 +22,11 @@ import numpy as np
 from pas.algebra.affine import Affine
 from pas.algebra.lengths import unit
 from pas.algebra.rational import Vector, exact, minus, rational, to_floats, vector
+from pas.arrays import Floats, Integers
 from pas.bernstein.forms import corner_points, nearby_forms
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.bernstein.simplices import Simplices
 from pas.certify.thickness import parted, slices
-from pas.mesh.rows import Floats, Integers
 from pas.network.classes import Kinds, ranked, turn
 from pas.network.graph import StrutGraph
 from pas.network.overlaps import NodeSolid, Solid, StrutSolid, common_point

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from pas.algebra.lengths import unit
-from pas.mesh.rows import Floats, Integers
+from pas.arrays import Floats, Integers
 from pas.network.placing import NodePiece, PlacedPieces, StrutPiece
 from pas.network.rings import lid
 

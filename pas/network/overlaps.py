@@ -16,7 +16,7 @@ from flint import fmpq
 
 from pas.algebra.affine import Affine
 from pas.algebra.rational import Vector, dot, exact_vector, minus, to_floats
-from pas.mesh.rows import Floats
+from pas.arrays import Floats
 from pas.surface.function import PiecewisePolynomial
 
 

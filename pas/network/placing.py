@@ -17,10 +17,9 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.lengths import across, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
+from pas.arrays import Floats, Integers, Numbers
 from pas.errors import MeshError
-from pas.mesh.rows import Integers, Numbers
 from pas.network.classes import Kinds, NodeKind, ranked, turn
 from pas.network.graph import StrutGraph
 from pas.network.rings import angles_around, lid, parts_of, rings_of, strip

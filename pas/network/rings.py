@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.lengths import across, unit
-from pas.algebra.monomials import Floats
-from pas.mesh.rows import Integers
+from pas.arrays import Floats, Integers
 
 LEAST_ANGLE = 6.0
 """Degrees under which a ring's shortest side is seen from the next ring: those who see it aslant have 5 left."""

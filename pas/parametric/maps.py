@@ -28,10 +28,10 @@ from pas.algebra.expressions import Names, as_text
 from pas.algebra.inputs import check_derivative, shown
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import scaled, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, VectorLike, plain, rational, to_float, to_floats, to_fraction, vector
 from pas.algebra.rational_function import PARAMETERS, RationalFunction, total
+from pas.arrays import Floats
 from pas.limits import checkpoint
 from pas.parametric.series import Components, composed
 

@@ -27,9 +27,9 @@ from pas.algebra.brief import brief
 from pas.algebra.callables import on_series
 from pas.algebra.expressions import Names
 from pas.algebra.inputs import short
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import plain, rational, three, to_float, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE, PARAMETERS, RationalFunction
+from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh

@@ -18,10 +18,10 @@ from scipy.spatial import cKDTree
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import lengths, unit
+from pas.arrays import Bools, Floats, Integers
 from pas.certify.graph_proofs import crossed
 from pas.errors import GeometryError
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Bools, Floats, Integers
 from pas.mesh.topology import Edges
 from pas.parametric.maps import ParametricMap
 from pas.parametric.tiling import closes

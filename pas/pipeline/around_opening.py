@@ -13,10 +13,10 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.affine import Frame, height, slope_at
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, dot, exact, exact_vector, minus, moved, to_float, to_floats
 from pas.algebra.scaling import scaled
+from pas.arrays import Floats
 from pas.contacts.cones import FARTHEST, first_met, nappe, nappe_rays
 from pas.contacts.contact import Contact
 from pas.contacts.joins import Join

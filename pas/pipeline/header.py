@@ -21,10 +21,10 @@ from flint import fmpq
 
 from pas.algebra.affine import height
 from pas.algebra.inputs import shown
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, dot, exact, plain, rational, to_float, to_floats
 from pas.algebra.scaling import scaled
+from pas.arrays import Floats
 from pas.contacts.contact import Contact
 from pas.contacts.endless import Pipe
 from pas.contacts.joins import Join

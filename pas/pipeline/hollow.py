@@ -25,6 +25,7 @@ from flint import fmpq
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.rational import Exact, plain, positive, rational, three, to_float
+from pas.arrays import Integers
 from pas.certify.nesting import nesting
 from pas.certify.thickness import thicker_than
 from pas.contacts.cones import apex
@@ -34,7 +35,6 @@ from pas.contacts.parallels import inner_contact
 from pas.errors import GeometryError, InfeasibleError, MeshError, NoSolutionError, NotProvedError
 from pas.limits import WorkLimits, limited
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Integers
 from pas.mesh.topology import Edges
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.around_opening import AroundOpening
@@ -257,7 +257,7 @@ def _same(one: Contact, other: Contact) -> bool:
     a, b = (c.surface.dense(max(one.surface.degree, other.surface.degree)) for c in (one, other))
     rounded = float(np.abs(a - b).max()) <= rounding * float(np.abs(a).max())
     tip = apex(one.clip)
-    same = one.clip.primitive() in (other.clip.primitive(), (-other.clip).primitive())
+    same = one.clip.primitive() == other.clip.primitive()
     return rounded and (same or (tip is not None and tip == apex(other.clip)))
 
 

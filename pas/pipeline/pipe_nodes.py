@@ -22,9 +22,9 @@ from flint import fmpq
 from pas.algebra.affine import slope_at
 from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, decimal, dot, minus, three, to_float, to_floats
+from pas.arrays import Floats
 from pas.contacts.endless import Pipe
 from pas.errors import GeometryError, NoSolutionError, NotProvedError
 from pas.limits import checkpoint

@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats, Integers
 from pas.certify.local_mesh import OFF
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import manifold
-from pas.mesh.rows import Integers
 from pas.solid.faces import End, off_surface
 from pas.verdicts import Findings, Status, Verdict, Verdicts
 

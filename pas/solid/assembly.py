@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike
 from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.algebra.brief import brief, listed
 from pas.algebra.inputs import shown
+from pas.arrays import Floats
 from pas.limits import WorkLimits, in_parts, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Floats
 from pas.shape import Shape
 from pas.solid.bounds import hull
 from pas.solid.measures import Measures, PartList, flat_measures

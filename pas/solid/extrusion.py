@@ -12,8 +12,8 @@ from flint import fmpq
 
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import near, plain, square_root, to_float
+from pas.arrays import Floats, Integers
 from pas.errors import GeometryError
-from pas.mesh.rows import Floats, Integers
 from pas.solid.edges import Loop, PlaneEdge, at, gradient, line, radius_of
 from pas.solid.faces import COARSE, Faces, SolidBoundary, SweptBody, cross, flat, jets_of
 from pas.solid.formulas import PlaneSet, formula

@@ -20,8 +20,8 @@ from numpy.typing import ArrayLike
 from pas.algebra.affine import Affine, numbered, reflection, rotation, scaling, translation, translations, turns
 from pas.algebra.inputs import points_of, shown
 from pas.algebra.rational import Exact, rational
+from pas.arrays import Floats
 from pas.errors import GeometryError, missing
-from pas.mesh.rows import Floats
 from pas.solid.edges import Loop, PlaneEdge, Point, apart
 from pas.solid.extrusion import Lean, extruded
 from pas.solid.formulas import Lift, values

@@ -17,13 +17,14 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pas.arrays import Bools, Floats, Integers
 from pas.errors import GeometryError
 from pas.limits import checkpoint
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import least_norm, project
 from pas.mesh.refusals import FaceMesh
-from pas.mesh.rows import Bools, Floats, Integers, cross
+from pas.mesh.rows import cross
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected
 from pas.solid.bounds import bounding_box

@@ -20,8 +20,8 @@ from pas.algebra.inputs import shown, whole
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import across, arc_lengths
 from pas.algebra.rational import Exact, Symbolic, plain, positive, rational, to_float
+from pas.arrays import Bools, Floats
 from pas.errors import GeometryError
-from pas.mesh.rows import Bools, Floats
 from pas.mesh.shading import unit_rows
 from pas.solid.functions import Distance, Parametrized
 from pas.solid.solid import Solid

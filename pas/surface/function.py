@@ -11,16 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pas.algebra.inputs import check_surface_degree, points_of
-from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_fraction, vector
 from pas.algebra.scaling import Scaled
+from pas.arrays import Floats
 from pas.bernstein.forms import b_form, nearby_forms, on_simplex
 from pas.contacts.joins import Join
 from pas.partition.cells import Partition
 from pas.partition.complex import OuterFace
-from pas.surface.evaluator import Evaluator, symmetric
-from pas.surface.geometry import Geometry
+from pas.surface.evaluator import Evaluator
+from pas.surface.geometry import Geometry, symmetric
 from pas.surface.placed import InPlace, PlacedContacts
 
 

@@ -12,13 +12,13 @@ from functools import cache
 from itertools import permutations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.monomials import homogeneous_exponents
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.bernstein.simplices import Means, means, raised
 from pas.limits import checkpoint
-from pas.mesh.rows import Floats, Integers, any_of
+from pas.mesh.rows import any_of
 from pas.mesh.topology import MOST, first_with
 from pas.surface.local_field import LocalField
 from pas.verdicts import Status
@@ -89,7 +89,7 @@ class Subdivision:
             alone = alone[~near]
         return self.points[order].mean(axis=1), self._hides(self.forms[alone], self.points[alone])
 
-    def _of_one_sign(self, rows: Integers | slice) -> NDArray[np.bool_]:
+    def _of_one_sign(self, rows: Integers | slice) -> Bools:
         """Which of some tetrahedra have values of one sign at their corners."""
         ends = self.forms[rows][:, self._ends]
         return np.asarray((ends >= -ROUNDING).all(axis=1) | (ends <= ROUNDING).all(axis=1))
@@ -140,7 +140,7 @@ def _weights(count: int) -> Integers:
     return np.random.default_rng(0).integers(1 << 62, size=count) | 1
 
 
-def _kept(forms: Floats) -> NDArray[np.bool_]:
+def _kept(forms: Floats) -> Bools:
     """Which tetrahedra may hold zeros."""
     return np.asarray((forms.min(axis=-1) <= ROUNDING) & (forms.max(axis=-1) >= -ROUNDING))
 
@@ -160,7 +160,7 @@ def _cut(degree: int, keys: Integers, points: Floats, forms: Floats) -> tuple[In
     return new_keys, new_points, new_forms
 
 
-def _turning(degree: int, forms: Floats, points: Floats) -> tuple[NDArray[np.bool_], Floats]:
+def _turning(degree: int, forms: Floats, points: Floats) -> tuple[Bools, Floats]:
     """In which tetrahedra (T, 4, 3) the function need not rise along its mean gradient, and that (T, 3)."""
     mean, least, size = risings(forms, points, degree)
     return least <= ROUNDING * size, mean

@@ -12,12 +12,12 @@ from functools import cached_property, partial
 import numpy as np
 
 from pas.algebra.inputs import shown_point
+from pas.arrays import Floats, Integers
 from pas.errors import GeometryError, MeshError
 from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Floats, Integers
 from pas.mesh.sheet import followed
 from pas.partition.complex import OuterFace
 from pas.surface.bisection import bisected
@@ -99,7 +99,7 @@ class Mesher:
                     return bisected(field, tolerance / field.scale, settings)
         try:
             with np.errstate(all="ignore"):  # what is not finite is folded, and refused
-                return triangulate(self.beginnings, tolerance / self.cell_field.scale, most, aim)
+                return triangulate(self.beginnings, tolerance / self.cell_field.scale, settings)
         except FoldedError as error:
             raise MeshError(f"{error}{_sharpest(self.surface)}") from None
 

@@ -6,12 +6,11 @@ The piece of a ray is that of the outer face it leaves the region through, so no
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.bracket import jets_of_columns, sign_change
-from pas.algebra.monomials import Floats
+from pas.arrays import Bools, Floats, Integers
 from pas.kernels.library import compiled
-from pas.mesh.rows import Integers, dots
+from pas.mesh.rows import dots
 from pas.surface.boundary_loops import BoundaryLoop, Loops
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import profile_batch
@@ -65,7 +64,7 @@ class RadialField(LocalSurface):
         """Where the rays through points (N, 3) meet the surface, found from there."""
         return self._met(points)[0]
 
-    def _met(self, points: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    def _met(self, points: Floats) -> tuple[Floats, Bools]:
         """Where rays through points (N, 3) meet the surface, (N, 3), and which of them (N,) graze or miss it."""
         steep = 0.4  # cosine between normal and ray below which a ray from the skeleton is taken
         off = 1e-6  # so far from the surface, over the way from 0, a ray has missed it: it left through a contact

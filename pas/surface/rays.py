@@ -27,9 +27,10 @@ from flint import fmpq, fmpq_mat, fmpz_mat
 from numpy.typing import NDArray
 
 from pas.algebra.evaluation import order_of_rule
-from pas.algebra.monomials import Floats, exponents
+from pas.algebra.monomials import exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import dot, to_float, to_floats
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.kernels.library import compiled
 from pas.partition.cells import Partition
@@ -53,8 +54,6 @@ TINY = 2.0**-1000
 HIGHEST = 31
 """Degree above which all rays are worked out exactly: interpolation loses ten of the 16 digits of doubles there."""
 
-Integers = NDArray[np.intp]
-Bools = NDArray[np.bool_]
 
 Found = tuple[Integers, Floats, Integers]
 """Numbers of rays, parameters in units of `LocalRays`, and sides (M,) each."""
@@ -131,8 +130,7 @@ class RayTarget:
     @cached_property
     def widths(self) -> Floats:
         """By how much the maps may be off, (4, C)."""
-        widths = ROUNDINGS * UNIT_ROUNDOFF * np.abs(self.maps).sum(axis=1)
-        return np.asarray(widths)
+        return np.asarray(ROUNDINGS * UNIT_ROUNDOFF * np.abs(self.maps).sum(axis=1))
 
     @cached_property
     def clear(self) -> Floats:

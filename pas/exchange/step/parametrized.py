@@ -15,11 +15,10 @@ from flint import fmpq
 
 from pas.algebra.affine import Affine
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import UNITS, three, to_float, to_floats
+from pas.arrays import Floats, Integers
 from pas.exchange.step.carriers import Carrier, CarrierKind, Plane, carrier_of
-from pas.mesh.rows import Integers
 from pas.solid.field import SolidField
 from pas.solid.functions import Distance, Moved, Parametrized
 

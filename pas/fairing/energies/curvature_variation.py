@@ -19,8 +19,8 @@ from typing import ClassVar
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, amount, rational, to_float
+from pas.arrays import Floats
 from pas.fairing.energy import QUANTITIES, STEP, Energy, Sizes, SurfacePoints, slopes_by_place
 from pas.surface.straight_runs import guided
 

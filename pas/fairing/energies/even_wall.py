@@ -16,7 +16,7 @@ from typing import ClassVar, NoReturn
 
 import numpy as np
 
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 from pas.fairing.energy import QUANTITIES, Energy, Sizes, SurfacePoints
 from pas.surface.depth import Depth
 

@@ -27,9 +27,9 @@ from numpy.typing import ArrayLike
 from pas.algebra.brief import brief
 from pas.algebra.inputs import shown, shown_point
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, to_floats
+from pas.arrays import Floats
 from pas.certify.free_curves import dual
 from pas.errors import GeometryError
 from pas.parametric.generatrix.boundary import Boundary, part

@@ -29,10 +29,10 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 from pas.algebra.affine import quadratic_form
 from pas.algebra.brief import brief
 from pas.algebra.inputs import short
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Vector, square_root, to_floats, to_fraction
 from pas.algebra.roots import between, real_roots
+from pas.arrays import Floats
 from pas.parametric.hermite import taylor_basis
 
 Inertia = tuple[int, int]

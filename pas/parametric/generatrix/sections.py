@@ -20,9 +20,9 @@ from flint import fmpq, fmpq_mat
 
 from pas.algebra.inputs import short, shown, shown_point
 from pas.algebra.lengths import exponent
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import PolynomialLike
 from pas.algebra.rational import Exact, Vector, dot, exact, to_float, to_floats, two_across
+from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.parametric.generatrix.boundary import Boundary, ContactBounds, part
 from pas.parametric.generatrix.paths import on_unit_interval
