@@ -37,16 +37,15 @@ AT_ONCE = 4096
 MAY_MEET = "may meet; thinner struts, or wider angles between those of a node, end nearer to it"
 
 WORDS = {
-    "near struts": ("the struts {} and {}, {} from one another,", "overlap", MAY_MEET),
-    "node and strut": ("the node {} and the strut {}, {} from its point,", "overlap", MAY_MEET),
-    "nodes": ("the nodes {} and {}, {} from one another,", "overlap", MAY_MEET),
-    "enclosed": ("the piece of point {}", "is inside of another one", "may be inside of another one"),
+    "near struts": ("the struts {} and {}, {} from one another,", MAY_MEET),
+    "node and strut": ("the node {} and the strut {}, {} from its point,", MAY_MEET),
+    "nodes": ("the nodes {} and {}, {} from one another,", MAY_MEET),
+    "enclosed": ("the piece of point {}", "may be inside of another one"),
 }
-"""What is told of each kind of doubt: of what, and what of it is refuted or not decided."""
+"""What is told of each kind of doubt: of what, and what of it is not decided."""
 
 Doubt = tuple[tuple[int, ...], float, int, Found]
-"""Numbers of nodes, struts, or a node and a strut, how far apart they are, that of a point, and what is found about it.
-"""
+"""Numbers of nodes, struts or both, how far apart they are, that of a point, and what is found about it."""
 
 
 def crossing(network: StrutGraph) -> Iterator[tuple[int, int, float]]:
@@ -73,14 +72,13 @@ def clearance(network: StrutGraph, covers: NodeCovers) -> tuple[Verdict, tuple[N
 def _doubts(network: StrutGraph, covers: NodeCovers) -> Iterator[tuple[Status, Floats, NetworkProblem]]:
     """What meets, or may meet: which of both, where, and what."""
     finders = _crossing_struts, _struts_of_nodes, _near_nodes, _enclosed
-    for (kind, (names, refuted, doubtful)), find in zip(WORDS.items(), finders, strict=True):
+    for (kind, (names, doubtful)), find in zip(WORDS.items(), finders, strict=True):
         for ids, distance, about, common in find(network, covers):
             status, place, said = Status.UNDECIDED, network.points[about], doubtful
             if not isinstance(common, bool):
                 status, place = Status.REFUTED, place + float(network.grid) * np.array(to_floats(common))
-                said = f"{refuted} at {shown_point(place)}; make struts there thinner, or move their points apart"
-            sentence = f"{names.format(*ids[:2], f'{distance:.4g}')} {said}"
-            yield status, place, NetworkProblem(kind, ids, sentence)
+                said = f"overlap at {shown_point(place)}; make struts there thinner, or move their points apart"
+            yield status, place, NetworkProblem(kind, ids, f"{names.format(*ids[:2], f'{distance:.4g}')} {said}")
 
 
 def _near(points: Floats, others: Floats, distance: float) -> Iterator[tuple[Integers, Integers]]:
@@ -182,12 +180,7 @@ def _enclosed(network: StrutGraph, covers: NodeCovers) -> Iterator[Doubt]:
         free[point[inside & (of[point] != of[other])]] = False
     for piece in np.setdiff1d(of[used], of[free]).tolist():
         ids = tuple(used[of[used] == piece].tolist())
-        strut = int((network.edges == ids[0]).any(axis=1).argmax())
-        middle = covers.axes([strut]).mean(axis=1)
-        around = np.flatnonzero((of != piece) & (np.linalg.norm(points - middle, axis=1) < reach)).tolist()
-        place, solid = (middle - points[ids[0]]) / float(network.grid), covers.strut(strut, ids[0])
-        found = (common_point(place, solid, covers.node(node, ids[0])) for node in around)
-        yield ids, 0.0, ids[0], next(filter(None, found), False)
+        yield ids, 0.0, ids[0], False
 
 
 def segment_distances(first: Floats, second: Floats) -> Floats:

@@ -21,7 +21,7 @@ import numpy as np
 
 from pas.algebra.affine import Affine
 from pas.algebra.lengths import unit
-from pas.algebra.rational import Vector, exact, minus, rational, to_floats, vector
+from pas.algebra.rational import Vector, exact, rational, to_floats, vector
 from pas.arrays import Floats, Integers
 from pas.bernstein.forms import corner_points, nearby_forms
 from pas.bernstein.search import Fate, Fates, Limits, search
@@ -29,7 +29,7 @@ from pas.bernstein.simplices import Simplices
 from pas.certify.thickness import parted, slices
 from pas.network.classes import Kinds, ranked, turn
 from pas.network.graph import StrutGraph
-from pas.network.overlaps import NodeSolid, Solid, StrutSolid, common_point
+from pas.network.overlaps import NodeSolid, StrutSolid, common_point
 from pas.pipeline.result import Blend
 from pas.verdicts import Status
 
@@ -41,8 +41,7 @@ LIMITS = Limits(depth=36, cells=8192)
 
 
 Found = Vector | bool
-"""True where two things are proved to be apart, a point inside of both, about the first one's point in steps of the
-grid, or False."""
+"""True where things are proved to be apart, a point inside of both, about the first one's in steps, or False."""
 
 
 class NodeCovers:
@@ -114,11 +113,10 @@ class NodeCovers:
     def strut(self, number: int, about: int) -> StrutSolid:
         """The inside of what is straight of a strut, about some point; its ends are rounded inwards."""
         network = self.network
-        places = (network.places[network.edges[number]] - network.places[about]).tolist()
-        start, end = vector(places[0]), vector(places[1])
+        start = network.places[network.edges[number, 0]] - network.places[about]
         here, there = (exact(np.nextafter(end, 1.0)) for end in self.ends[number])
-        radii = [rational(network.radii[size] / network.grid) for size in network.sizes[number]]
-        return StrutSolid(start, minus(end, start), (here, 1 - there), (radii[0], radii[1]))
+        radii = tuple(rational(network.radii[size] / network.grid) for size in network.sizes[number])
+        return StrutSolid(vector(start.tolist()), vector(network.vectors[number].tolist()), (here, 1 - there), radii)
 
     def nodes_apart(self, first: Integers, second: Integers) -> list[Found]:
         """What is found of pairs of nodes (M,): whether their surfaces do not meet."""
@@ -166,7 +164,7 @@ class NodeCovers:
                 self._known[row] = prove(i)
         return [self._known[rows[n]] for n in of.tolist()]
 
-    def _parted(self, one: Simplices, other: Simplices, distance: float, way: Floats, *solids: Solid) -> Found:
+    def _parted(self, one: Simplices, other: Simplices, distance: float, way: Floats, *solids: Any) -> Found:
         ways = np.stack([way, *np.eye(3)])
         found = parted(one, other, distance, self.network.slack, LIMITS, ways)[0]
         if found.status is Status.PROVED:

@@ -1,9 +1,8 @@
 """What of a network is solid, exactly: nodes, and the straight parts of struts; and points inside of two of these.
 
 A node is where the function of its blend is negative, in the interior of its region; a strut is a cylinder or cone
-between its ends.  Both are open, so that solids that only touch have no point in common.  Doubles choose a point of
-some, the one that seems to be deepest; whether it is inside of both solids is decided over the rationals.  Coordinates
-are steps of the grid about some point.
+between its ends.  Both are open, so that solids that only touch have no point in common.  Doubles choose a point, over
+the rationals it is decided whether it is inside.  Coordinates are steps of the grid about some point.
 """
 
 from __future__ import annotations
@@ -46,8 +45,8 @@ class StrutSolid:
 
     start: Vector
     way: Vector
-    ends: tuple[fmpq, fmpq]
-    radii: tuple[fmpq, fmpq]
+    ends: tuple[fmpq, ...]
+    radii: tuple[fmpq, ...]
 
     def depths(self, points: Floats) -> Floats:
         """About how far inside points (N, 3) are."""
@@ -69,11 +68,8 @@ def _about_axis(point: Any, start: Any, way: Any, radii: Any) -> tuple[Any, Any,
     return along, dot(off, off) - along**2 * dot(way, way), radii[0] + along * (radii[1] - radii[0])
 
 
-Solid = NodeSolid | StrutSolid
-
-
-def common_point(points: Floats, *solids: Solid) -> Vector | None:
-    """A point that is inside of all solids, of some (N, 3) the one that seems deepest; None where that is not."""
+def common_point(points: Floats, *solids: NodeSolid | StrutSolid) -> Vector | None:
+    """Of points (N, 3) the one that seems deepest inside of all solids; None where it is not."""
     depths = np.min([solid.depths(points) for solid in solids], axis=0)
     found = exact_vector(points[np.nan_to_num(depths, nan=-np.inf).argmax()].tolist())
     return found if all(solid.holds(found) for solid in solids) else None
