@@ -28,11 +28,11 @@ the nappe, is theorem 4 of docs/theory/verdicts.md.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 from itertools import combinations
 
-from flint import fmpq, fmpq_mat, fmpq_mpoly
+from flint import fmpq_mat
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.matrices import solved
@@ -42,9 +42,9 @@ from pas.bernstein.signs import SignResult, alike, positive_on
 from pas.certify.certificate import Proposition
 from pas.certify.free_curves import free_verdict, transversality
 from pas.certify.incidence import alpha_signs, incidences, on_faces, unmet
+from pas.contacts.contact import Contact
 from pas.contacts.joins import Join
 from pas.errors import GeometryError
-from pas.partition.cells import Partition
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status, Verdict
 
@@ -178,37 +178,26 @@ def _place(result: SignResult) -> str:
     return shown_point(result.undecided[0] if result.witness is None else result.witness, 6)
 
 
-def cofactor(patch: Polynomial, join: Join, order: int) -> Polynomial | None:
-    """alpha of `patch = alpha f + beta q^(order+1)`; None where the patch is no member of `<f, q^(order+1)>`."""
-    return _cofactor(patch, join.contact.surface, join.contact.clip, order)
-
-
 @lru_cache(maxsize=64)
-def _cofactor(patch: Polynomial, f: Polynomial, q: Polynomial, order: int) -> Polynomial | None:
-    power = q.raw ** (order + 1)
-    degree = max(patch.degree - power.total_degree(), 0)
-    monomials = [RING.from_dict({e: 1}) for e in exponents(degree)]
-    rests = [divmod(m * power, f.raw)[1] for m in monomials]
-    beta = _combination(divmod(patch.raw, f.raw)[1], rests)
-    if beta is None:
+def cofactor(patch: Polynomial, contact: Contact, order: int) -> Polynomial | None:
+    """alpha of `patch = alpha f + beta q^(order+1)`; None where the patch is no member of `<f, q^(order+1)>`."""
+    f, power = contact.surface.raw, contact.clip.raw ** (order + 1)
+    monomials = [RING.from_dict({e: 1}) for e in exponents(max(patch.degree - power.total_degree(), 0))]
+    rests = [divmod(p, f)[1].to_dict() for p in (*(m * power for m in monomials), patch.raw)]
+    terms = sorted({e for rest in rests for e in rest})
+    found = solved(fmpq_mat(len(terms), len(rests), [rest.get(e, 0) for e in terms for rest in rests]))
+    if found is None:
         return None
-    rest = patch.raw - power * sum((b * m for b, m in zip(beta, monomials, strict=True)), RING.constant(0))
-    return Polynomial.from_raw(divmod(rest, f.raw)[0])
-
-
-def _combination(wanted: fmpq_mpoly, given: Sequence[fmpq_mpoly]) -> list[fmpq] | None:
-    """The numbers with which polynomials add up to one; None where they do not."""
-    parts = [p.to_dict() for p in (*given, wanted)]
-    terms = sorted({e for part in parts for e in part})
-    table = fmpq_mat(len(terms), len(parts), [part.get(e, 0) for e in terms for part in parts])
-    found = solved(table)
-    return None if found is None else found[0]
+    beta = sum((b * m for b, m in zip(found[0], monomials, strict=True)), RING.constant(0))
+    return Polynomial.from_raw(divmod(patch.raw - power * beta, f)[0])
 
 
 def side_signs(join: Join) -> SignResult:
     """Branch and bound for q > 0 on the far edges of the region's sides, from which q > 0 on all of them follows."""
-    local = join.partition
-    edges = [local.corners(_far_edge(local, side.vertices)) for side in local.sides]
+    edges = [
+        next(edge for edge in combinations(corners, 2) if join.partition.center not in edge)
+        for corners in (join.partition.corners(side.vertices) for side in join.partition.sides)
+    ]
     return positive_on(edges, alike(join.contact.clip.raw, edges))
 
 
@@ -218,15 +207,12 @@ def _inside_cone(join: Join, other: Join) -> bool:
     return bool(other.faces) and result.status is Status.PROVED
 
 
-def _far_edge(local: Partition, side: tuple[int, ...]) -> tuple[int, ...]:
-    return next(edge for edge in combinations(side, 2) if local.center not in local.corners(edge))
-
-
 def cone_signs(surface: PiecewisePolynomial, join: Join) -> SignResult | None:
     """Branch and bound for alpha > 0 where q = 0 in the region; None where a patch is no member of its ideal."""
     local = surface.local
-    alphas = [alpha for patch in surface.patches if (alpha := cofactor(patch, join, surface.order)) is not None]
-    if len(alphas) < len(surface.patches):
+    found = [cofactor(patch, join.contact, surface.order) for patch in surface.patches]
+    alphas = [alpha for alpha in found if alpha is not None]
+    if len(alphas) < len(found):
         return None
     cells = [local.corners(cell) for cell in local.cells]
     values = [alphas[piece].raw for piece in local.piece_of.tolist()], max(0, *(alpha.degree for alpha in alphas))

@@ -34,7 +34,7 @@ from pas.arrays import Floats, Integers
 from pas.certify.certificate import Certificate
 from pas.certify.graph_proofs import CLAIM, certify_graph, crossed
 from pas.certify.local_mesh import OFF, ON_WALL, CriticalParts, FramedMesh, FramedSurface, critical_parts
-from pas.certify.mesh_bounds import BoxTable, TriangleBounds, along_walls, apart, bounds, farthest
+from pas.certify.mesh_bounds import TriangleBounds, along_walls, apart, bounds, farthest
 from pas.mesh.topology import Edges, same_places
 from pas.verdicts import Findings, Point, Status, Verdict
 
@@ -188,15 +188,22 @@ def _spread(places: Floats, most: int = 8) -> Floats:
 def _critical(mesh: FramedMesh, most: Floats) -> list[CriticalParts]:
     """Where f may have critical points in each of the strata, free of triangles on which |f| is `most` (T,) at most."""
     size, largest = mesh.local.size, most.max()
-    a, b, c = (mesh.corners[:, i] for i in range(3))
-    boxes = BoxTable(np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c))
+    a, b, c = (np.ascontiguousarray(mesh.corners[:, i].T) for i in range(3))
+    starts, ends = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+
+    def meeting(low: Floats, high: Floats) -> Integers:
+        """The numbers of triangles whose boxes meet one."""
+        rows = np.flatnonzero((starts[0] <= high[0]) & (ends[0] >= low[0]))
+        for axis in (1, 2):
+            rows = rows[(starts[axis, rows] <= high[axis]) & (ends[axis, rows] >= low[axis])]
+        return rows
 
     def free(least: Floats, simplices: Floats) -> np.ndarray:
         result = np.asarray((least > 0) & (least * size > largest))
         near = np.flatnonzero((least > 0) & ~result)
         if len(near) * len(mesh.corners) <= 4_000_000:  # a second's work; others are cut first
             low, high = simplices[near].min(axis=1) - ON_WALL, simplices[near].max(axis=1) + ON_WALL
-            met = [boxes.meeting(*ends) for ends in zip(low, high, strict=True)]
+            met = [*map(meeting, low, high)]
             rows, triangles = np.repeat(near, [len(some) for some in met]), np.concatenate([*met, near[:0]])
             close = most[triangles] >= least[rows] * size
             rows, triangles = rows[close], triangles[close]

@@ -67,7 +67,10 @@ class TriangleForms:
 
     def gradients(self, corners: Floats) -> Floats:
         """The B-coefficients (3, k, T) of its gradient on triangles (T, 3, 3)."""
-        return _forms(self._gradient, self.degree - 1, corners)
+        places, inverse, _ = lattice(self.degree - 1)
+        points = np.ascontiguousarray(np.tensordot(places, corners, axes=(1, 1)).transpose(2, 0, 1))
+        values = horner(self._gradient, self.degree - 1, points.reshape(3, -1))
+        return np.asarray(np.matmul(inverse, values.reshape(3, len(places), -1)))
 
 
 def _blocks(number: int) -> Iterator[slice]:
@@ -75,14 +78,6 @@ def _blocks(number: int) -> Iterator[slice]:
     for start in range(0, number, size):
         checkpoint(f"bounding the function on triangles ({start} of {number})")
         yield slice(start, start + size)
-
-
-def _forms(tables: Floats, degree: int, corners: Floats) -> Floats:
-    """B-coefficients (r, m, T) of polynomials."""
-    places, inverse, _ = lattice(degree)
-    points = np.ascontiguousarray(np.tensordot(places, corners, axes=(1, 1)).transpose(2, 0, 1))
-    values = horner(tables, degree, points.reshape(3, -1))
-    return np.asarray(np.matmul(inverse, values.reshape(len(tables), len(places), -1)))
 
 
 def _rounding(tables: Floats, degree: int, reach: float) -> float:

@@ -23,14 +23,14 @@ from pas.pipeline.chosen import ChosenBlend
 
 def summary(blend: ChosenBlend) -> str:
     """A table of what was asked and what was found."""
-    surface = blend.surface
+    surface, several = blend.surface, len(blend.surface.patches) > 1
     rows = [(f"contact {i}", f"{c}{_from_center(surface, c)}") for i, c in enumerate(surface.contacts, start=1)]
     rows += [("junction", blend.reason)] if blend.reason else []
     with suppress(GeometryError):  # curves that are not plane have no size to compare
         rows += [("unusual", sentence) for sentence in unusual(contact_ends(surface))]
     rows += [
         ("partition", _partition(surface)),
-        ("order", f"GC^{surface.order} at the contacts{_between(surface)}"),
+        ("order", f"GC^{surface.order} at the contacts{f', C^{surface.order} between pieces' * several}"),
         ("degree", f"{surface.degree}{_tried(blend)}"),
         ("dimension", f"{blend.dimension}"),
         ("energy", f"{blend.energy:.6g} ({blend.plate.kind}){_told(blend)}"),
@@ -49,10 +49,6 @@ def summary(blend: ChosenBlend) -> str:
 def _told(blend: ChosenBlend) -> str:
     """What follows that which is believed of a file: nothing of it is found anew."""
     return "" if blend.stored is None else ", as its file tells"
-
-
-def _between(surface: PiecewiseSurface) -> str:
-    return f", C^{surface.order} between pieces" if len(surface.patches) > 1 else ""
 
 
 def _partition(surface: PiecewiseSurface) -> str:

@@ -99,7 +99,7 @@ class Mesher:
                     return bisected(field, tolerance / field.scale, settings)
         try:
             with np.errstate(all="ignore"):  # what is not finite is folded, and refused
-                return triangulate(self.beginnings, tolerance / self.cell_field.scale, most, aim)
+                return triangulate(self.beginnings, tolerance / self.cell_field.scale, settings)
         except FoldedError as error:
             raise MeshError(f"{error}{_sharpest(self.surface)}") from None
 

@@ -130,8 +130,7 @@ class RayTarget:
     @cached_property
     def widths(self) -> Floats:
         """By how much the maps may be off, (4, C)."""
-        widths = ROUNDINGS * UNIT_ROUNDOFF * np.abs(self.maps).sum(axis=1)
-        return np.asarray(widths)
+        return np.asarray(ROUNDINGS * UNIT_ROUNDOFF * np.abs(self.maps).sum(axis=1))
 
     @cached_property
     def clear(self) -> Floats:

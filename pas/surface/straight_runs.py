@@ -106,8 +106,7 @@ class StraightRun:
         for points beyond the ends."""
         across, along = self._across(points - self.middle)
         far = np.linalg.norm(across, axis=1)
-        share = np.clip((along + self.reach[1]) / sum(self.reach), 0, 1)
-        eased = share * share * (3 - 2 * share)
+        eased = _eased((along + self.reach[1]) / sum(self.reach))
         distance = far - (self.radii[1] + (self.radii[0] - self.radii[1]) * eased)
         inside = (along > -self.reach[1]) & (along < self.reach[0])
         cosines = (across @ self.branches.T) / np.maximum(far, 1e-12)[:, None]

@@ -24,7 +24,6 @@ from pas.mesh.field import VISIBLE
 from pas.mesh.grading import Settings
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.quality import AIM
 from pas.mesh.shading import unit_rows, uprightness
 from pas.mesh.sheet import BadMeshError, open_mesh, remeshed
 from pas.mesh.topology import Edges, euler_characteristic, is_manifold, piece_count
@@ -49,15 +48,13 @@ MORE = 0.4
 be a little coarser than those of a star, which rays have to see all of."""
 
 
-def triangulate(beginnings: Beginnings, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:
+def triangulate(beginnings: Beginnings, tolerance: float, settings: Settings) -> Mesh:
     """A mesh in the user's coordinates whose distance from the surface is at most `tolerance`, measured.
 
     Raises `MeshError` where there is no surface, where no good mesh of it is found, or where the tolerance needs more
-    than `most` triangles.
+    triangles than the settings allow.
     """
-    why, settings = "", Settings(aim=aim, more=MORE)
-    settings = settings if most is None else replace(settings, most=most)
-    field = beginnings.field
+    why, settings, field = "", replace(settings, more=MORE), beginnings.field
     for first, trouble in beginnings:
         try:
             if isinstance(first, ArithmeticError):
@@ -107,19 +104,16 @@ class Beginnings:
                 plain = len(bent) <= BENT * len(cells.forms) and (not hidden or len(cells.forms) > searched)
                 grid = cells.lattice if plain or self._ended else None
                 if grid is not None and len(grid.tetrahedra):
-                    self._found.append(_beginning(self.field, grid, bent))
+                    try:
+                        first: Labelled | ArithmeticError = _first(self.field, grid)
+                    except ArithmeticError as error:
+                        first = error.with_traceback(None)
+                    self._found.append((first, _singular(self.field, bent)))
                     self._parts = 2 * cells.parts
                     return
             if not self._ended:
                 cells.halve()
         self._ended = True
-
-
-def _beginning(field: LocalField, grid: Lattice, bent: Floats) -> Beginning:
-    try:
-        return _first(field, grid), _singular(field, bent)
-    except ArithmeticError as error:
-        return error.with_traceback(None), _singular(field, bent)
 
 
 def _singular(field: LocalField, bent: Floats) -> str:
