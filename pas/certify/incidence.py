@@ -160,17 +160,10 @@ def _incidence(patch: Polynomial, join: Join, plane: ClipPlane, piece: int, orde
         return Incidence(faces, division)
     unit, factors = RING.constant(1), []
     for factor, times in f[0].factor()[1]:
-        sign = _constant_sign(factor, join, faces)
+        signs = (s for s in (1, -1) if on_faces(factor * s, join, faces).status is Status.PROVED)
+        sign = next(signs, 0)  # that which it is proved to have on all of the faces
         if sign:
             unit *= (factor * sign) ** times
         elif times == 1:
             factors.append(factor)
     return Incidence(faces, divide(g, f, divmod(f[0], unit)[0], unit), tuple(factors))
-
-
-def _constant_sign(polynomial: fmpq_mpoly, join: Join, faces: Sequence[OuterFace]) -> int:
-    """1 or -1 where a polynomial is proved to have that sign on all of some faces, else 0."""
-    for sign in (1, -1):
-        if on_faces(polynomial * sign, join, faces).status is Status.PROVED:
-            return sign
-    return 0

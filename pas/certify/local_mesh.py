@@ -12,13 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 from itertools import combinations
 
 import numpy as np
 
 from pas.algebra.affine import Frame
-from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact_vector, to_float, to_floats
 from pas.algebra.scaling import Scaled, scaled
@@ -27,7 +26,7 @@ from pas.bernstein.forms import LARGEST_ERROR, SMALLEST, UNIT_ROUNDOFF, b_form, 
 from pas.bernstein.search import Fate, Fates, Limits, Searched, search
 from pas.bernstein.simplices import Simplices
 from pas.certify.proofs import face_verdict
-from pas.certify.triangle_forms import TriangleForms
+from pas.certify.triangle_forms import TriangleForms, on_corners
 from pas.mesh.rows import cross, dots
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Point
@@ -218,8 +217,8 @@ class FramedSurface:
         result = [(self.cell_forms[0], self.corners)]
         walls = zip(self.cells.wall_of.tolist(), self.cells.outer_faces, strict=True)
         for cells, at in _strata(self.cells.cells, tuple((wall, face.cell, face.vertices) for wall, face in walls)):
-            ons = np.array([_on_corners(self.degree, tuple(corners)) for corners in at.tolist()])
-            result.append((self.cell_forms[0][cells[:, None], ons], self.corners[cells[:, None], at]))
+            own = on_corners(self.degree, 4)[(1 << at).sum(axis=1)]
+            result.append((self.cell_forms[0][cells][own].reshape(len(at), -1), self.corners[cells[:, None], at]))
         return result
 
 
@@ -242,13 +241,6 @@ def _strata(cells: Parts, faces: tuple[tuple[int, int, tuple[int, ...]], ...]) -
         at = [[k for k, v in enumerate(cells[cell]) if v in vertices] for cell, vertices in sorted(part)]
         found.append((np.array([cell for cell, _ in sorted(part)]), np.array(at)))
     return found
-
-
-@cache
-def _on_corners(degree: int, corners: tuple[int, ...]) -> Integers:
-    """Which B-coefficients of a tetrahedron are those on the simplex that some of its corners span."""
-    others = [k for k in range(4) if k not in corners]
-    return np.array([i for i, a in enumerate(homogeneous_exponents(degree, 4)) if not any(a[k] for k in others)])
 
 
 class FramedMesh:
