@@ -18,7 +18,7 @@ vanishes at finitely many points of its real curve at most (Bochnak, Coste and R
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from flint import fmpq, fmpq_mpoly
@@ -91,13 +91,11 @@ class Incidence:
     factors: tuple[fmpq_mpoly, ...] = ()
 
 
-def incidences(surface: PiecewisePolynomial, join: Join, order: int) -> list[Incidence]:
+def incidences(surface: PiecewisePolynomial, join: Join, order: int) -> Iterator[Incidence]:
     """How each patch behind clip faces meets a contact, as far as GC^`order`."""
-    return [
-        _incidence(surface.patches[piece], join, plane, piece, order)
-        for plane in join.planes
-        for piece in dict.fromkeys(face.piece for face in plane.faces)
-    ]
+    for plane in join.planes:
+        for piece in dict.fromkeys(face.piece for face in plane.faces):
+            yield _incidence(surface.patches[piece], join, plane, piece, order)
 
 
 def alpha_signs(
