@@ -185,18 +185,6 @@ def _inside_cone(join: Join, other: Join) -> bool:
     return bool(other.faces) and result.status is Status.PROVED
 
 
-def cone_signs(surface: PiecewisePolynomial, join: Join) -> SignResult | None:
-    """Branch and bound for alpha > 0 where q = 0 in the region; None where a patch is no member of its ideal."""
-    local = surface.local
-    found = [cofactor(patch, join.contact, surface.order) for patch in surface.patches]
-    alphas = [alpha for alpha in found if alpha is not None]
-    if len(alphas) < len(found):
-        return None
-    cells = [local.corners(cell) for cell in local.cells]
-    values = [alphas[piece].raw for piece in local.piece_of.tolist()], max(0, *(alpha.degree for alpha in alphas))
-    return positive_on(cells, values, [alike(join.contact.clip.raw, cells)])
-
-
 def opening_verdict(claim: Proposition, join: Join) -> Verdict:
     """Whether the surface meets the contact through which its region is open."""
     surface = claim.surface
@@ -210,8 +198,12 @@ def opening_verdict(claim: Proposition, join: Join) -> Verdict:
         return claim.undecided("the clip is not proved to be positive on the sides of the region")
     if not any(join.contact.clip.raw(*vertex) < 0 for vertex in join.partition.vertices):
         return claim.undecided("no point inside the clip was found in the region")
-    signs = cone_signs(surface, join)
-    if signs is None:
+    found = [cofactor(patch, join.contact, k) for patch in surface.patches]
+    alphas = [alpha for alpha in found if alpha is not None]
+    if len(alphas) < len(found):
         return claim.undecided(f"f is not in <f_i, h_i^{k + 1}>")
+    cells = [surface.local.corners(cell) for cell in surface.local.cells]
+    values = [alphas[piece].raw for piece in surface.local.piece_of], max(0, *(alpha.degree for alpha in alphas))
+    signs = positive_on(cells, values, [alike(join.contact.clip.raw, cells)])
     right = f"in <f, h^{k + 1}> exactly, alpha > 0 where h = 0"
     return claim.settled(signs, "alpha is not positive on the clip", right)

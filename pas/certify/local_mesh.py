@@ -11,7 +11,7 @@ itself has and the simplex is free of what must not be in it; any other is halve
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from itertools import combinations
 
@@ -269,17 +269,6 @@ LIMITS = Limits(depth=150, cells=6000)
 """Of what is critical on more simplices than these, such as along a curve, nothing can be counted."""
 
 
-@dataclass(frozen=True)
-class CriticalParts:
-    """Simplices (R, d + 1, 3) with the sign (R,) of the polynomial on each, and the middles (U, 3) of those left open:
-    all critical points are in one of them.  `examined` counts the simplices that were."""
-
-    simplices: Floats
-    signs: Floats
-    open: Floats
-    examined: int
-
-
 Free = Callable[[Floats, Floats], np.ndarray]
 """Says which simplices (N, d + 1, 3), on which the polynomial's size is at least (N,), are free of what must not be
 in them."""
@@ -292,8 +281,9 @@ def isolated(forms: Floats, corners: Floats, error: float = UNIT_ROUNDOFF) -> Se
     return search(cells, lambda some, _: some.rising(), Simplices.halved, _limits(cells), "looking for critical points")
 
 
-def critical_parts(found: Searched[Simplices], free: Free) -> CriticalParts:
-    """Those of some simplices that were kept which are free, or parts of these where they are not."""
+def critical_parts(found: Searched[Simplices], free: Free) -> Searched[Simplices]:
+    """Those of some simplices that were kept which are free, or parts of these where they are not: the polynomial has
+    one sign on each, and all its critical points are in one of them or of those left open."""
 
     def judge(cells: Simplices, _: int) -> Fates:
         fates = cells.rising()
@@ -305,8 +295,7 @@ def critical_parts(found: Searched[Simplices], free: Free) -> CriticalParts:
         return fates
 
     result = search(found.kept, judge, Simplices.halved, _limits(found.kept), "looking for critical points")
-    signs, middles = np.sign(result.kept.table[:, 0]), result.open.corners.mean(axis=1)
-    return CriticalParts(result.kept.corners, signs, middles, found.examined + result.examined)
+    return replace(result, examined=found.examined + result.examined)
 
 
 def _limits(cells: Simplices) -> Limits:
