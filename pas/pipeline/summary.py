@@ -11,7 +11,7 @@ from typing import Any, Unpack
 import numpy as np
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import plain
+from pas.algebra.rational import listed
 from pas.contacts.contact import Contact
 from pas.contacts.ends import unusual
 from pas.errors import GeometryError
@@ -58,7 +58,7 @@ def _partition(surface: PiecewiseSurface) -> str:
     region = surface.partition
     if region.title == region.name or region.center is None:
         return region.title
-    return f"{region.title}, centre ({', '.join(map(plain, region.center))})"
+    return f"{region.title}, centre ({listed(region.center)})"
 
 
 def _from_center(surface: PiecewiseSurface, contact: Contact) -> str:
