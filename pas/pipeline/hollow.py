@@ -177,7 +177,9 @@ class HollowBlend(Shape, Generic[B]):
             if pair[0] is None or pair[1] is None:
                 raise MeshError(f"one of the two sheets does not end in end {number}")
             made.ended(end, f"end {number}", pair[0], pair[1])
-        return WallMesh.of(made.mesh, sheets, ends)
+        whole = made.mesh
+        known = whole.points, whole.triangles, whole.faces, whole.names, whole.normals
+        return WallMesh(*known, deviation=whole.deviation, sheets=sheets, ends=ends)
 
     @property
     def _tolerance(self) -> float:
