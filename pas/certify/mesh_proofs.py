@@ -149,41 +149,38 @@ def _topology(
     mesh: FramedMesh, found: TriangleBounds, borders: list[tuple[Floats, np.ndarray]]
 ) -> tuple[Verdict, tuple[Point, ...]]:
     local = mesh.local
-
-    def undecided(reason: str, places: Floats) -> tuple[Verdict, tuple[Point, ...]]:
-        at = tuple(local.point(place) for place in _spread(places))
-        return Verdict(Status.UNDECIDED, CLAIM, reason, at[0] if at else None), at
-
     if local.center is None:
-        return undecided("the region has no centre from which to count", np.empty((0, 3)))
+        return _undecided(local, "the region has no centre from which to count", np.empty((0, 3)))
     if not local.meets_smoothly:
-        return undecided("the pieces are not proved to meet with continuous gradients", np.empty((0, 3)))
+        return _undecided(local, "the pieces are not proved to meet with continuous gradients", np.empty((0, 3)))
     flat = ~(found.least > 0)
     if flat.any():
         places = mesh.corners[flat].mean(axis=1)
-        return undecided(f"{int(flat.sum())} triangles may be turned from the gradient", places)
+        return _undecided(local, f"{int(flat.sum())} triangles may be turned from the gradient", places)
     steep, numbers = along_walls(mesh, borders)
     if not (steep > 0).all():
         places = mesh.corners[numbers[~(steep > 0)]].mean(axis=1)
-        return undecided("the surface may be tangential to a wall", places)
+        return _undecided(local, "the surface may be tangential to a wall", places)
     parts = local.isolated
     if not any(len(part.open) for part in parts):
         parts = _critical(mesh, found.most * (1 + 1e-9))  # more than the rounding of what it is compared with
     left = np.concatenate([part.open.corners.mean(axis=1) for part in parts])
     if len(left):
-        return undecided("the surface may be singular, or closer to itself than to the mesh", left)
+        return _undecided(local, "the surface may be singular, or closer to itself than to the mesh", left)
     return _counted(mesh, parts)
 
 
-def _spread(places: Floats, most: int = 8) -> Floats:
-    """Some of many places, far from one another, the first first."""
-    chosen: list[Floats] = []
-    far = np.full(len(places), np.inf)
+def _undecided(
+    local: FramedSurface, reason: str, places: Floats, examined: int = 0
+) -> tuple[Verdict, tuple[Point, ...]]:
+    """The verdict that it is open whether the topology is right, with some of many places (N, 3), far apart."""
+    most = 8  # places that are told
+    chosen, far = list[Point](), np.full(len(places), np.inf)
     while len(chosen) < most and len(places) and (not chosen or far.max() > 1e-2):
-        here = int(far.argmax())
-        chosen.append(places[here])
-        far = np.minimum(far, np.sqrt(((places - places[here]) ** 2).sum(axis=1)))
-    return np.array(chosen).reshape(-1, 3)
+        here = places[int(far.argmax())]
+        chosen.append(local.point(here))
+        far = np.minimum(far, np.sqrt(((places - here) ** 2).sum(axis=1)))
+    return Verdict(Status.UNDECIDED, CLAIM, reason, chosen[0] if chosen else None, examined), tuple(chosen)
 
 
 def _critical(mesh: FramedMesh, most: Floats) -> list[Searched[Simplices]]:
@@ -260,18 +257,16 @@ def _counted(mesh: FramedMesh, parts: list[Searched[Simplices]]) -> tuple[Verdic
         if known.all():
             break
     if not known.all():
-        places = tuple(local.point(place) for place in _spread(ends[~known]))
-        return Verdict(Status.UNDECIDED, CLAIM, "crossings could not be counted for sure", places[0]), places
+        return _undecided(local, "crossings could not be counted for sure", ends[~known])
     excess = times + inside  # the same for all where the mesh is the surface
     wrong = np.flatnonzero(excess != excess[:1])  # as for the largest part, which small ones may outnumber
     if len(wrong):
-        places = tuple(local.point(place) for place in _spread(ends[wrong]))
         # no refutation: coarse meshes pass by places next to the surface whose changes cancel one another
         reason = (
             f"{len(wrong)} of {len(groups)} places at which f rests are on the wrong side: a component is missing or "
             "too many, or the mesh is too coarse there"
         )
-        return Verdict(Status.UNDECIDED, CLAIM, reason, places[0], examined), places
+        return _undecided(local, reason, ends[wrong], examined)
     reason = (
         f"f rises across all {len(mesh.triangles)} triangles, and {len(groups)} parts that hold all its critical "
         f"points are on the right side of the mesh; {examined} simplices"
