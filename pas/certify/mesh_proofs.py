@@ -97,13 +97,13 @@ def _vertices(mesh: FramedMesh) -> Verdict:
         off = np.where(values == 0, 0.0, np.abs(values) / np.sqrt((gradients * gradients).sum(axis=0)))
     if np.isnan(off).any():
         place = mesh.points[int(np.isnan(off).argmax())]
-        return Verdict(Status.FAILS_MEASURED, claim, "one is outside the region", local.point(place))
+        return Verdict(Status.FAILS_MEASURED, claim, "one is outside the region", local.frame.place(place))
     worst = int(off.argmax())
     if off[worst] <= OFF:
         reason = f"|f| / |grad f| is at most {off[worst] * local.scale:.1g} at all {len(off)} of them"
         return Verdict(Status.HOLDS_MEASURED, claim, reason)
     reason = f"|f| / |grad f| is {off[worst] * local.scale:.2g} at one"
-    return Verdict(Status.FAILS_MEASURED, claim, reason, local.point(mesh.points[worst]))
+    return Verdict(Status.FAILS_MEASURED, claim, reason, local.frame.place(mesh.points[worst]))
 
 
 def _border(mesh: FramedMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.ndarray]]]:
@@ -114,7 +114,7 @@ def _border(mesh: FramedMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats,
     used = np.flatnonzero(np.bincount(mesh.triangles.ravel(), minlength=len(points)))
     if not inside[used].all():
         place = points[used[~inside[used]][0]]
-        return Verdict(Status.REFUTED, claim, "a vertex is outside the region", local.point(place)), []
+        return Verdict(Status.REFUTED, claim, "a vertex is outside the region", local.frame.place(place)), []
     touches = np.zeros(len(points), dtype=bool)
     for number, rows in enumerate(on):
         first = np.searchsorted(rows, len(points))
@@ -122,11 +122,11 @@ def _border(mesh: FramedMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats,
         wall[rows[first:] - len(points)] = number
     if (wall < 0).any():
         place = middles[wall < 0][0]
-        return Verdict(Status.REFUTED, claim, "the mesh ends inside the region", local.point(place)), []
+        return Verdict(Status.REFUTED, claim, "the mesh ends inside the region", local.frame.place(place)), []
     touches[edges.rim] = False
     if touches[used].any():
         place = points[used[touches[used]][0]]
-        return Verdict(Status.UNDECIDED, claim, "the mesh touches a wall from inside", local.point(place)), []
+        return Verdict(Status.UNDECIDED, claim, "the mesh touches a wall from inside", local.frame.place(place)), []
     how = f"with {len(edges.rim)} edges on the walls" if len(edges.rim) else "closed"
     return Verdict(Status.PROVED, claim, f"every inner edge has two triangles; {how}"), _borders(mesh, edges, wall)
 
@@ -178,7 +178,7 @@ def _undecided(
     chosen, far = list[Point](), np.full(len(places), np.inf)
     while len(chosen) < most and len(places) and (not chosen or far.max() > 1e-2):
         here = places[int(far.argmax())]
-        chosen.append(local.point(here))
+        chosen.append(local.frame.place(here))
         far = np.minimum(far, np.sqrt(((places - here) ** 2).sum(axis=1)))
     return Verdict(Status.UNDECIDED, CLAIM, reason, chosen[0] if chosen else None, examined), tuple(chosen)
 
@@ -281,7 +281,7 @@ def _distance(mesh: FramedMesh, found: TriangleBounds, closed: bool) -> tuple[Ve
         place, reason = None, "the gradient may vanish too near to a triangle"
         if way is not None:
             worst = np.flatnonzero(~np.isfinite(way))[0]
-            place = local.point(mesh.corners[worst].mean(axis=0))
+            place = local.frame.place(mesh.corners[worst].mean(axis=0))
             if found.least[worst] > 0:
                 reason = "the triangles there are too large to bound it: try a smaller tolerance"
         return Verdict(Status.UNDECIDED, "a distance from the surface", reason, place), None
