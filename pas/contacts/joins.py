@@ -18,7 +18,7 @@ import numpy as np
 from pas.algebra.bracket import zeros_of_columns
 from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector
+from pas.algebra.rational import Vector, dot, three
 from pas.arrays import Floats, Integers
 from pas.bernstein.signs import SignResult, apart_on
 from pas.contacts.cones import first_met, nappe, nappe_rays
@@ -184,14 +184,11 @@ class Join:
     def inside_point(self) -> Vector | None:
         """An exact point of a clip face where the surface is negative, if a lattice has one."""
         for face in self.faces:
-            a, b, c = self.partition.corners(face.vertices)
-            for i in range(CURVE_LATTICE + 1):
-                for j in range(CURVE_LATTICE + 1 - i):
-                    u, v = i, j
-                    w = CURVE_LATTICE - i - j
-                    x, y, z = ((u * p + v * q + w * r) / CURVE_LATTICE for p, q, r in zip(a, b, c, strict=True))
-                    if self.contact.surface.at((x, y, z)) < 0:
-                        return x, y, z
+            corners = self.partition.corners(face.vertices)
+            for weights in reversed(homogeneous_exponents(CURVE_LATTICE, 3)):
+                point = three(dot(weights, values) / CURVE_LATTICE for values in zip(*corners, strict=True))
+                if self.contact.surface.at(point) < 0:
+                    return point
         return None
 
 
