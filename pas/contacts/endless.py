@@ -98,7 +98,6 @@ class Circular(Endless):
         return self.ended(self.square - self.along**2 * dot(self.axis, self.axis) - radius * radius)
 
     def width(self, clip: float) -> float:
-        """The radius of the circle at a clip."""
         return to_float(self.radius) + to_float(self.slope) * (clip - to_float(self._known_at))
 
     @property
@@ -135,8 +134,7 @@ class Pipe(Circular):
 
     @property
     def clip_scale(self) -> fmpq:
-        """See `Circular.clip_scale`: `w . axis - clip |axis|^2` is what project files have."""
-        return dot(self.axis, self.axis)
+        return dot(self.axis, self.axis)  # `w . axis - clip |axis|^2` is what project files have
 
     def __str__(self) -> str:
         return f"pipe of radius {plain(self.radius)} {self.position}, {self.ending}"
