@@ -36,7 +36,9 @@ class Endless(Axial):
         and not "auto"."""
         clip = numbers.pop("clip")
         super().settle(axis, point, semiaxes, **numbers)
-        object.__setattr__(self, "clip", AUTO if _is_auto(clip) else rational(clip, "clip"))
+        if isinstance(clip, str) and clip.strip().isalpha() and clip != AUTO:
+            raise ValueError(f'clip must be an exact number or "auto", not {shown(clip)}')
+        object.__setattr__(self, "clip", AUTO if isinstance(clip, str) and clip == AUTO else rational(clip, "clip"))
 
     @property
     def ends(self) -> bool:
@@ -68,12 +70,6 @@ class Endless(Axial):
     def _changes(self, clip: fmpq) -> dict[str, Any]:
         """The fields that are others for another clip."""
         return {"clip": clip}
-
-
-def _is_auto(clip: Any) -> bool:
-    if isinstance(clip, str) and clip.strip().isalpha() and clip != AUTO:
-        raise ValueError(f'clip must be an exact number or "auto", not {shown(clip)}')
-    return isinstance(clip, str) and clip == AUTO
 
 
 class Circular(Endless):
