@@ -94,9 +94,9 @@ def contact_order(patch: Polynomial, f: Polynomial, d: Polynomial, highest: int)
         return highest, None
     remainders = (NormalForm([f.raw, d.raw ** (j + 1)]).reduce(patch.raw) for j in range(highest + 1))
     lowest, remainder = next((j, r) for j, r in enumerate(remainders) if not r.is_zero())
-    obstacle = Polynomial.from_raw(remainder)
+    obstacle, along = Polynomial.from_raw(remainder), cross(cross(_gradient(f), _gradient(d)), _gradient(f))
     for _ in range(lowest):
-        obstacle = _derived(obstacle, f, d)
+        obstacle = Polynomial.from_raw(dot(along, _gradient(obstacle)))
     return lowest - 1, obstacle
 
 
@@ -104,12 +104,6 @@ def transversality(g: Polynomial, f: Polynomial, d: Polynomial) -> Polynomial:
     """`(grad g x grad d) . (grad f x grad d)`."""
     first, second = cross(_gradient(g), _gradient(d)), cross(_gradient(f), _gradient(d))
     return Polynomial.from_raw(dot(first, second))
-
-
-def _derived(g: Polynomial, f: Polynomial, d: Polynomial) -> Polynomial:
-    """The derivative of g along `(grad f x grad d) x grad f`."""
-    along = cross(cross(_gradient(f), _gradient(d)), _gradient(f))
-    return Polynomial.from_raw(dot(along, _gradient(g)))
 
 
 def _gradient(polynomial: Polynomial) -> list[fmpq_mpoly]:

@@ -95,7 +95,11 @@ def sheet_verdict(surface: PiecewisePolynomial) -> Verdict:
         if _unused(surface, np.zeros(3)):
             return claim.undecided("the centre is beyond a contact's clip")
         return claim.refuted("the centre is not inside the surface", np.zeros(3))
-    result = zeros_signs(surface, [radial_derivative(patch) for patch in surface.patches])
+    local, (zeros, off) = surface.local, surface.cell_forms
+    cells, values = [local.corners(cell) for cell in local.cells], [*map(radial_derivative, surface.patches)]
+    degree = max(surface.degree, *(int(value.total_degree()) for value in values))
+    forms, error = nearby_forms([values[piece] for piece in local.piece_of], cells, degree)
+    result = prove_positive(forms, corner_points(cells), zeros, error=max(error, off))
     wrong = "a ray from the centre meets the surface more than once or tangentially"
     said = f"grad f . u > 0 wherever f = 0, u from the centre; {result.examined} tetrahedra"
     return claim.settled(_where_used(surface, result), wrong, said)
@@ -137,15 +141,6 @@ def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
             return failed
         examined += result.examined
     return claim.proved(f"f > 0 on the walls, alpha > 0 on the clip faces; {examined} triangles", examined)
-
-
-def zeros_signs(surface: PiecewisePolynomial, values: Sequence[fmpq_mpoly]) -> SignResult:
-    """Branch and bound for `f = 0 => value > 0` over all cells; each piece has a value, in local coordinates."""
-    local, (zeros, off) = surface.local, surface.cell_forms
-    cells = [local.corners(cell) for cell in local.cells]
-    degree = max(surface.degree, *(int(value.total_degree()) for value in values))
-    forms, error = nearby_forms([values[piece] for piece in local.piece_of], cells, degree)
-    return prove_positive(forms, corner_points(cells), zeros, error=max(error, off))
 
 
 def _unused(surface: PiecewisePolynomial, point: Floats) -> bool:
