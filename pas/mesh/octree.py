@@ -168,7 +168,6 @@ class Octree:
         return self.origin + nodes * (self.size / 2**self.levels), inverse.reshape(-1, 4)
 
     def _halve(self, level: int, cubes: Integers) -> Integers:
-        """The eighths of cubes of one level."""
         if level == len(self._halved):
             self._halved.append(np.empty((0, 3), dtype=np.intp))
         self._halved[level] = np.concatenate([self._halved[level], cubes])
@@ -184,7 +183,6 @@ class Octree:
         return cubes[crossed]
 
     def _add(self, level: int, cubes: Integers) -> None:
-        """Cubes of one level as leaves."""
         if len(cubes) > MOST_CUBES:
             self.crowded = True
             return
