@@ -66,7 +66,6 @@ class Part(AffineShape["Part"], Shape):
 
     @property
     def bounding_box(self) -> Floats:
-        """That of its solid or mesh (2, 3)."""
         return self.shape.bounding_box
 
     def _moved(self, map_: Affine) -> Part:
@@ -145,7 +144,6 @@ class Assembly(AffineShape["Assembly"], Shape):
 
     @property
     def bounding_box(self) -> Floats:
-        """Two corners (2, 3) of the smallest box with sides along the axes, up to the parts' default tolerances."""
         return hull([p.bounding_box for p in self.parts.values()])
 
     def _moved(self, map_: Affine) -> Assembly:
