@@ -61,7 +61,6 @@ def _some_beyond(space: Space, join: Join, form: NormalForm) -> bool:
 
 
 def _terms(row: Iterable[fmpq], degree: int) -> Iterator[tuple[Exponents, fmpq]]:
-    """The terms of a row of coefficients."""
     return ((e, c) for e, c in zip(exponents(degree), row, strict=True) if c != 0)
 
 

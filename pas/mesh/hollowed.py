@@ -173,16 +173,14 @@ class Doubled:
         triangles = np.concatenate([sides, within[:, ::-1], np.array(self.triangles, dtype=np.intp).reshape(-1, 3)])
         labels = np.concatenate([wall.outer[own], wall.inner[own], np.array(self.labels, dtype=np.intp)])
         points = np.concatenate([*self._points, np.array(self._extra).reshape(-1, 3)])
-        pinned = np.concatenate([mesh.topology.pinned, list(self._split())]).astype(np.intp)
+        # images of pinned vertices, and of those that have several: curves may turn sharply there
+        known = set(mesh.topology.pinned.tolist())
+        split = {row for vertex, own in self._found.items() if len(own) > 1 or vertex in known for row, *_ in own}
+        pinned = np.concatenate([mesh.topology.pinned, list(split)]).astype(np.intp)
         used, numbers = np.unique(triangles, return_inverse=True)
         result = Labelled.of(points[used], numbers.reshape(-1, 3), labels, np.flatnonzero(np.isin(used, pinned)))
         inner = np.flatnonzero(used >= size)
         return project(result, field, np.full(len(used), wall.thickness), inner)
-
-    def _split(self) -> set[int]:
-        """The images of vertices that have several, and of pinned ones: curves may turn sharply there."""
-        pinned = set(self.mesh.topology.pinned.tolist())
-        return {row for vertex, own in self._found.items() if len(own) > 1 or vertex in pinned for row, *_ in own}
 
     def _placing(self, vertex: int, label: int) -> frozenset[int]:
         """The labels around a vertex that place its image for one of them.
