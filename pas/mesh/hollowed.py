@@ -24,7 +24,7 @@ from itertools import combinations, pairwise, permutations
 
 import numpy as np
 
-from pas.arrays import Floats, Integers
+from pas.arrays import AnyArray, Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.crossings import crossings
 from pas.mesh.face_ground import inner_points
@@ -85,7 +85,8 @@ def _cross(first: Labelled, second: Labelled) -> bool:
 
 def together(field: FaceField, shells: Sequence[FaceField], meshes: Sequence[Labelled]) -> Labelled:
     """The mesh of a boundary from those of its surfaces, without the pieces of these that bound nothing."""
-    points, triangles, labels, pinned, start = [], [], [], [], 0
+    points, triangles, labels, pinned = (list[AnyArray]() for _ in range(4))
+    start = 0
     for shell, mesh in zip(shells, meshes, strict=True):
         kept = _bounding(field, shell, mesh)
         used, numbers = np.unique(mesh.triangles[kept], return_inverse=True)
@@ -97,7 +98,7 @@ def together(field: FaceField, shells: Sequence[FaceField], meshes: Sequence[Lab
     return Labelled.of(*map(np.concatenate, (points, triangles, labels, pinned)))
 
 
-def _bounding(field: FaceField, shell: FaceField, mesh: Labelled) -> np.ndarray:
+def _bounding(field: FaceField, shell: FaceField, mesh: Labelled) -> Bools:
     """Which triangles (T,) are on pieces that bound the set: it changes across most triangles of each."""
     middles, mostly = mesh.points[mesh.triangles].mean(axis=1), 0.5  # share of a piece's triangles that must do
     at = newton(middles, shell, mesh.labels[:, None], mesh.sizes[mesh.triangles].max(axis=1))
@@ -224,7 +225,7 @@ class Doubled:
             result.append((row, placing, move))
         return result
 
-    def _bridge(self, kept: np.ndarray, within: np.ndarray) -> None:
+    def _bridge(self, kept: Bools, within: Integers) -> None:
         """Add the bands on open faces, and what is between images of one vertex."""
         t, labels = self.mesh.triangles, self.mesh.labels
         image = np.full(t.shape, -1, dtype=np.intp)

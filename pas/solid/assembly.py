@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.algebra.brief import brief, listed
 from pas.algebra.inputs import shown
-from pas.arrays import Floats
+from pas.arrays import Bools, Floats
 from pas.limits import WorkLimits, in_parts, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
@@ -132,7 +132,7 @@ class Assembly(AffineShape["Assembly"], Shape):
         }
         return Assembly(MappingProxyType(parts))
 
-    def contains(self, points: ArrayLike) -> np.ndarray:
+    def contains(self, points: ArrayLike) -> Bools:
         """Whether points (..., 3) are in some part that is a solid, shape (...)."""
         solids = [p.shape for p in self.parts.values() if isinstance(p.shape, Solid)]
         return np.any([s.contains(points) for s in solids], axis=0)
