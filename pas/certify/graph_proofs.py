@@ -23,7 +23,7 @@ from itertools import combinations
 import numpy as np
 
 from pas.algebra.lengths import across, angle_between
-from pas.arrays import Floats, Integers
+from pas.arrays import Bools, Floats, Integers
 from pas.certify.certificate import Certificate
 from pas.certify.local_mesh import OFF, FramedMesh
 from pas.kernels.library import compiled
@@ -136,7 +136,7 @@ def _spread(loop: Floats, ring: BoundaryLoop) -> float:
     return max(angle_between(point, ring.middle) for point in loop)
 
 
-def crossed(points: Floats, triangles: Integers, origin: Floats, ends: Floats) -> tuple[Integers, np.ndarray]:
+def crossed(points: Floats, triangles: Integers, origin: Floats, ends: Floats) -> tuple[Integers, Bools]:
     """How often segments from `origin` (3,) to `ends` (E, 3) leave through triangles more than they enter.
 
     Also for which ends (E,) that is known.  A segment from 0 to p crosses a triangle a, b, d where det(p, a, b),

@@ -21,7 +21,7 @@ from pas.algebra.affine import Frame
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact_vector, to_float, to_floats
 from pas.algebra.scaling import Scaled, scaled
-from pas.arrays import Floats, Integers
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.forms import LARGEST_ERROR, SMALLEST, UNIT_ROUNDOFF, b_form, on_simplex, polar_forms
 from pas.bernstein.search import Fate, Fates, Limits, Searched, search
 from pas.bernstein.simplices import Simplices
@@ -134,7 +134,7 @@ class FramedSurface:
         """How far beyond the walls the surface is followed."""
         return 0.0 if self.center is None else min((self.larger - 1) * self.room, BEYOND)
 
-    def placed(self, points: Floats) -> tuple[np.ndarray, list[Integers]]:
+    def placed(self, points: Floats) -> tuple[Bools, list[Integers]]:
         """Which points (N, 3) are in the region, but for rounding, and, of each plane of outer faces, which are on
         one of these, in order."""
         heights = self.planes[:, :3] @ points.T - self.planes[:, 3:]
@@ -171,7 +171,7 @@ class FramedSurface:
                 found[piece].append(start + np.flatnonzero(~apart[list(cells)].all(axis=0)))
         return [np.concatenate(rows) if rows else np.empty(0, dtype=np.intp) for rows in found]
 
-    def _parted(self, cells: Integers, corners: Floats) -> np.ndarray:
+    def _parted(self, cells: Integers, corners: Floats) -> Bools:
         """Which triangles (K, 3, 3) relative to the centre are parted from cells (K,) by a plane through it and a side.
 
         Corners of the cell, and so all of it, are seen from the centre behind the plane by an angle whose sine is s at
@@ -264,7 +264,7 @@ LIMITS = Limits(depth=150, cells=6000)
 """Of what is critical on more simplices than these, such as along a curve, nothing can be counted."""
 
 
-Free = Callable[[Floats, Floats], np.ndarray]
+Free = Callable[[Floats, Floats], Bools]
 """Says which simplices (N, d + 1, 3), on which the polynomial's size is at least (N,), are free of what must not be
 in them."""
 

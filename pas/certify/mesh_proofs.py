@@ -30,7 +30,7 @@ from itertools import combinations
 
 import numpy as np
 
-from pas.arrays import Floats, Integers
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.search import Searched
 from pas.bernstein.simplices import Simplices
 from pas.certify.certificate import Certificate
@@ -106,7 +106,7 @@ def _vertices(mesh: FramedMesh) -> Verdict:
     return Verdict(Status.FAILS_MEASURED, claim, reason, local.frame.place(mesh.points[worst]))
 
 
-def _border(mesh: FramedMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.ndarray]]]:
+def _border(mesh: FramedMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats, Bools]]]:
     """Whether the mesh is in the region and ends on its walls, and with what directions and vertices of which walls."""
     claim, local, points = BORDER, mesh.local, mesh.points
     middles, wall = points[edges.rim].mean(axis=1), np.full(len(edges.rim), -1)
@@ -131,7 +131,7 @@ def _border(mesh: FramedMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats,
     return Verdict(Status.PROVED, claim, f"every inner edge has two triangles; {how}"), _borders(mesh, edges, wall)
 
 
-def _borders(mesh: FramedMesh, edges: Edges, wall: Integers) -> list[tuple[Floats, np.ndarray]]:
+def _borders(mesh: FramedMesh, edges: Edges, wall: Integers) -> list[tuple[Floats, Bools]]:
     """For each wall its normal and the vertices of edges on it; the same for pairs of walls with common vertices."""
     on, local = {}, mesh.local
     for number in np.unique(wall).tolist():
@@ -146,7 +146,7 @@ def _borders(mesh: FramedMesh, edges: Edges, wall: Integers) -> list[tuple[Float
 
 
 def _topology(
-    mesh: FramedMesh, found: TriangleBounds, borders: list[tuple[Floats, np.ndarray]]
+    mesh: FramedMesh, found: TriangleBounds, borders: list[tuple[Floats, Bools]]
 ) -> tuple[Verdict, tuple[Point, ...]]:
     local = mesh.local
     if local.center is None:
@@ -196,7 +196,7 @@ def _critical(mesh: FramedMesh, most: Floats) -> list[Searched[Simplices]]:
             rows = rows[(starts[axis, rows] <= high[axis]) & (ends[axis, rows] >= low[axis])]
         return rows
 
-    def free(least: Floats, simplices: Floats) -> np.ndarray:
+    def free(least: Floats, simplices: Floats) -> Bools:
         result = np.asarray((least > 0) & (least * size > largest))
         near = np.flatnonzero((least > 0) & ~result)
         if len(near) * len(mesh.corners) <= 4_000_000:  # a second's work; others are cut first
