@@ -57,17 +57,6 @@ class Certificate(Verdicts):
         }
         return record | ({"further": [v.to_record() for v in self.further]} if self.further else {})
 
-    @classmethod
-    def from_record(cls, record: dict[str, Any]) -> Certificate:
-        """The certificate that `to_record` wrote."""
-        return cls(
-            tuple(Verdict.from_record(v) for v in record["contacts"]),
-            tuple(Verdict.from_record(v) for v in record["faces"]),
-            Verdict.from_record(record["one_sheet"]),
-            Verdict.from_record(record["enclosed"]),
-            tuple(Verdict.from_record(v) for v in record.get("further", ())),
-        )
-
 
 @dataclass(frozen=True)
 class Proposition:

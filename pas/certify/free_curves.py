@@ -171,8 +171,14 @@ class RegionCurve:
     @property
     def points(self) -> Floats:
         """Points (m, 3) on the curve and in the region, up to rounding, by Newton's method."""
+        if self.partition.cells:
+            corners = self.partition.points[np.array(self.partition.cells)]
+        else:  # those of cubes around the origin
+            corners = np.multiply.outer([1.0, 8.0, 64.0], list(product((-1.0, 1.0), repeat=3)))
+        parts = 4  # of a cell's edge: a curve that is missed leaves the claim undecided
+        weights = np.array(homogeneous_exponents(parts, corners.shape[1])) / parts
+        points = np.unique((weights @ corners).reshape(-1, 3), axis=0)
         f, d = scaled(self.f), scaled(self.d)
-        points = self._starts()
         reach = 4 * float(np.abs(points).max())
         for _ in range(24):  # the number of right digits doubles with each
             along_f, along_d, regular = dual(f.gradient(points), d.gradient(points))
@@ -182,15 +188,6 @@ class RegionCurve:
         points = points[np.linalg.norm(step, axis=1) < 1e-10]
         inside = self.partition.locate(points) >= 0 if self.partition.cells else np.full(len(points), True)
         return points[inside]
-
-    def _starts(self) -> Floats:
-        if self.partition.cells:
-            corners = self.partition.points[np.array(self.partition.cells)]
-        else:  # those of cubes around the origin
-            corners = np.multiply.outer([1.0, 8.0, 64.0], list(product((-1.0, 1.0), repeat=3)))
-        parts = 4  # of a cell's edge: a curve that is missed leaves the claim undecided
-        weights = np.array(homogeneous_exponents(parts, corners.shape[1])) / parts
-        return np.unique((weights @ corners).reshape(-1, 3), axis=0)
 
     def _holds(self, corners: tuple[Vector, ...]) -> bool:
         """Whether the hull of some points is proved to be in the region.

@@ -29,7 +29,6 @@ from pas.certify.proofs import face_verdict
 from pas.certify.triangle_forms import TriangleForms, on_corners
 from pas.mesh.rows import cross, dots
 from pas.surface.function import PiecewisePolynomial
-from pas.verdicts import Point
 
 ON_WALL = 1e-12
 """In local units: how far points of the boundary may be off a wall, by rounding."""
@@ -74,10 +73,6 @@ class FramedSurface:
     def makers(self) -> list[TriangleForms]:
         """What makes the forms of each patch on triangles in the enlarged region."""
         return [TriangleForms(patch, self.degree, self.reach) for patch in self.patches]
-
-    def point(self, place: Floats) -> Point:
-        """The user's coordinates of a place (3,)."""
-        return self.frame.place(place)
 
     def jets(self, points: Floats) -> tuple[Floats, Floats]:
         """Values (N,) and gradients (3, N) at points (N, 3), all by one positive factor; NaN outside of the region."""

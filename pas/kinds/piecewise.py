@@ -6,6 +6,7 @@ and what was asked of the surface must hold of it.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from operator import attrgetter
 from typing import Any
@@ -46,6 +47,7 @@ from pas.render.piecewise import layers
 from pas.render.scene import solid_layers
 from pas.shape import Kind
 from pas.surface.fairness_limits import FairnessLimits
+from pas.verdicts import Verdict
 
 SURFACE = Kind(
     "surface",
@@ -57,13 +59,12 @@ SURFACE = Kind(
     curved=True,
 )
 
-_CERTIFICATE = read_by(
-    Table(
-        {"contacts": list_of(VERDICT), "faces": list_of(VERDICT), "one_sheet": VERDICT, "enclosed": VERDICT},
-        {"further": list_of(VERDICT)},
-    ),
-    Certificate.from_record,
-    Certificate.to_record,
+_VERDICT = read_by(VERDICT, Verdict.from_record, Verdict.to_record)
+_VERDICTS = replace(list_of(_VERDICT), read=lambda records: tuple(map(_VERDICT.read, records)))
+_CERTIFICATE = Table(
+    {"contacts": _VERDICTS, "faces": _VERDICTS, "one_sheet": _VERDICT, "enclosed": _VERDICT},
+    {"further": _VERDICTS},
+    make=Certificate,
 )
 _LIMITS = dict.fromkeys(FairnessLimits.__dataclass_fields__, REAL)
 _PROBLEM = Table(
