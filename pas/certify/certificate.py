@@ -57,6 +57,15 @@ class Certificate(Verdicts):
         }
         return record | ({"further": [v.to_record() for v in self.further]} if self.further else {})
 
+    @classmethod
+    def from_record(cls, record: dict[str, Any]) -> Certificate:
+        """The certificate that `to_record` wrote."""
+        contacts, faces, further = (
+            tuple(map(Verdict.from_record, record.get(key, ()))) for key in ("contacts", "faces", "further")
+        )
+        one_sheet, enclosed = (Verdict.from_record(record[key]) for key in ("one_sheet", "enclosed"))
+        return cls(contacts, faces, one_sheet, enclosed, further)
+
 
 @dataclass(frozen=True)
 class Proposition:

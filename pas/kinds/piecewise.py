@@ -6,7 +6,6 @@ and what was asked of the surface must hold of it.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from operator import attrgetter
 from typing import Any
@@ -47,7 +46,6 @@ from pas.render.piecewise import layers
 from pas.render.scene import solid_layers
 from pas.shape import Kind
 from pas.surface.fairness_limits import FairnessLimits
-from pas.verdicts import Verdict
 
 SURFACE = Kind(
     "surface",
@@ -59,12 +57,13 @@ SURFACE = Kind(
     curved=True,
 )
 
-_VERDICT = read_by(VERDICT, Verdict.from_record, Verdict.to_record)
-_VERDICTS = replace(list_of(_VERDICT), read=lambda records: tuple(map(_VERDICT.read, records)))
-_CERTIFICATE = Table(
-    {"contacts": _VERDICTS, "faces": _VERDICTS, "one_sheet": _VERDICT, "enclosed": _VERDICT},
-    {"further": _VERDICTS},
-    make=Certificate,
+_VERDICTS = list_of(VERDICT)
+_CERTIFICATE = read_by(
+    Table(
+        {"contacts": _VERDICTS, "faces": _VERDICTS, "one_sheet": VERDICT, "enclosed": VERDICT}, {"further": _VERDICTS}
+    ),
+    Certificate.from_record,
+    Certificate.to_record,
 )
 _LIMITS = dict.fromkeys(FairnessLimits.__dataclass_fields__, REAL)
 _PROBLEM = Table(
