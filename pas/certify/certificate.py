@@ -60,13 +60,11 @@ class Certificate(Verdicts):
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> Certificate:
         """The certificate that `to_record` wrote."""
-        return cls(
-            tuple(Verdict.from_record(v) for v in record["contacts"]),
-            tuple(Verdict.from_record(v) for v in record["faces"]),
-            Verdict.from_record(record["one_sheet"]),
-            Verdict.from_record(record["enclosed"]),
-            tuple(Verdict.from_record(v) for v in record.get("further", ())),
+        contacts, faces, further = (
+            tuple(map(Verdict.from_record, record.get(key, ()))) for key in ("contacts", "faces", "further")
         )
+        one_sheet, enclosed = (Verdict.from_record(record[key]) for key in ("one_sheet", "enclosed"))
+        return cls(contacts, faces, one_sheet, enclosed, further)
 
 
 @dataclass(frozen=True)

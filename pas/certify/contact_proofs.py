@@ -56,10 +56,10 @@ def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
         return opening_verdict(claim, join)
     if not join.faces:
         return free_verdict(claim, join)
-    for rule in (_met, _closed, _simple, _sided, _regular):
-        verdict = rule(claim, join)
-        if verdict is not None:
-            return verdict
+    if (verdict := _unmet(claim, join)) is not None:
+        return verdict
+    for signs, reason, _ in _flaws(join):
+        return claim.undecided(reason) if signs is None else claim.settled(signs, reason, "")
     positive = alpha_signs(surface, join, on_curve=True)
     failed = claim.failed(positive, "alpha is not positive on the curve")
     if failed is not None:
@@ -70,8 +70,8 @@ def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
     return claim.proved(reason, positive.examined)
 
 
-def _met(claim: Proposition, join: Join) -> Verdict | None:
-    """The patch is a member of the contact's ideal at every point of the curve in the clip faces."""
+def _unmet(claim: Proposition, join: Join) -> Verdict | None:
+    """That the patch is no member of the contact's ideal at some point of the curve in the clip faces, if it is not."""
     k = claim.surface.order
     for met in incidences(claim.surface, join, k):
         achieved = met.division.order
@@ -87,42 +87,6 @@ def _met(claim: Proposition, join: Join) -> Verdict | None:
     return None
 
 
-def _closed(claim: Proposition, join: Join) -> Verdict | None:
-    """The curve is closed inside the clip faces, around a point where the surface is negative."""
-    failed = claim.failed(curve_in_face(join), "the contact's surface is not positive on its clip face's edges")
-    if failed is None and join.inside_point() is None:
-        return claim.undecided("no point inside the contact was found on its clip face")
-    return failed
-
-
-def _simple(claim: Proposition, join: Join) -> Verdict | None:
-    """No clip plane is a multiple factor of the clip."""
-    if all(plane.simple for plane in join.planes):
-        return None
-    return claim.undecided("the clip's gradient vanishes on its face, which is a multiple factor of it")
-
-
-def _sided(claim: Proposition, join: Join) -> Verdict | None:
-    """The clip is negative on the region's side of its faces, all along the curve."""
-    return claim.failed(clip_sided(join), "the clip is positive on the region's side of its face")
-
-
-def _regular(claim: Proposition, join: Join) -> Verdict | None:
-    """The clip cuts the surface transversally along the curve."""
-    return claim.failed(curve_regular(join), "the clip is tangent to the surface on the curve")
-
-
-def curve_in_face(join: Join) -> SignResult:
-    """`f_i > 0` on the rim of the clip faces: the curve is closed inside them."""
-    return positive_on(join.rim(), alike(join.contact.surface.raw, join.rim()))
-
-
-def curve_regular(join: Join) -> SignResult:
-    """`|grad f_i x grad h_i|^2 > 0` where `f_i = 0` on the clip faces."""
-    f, h = join.contact.surface, join.contact.clip
-    return on_faces(transversality(f, f, h).raw, join, join.faces, f.raw)
-
-
 def clip_sided(join: Join) -> SignResult:
     """`h_i < 0` on the region's side of the clip faces, where `f_i = 0`."""
     results = [on_faces(plane.cofactor.raw, join, plane.faces, join.contact.surface.raw) for plane in join.planes]
@@ -134,43 +98,57 @@ def check_join(number: int, join: Join) -> None:
 
     Raises `GeometryError` with the place where it fails.
     """
-    for flaw in _flaws(join):
+    for _, _, flaw in _flaws(join):
         raise GeometryError(f"contact {number}: {flaw}")
+    if len(join.partition.pieces) > 1 and not join.confined:
+        raise GeometryError(
+            f"contact {number}: its clip {join.contact.clip} cuts its surface inside the region, too, around "
+            f"{_place(join.elsewhere)}; give the plane of its face alone as the clip"
+        )
 
 
-def _flaws(join: Join) -> Iterator[str]:
-    """What is wrong with a contact on its clip faces, in words."""
-    surface, clip, inside = join.contact.surface, join.contact.clip, curve_in_face(join)
+def _flaws(join: Join) -> Iterator[tuple[SignResult | None, str, str]]:
+    """What is wrong with a contact on its clip faces: the proof of signs that failed, if there is one, what verdicts
+    say of it, and what is said to whoever gave the contact."""
+    surface, clip = join.contact.surface, join.contact.clip
+    inside = positive_on(join.rim(), alike(surface.raw, join.rim()))
     if inside.status is not Status.PROVED:
         turned = all(surface.raw(*a) < 0 for a, _ in join.rim())
         hint = " (a surface must be negative inside; is its sign turned round?)" if turned else ""
         yield (
+            inside,
+            "the contact's surface is not positive on its clip face's edges",
             f"its curve is not closed inside its face of the partition; the surface {surface} must be positive on the "
-            f"face's edges, and is not at {_place(inside)}{hint}"
+            f"face's edges, and is not at {_place(inside)}{hint}",
         )
     if join.inside_point() is None:
         yield (
+            None,
+            "no point inside the contact was found on its clip face",
             f"the surface {surface} is nowhere negative on its clip face, so there is no curve to meet (a surface must "
-            "be negative inside; is its sign turned round?)"
+            "be negative inside; is its sign turned round?)",
         )
     if not all(plane.simple for plane in join.planes):
-        yield f"the plane of its clip face is a multiple factor of its clip {clip}; give it once"
+        yield (
+            None,
+            "the clip's gradient vanishes on its face, which is a multiple factor of it",
+            f"the plane of its clip face is a multiple factor of its clip {clip}; give it once",
+        )
     sided = clip_sided(join)
     if sided.status is not Status.PROVED:
         yield (
+            sided,
+            "the clip is positive on the region's side of its face",
             f"its clip {clip} is not negative on the region's side of its face at {_place(sided)}; it must be so along "
-            "the whole curve, and in each of its faces"
+            "the whole curve, and in each of its faces",
         )
-    regular = curve_regular(join)
+    regular = on_faces(transversality(surface, surface, clip).raw, join, join.faces, surface.raw)
     if regular.status is not Status.PROVED:
         yield (
+            regular,
+            "the clip is tangent to the surface on the curve",
             f"its clip does not cut its surface transversally at {_place(regular)}; the two must cross at an angle "
-            "along the whole curve"
-        )
-    if len(join.partition.pieces) > 1 and not join.confined:
-        yield (
-            f"its clip {clip} cuts its surface inside the region, too, around {_place(join.elsewhere)}; give the plane "
-            "of its face alone as the clip"
+            "along the whole curve",
         )
 
 
@@ -207,18 +185,6 @@ def _inside_cone(join: Join, other: Join) -> bool:
     return bool(other.faces) and result.status is Status.PROVED
 
 
-def cone_signs(surface: PiecewisePolynomial, join: Join) -> SignResult | None:
-    """Branch and bound for alpha > 0 where q = 0 in the region; None where a patch is no member of its ideal."""
-    local = surface.local
-    found = [cofactor(patch, join.contact, surface.order) for patch in surface.patches]
-    alphas = [alpha for alpha in found if alpha is not None]
-    if len(alphas) < len(found):
-        return None
-    cells = [local.corners(cell) for cell in local.cells]
-    values = [alphas[piece].raw for piece in local.piece_of.tolist()], max(0, *(alpha.degree for alpha in alphas))
-    return positive_on(cells, values, [alike(join.contact.clip.raw, cells)])
-
-
 def opening_verdict(claim: Proposition, join: Join) -> Verdict:
     """Whether the surface meets the contact through which its region is open."""
     surface = claim.surface
@@ -232,8 +198,12 @@ def opening_verdict(claim: Proposition, join: Join) -> Verdict:
         return claim.undecided("the clip is not proved to be positive on the sides of the region")
     if not any(join.contact.clip.raw(*vertex) < 0 for vertex in join.partition.vertices):
         return claim.undecided("no point inside the clip was found in the region")
-    signs = cone_signs(surface, join)
-    if signs is None:
+    found = [cofactor(patch, join.contact, k) for patch in surface.patches]
+    alphas = [alpha for alpha in found if alpha is not None]
+    if len(alphas) < len(found):
         return claim.undecided(f"f is not in <f_i, h_i^{k + 1}>")
+    cells = [surface.local.corners(cell) for cell in surface.local.cells]
+    values = [alphas[piece].raw for piece in surface.local.piece_of], max(0, *(alpha.degree for alpha in alphas))
+    signs = positive_on(cells, values, [alike(join.contact.clip.raw, cells)])
     right = f"in <f, h^{k + 1}> exactly, alpha > 0 where h = 0"
     return claim.settled(signs, "alpha is not positive on the clip", right)

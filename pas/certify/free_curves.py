@@ -94,9 +94,9 @@ def contact_order(patch: Polynomial, f: Polynomial, d: Polynomial, highest: int)
         return highest, None
     remainders = (NormalForm([f.raw, d.raw ** (j + 1)]).reduce(patch.raw) for j in range(highest + 1))
     lowest, remainder = next((j, r) for j, r in enumerate(remainders) if not r.is_zero())
-    obstacle = Polynomial.from_raw(remainder)
+    obstacle, along = Polynomial.from_raw(remainder), cross(cross(_gradient(f), _gradient(d)), _gradient(f))
     for _ in range(lowest):
-        obstacle = _derived(obstacle, f, d)
+        obstacle = Polynomial.from_raw(dot(along, _gradient(obstacle)))
     return lowest - 1, obstacle
 
 
@@ -104,12 +104,6 @@ def transversality(g: Polynomial, f: Polynomial, d: Polynomial) -> Polynomial:
     """`(grad g x grad d) . (grad f x grad d)`."""
     first, second = cross(_gradient(g), _gradient(d)), cross(_gradient(f), _gradient(d))
     return Polynomial.from_raw(dot(first, second))
-
-
-def _derived(g: Polynomial, f: Polynomial, d: Polynomial) -> Polynomial:
-    """The derivative of g along `(grad f x grad d) x grad f`."""
-    along = cross(cross(_gradient(f), _gradient(d)), _gradient(f))
-    return Polynomial.from_raw(dot(along, _gradient(g)))
 
 
 def _gradient(polynomial: Polynomial) -> list[fmpq_mpoly]:
@@ -177,8 +171,14 @@ class RegionCurve:
     @property
     def points(self) -> Floats:
         """Points (m, 3) on the curve and in the region, up to rounding, by Newton's method."""
+        if self.partition.cells:
+            corners = self.partition.points[np.array(self.partition.cells)]
+        else:  # those of cubes around the origin
+            corners = np.multiply.outer([1.0, 8.0, 64.0], list(product((-1.0, 1.0), repeat=3)))
+        parts = 4  # of a cell's edge: a curve that is missed leaves the claim undecided
+        weights = np.array(homogeneous_exponents(parts, corners.shape[1])) / parts
+        points = np.unique((weights @ corners).reshape(-1, 3), axis=0)
         f, d = scaled(self.f), scaled(self.d)
-        points = self._starts()
         reach = 4 * float(np.abs(points).max())
         for _ in range(24):  # the number of right digits doubles with each
             along_f, along_d, regular = dual(f.gradient(points), d.gradient(points))
@@ -188,15 +188,6 @@ class RegionCurve:
         points = points[np.linalg.norm(step, axis=1) < 1e-10]
         inside = self.partition.locate(points) >= 0 if self.partition.cells else np.full(len(points), True)
         return points[inside]
-
-    def _starts(self) -> Floats:
-        if self.partition.cells:
-            corners = self.partition.points[np.array(self.partition.cells)]
-        else:  # those of cubes around the origin
-            corners = np.multiply.outer([1.0, 8.0, 64.0], list(product((-1.0, 1.0), repeat=3)))
-        parts = 4  # of a cell's edge: a curve that is missed leaves the claim undecided
-        weights = np.array(homogeneous_exponents(parts, corners.shape[1])) / parts
-        return np.unique((weights @ corners).reshape(-1, 3), axis=0)
 
     def _holds(self, corners: tuple[Vector, ...]) -> bool:
         """Whether the hull of some points is proved to be in the region.

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pas.arrays import Floats, Integers
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.certify.local_mesh import ROUNDINGS, FramedMesh, FramedSurface
@@ -40,7 +40,7 @@ class Parts(Cells):
 
     corners: Floats
     owner: Integers
-    marks: np.ndarray
+    marks: Bools
 
     @classmethod
     def of(cls, corners: Floats) -> Parts:
@@ -54,7 +54,7 @@ class Parts(Cells):
         return parts if marks.all() else parts.select(marks.any(axis=1))
 
 
-def apart(simplices: Floats, corners: Floats, normals: Floats) -> np.ndarray:
+def apart(simplices: Floats, corners: Floats, normals: Floats) -> Bools:
     """Which simplices (K, d + 1, 3) are parted from triangles (K, 3, 3) with unit normals (K, 3), each from one, by its
     plane or one through a side of it.
 
@@ -99,9 +99,7 @@ def bounds(mesh: FramedMesh) -> TriangleBounds:
     return TriangleBounds(most, least)
 
 
-def _bounded(
-    local: FramedSurface, corners: Floats, normals: Floats, loose: Floats
-) -> tuple[Floats, Floats, np.ndarray]:
+def _bounded(local: FramedSurface, corners: Floats, normals: Floats, loose: Floats) -> tuple[Floats, Floats, Bools]:
     """Of triangles (T, 3, 3) upper bounds of |f|, lower ones of derivatives along normals that are off by `loose`, and
     which may touch several pieces, (T,)."""
     most, least = np.zeros(len(corners)), np.full(len(corners), np.inf)
@@ -130,7 +128,7 @@ def _slack(sizes: Floats, error: float, loose: Floats) -> Floats:
     return np.asarray(3 * error + loose * (sizes + 3 * error))
 
 
-def along_walls(mesh: FramedMesh, borders: list[tuple[Floats, np.ndarray]]) -> tuple[Floats, Integers]:
+def along_walls(mesh: FramedMesh, borders: list[tuple[Floats, Bools]]) -> tuple[Floats, Integers]:
     """How steeply f rises across triangles along walls or edges, where the mesh ends on them: the least of each, (K,),
     and the triangles (K,).
 
@@ -162,7 +160,7 @@ def along_walls(mesh: FramedMesh, borders: list[tuple[Floats, np.ndarray]]) -> t
     return least[order], owner[part[order]]
 
 
-def _on_sides(local: FramedSurface, parts: Parts, along: Floats, loose: Floats) -> tuple[Floats, np.ndarray]:
+def _on_sides(local: FramedSurface, parts: Parts, along: Floats, loose: Floats) -> tuple[Floats, Bools]:
     """The least derivatives (T,) along given directions (T, 3), off by `loose`, on the sides or corners of triangles
     that are marked; and which triangles may touch several pieces."""
     least, touched = np.full(len(parts), np.inf), local.touched(parts.corners)
@@ -235,7 +233,7 @@ def _times(rows: list[Integers], count: int) -> Integers:
     return np.bincount(np.concatenate(rows), minlength=count)
 
 
-def _signs(local: FramedSurface, corners: Floats, ways: Floats, sign: int) -> np.ndarray:
+def _signs(local: FramedSurface, corners: Floats, ways: Floats, sign: int) -> Bools:
     """On which triangles (T, 3, 3), moved along ways (T, 3) in the enlarged region, f surely has a sign."""
     corners = corners + ways[:, None]
     touched = local.touched(corners, local.larger)

@@ -118,9 +118,9 @@ def elevation(degree: int, higher: int) -> Floats:
 
 
 @cache
-def on_corners(degree: int) -> Bools:
-    """Which B-coefficients (8, m) are those on the side or at the corner of a triangle that some corners span: those of
+def on_corners(degree: int, corners: int = 3) -> Bools:
+    """Which B-coefficients (2^n, m) on a simplex of n corners are those on the part that some of these span: those of
     the numbers k for which the bit 2^k is set."""
-    used = np.array(homogeneous_exponents(degree, 3)) > 0
-    marked = np.arange(8)[:, None] >> np.arange(3) & 1 > 0
+    used = np.array(homogeneous_exponents(degree, corners)) > 0
+    marked = np.arange(1 << corners)[:, None] >> np.arange(corners) & 1 > 0
     return np.asarray((marked[:, None] | ~used).all(axis=2))

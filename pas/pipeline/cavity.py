@@ -35,7 +35,6 @@ from pas.partition.cells import Partition, Region
 from pas.partition.layout import Layout
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.chosen import B, ChosenBlend
-from pas.pipeline.search import excess
 from pas.surface.depth import Depth
 
 Trial: TypeAlias = "tuple[int | None, Partition | Layout]"
@@ -130,24 +129,14 @@ class Cavity:
 
     def trials(self) -> Iterator[Trial]:
         """What to try, the likeliest first: the outer degree on each region, and the next; the outer layout with walls
-        nearer by."""
+        nearer by; and where nothing of that is proved, all degrees on each region."""
         own, degree = self.outer.surface.partition, self.outer.surface.degree
         yield from ((degree, region) for region in self._regions)
         if degree < HIGHEST_DEGREE:
             yield degree + 1, self._regions[0]
         if isinstance(own, Region) and not own.open and own.layout is not None:
             yield degree, own.layout
-
-    def last_trials(self) -> Iterator[Trial]:
-        """What to try where all these have nothing that is proved."""
         yield from ((None, region) for region in self._regions)
-
-    def serves(self, inner: ChosenBlend) -> bool:
-        """Whether an inner blend that is proved and whose wall is even is fair enough to look for no other.
-
-        Beside outer sides that are not fair, as some of cones and spheres are, none was found that is.
-        """
-        return not excess(inner) or excess(self.outer) > 0
 
     @cached_property
     def _radius(self) -> float:

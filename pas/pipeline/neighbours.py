@@ -36,7 +36,7 @@ from flint import fmpq, fmpq_poly
 from pas.algebra.affine import away, height, slope_at
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact, minus, moved, three, to_float, to_floats, two_across
-from pas.arrays import Floats
+from pas.arrays import Bools, Floats
 from pas.bernstein.signs import alike
 from pas.certify.nesting import prove_inside
 from pas.certify.proofs import radial_derivative
@@ -103,7 +103,7 @@ class Slab:
         square = dot(self.normal, self.normal)
         self.size = exact(float(np.sqrt(to_float(square))))  # of the normal, rounded as that of the cap is
         self.top = length * self.size / square * (1 + ROUNDED)
-        self.across = tuple(map(_shortened, two_across(self.normal)))
+        self.across = tuple(three(c / _length(way) for c in way) for way in two_across(self.normal))
         curve = join.curve()
         low, high = curve.min(axis=0), curve.max(axis=0)
         near: Vector = tuple(exact(float(c)) for c in (low + high) / 2)  # type: ignore[assignment]
@@ -157,7 +157,7 @@ class Slab:
         room = 1.5
         return exact(min(room * max(far, self.reach), (far + near) / 2))
 
-    def _in_faces(self, points: Floats) -> np.ndarray:
+    def _in_faces(self, points: Floats) -> Bools:
         """Which points (N, 3) of the plane are in the clip faces."""
         inside = np.zeros(len(points), dtype=bool)
         for face in self.join.faces:
@@ -175,7 +175,7 @@ class Slab:
     def is_one_piece(self, radius: fmpq) -> bool:
         """Whether it is proved that inside the cylinder there is what goes on from the clip faces, and nothing else."""
         f, cylinder = self.surface, self.cylinder(radius)
-        ways = [tuple(BEYOND * radius * c / exact(float(np.linalg.norm(to_floats(v)))) for c in v) for v in self.across]
+        ways = [tuple(BEYOND * radius * c / _length(way) for c in way) for way in self.across]
         ends = [moved(self.middle, *zip(signs, ways, strict=True)) for signs in product((-1, 1), repeat=2)]
         square = [ends[0], ends[1], ends[3], ends[2]]
         box = kuhn([square, [moved(corner, (self.top, self.normal)) for corner in square]])
@@ -233,7 +233,6 @@ def kuhn(quads: Sequence[Sequence[Vector]]) -> list[tuple[Vector, ...]]:
     return [tuple(corners[v] for v in cell) for cell in KUHN_CELLS]
 
 
-def _shortened(vector: Vector) -> Vector:
-    """The vector over a rational number that is about its length."""
-    size = exact(float(np.linalg.norm(to_floats(vector))))
-    return three(c / size for c in vector)
+def _length(vector: Vector) -> fmpq:
+    """A rational number that is about the length of a vector."""
+    return exact(float(np.linalg.norm(to_floats(vector))))

@@ -26,12 +26,14 @@ def summary(blend: ChosenBlend) -> str:
     surface, several = blend.surface, len(blend.surface.patches) > 1
     rows = [(f"contact {i}", f"{c}{_from_center(surface, c)}") for i, c in enumerate(surface.contacts, start=1)]
     rows += [("junction", blend.reason)] if blend.reason else []
+    others = [f"{a.degree} (dimension {a.dimension})" for a in blend.attempts if a.degree != surface.degree]
+    tried = f"; tried as well: {', '.join(others)}{_told(blend)}"
     with suppress(GeometryError):  # curves that are not plane have no size to compare
         rows += [("unusual", sentence) for sentence in unusual(contact_ends(surface))]
     rows += [
         ("partition", _partition(surface)),
         ("order", f"GC^{surface.order} at the contacts{f', C^{surface.order} between pieces' * several}"),
-        ("degree", f"{surface.degree}{_tried(blend)}"),
+        ("degree", f"{surface.degree}{tried if others else ''}"),
         ("dimension", f"{blend.dimension}"),
         ("energy", f"{blend.energy:.6g} ({blend.plate.kind}){_told(blend)}"),
     ]
@@ -67,11 +69,6 @@ def _from_center(surface: PiecewiseSurface, contact: Contact) -> str:
     clip = contact.scaled.clip
     slope = float(np.linalg.norm(clip.gradient(np.zeros(3))))
     return f", {abs(float(clip.at(center))) / slope:.4g} from the centre"
-
-
-def _tried(blend: ChosenBlend) -> str:
-    others = [f"{a.degree} (dimension {a.dimension})" for a in blend.attempts if a.degree != blend.surface.degree]
-    return f"; tried as well: {', '.join(others)}{_told(blend)}" if others else ""
 
 
 def _fairness(blend: ChosenBlend) -> list[tuple[str, str]]:

@@ -209,12 +209,7 @@ def circle(first: Floats, second: Floats) -> Floats:
 
 def runs(there: Bools) -> list[Integers]:
     """Runs of True round a circle (n,), as index arrays."""
-    if there.all():
-        return [np.arange(len(there))]
-    if not there.any():
-        return []
-    start = int(np.flatnonzero(~there)[0])
-    order = (np.arange(len(there)) + start) % len(there)
+    order = (np.arange(len(there)) + (~there).argmax()) % len(there)
     breaks = np.flatnonzero(np.diff(there[order].astype(int)))
     parts = np.split(order, breaks + 1)
     return [part for part in parts if there[part[0]]]

@@ -77,6 +77,7 @@ class Evaluator:
         self.patches: tuple[Polynomial, ...] = tuple(patches)
         self.scaled = Scaled.of(self.patches)
         self.degree = max(0, *(patch.degree for patch in self.patches))
+        self._batches: dict[tuple[int, ...], PolynomialBatch] = {}
 
     def __repr__(self) -> str:
         pieces = "1 piece" if len(self.patches) == 1 else f"{len(self.patches)} pieces"
@@ -181,11 +182,6 @@ class Evaluator:
         if orders not in self._batches:
             self._batches[orders] = derivative_batch(self.columns, orders)
         return self._batches[orders]
-
-    @cached_property
-    def _batches(self) -> dict[tuple[int, ...], PolynomialBatch]:
-        """Those that were asked for, by orders."""
-        return {}
 
     @cached_property
     def columns(self) -> list[Floats]:

@@ -201,7 +201,7 @@ def _collars(field: RadialField, rings: list[Floats], spacing: float) -> list[Fl
     return result
 
 
-def _clear(units: Floats, rings: list[Floats], spacing: float) -> np.ndarray:
+def _clear(units: Floats, rings: list[Floats], spacing: float) -> Bools:
     """Which of some directions are not too close to rings, nor to those before, for how far they are from rings."""
     edge = unit_rows(np.concatenate(rings))
     angle = np.arccos(np.clip((units @ edge.T).max(axis=1), -1, 1))
@@ -237,7 +237,7 @@ def _keys(a: Integers, b: Integers, size: int) -> Integers:
     return np.minimum(a, b) * size + np.maximum(a, b)
 
 
-def _halved(curve: BoundaryLoop, ring: Floats, chosen: np.ndarray) -> Floats:
+def _halved(curve: BoundaryLoop, ring: Floats, chosen: Bools) -> Floats:
     middles = curve.at((ring + np.roll(ring, -1, axis=0)) / 2)
     both = np.stack([ring, middles], axis=1).reshape(-1, 3)
     return both[np.stack([np.ones(len(ring), dtype=bool), chosen], axis=1).ravel()]

@@ -55,13 +55,13 @@ def triangulate(beginnings: Beginnings, tolerance: float, settings: Settings) ->
     triangles than the settings allow.
     """
     why, settings, field = "", replace(settings, more=MORE), beginnings.field
-    for first, trouble in beginnings:
+    for first, singular in beginnings:
         try:
             if isinstance(first, ArithmeticError):
                 raise first
             return remeshed(field, first, tolerance, settings)
         except ArithmeticError as error:
-            why = f"no good mesh was found: {error}{trouble or _grazed(field, error)}"
+            why = f"no good mesh was found: {error}{_trouble(field, error, singular)}"
     if not why:
         raise MeshError("there is no surface in the region: the function does not change sign")
     raise FoldedError(why)
@@ -71,8 +71,8 @@ class FoldedError(MeshError):
     """No good mesh was found, at any tolerance."""
 
 
-Beginning = tuple[Labelled | ArithmeticError, str]
-"""The first mesh on a lattice, or why there is none; and where the surface may be singular, in words."""
+Beginning = tuple[Labelled | ArithmeticError, Floats]
+"""The first mesh on a lattice, or why there is none; and where the surface may be singular, a point or none (K, 3)."""
 
 
 class Beginnings:
@@ -108,7 +108,7 @@ class Beginnings:
                         first: Labelled | ArithmeticError = _first(self.field, grid)
                     except ArithmeticError as error:
                         first = error.with_traceback(None)
-                    self._found.append((first, _singular(self.field, bent)))
+                    self._found.append((first, bent[:1]))
                     self._parts = 2 * cells.parts
                     return
             if not self._ended:
@@ -116,13 +116,10 @@ class Beginnings:
         self._ended = True
 
 
-def _singular(field: LocalField, bent: Floats) -> str:
-    """Where the trouble may come from."""
-    return f"; the surface may be singular, or very thin, near {_place(field, bent[0])}" if len(bent) else ""
-
-
-def _grazed(field: LocalField, error: ArithmeticError) -> str:
+def _trouble(field: LocalField, error: ArithmeticError, singular: Floats) -> str:
     """Where a mesh was bad, and what may help."""
+    if len(singular):
+        return f"; the surface may be singular, or very thin, near {_place(field, singular[0])}"
     if not isinstance(error, BadMeshError):
         return ""
     return f" near {_place(field, error.place)}; walls of the region that the surface does not graze there may help"
