@@ -201,8 +201,6 @@ class FramedSurface:
     @cached_property
     def meets_smoothly(self) -> bool:
         """Whether the pieces are proved to meet with continuous gradients."""
-        if len(self.patches) == 1:
-            return True
         faces = range(len(self.cells.interior_faces))
         return not faces or (self.function.order > 0 and all(face_verdict(self.function, i).proved for i in faces))
 
