@@ -92,6 +92,14 @@ class Proposition:
             measure,
         )
 
+    def unmet(self, achieved: int, place: Floats | None, measure: int = 0) -> Verdict:
+        """The verdict that a patch is met with a lower order only (-1 for none), at a place (3,) if one is found."""
+        ideal = f"f is not in <f_i, h_i^{self.surface.order + 1}>"
+        if place is None:
+            return self.undecided(f"{ideal}, and no point of the curve was found where it matters")
+        met = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
+        return self.refuted(f"the patch {met}: {ideal}", place, measure)
+
     def failed(self, signs: SignResult, reason: str) -> Verdict | None:
         """The verdict of a proof of signs that did not succeed, None where it did; `reason` says what is wrong where it
         is refuted."""

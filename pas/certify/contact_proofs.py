@@ -56,8 +56,11 @@ def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
         return opening_verdict(claim, join)
     if not join.faces:
         return free_verdict(claim, join)
-    if (verdict := _unmet(claim, join)) is not None:
-        return verdict
+    for met in incidences(surface, join, surface.order):
+        if met.division.order < surface.order:
+            if (found := unmet(join, met)) is None:
+                return claim.unmet(met.division.order, None)
+            return claim.unmet(met.division.order, found.witness, found.examined)
     for signs, reason, _ in _flaws(join):
         return claim.undecided(reason) if signs is None else claim.settled(signs, reason, "")
     positive = alpha_signs(surface, join, on_curve=True)
@@ -68,23 +71,6 @@ def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
         return free_verdict(claim, join)
     reason = f"in <f, h^{surface.order + 1}> exactly all along the curve, alpha > 0 there"
     return claim.proved(reason, positive.examined)
-
-
-def _unmet(claim: Proposition, join: Join) -> Verdict | None:
-    """That the patch is no member of the contact's ideal at some point of the curve in the clip faces, if it is not."""
-    k = claim.surface.order
-    for met in incidences(claim.surface, join, k):
-        achieved = met.division.order
-        if achieved == k:
-            continue
-        found = unmet(join, met)
-        if found is None:
-            return claim.undecided(
-                f"f is not in <f_i, h_i^{k + 1}>, and no point of the curve was found where it matters"
-            )
-        how = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
-        return claim.failed(found, f"the patch {how}: f is not in <f_i, h_i^{k + 1}>")
-    return None
 
 
 def clip_sided(join: Join) -> SignResult:
