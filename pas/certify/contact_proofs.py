@@ -156,15 +156,6 @@ def cofactor(patch: Polynomial, contact: Contact, order: int) -> Polynomial | No
     return Polynomial.from_raw(divmod(patch.raw - power * beta, f)[0])
 
 
-def side_signs(join: Join) -> SignResult:
-    """Branch and bound for q > 0 on the far edges of the region's sides, from which q > 0 on all of them follows."""
-    edges = [
-        next(edge for edge in combinations(corners, 2) if join.partition.center not in edge)
-        for corners in (join.partition.corners(side.vertices) for side in join.partition.sides)
-    ]
-    return positive_on(edges, alike(join.contact.clip.raw, edges))
-
-
 def _inside_cone(join: Join, other: Join) -> bool:
     """Whether q < 0 is proved on the curve of another contact in its clip faces."""
     result = on_faces(-join.contact.clip.raw, other, other.faces, other.contact.surface.raw)
@@ -180,7 +171,10 @@ def opening_verdict(claim: Proposition, join: Join) -> Verdict:
     for number, other in enumerate(surface.joins, start=1):
         if other is not join and not _inside_cone(join, other):
             return claim.undecided(f"the curve of contact {number} is not proved to be inside the clip")
-    if side_signs(join).status is not Status.PROVED:
+    sides = [join.partition.corners(side.vertices) for side in join.partition.sides]
+    # from what holds on their far edges it follows on all of them
+    edges = [next(e for e in combinations(side, 2) if join.partition.center not in e) for side in sides]
+    if positive_on(edges, alike(join.contact.clip.raw, edges)).status is not Status.PROVED:
         return claim.undecided("the clip is not proved to be positive on the sides of the region")
     if not any(join.contact.clip.raw(*vertex) < 0 for vertex in join.partition.vertices):
         return claim.undecided("no point inside the clip was found in the region")
