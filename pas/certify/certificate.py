@@ -49,13 +49,8 @@ class Certificate(Verdicts):
 
     def to_record(self) -> dict[str, Any]:
         """A JSON-ready form; `further` only where there is something."""
-        record = {
-            "contacts": [v.to_record() for v in self.contacts],
-            "faces": [v.to_record() for v in self.faces],
-            "one_sheet": self.one_sheet.to_record(),
-            "enclosed": self.enclosed.to_record(),
-        }
-        return record | ({"further": [v.to_record() for v in self.further]} if self.further else {})
+        told = {name: found for name, found in vars(self).items() if name != "further" or found}
+        return {n: f.to_record() if isinstance(f, Verdict) else [v.to_record() for v in f] for n, f in told.items()}
 
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> Certificate:
