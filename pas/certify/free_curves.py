@@ -53,7 +53,8 @@ def free_verdict(claim: Proposition, join: Join) -> Verdict:
     patch, curve = surface.patches[0], RegionCurve(f, d, join.partition)
     achieved, obstacle = contact_order(patch, f, d, k)
     if obstacle is not None:
-        return _unmet(claim, curve, achieved, obstacle)
+        found = next((e for e in curve.enclosures(obstacle * obstacle) if e.sign(obstacle.raw)), None)
+        return claim.unmet(achieved, None if found is None else found.middle)
     exactly = f"in <f, h^{k + 1}> exactly"
     if not join.partition.cells:
         return claim.undecided(f"{exactly}; alpha is not examined, since there is no region")
@@ -73,15 +74,6 @@ def free_verdict(claim: Proposition, join: Join) -> Verdict:
         reason = f"{exactly}; but the curve is inside the region, too, where {d} = 0: one side of it only is in use"
         return claim.undecided(reason)
     return claim.proved(f"{exactly}, alpha > 0 on the curve, which is closed inside the region")
-
-
-def _unmet(claim: Proposition, curve: RegionCurve, achieved: int, obstacle: Polynomial) -> Verdict:
-    power = claim.surface.order + 1
-    met = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
-    found = next((e for e in curve.enclosures(obstacle * obstacle) if e.sign(obstacle.raw)), None)
-    if found is not None:
-        return claim.refuted(f"the patch {met}: f is not in <f_i, h_i^{power}>", found.middle)
-    return claim.undecided(f"f is not in <f_i, h_i^{power}>, and no point of the curve was found where it matters")
 
 
 def contact_order(patch: Polynomial, f: Polynomial, d: Polynomial, highest: int) -> tuple[int, Polynomial | None]:

@@ -27,7 +27,7 @@ from pas.arrays import Bools, Floats, Integers
 from pas.certify.certificate import Certificate
 from pas.certify.local_mesh import OFF, FramedMesh
 from pas.kernels.library import compiled
-from pas.mesh.rows import cross, dots, norms
+from pas.mesh.rows import cross, dots, norms, spans
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import Edges
 from pas.surface.boundary_loops import BoundaryLoop
@@ -66,8 +66,8 @@ def certify_graph(mesh: FramedMesh, edges: Edges, promised: Callable[[], Certifi
     owner[rim] = off.argmin(axis=0)
     said = f"every inner edge has two triangles; with {len(rim)} edges in {len(loops)} loops, to rounding"
     chain = Verdict(Status.PROVED, BORDER, said)
-    volume, error = volumes(points[mesh.triangles])
-    turned = np.flatnonzero(volume <= error)
+    volume, lengths = spans(points[mesh.triangles])
+    turned = np.flatnonzero(volume <= SURE * lengths)
     if len(turned):
         reason = f"{len(turned)} triangles are not seen from the centre with their outside away"
         return chain, _open(reason, mesh.local.frame.place(mesh.points[mesh.triangles[turned[0], 0]]))
@@ -150,10 +150,3 @@ def crossed(points: Floats, triangles: Integers, origin: Floats, ends: Floats) -
     given = (len(triangles), triangles, points, origin, len(ways), ways, towards, grazing, SURE)
     compiled().call("pas_crossed", *given, times, known)
     return times, known
-
-
-def volumes(corners: Floats) -> tuple[Floats, Floats]:
-    """The determinants (T,) of triangles (T, 3, 3), positive where they are seen from 0 with their outside away, and by
-    how much each may be off."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    return dots(a, cross(b, c)), SURE * np.sqrt(dots(a, a) * dots(b, b) * dots(c, c))

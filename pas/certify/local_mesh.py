@@ -201,8 +201,6 @@ class FramedSurface:
     @cached_property
     def meets_smoothly(self) -> bool:
         """Whether the pieces are proved to meet with continuous gradients."""
-        if len(self.patches) == 1:
-            return True
         faces = range(len(self.cells.interior_faces))
         return not faces or (self.function.order > 0 and all(face_verdict(self.function, i).proved for i in faces))
 
@@ -246,18 +244,14 @@ class FramedMesh:
         self.local, self.triangles = local, triangles
         self.points = (points - local.origin) / local.scale
         self.corners = np.take(self.points, triangles, axis=0)
-        self.normals, self.loose = unit_normals(self.corners)
-
-
-def unit_normals(corners: Floats) -> tuple[Floats, Floats]:
-    """Unit normals (T, 3) of triangles, and by how much each may be turned, by rounding or by putting corners that are
-    off a wall by rounding onto it."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    first, second, third = b - a, c - b, a - c
-    across = cross(first, -third)
-    area = np.maximum(np.sqrt(dots(across, across)), 1e-300)
-    longest = np.maximum(np.maximum(dots(first, first), dots(second, second)), dots(third, third))
-    return across / area[:, None], ROUNDINGS * UNIT_ROUNDOFF * longest / area + 8 * ON_WALL * np.sqrt(longest) / area
+        a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
+        first, second, third = b - a, c - b, a - c
+        across = cross(first, -third)
+        area = np.maximum(np.sqrt(dots(across, across)), 1e-300)
+        longest = np.maximum(np.maximum(dots(first, first), dots(second, second)), dots(third, third))
+        self.normals = across / area[:, None]
+        # by rounding, or by putting corners that are off a wall by rounding onto it
+        self.loose = ROUNDINGS * UNIT_ROUNDOFF * longest / area + 8 * ON_WALL * np.sqrt(longest) / area
 
 
 LIMITS = Limits(depth=150, cells=6000)

@@ -27,14 +27,6 @@ CLEAR = 1e-9
 
 
 @dataclass(frozen=True)
-class TriangleBounds:
-    """Of each triangle: an upper bound of |f| and a lower one of the derivative of f along its normal, (T,)."""
-
-    most: Floats
-    least: Floats
-
-
-@dataclass(frozen=True)
 class Parts(Cells):
     """Parts (P, 3, 3) of triangles, their numbers (P,), and which corners (P, 3) are marked, such as those on walls."""
 
@@ -74,14 +66,15 @@ def apart(simplices: Floats, corners: Floats, normals: Floats) -> Bools:
     return found
 
 
-def bounds(mesh: FramedMesh) -> TriangleBounds:
-    """The bounds on all triangles, each for all pieces that it may touch.
+def bounds(mesh: FramedMesh) -> tuple[Floats, Floats]:
+    """Of all triangles an upper bound of |f| and a lower one of the derivative of f along the normal, (T,), each for
+    all pieces that it may touch.
 
     Triangles in several pieces are cut into parts where the polynomial of one goes wrong in another.
     """
     normals, loose = mesh.normals, mesh.loose
     if len(mesh.local.makers) == 1:
-        return TriangleBounds(*_bounded(mesh.local, mesh.corners, normals, loose)[:2])
+        return _bounded(mesh.local, mesh.corners, normals, loose)[:2]
     most, least, usual = np.zeros(len(normals)), np.full(len(normals), np.inf), np.inf
 
     def judge(parts: Parts, depth: int) -> Fates:
@@ -96,7 +89,7 @@ def bounds(mesh: FramedMesh) -> TriangleBounds:
 
     left = search(Parts.of(mesh.corners), judge, Parts.quarters, ALL, "bounding f on triangles").open.owner
     most[left], least[left] = np.inf, -np.inf
-    return TriangleBounds(most, least)
+    return most, least
 
 
 def _bounded(local: FramedSurface, corners: Floats, normals: Floats, loose: Floats) -> tuple[Floats, Floats, Bools]:
@@ -175,7 +168,7 @@ def _on_sides(local: FramedSurface, parts: Parts, along: Floats, loose: Floats) 
     return least, _times(touched, len(parts)) > 1
 
 
-def farthest(mesh: FramedMesh, bounds: TriangleBounds) -> Floats | None:
+def farthest(mesh: FramedMesh, most: Floats, least: Floats) -> Floats | None:
     """How far triangles (T,) are from the zeros at most, in local units, infinite where that is not known.
 
     A triangle, or each of its parts, is moved to one side until f < 0 on it, to the other until f > 0: between one of
@@ -190,9 +183,9 @@ def farthest(mesh: FramedMesh, bounds: TriangleBounds) -> Floats | None:
     most_share, factors = 0.995, (1.05, 1.25, 1.5, 2.0, 3.0, 6.0, 30.0)
     values, gradients = local.jets(mesh.corners.mean(axis=1))
     with np.errstate(all="ignore"):
-        least = np.min(np.where(bounds.least > 0, bounds.most / bounds.least, local.beyond))
+        nearest = np.min(np.where(least > 0, most / least, local.beyond))
         near = np.nan_to_num(np.abs(values) / norms(gradients.T))
-    usual = max(float(np.quantile(near, most_share)), float(least))
+    usual = max(float(np.quantile(near, most_share)), float(nearest))
     way, left = np.zeros(len(near)), np.arange(len(near))
     for away in sorted({min(times * usual, local.beyond) for times in factors}):
         way[left] = away

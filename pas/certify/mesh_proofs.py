@@ -36,7 +36,7 @@ from pas.bernstein.simplices import Simplices
 from pas.certify.certificate import Certificate
 from pas.certify.graph_proofs import CLAIM, certify_graph, crossed
 from pas.certify.local_mesh import OFF, ON_WALL, FramedMesh, FramedSurface, critical_parts
-from pas.certify.mesh_bounds import TriangleBounds, along_walls, apart, bounds, farthest
+from pas.certify.mesh_bounds import along_walls, apart, bounds, farthest
 from pas.mesh.topology import Edges, same_places
 from pas.verdicts import Findings, Point, Status, Verdict
 
@@ -69,22 +69,22 @@ def certify_mesh(
     mesh = FramedMesh(local, points, triangles)
     if np.abs(mesh.points).max() > mesh.local.reach:
         return MeshCertificate((Verdict(Status.REFUTED, BORDER, "a vertex is outside the region"),))
-    found = bounds(mesh)
+    most, least = bounds(mesh)
     if any(join.opening for join in local.function.joins):
-        near, distance = _distance(mesh, found, closed=False)
+        near, distance = _distance(mesh, most, least, closed=False)
         verdicts = (*certify_graph(mesh, edges, promised), _vertices(mesh), near)
         places = tuple(v.witness for v in verdicts if v.witness is not None)
         return MeshCertificate(verdicts, partly_measured=True, distance=distance, places=places)
     chain, borders = _border(mesh, edges)
     if chain.proved:
-        topology, places = _topology(mesh, found, borders)
+        topology, places = _topology(mesh, most, least, borders)
         if not topology.proved and local.function.joins and local.center is not None:
             _, seen = certify_graph(mesh, edges, promised)
             topology, places = (seen, ()) if seen.proved else (topology, places)
     else:
         topology = Verdict(Status.UNDECIDED, CLAIM, "the mesh does not end on the walls")
         places = () if chain.witness is None else (chain.witness,)
-    near, distance = _distance(mesh, found, closed=not len(edges.rim))
+    near, distance = _distance(mesh, most, least, closed=not len(edges.rim))
     verdicts = (chain, _vertices(mesh), topology, near)
     return MeshCertificate(verdicts, partly_measured=True, distance=distance, places=places)
 
@@ -146,14 +146,14 @@ def _borders(mesh: FramedMesh, edges: Edges, wall: Integers) -> list[tuple[Float
 
 
 def _topology(
-    mesh: FramedMesh, found: TriangleBounds, borders: list[tuple[Floats, Bools]]
+    mesh: FramedMesh, most: Floats, least: Floats, borders: list[tuple[Floats, Bools]]
 ) -> tuple[Verdict, tuple[Point, ...]]:
     local = mesh.local
     if local.center is None:
         return _undecided(local, "the region has no centre from which to count", np.empty((0, 3)))
     if not local.meets_smoothly:
         return _undecided(local, "the pieces are not proved to meet with continuous gradients", np.empty((0, 3)))
-    flat = ~(found.least > 0)
+    flat = ~(least > 0)
     if flat.any():
         places = mesh.corners[flat].mean(axis=1)
         return _undecided(local, f"{int(flat.sum())} triangles may be turned from the gradient", places)
@@ -163,7 +163,7 @@ def _topology(
         return _undecided(local, "the surface may be tangential to a wall", places)
     parts = local.isolated
     if not any(len(part.open) for part in parts):
-        parts = _critical(mesh, found.most * (1 + 1e-9))  # more than the rounding of what it is compared with
+        parts = _critical(mesh, most * (1 + 1e-9))  # more than the rounding of what it is compared with
     left = np.concatenate([part.open.corners.mean(axis=1) for part in parts])
     if len(left):
         return _undecided(local, "the surface may be singular, or closer to itself than to the mesh", left)
@@ -274,18 +274,18 @@ def _counted(mesh: FramedMesh, parts: list[Searched[Simplices]]) -> tuple[Verdic
     return Verdict(Status.PROVED, CLAIM, reason, measure=examined), ()
 
 
-def _distance(mesh: FramedMesh, found: TriangleBounds, closed: bool) -> tuple[Verdict, float | None]:
+def _distance(mesh: FramedMesh, most: Floats, least: Floats, closed: bool) -> tuple[Verdict, float | None]:
     """The largest distance of the mesh's points from the zeros, here or just beyond the walls."""
-    local, way = mesh.local, farthest(mesh, found)
+    local, way = mesh.local, farthest(mesh, most, least)
     if way is None or not np.isfinite(way).all():
         place, reason = None, "the gradient may vanish too near to a triangle"
         if way is not None:
             worst = np.flatnonzero(~np.isfinite(way))[0]
             place = local.frame.place(mesh.corners[worst].mean(axis=0))
-            if found.least[worst] > 0:
+            if least[worst] > 0:
                 reason = "the triangles there are too large to bound it: try a smaller tolerance"
         return Verdict(Status.UNDECIDED, "a distance from the surface", reason, place), None
-    most = float(way.max()) * local.scale
+    far = float(way.max()) * local.scale
     beyond = "" if closed else ", in pieces that go on beyond the walls"
     reason = f"f < 0 and f > 0 so near to all points of triangles, along normals or rays from the centre{beyond}"
-    return Verdict(Status.PROVED, f"within {most:.3g} of the surface", reason), most
+    return Verdict(Status.PROVED, f"within {far:.3g} of the surface", reason), far

@@ -133,7 +133,7 @@ def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
             continue
         if any(met.division.order < 0 for met in incidences(surface, join, 0)):
             return claim.undecided(f"contact {number} is not met on its clip face")
-        result = alpha_signs(surface, join, on_curve=False, beside=surface.joins)
+        result = alpha_signs(surface, join, on_curve=False)
         failed = claim.failed(result, f"alpha is not positive on the clip face of contact {number}")
         if failed is not None:
             return failed

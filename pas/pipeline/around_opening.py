@@ -101,13 +101,9 @@ class AroundOpening:
         """Whether it is in a plate."""
         return self.contact.surface.degree == 1
 
-    @property
-    def _height(self) -> Polynomial:
-        return Polynomial.from_raw(height(self.center, self.axis))
-
     def at(self, level: fmpq) -> Polynomial:
         """The plane at a height, positive below."""
-        return Polynomial(level) - self._height
+        return Polynomial.from_raw(level - height(self.center, self.axis))
 
     def back(self, reach: fmpq) -> Polynomial:
         """The plane that is `reach` below the opening, but no nearer to the centre than to it; half way with 0."""
@@ -212,7 +208,7 @@ class AroundOpening:
 
     def edge(self, reach: fmpq) -> Polynomial:
         """What ends the piece around the opening at a distance of `reach`, positive outside."""
-        share, onto = self._height.raw / dot(self.axis, self.axis), []
+        share, onto = height(self.center, self.axis) / dot(self.axis, self.axis), []
         for g, a, c, m in zip(GENERATORS, self.axis, self.center, self.middle, strict=True):
             foot = m if self.flat else c + share * a
             point = g - (share - self.low / dot(self.axis, self.axis)) * a if self.flat else g

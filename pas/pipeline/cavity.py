@@ -94,21 +94,18 @@ class Cavity:
 
         The outer one's points are not in the inner one.
         """
-        return self._wishes(self.evenness)
-
-    def _wishes(self, evenness: EvenWall | None) -> Wishes:
-        energy = self.outer.wishes.energy if evenness is None else self.outer.plate + evenness
+        energy = self.outer.wishes.energy if self.evenness is None else self.outer.plate + self.evenness
         return Wishes(energy=energy, limits=self.outer.wishes.limits)
 
     def plain(self, found: B) -> B:
         """An inner blend without what it was chosen by besides the outer one's energy, which files do not keep."""
-        choice = found.choice
+        choice, wishes = found.choice, self.wishes.changed(energy=self.outer.wishes.energy)
         if self.evenness is None or choice is None:
             return found
-        solver = FitSolver(found.space.prepared, self._wishes(None).settled(found.surface.placed))
+        solver = FitSolver(found.space.prepared, wishes.settled(found.surface.placed))
         seen = solver.iterate(to_doubles(choice.working)[0], choice.rows)
         energy = found.energy if seen is None else solver.rounded(seen, choice.share).energy
-        return replace(found, energy=energy, wishes=self._wishes(None), choice=replace(choice, energy=energy))
+        return replace(found, energy=energy, wishes=wishes, choice=replace(choice, energy=energy))
 
     def unevenness(self, inner: PiecewiseSurface) -> float:
         """By what factor the wall's thickness is beyond `EVEN`, at some thousand points: 1 for an even wall."""

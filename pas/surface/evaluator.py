@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pas.algebra.evaluation import PolynomialBatch
-from pas.algebra.inputs import shown
+from pas.algebra.inputs import points_of, shown
 from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import to_float, to_floats
@@ -191,12 +191,7 @@ class Evaluator:
 
 def checked(points: ArrayLike, name: str = "points") -> Floats:
     """Finite points (..., 3), at least one.  Raises `ValueError` otherwise."""
-    try:
-        array = np.asarray(points, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must be numbers of shape (..., 3), not {shown(points)}") from None
-    if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"{name} must have shape (..., 3), not {array.shape}")
+    array = points_of(points, name)
     if array.size == 0:
         raise ValueError(f"{name} must hold at least one, not none: their shape is {array.shape}")
     finite = np.isfinite(array)

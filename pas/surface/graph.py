@@ -21,7 +21,7 @@ from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import counted_on, cross, dots
+from pas.mesh.rows import counted_on, cross, dots, spans
 from pas.mesh.shading import unit_rows
 from pas.mesh.sheet import open_mesh, remeshed
 from pas.mesh.topology import Edges, connected
@@ -149,10 +149,8 @@ def _icosahedral(level: int) -> Integers:
 
 def seen(points: Floats, triangles: Integers) -> Bools:
     """Which triangles (T,) are seen from 0 with their outside away."""
-    a, b, c = (points[triangles[:, i]] for i in range(3))
-    volume = dots(a, cross(b, c))
-    lengths = np.sqrt(dots(a, a) * dots(b, b) * dots(c, c))
-    return np.asarray(volume > SEEN * SEEN * lengths)
+    volumes, lengths = spans(points[triangles])
+    return np.asarray(volumes > SEEN * SEEN * lengths)
 
 
 def hull(field: RadialField, level: int, around: int) -> tuple[Floats, Integers]:
