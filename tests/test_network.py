@@ -335,8 +335,8 @@ def test_struts_may_be_cones():
     assert mesh.components == 1
     other = manifold3d.Manifold(manifold3d.Mesh(mesh.points.astype(np.float32), mesh.triangles.astype(np.uint32)))
     assert other.volume() == pytest.approx(mesh.volume, rel=1e-5)
-    total = sum(body.volume * len(places) for body, places in found.bodies(MeshSettings(0.004)))
-    assert total == pytest.approx(mesh.volume, rel=2e-3)
+    total = sum(body.volume * len(places) for body, places in found.bodies(MeshSettings(0.001)))
+    assert total == pytest.approx(found.pieces(0.001).volume, rel=2e-3)  # chords of strips and of cut struts differ
     strips = mesh.triangles[mesh.faces == 1]
     ends, widths = trunk().points[trunk().edges], trunk().widths
     ways = ends[:, 1] - ends[:, 0]
@@ -478,6 +478,18 @@ def test_rings_of_long_struts_are_as_round_as_the_tolerance_asks():
     assert all(least_angle(one.points[one.triangles]) > 5 for one, _ in body.bodies(MeshSettings()))
     many = sum(len(one.triangles) * len(places) for one, places in body.bodies(MeshSettings()))
     assert many < 1.25 * len(mesh.triangles)
+
+
+def test_the_shorter_struts_are_cut_where_all_would_take_too_many_triangles():
+    points = np.array([*np.ndindex(2, 2, 2)]) * (1, 1, 8)
+    body = network.Network(points, cube().edges, "1/12", "1/64").blend(1, "lowest")
+    found = {tuple(np.abs(strut.vector)): len(strut.points) for strut in body.pieces().struts}
+    assert found[0, 0, 8] == 0 and found[0, 1, 0] == found[1, 0, 0] == 26
+    mesh = body.mesh()
+    wide = [least_angle(corners[None]) > 5 for corners in mesh.points[mesh.triangles[mesh.faces == 1]]]
+    assert 0 < wide.count(False) <= 4 * 48
+    nodes = [len(piece.triangles) for piece in body.pieces().nodes]
+    assert sum(len(s.edges) * 2 * len(s.points) for s in body.pieces().struts) <= np.dot(nodes, body.kinds.counts) / 4
 
 
 def test_bodies_in_many_places_make_the_whole(tmp_path):

@@ -22,7 +22,7 @@ from pas.arrays import Floats, Integers, Numbers
 from pas.errors import MeshError
 from pas.network.classes import Kinds, NodeKind, ranked, turn
 from pas.network.graph import StrutGraph
-from pas.network.rings import FEWEST, Rings, Span, angles_around, circle, lid, places_of, rings_of, strip
+from pas.network.rings import FEWEST, Span, angles_around, circle, lid, places_of, rings_of, strip
 from pas.pipeline.result import Blend
 
 FEW = 1 / 4
@@ -140,8 +140,12 @@ class PlacedPieces:
         return NodePiece(points, fan, np.broadcast_to(-axis, (len(fan), 3, 3)), (ring,), 0.0)
 
     @cached_property
-    def _strips(self) -> tuple[Rings, list[StrutPiece]]:
-        """How struts are cut, so that all rings together add few triangles, and the piece of each kind of strut."""
+    def _strips(self) -> tuple[bool, float, list[StrutPiece]]:
+        """The piece of each kind of strut, and how they are cut, so that all rings together add few triangles.
+
+        Rings are as round as those of nodes if these are few, else as the tolerance asks, and then all struts are cut
+        whose rings take fewer triangles than a bound.
+        """
         edges, kinds, slots = self.network.edges, self.kinds.of, self.kinds.slots
         rows = kinds[edges[:, 0]], slots[:, 0], kinds[edges[:, 1]], slots[:, 1]
         of, firsts = ranked(rows)
@@ -154,34 +158,40 @@ class PlacedPieces:
             (self._circle(a, i), self._circle(b, j), v) for (a, i, b, j), v in zip(different, vectors, strict=True)
         ]
         few = FEW * np.dot([len(node.triangles) for node in self.nodes], self.kinds.counts)
-        for how in Rings:
-            cuts = [self._cut(span, how) for span in spans]
-            if sum(2 * n * len(at) * len(numbers) for (n, at), numbers in zip(cuts, groups, strict=True)) <= few:
+        for coarse in (False, True):
+            cuts = [self._cut(span, coarse) for span in spans]
+            costs = np.array([2.0 * count * len(places) for count, places in cuts])
+            cheapest = np.argsort(costs)
+            sums = np.cumsum((costs * list(map(len, groups)))[cheapest])
+            bound = float(costs[cheapest][sums > few].min(initial=np.inf))
+            if bound == np.inf:
                 break
+        cuts = [self._cut(span, coarse, bound) for span in spans]
         found = []
         for (a, i, b, j), numbers, span, cut in zip(different, groups, spans, cuts, strict=True):
             rise = self._width(self.kinds.kinds[a], i, 1.0) - self._width(self.kinds.kinds[a], i)
             points, triangles, normals, widest = strip(*span, rise, *cut)
             off = float(self.network.thickness[numbers[0]]) * (1 - cos(widest / 2))
             found.append(StrutPiece((a, b), (i, j), span[2], points, triangles, normals, off, numbers))
-        return how, found
+        return coarse, bound, found
 
     @property
     def struts(self) -> list[StrutPiece]:
         """The piece of each kind of strut."""
-        return self._strips[1]
+        return self._strips[2]
 
     def _fewest(self, radius: float) -> int:
         """The vertices that a ring must have to be within the tolerance."""
         return max(FEWEST, ceil(pi / acos(max(0.0, 1 - min(self.tolerance / radius, 1.0)))))
 
-    def _cut(self, span: Span, how: Rings) -> tuple[int, Floats]:
-        """The vertices of rings between two, and their places."""
+    def _cut(self, span: Span, coarse: bool, bound: float = np.inf) -> tuple[int, Floats]:
+        """The vertices of rings between two, and their places, if those of a whole strut take fewer triangles."""
         axis, given = unit(span[2]), [ring for ring in span[:2] if len(ring)]
         count = self._fewest(float(np.linalg.norm(np.cross(np.concatenate(given), axis), axis=1).max()))
-        if how is not Rings.AS_TOLERANCE:
+        if not coarse:
             count = max(count, min(map(len, given)))
-        return count, places_of(*span, count) if how is not Rings.NONE else np.ones(2 - len(given))
+        places, end = places_of(*span, count), np.ones(2 - len(given))
+        return count, places if 2 * count * (len(places) - len(end)) * (1 + len(end)) < bound else end
 
     def _circle(self, kind: int, slot: int) -> Floats:
         """The points on the circle of an arm."""
@@ -312,7 +322,7 @@ class PlacedPieces:
         axis, rise = unit(vector), self._width(one, arm, 1.0) - self._width(one, arm)
         own = ring[np.argsort(angles_around(piece.points[ring], axis))]
         span = piece.points[own], np.zeros((0, 3)), cut * vector
-        count, places = self._cut(span, self._strips[0])
+        count, places = self._cut(span, *self._strips[:2])
         points, found, outward, _ = strip(*span, cut * rise, count, places)
         return [(own, points, found, outward, count)]
 

@@ -9,7 +9,6 @@ A strip may have even rings in between, so that few angles of its triangles are 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from enum import Enum
 from itertools import pairwise
 from math import ceil, pi, radians, sin, tan, tau
 from typing import Any
@@ -28,14 +27,6 @@ LEAST_ANGLE = 6.0
 
 Span = tuple[Floats, Floats, Floats]
 """A ring around the beginning of a vector, one around its end, which may have no points, and the vector."""
-
-
-class Rings(Enum):
-    """Rings between those at the ends of struts: as round as these, as round as the tolerance asks, or none."""
-
-    AS_ENDS = "as ends"
-    AS_TOLERANCE = "as tolerance"
-    NONE = "none"
 
 
 def rings_of(points: Floats, boundary: Integers, arms: Any) -> tuple[Integers, ...]:
