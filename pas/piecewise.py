@@ -10,9 +10,9 @@ from typing import Unpack
 import numpy as np
 
 from pas.algebra.inputs import check_limit, check_surface_degree, check_tolerance
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, VectorLike, positive, to_fraction
+from pas.arrays import Floats, Integers
 from pas.certify.certificate import Certificate
 from pas.certify.curvature import curvature_below
 from pas.certify.local_mesh import FramedSurface
@@ -23,7 +23,6 @@ from pas.errors import GeometryError, MeshError
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Integers
 from pas.partition.boxes import SingleCell
 from pas.partition.cells import Partition
 from pas.settings import RELATIVE_TOLERANCE

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, TypeVar
 import numpy as np
 
 from pas.algebra.inputs import shown
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 from pas.errors import missing
 from pas.registry import Registry, loaded
 from pas.settings import MeshSettings, given

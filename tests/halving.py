@@ -7,7 +7,8 @@ from math import comb
 
 import numpy as np
 
-from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.monomials import homogeneous_exponents
+from pas.arrays import Floats
 from pas.bernstein.simplices import edges
 
 

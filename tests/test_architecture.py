@@ -17,7 +17,7 @@ import pas
 from pas.shape import KINDS
 
 LAYERS = [
-    *("_version", "errors", "limits", "elsewhere", "registry", "verdicts", "kernels"),
+    *("_version", "errors", "limits", "elsewhere", "registry", "verdicts", "arrays", "kernels"),
     *("algebra", "settings", "shape", "bernstein", "partition", "mesh", "contacts", "surface", "certify", "piecewise"),
     *("solid", "parametric", "fairing"),
     *("layouts", "blending", "pipeline", "exchange", "independent", "render", "designs", "network", "kinds"),

@@ -14,7 +14,6 @@ import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_mpoly
 
 from pas.algebra.inputs import whole
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import (
     UNITS,
@@ -33,6 +32,7 @@ from pas.algebra.rational import (
     two_across,
     vector,
 )
+from pas.arrays import Floats
 
 ORIGIN = (fmpq(0), fmpq(0), fmpq(0))
 

@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats, Integers
 from pas.limits import checkpoint
 
 STEPS, HALVINGS = 24, 50
@@ -22,7 +21,7 @@ which leave a bracket about as long as its rounding."""
 STILL = 1e-14
 """A step as short as this, over the larger end, is the last: the next would be beyond rounding."""
 
-Jets = Callable[[Floats, NDArray[np.intp]], tuple[Floats, Floats]]
+Jets = Callable[[Floats, Integers], tuple[Floats, Floats]]
 """The values and slopes (K,) at numbers (K,) of the functions that are numbered so (K,)."""
 
 
@@ -52,7 +51,7 @@ def sign_change(jets: Jets, low: Floats, high: Floats, start: Floats, still: flo
 def jets_of_columns(profiles: Floats) -> Jets:
     """The values and slopes of polynomials by their coefficients (n + 1, N), those of the lowest power first."""
 
-    def jets(at: Floats, rows: NDArray[np.intp]) -> tuple[Floats, Floats]:
+    def jets(at: Floats, rows: Integers) -> tuple[Floats, Floats]:
         values, slopes = np.zeros(len(at)), np.zeros(len(at))
         for row in profiles[::-1]:
             slopes = slopes * at + values

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.expressions import Formula, Names, NotRationalError, read_formula
 from pas.algebra.jets import Jet, composed, variables
-from pas.algebra.monomials import Floats
 from pas.algebra.rational_function import FunctionLike, RationalFunction
+from pas.arrays import Floats
 
 Values = Callable[[Any, Any], tuple[Any, ...]]
 """Three coordinates at two arrays (or jets) of parameters that broadcast."""

@@ -19,11 +19,11 @@ from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mpoly
-from numpy.typing import NDArray
 
 from pas.algebra.jets import Jet
-from pas.algebra.monomials import Floats, count, monomial_values, positions
+from pas.algebra.monomials import count, monomial_values, positions
 from pas.algebra.rational import to_float
+from pas.arrays import Floats, Integers
 from pas.kernels.library import compiled
 from pas.limits import checkpoint
 
@@ -35,8 +35,6 @@ CHUNK_ENTRIES = 1 << 17
 
 BLOCK = 1 << 15
 """Points worked on between two looks at the clock."""
-
-Integers = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,9 @@ from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from pas.arrays import Floats
 
 if TYPE_CHECKING:
     from flint import fmpq, fmpq_mpoly
@@ -182,11 +184,14 @@ def check_tolerance(tolerance: Any, size: float | None = None) -> float:
     return value
 
 
-def points_of(points: ArrayLike) -> NDArray[np.float64]:
-    """Points (..., 3) as an array.  Raises `ValueError` for another shape."""
-    array = np.asarray(points, dtype=float)
+def points_of(points: ArrayLike, name: str = "points") -> Floats:
+    """Points (..., 3) as an array.  Raises `ValueError` for what are none."""
+    try:
+        array = np.asarray(points, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be numbers of shape (..., 3), not {shown(points)}") from None
     if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"points must have shape (..., 3), not {array.shape}")
+        raise ValueError(f"{name} must have shape (..., 3), not {array.shape}")
     return array
 
 

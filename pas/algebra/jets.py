@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 
 
 class Jet:

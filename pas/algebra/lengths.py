@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 
 
 def lengths(vectors: Floats) -> Floats:

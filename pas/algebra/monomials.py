@@ -16,10 +16,10 @@ from functools import cache
 from math import comb
 
 import numpy as np
-from numpy.typing import NDArray
+
+from pas.arrays import Floats
 
 Exponents = tuple[int, ...]
-Floats = NDArray[np.float64]
 
 
 @cache

@@ -21,8 +21,9 @@ from pas.algebra.brief import formula_repr, latex
 from pas.algebra.evaluation import evaluate
 from pas.algebra.expressions import read_polynomial
 from pas.algebra.inputs import MAXIMAL_DEGREE, check_power, natural, points_of, shown
-from pas.algebra.monomials import Exponents, Floats, count, exponents, positions
+from pas.algebra.monomials import Exponents, count, exponents, positions
 from pas.algebra.rational import Exact, Symbolic, VectorLike, rational, to_float, to_fraction
+from pas.arrays import Floats
 from pas.registry import loaded
 
 if TYPE_CHECKING:

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import binary_exponent
+from pas.arrays import Floats
 
 
 @dataclass(frozen=True)

@@ -17,12 +17,12 @@ from math import comb, factorial, lcm, prod
 
 import numpy as np
 from flint import Ordering, fmpq, fmpq_mat, fmpq_mpoly, fmpq_mpoly_ctx, fmpz, fmpz_mat
-from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats, exponents, homogeneous_exponents, positions
+from pas.algebra.monomials import exponents, homogeneous_exponents, positions
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import Vector, to_floats
 from pas.algebra.scaling import scaled
+from pas.arrays import Floats, Integers
 
 UNIT_ROUNDOFF = 2.0**-53
 
@@ -217,7 +217,7 @@ def _with(table: Floats, degree: int, place: Floats) -> Floats:
 
 
 @cache
-def _steps(degree: int) -> NDArray[np.intp]:
+def _steps(degree: int) -> Integers:
     """Where monomials of degree <= `degree`, times 1, x, y and z, stand: (C(n+3, 3), 4)."""
     where, units = positions(degree + 1), ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
     return np.array([[where[a + i, b + j, c + k] for i, j, k in units] for a, b, c in exponents(degree)])
@@ -294,7 +294,7 @@ class BoundedForms:
 
 
 @cache
-def _terms(degree: int, other: int) -> tuple[NDArray[np.intp], Floats]:
+def _terms(degree: int, other: int) -> tuple[Integers, Floats]:
     """Of each multi-index b of the second degree, where those of the first plus b stand, and the weights, (k, m)."""
     first, second = (np.array(homogeneous_exponents(n, 4)) for n in (degree, other))
     whole = degree + other

@@ -22,12 +22,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from itertools import product
-from typing import Any, Generic, Self, TypeVar
+from typing import Generic, Self, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats
+from pas.arrays import AnyArray, Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.verdicts import Status
 
@@ -42,7 +41,7 @@ class Fate(IntEnum):
     SETTLED, SPLIT, WAIT, KEEP, REFUTE = range(5)
 
 
-Fates = NDArray[np.intp]
+Fates = Integers
 
 
 @dataclass(frozen=True)
@@ -50,13 +49,13 @@ class Cells:
     """A batch of cells: arrays in its fields have one row a cell, other fields hold for all."""
 
     @property
-    def _arrays(self) -> dict[str, NDArray[Any]]:
+    def _arrays(self) -> dict[str, AnyArray]:
         return {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
 
     def __len__(self) -> int:
         return len(next(value for value in vars(self).values() if isinstance(value, np.ndarray)))
 
-    def select(self, rows: NDArray[Any]) -> Self:
+    def select(self, rows: AnyArray) -> Self:
         """Some of the cells, by a mask (N,) or their numbers."""
         return replace(self, **{name: array[rows] for name, array in self._arrays.items()})
 
@@ -89,7 +88,7 @@ class Boxes(Cells):
         centers = [self.centers + halves * np.array(side) for side in product((-1, 1), repeat=3)]
         return Boxes(np.concatenate(centers), np.tile(halves, (8, 1)))
 
-    def halved(self, along: NDArray[np.bool_]) -> Boxes:
+    def halved(self, along: Bools) -> Boxes:
         """Each halved along those of its sides (N, 3) that are marked."""
         centers, halves = self.centers, self.halves
         for axis in range(3):

@@ -23,12 +23,12 @@ from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq_mpoly
-from numpy.typing import NDArray
 
 from pas.algebra.evaluation import degree_of
-from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import RING
 from pas.algebra.rational import Vector
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.forms import UNIT_ROUNDOFF, corner_points, nearby_forms, rounded_forms
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.bernstein.simplices import Simplices, at_vertices, halves
@@ -46,7 +46,7 @@ class SignResult:
 
     status: Status
     undecided: Floats
-    sources: NDArray[np.intp]
+    sources: Integers
     examined: int
     witness: Floats | None = None
 
@@ -71,7 +71,7 @@ class _Claim(Simplices):
         return replace(self, table=np.concatenate([-self.value, *self.zeros], axis=1))
 
 
-Anew: TypeAlias = Callable[[Floats, NDArray[np.intp]], tuple[Floats, float]]
+Anew: TypeAlias = Callable[[Floats, Integers], tuple[Floats, float]]
 """Works out the values (K, m), scaled to at most 1, on parts (K, d + 1, 3) of simplices of given numbers (K,), and by
 how much each may be off."""
 
@@ -173,7 +173,7 @@ def _judged(batch: _Claim, _: int) -> Fates:
     return fates
 
 
-def _settled(batch: _Claim, bound: float) -> NDArray[np.bool_]:
+def _settled(batch: _Claim, bound: float) -> Bools:
     settled = batch.value.min(axis=1) > bound
     for zero in batch.zeros:
         settled |= zero.min(axis=1) > bound
@@ -182,7 +182,7 @@ def _settled(batch: _Claim, bound: float) -> NDArray[np.bool_]:
     return settled
 
 
-def _by_multiple(batch: _Claim, bound: float) -> NDArray[np.bool_]:
+def _by_multiple(batch: _Claim, bound: float) -> Bools:
     """Where a multiple of a polynomial that vanishes makes up for what is negative."""
     settled, value = np.zeros(len(batch), dtype=bool), batch.value
     zeros = batch.zeros if len(batch.zeros) == 1 or batch.below else ()
@@ -198,7 +198,7 @@ def _by_multiple(batch: _Claim, bound: float) -> NDArray[np.bool_]:
     return settled
 
 
-def _violations(batch: _Claim, bound: float) -> NDArray[np.bool_]:
+def _violations(batch: _Claim, bound: float) -> Bools:
     if not batch.zeros:
         return at_vertices(batch.value, batch.corners.shape[1]).min(axis=1) < -bound
     if batch.below:

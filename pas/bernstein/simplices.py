@@ -21,18 +21,16 @@ from dataclasses import dataclass, replace
 from functools import cache
 from itertools import accumulate, combinations, pairwise
 from math import comb
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.evaluation import degree_of
-from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.monomials import homogeneous_exponents
+from pas.arrays import AnyArray, Floats, Integers
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells, Fates
 from pas.kernels.library import compiled
-
-Integers = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -138,7 +136,7 @@ def edges(vertices: int) -> tuple[tuple[int, int], ...]:
 
 
 @cache
-def raised(degree: int, vertices: int) -> NDArray[np.intp]:
+def raised(degree: int, vertices: int) -> Integers:
     """For each multi-index of degree - 1 where those of `degree` with one more in each place stand, (m, vertices).
 
     B-coefficients of the derivative along barycentric u, sum 0, are `degree` times the sums of u_k b at these places.
@@ -157,9 +155,9 @@ class Means:
     each part's coefficients.
     """
 
-    halves: NDArray[np.intp]
+    halves: Integers
     levels: tuple[int, ...]
-    taken: NDArray[np.intp]
+    taken: Integers
 
     def __call__(self, forms: Floats) -> Floats:
         """Those on the parts (P, T, m) of simplices (T, m)."""
@@ -237,7 +235,7 @@ def _replaced(times: Times, node: int, end: int) -> Times:
     return tuple(result)
 
 
-def halves(coefficients: NDArray[Any], axis: int) -> tuple[NDArray[Any], NDArray[Any]]:
+def halves(coefficients: AnyArray, axis: int) -> tuple[AnyArray, AnyArray]:
     """Both halves of forms on boxes, at the middle of the parameter along `axis`, by repeated means.
 
     The numbers may be doubles, or exact ones in an array of objects.

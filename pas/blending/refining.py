@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from flint import arb, arb_mat, ctx, fmpq_mat
 
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 
 BITS = 512
 

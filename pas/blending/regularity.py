@@ -61,7 +61,6 @@ def _some_beyond(space: Space, join: Join, form: NormalForm) -> bool:
 
 
 def _terms(row: Iterable[fmpq], degree: int) -> Iterator[tuple[Exponents, fmpq]]:
-    """The terms of a row of coefficients."""
     return ((e, c) for e, c in zip(exponents(degree), row, strict=True) if c != 0)
 
 
@@ -118,16 +117,10 @@ class TrivialPart:
         if m > 1 and self.common_factor.degree > 0:
             yield f"all members have the common factor {self.common_factor}"
         if self.products is not None and self.products.dimension:
-            kind = (
-                "all members are"
-                if self.products.dimension == m
-                else f"{self.products.dimension} of {m} dimensions are"
-            )
-            yield f"{kind} sums of products of the given surfaces and clips, which exist for any data"
+            kind = "sums of products of the given surfaces and clips, which exist for any data"
+            yield f"{_share(self.products, m)} {kind}"
         if self.same_everywhere is not None and self.same_everywhere.dimension:
-            found = self.same_everywhere.dimension
-            kind = "all members are" if found == m else f"{found} of {m} dimensions are"
-            yield f"{kind} single polynomials, the same on all pieces"
+            yield f"{_share(self.same_everywhere, m)} single polynomials, the same on all pieces"
         if len(self.reducible) == m and (m == 1 or self.common_factor.degree <= 0):
             yield "all basis members are reducible"
 
@@ -135,35 +128,26 @@ class TrivialPart:
         return "\n".join(self.remarks())
 
 
+def _share(part: Space, dimension: int) -> str:
+    return "all members are" if part.dimension == dimension else f"{part.dimension} of {dimension} dimensions are"
+
+
 def trivial_part(space: Space) -> TrivialPart:
     """The trivial members of a space."""
     singular = tuple(space.subspace(vanishing_alpha(space, i)) for i in range(len(space.contacts)))
-    single = len(space.patches) == 1
-    return TrivialPart(
-        space, singular, _products(space) if single else None, None if single else _same_everywhere(space)
-    )
-
-
-def _products(space: Space) -> Space:
-    """The span of products of one generator of each contact ideal, times anything, in degree."""
-    factors = [(c.surface, c.clip ** (space.order + 1)) for c in space.contacts]
-    rows = []
-    for chosen in product(*factors):
-        whole = prod(chosen, start=Polynomial(1))
-        for shift in exponents(space.degree - whole.degree) if whole.degree <= space.degree else ():
-            rows.append((whole * Polynomial({shift: 1})).row(space.degree))
+    first, *others = space.patches
+    if others:
+        differences = (row for other in others for row in (first - other).transpose().tolist())
+        equal = [{j: value for j, value in enumerate(row) if value != 0} for row in differences]
+        return TrivialPart(space, singular, None, space.subspace(nullspace(equal, space.dimension)))
+    # the span of products of one generator of each contact ideal, times anything
+    chosen = product(*((c.surface, c.clip ** (space.order + 1)) for c in space.contacts))
+    whole = (prod(factors, start=Polynomial(1)) for factors in chosen)
+    shifts = ((p, shift) for p in whole for shift in exponents(space.degree - p.degree))
+    rows = [(p * Polynomial({shift: 1})).row(space.degree) for p, shift in shifts]
     reduced, rank = fmpq_mat(len(rows), count(space.degree), [v for row in rows for v in row]).rref()
-    return space.restricted([(Polynomial.from_row(row, space.degree),) for row in reduced.tolist()[:rank]])
-
-
-def _same_everywhere(space: Space) -> Space:
-    first, *others = (m.transpose().tolist() for m in space.patches)
-    rows: list[dict[int, fmpq]] = []
-    for other in others:
-        for a, b in zip(first, other, strict=True):
-            rows.append({j: u - v for j, (u, v) in enumerate(zip(a, b, strict=True)) if u != v})
-    found: fmpq_mat = nullspace(rows, space.dimension)
-    return space.subspace(found)
+    products = [(Polynomial.from_row(row, space.degree),) for row in reduced.tolist()[:rank]]
+    return TrivialPart(space, singular, space.restricted(products), None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +185,7 @@ def generators(space: Space) -> tuple[Generator, ...]:
         found: list[tuple[Polynomial, ...]] = [(g.primitive(),) for g in basis]
     else:
         found = [s.patches for s in system.generators()]
-    forms = [NormalForm([c.surface.raw**2, c.clip.raw]) for c in space.contacts]
+    forms = list(map(_form, space.contacts))
     carriers = [pieces[0] for pieces in space.placed.carriers]
     made = [
         Generator(

@@ -20,13 +20,12 @@ from typing import TypeVar
 
 import numpy as np
 from flint import fmpq, fmpq_mpoly
-from numpy.typing import NDArray
 
 from pas.algebra.brief import brief
 from pas.algebra.ideal import Ideal, NormalForm
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import cross, dot, plain, three, to_float
+from pas.arrays import Floats, Integers
 from pas.bernstein.forms import BoundedForms, nearby_forms, polar_forms
 from pas.bernstein.search import Limits
 from pas.bernstein.signs import prove_positive
@@ -128,7 +127,7 @@ def curvature_contact(f: PolynomialLike, g: PolynomialLike, contact: ContactLike
     other_speed, other_bend = _curvature(second.raw, starred, curve)
     difference = curve.reduce(speed * speed * other_bend - other_speed * other_speed * bend)
     cubed = None
-    if met is not None and _proportional(first.raw, met.surface.raw):
+    if met is not None and first.primitive() == met.surface.primitive():
         cubed = contact_ideal(met, 2).normal_form(second)
     return CurvatureContact(
         value=Polynomial.from_raw(curve.reduce(second.raw)),
@@ -158,10 +157,6 @@ def _form(g: Sequence[R], matrix: Matrix[R]) -> R:
     return dot(g, [dot(row, g) for row in matrix])
 
 
-def _proportional(a: fmpq_mpoly, b: fmpq_mpoly) -> bool:
-    return bool(a * b.leading_coefficient() == b * a.leading_coefficient())
-
-
 def _owned(components: Sequence[fmpq_mpoly]) -> tuple[Polynomial, Polynomial, Polynomial]:
     return three(Polynomial.from_raw(c) for c in components)
 
@@ -181,7 +176,7 @@ def curvature_below(surface: PiecewisePolynomial, bound: fmpq) -> Verdict:
     local, degree = surface.local, 6 * max(surface.degree - 1, 0)
     pieces, square = local.piece_of.tolist(), to_float((bound * surface.partition.frame.scale) ** 2)
 
-    def values(parts: Floats, numbers: NDArray[np.intp]) -> tuple[Floats, float]:
+    def values(parts: Floats, numbers: Integers) -> tuple[Floats, float]:
         checkpoint("bounding curvature")
         patches = [surface.scaled.polynomials[pieces[number]] for number in numbers.tolist()]
         jet = _jet(patches, parts, surface.degree, float(np.abs(local.points).max()))

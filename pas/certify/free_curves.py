@@ -27,14 +27,14 @@ from itertools import product
 
 import numpy as np
 from flint import fmpq_mpoly
-from numpy.typing import NDArray
 
 from pas.algebra.ideal import NormalForm
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact_vector, moved, to_floats
 from pas.algebra.scaling import scaled
+from pas.arrays import Bools, Floats
 from pas.bernstein.forms import b_form, on_simplex
 from pas.bernstein.signs import alike, apart_on, positive_on
 from pas.certify.certificate import Proposition
@@ -53,7 +53,8 @@ def free_verdict(claim: Proposition, join: Join) -> Verdict:
     patch, curve = surface.patches[0], RegionCurve(f, d, join.partition)
     achieved, obstacle = contact_order(patch, f, d, k)
     if obstacle is not None:
-        return _unmet(claim, curve, achieved, obstacle)
+        found = next((e for e in curve.enclosures(obstacle * obstacle) if e.sign(obstacle.raw)), None)
+        return claim.unmet(achieved, None if found is None else found.middle)
     exactly = f"in <f, h^{k + 1}> exactly"
     if not join.partition.cells:
         return claim.undecided(f"{exactly}; alpha is not examined, since there is no region")
@@ -75,15 +76,6 @@ def free_verdict(claim: Proposition, join: Join) -> Verdict:
     return claim.proved(f"{exactly}, alpha > 0 on the curve, which is closed inside the region")
 
 
-def _unmet(claim: Proposition, curve: RegionCurve, achieved: int, obstacle: Polynomial) -> Verdict:
-    power = claim.surface.order + 1
-    met = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
-    found = next((e for e in curve.enclosures(obstacle * obstacle) if e.sign(obstacle.raw)), None)
-    if found is not None:
-        return claim.refuted(f"the patch {met}: f is not in <f_i, h_i^{power}>", found.middle)
-    return claim.undecided(f"f is not in <f_i, h_i^{power}>, and no point of the curve was found where it matters")
-
-
 def contact_order(patch: Polynomial, f: Polynomial, d: Polynomial, highest: int) -> tuple[int, Polynomial | None]:
     """The largest j <= `highest` with the patch in `<f, d^(j+1)>` (-1 for none), and an obstacle.
 
@@ -92,26 +84,18 @@ def contact_order(patch: Polynomial, f: Polynomial, d: Polynomial, highest: int)
     """
     if NormalForm([f.raw, d.raw ** (highest + 1)]).reduce(patch.raw).is_zero():
         return highest, None
-    for j in range(highest + 1):
-        remainder = NormalForm([f.raw, d.raw ** (j + 1)]).reduce(patch.raw)
-        if not remainder.is_zero():
-            obstacle = Polynomial.from_raw(remainder)
-            for _ in range(j):
-                obstacle = _derived(obstacle, f, d)
-            return j - 1, obstacle
-    raise ArithmeticError("a power of an ideal is in its lower ones")  # pragma: no cover
+    remainders = (NormalForm([f.raw, d.raw ** (j + 1)]).reduce(patch.raw) for j in range(highest + 1))
+    lowest, remainder = next((j, r) for j, r in enumerate(remainders) if not r.is_zero())
+    obstacle, along = Polynomial.from_raw(remainder), cross(cross(_gradient(f), _gradient(d)), _gradient(f))
+    for _ in range(lowest):
+        obstacle = Polynomial.from_raw(dot(along, _gradient(obstacle)))
+    return lowest - 1, obstacle
 
 
 def transversality(g: Polynomial, f: Polynomial, d: Polynomial) -> Polynomial:
     """`(grad g x grad d) . (grad f x grad d)`."""
     first, second = cross(_gradient(g), _gradient(d)), cross(_gradient(f), _gradient(d))
     return Polynomial.from_raw(dot(first, second))
-
-
-def _derived(g: Polynomial, f: Polynomial, d: Polynomial) -> Polynomial:
-    """The derivative of g along `(grad f x grad d) x grad f`."""
-    along = cross(cross(_gradient(f), _gradient(d)), _gradient(f))
-    return Polynomial.from_raw(dot(along, _gradient(g)))
 
 
 def _gradient(polynomial: Polynomial) -> list[fmpq_mpoly]:
@@ -179,8 +163,14 @@ class RegionCurve:
     @property
     def points(self) -> Floats:
         """Points (m, 3) on the curve and in the region, up to rounding, by Newton's method."""
+        if self.partition.cells:
+            corners = self.partition.points[np.array(self.partition.cells)]
+        else:  # those of cubes around the origin
+            corners = np.multiply.outer([1.0, 8.0, 64.0], list(product((-1.0, 1.0), repeat=3)))
+        parts = 4  # of a cell's edge: a curve that is missed leaves the claim undecided
+        weights = np.array(homogeneous_exponents(parts, corners.shape[1])) / parts
+        points = np.unique((weights @ corners).reshape(-1, 3), axis=0)
         f, d = scaled(self.f), scaled(self.d)
-        points = self._starts()
         reach = 4 * float(np.abs(points).max())
         for _ in range(24):  # the number of right digits doubles with each
             along_f, along_d, regular = dual(f.gradient(points), d.gradient(points))
@@ -190,13 +180,6 @@ class RegionCurve:
         points = points[np.linalg.norm(step, axis=1) < 1e-10]
         inside = self.partition.locate(points) >= 0 if self.partition.cells else np.full(len(points), True)
         return points[inside]
-
-    def _starts(self) -> Floats:
-        corners = self.partition.points[np.array(self.partition.cells)] if self.partition.cells else _cubes()
-        vertices = corners.shape[1]
-        parts = 4  # of a cell's edge: a curve that is missed leaves the claim undecided
-        weights = np.array(homogeneous_exponents(parts, vertices)) / parts
-        return np.unique((weights @ corners).reshape(-1, 3), axis=0)
 
     def _holds(self, corners: tuple[Vector, ...]) -> bool:
         """Whether the hull of some points is proved to be in the region.
@@ -220,7 +203,7 @@ def _sign(polynomial: fmpq_mpoly, simplices: Sequence[Sequence[Vector]]) -> int:
     return 1 if min(values) > 0 else -1 if max(values) < 0 else 0
 
 
-def dual(f: Floats, d: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+def dual(f: Floats, d: Floats) -> tuple[Floats, Floats, Bools]:
     """The vectors in the span of two gradients (N, 3) along which one function rises by 1 and the other stays.
 
     And where they exist, (N,): where the gradients are not parallel.
@@ -230,9 +213,3 @@ def dual(f: Floats, d: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     regular = determinant > 1e-12 * ff * dd  # the squared sine of the angle between them
     scale = np.where(regular, determinant, 1.0)
     return (dd * f - fd * d) / scale, (ff * d - fd * f) / scale, regular[:, 0]
-
-
-def _cubes() -> Floats:
-    """The corners of cubes around the origin, cut into no cells: (cubes, 8, 3)."""
-    corners = np.array(list(product((-1.0, 1.0), repeat=3)))
-    return np.array([reach * corners for reach in (1.0, 8.0, 64.0)])

@@ -18,7 +18,7 @@ vanishes at finitely many points of its real curve at most (Bochnak, Coste and R
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from flint import fmpq, fmpq_mpoly
@@ -91,29 +91,21 @@ class Incidence:
     factors: tuple[fmpq_mpoly, ...] = ()
 
 
-def incidences(surface: PiecewisePolynomial, join: Join, order: int) -> list[Incidence]:
+def incidences(surface: PiecewisePolynomial, join: Join, order: int) -> Iterator[Incidence]:
     """How each patch behind clip faces meets a contact, as far as GC^`order`."""
-    return [
-        _incidence(surface.patches[piece], join, plane, piece, order)
-        for plane in join.planes
-        for piece in dict.fromkeys(face.piece for face in plane.faces)
-    ]
+    for plane in join.planes:
+        for piece in dict.fromkeys(face.piece for face in plane.faces):
+            yield _incidence(surface.patches[piece], join, plane, piece, order)
 
 
-def alpha_signs(
-    surface: PiecewisePolynomial,
-    join: Join,
-    *,
-    on_curve: bool,
-    beside: Sequence[Join] = (),
-) -> SignResult:
-    """Branch and bound for alpha > 0 on the clip faces (or on the curve), where `patch = alpha f_i`.
+def alpha_signs(surface: PiecewisePolynomial, join: Join, *, on_curve: bool) -> SignResult:
+    """Branch and bound for alpha > 0 on the curve, where `patch = alpha f_i`, or all over the clip faces.
 
-    Contacts `beside` it whose curves lie in the same faces have their surfaces divided out of alpha:
+    There other contacts whose curves lie in the same faces have their surfaces divided out of alpha:
     what is left is positive where the patch is negative inside one of the curves alone.  Raises
     `ValueError` where the patch does not vanish on the contact's curve.
     """
-    faces, values = [], []
+    faces, values, beside = [], [], () if on_curve else surface.joins
     for met in incidences(surface, join, 0):
         if met.division.alpha is None:
             raise ValueError("alpha is defined where the contact is met only")
@@ -160,17 +152,10 @@ def _incidence(patch: Polynomial, join: Join, plane: ClipPlane, piece: int, orde
         return Incidence(faces, division)
     unit, factors = RING.constant(1), []
     for factor, times in f[0].factor()[1]:
-        sign = _constant_sign(factor, join, faces)
+        signs = (s for s in (1, -1) if on_faces(factor * s, join, faces).status is Status.PROVED)
+        sign = next(signs, 0)  # that which it is proved to have on all of the faces
         if sign:
             unit *= (factor * sign) ** times
         elif times == 1:
             factors.append(factor)
     return Incidence(faces, divide(g, f, divmod(f[0], unit)[0], unit), tuple(factors))
-
-
-def _constant_sign(polynomial: fmpq_mpoly, join: Join, faces: Sequence[OuterFace]) -> int:
-    """1 or -1 where a polynomial is proved to have that sign on all of some faces, else 0."""
-    for sign in (1, -1):
-        if on_faces(polynomial * sign, join, faces).status is Status.PROVED:
-            return sign
-    return 0

@@ -30,11 +30,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from flint import fmpq_mpoly
+from flint import fmpq, fmpq_mpoly
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, exact_vector, to_floats
+from pas.algebra.rational import Vector, exact_vector, to_float, to_floats
+from pas.arrays import Floats
 from pas.bernstein.forms import corner_points, nearby_forms, on_simplex
 from pas.bernstein.signs import SignResult, positive_on, prove_positive
 from pas.certify.certificate import Certificate, Proposition
@@ -77,11 +77,9 @@ def face_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
     while power <= k and not difference.is_zero():
         quotient, remainder = divmod(difference, plane)
         if not remainder.is_zero():
-            jump = on_simplex(difference, surface.local.corners(face.vertices))
-            point = _nonzero_point(jump, surface.local.corners(face.vertices))
             reached = "not continuous" if power == 0 else f"C^{power - 1} only"
             reason = f"{reached}: pi^{power + 1} does not divide the difference"
-            return claim.refuted(reason, np.array(point))
+            return claim.refuted(reason, _largest_at(difference, surface.local.corners(face.vertices)))
         difference, power = quotient, power + 1
     return claim.proved(f"pi^{k + 1} divides the difference exactly")
 
@@ -95,7 +93,11 @@ def sheet_verdict(surface: PiecewisePolynomial) -> Verdict:
         if _unused(surface, np.zeros(3)):
             return claim.undecided("the centre is beyond a contact's clip")
         return claim.refuted("the centre is not inside the surface", np.zeros(3))
-    result = sheet_signs(surface)
+    local, (zeros, off) = surface.local, surface.cell_forms
+    cells, values = [local.corners(cell) for cell in local.cells], [*map(radial_derivative, surface.patches)]
+    degree = max(surface.degree, *(int(value.total_degree()) for value in values))
+    forms, error = nearby_forms([values[piece] for piece in local.piece_of], cells, degree)
+    result = prove_positive(forms, corner_points(cells), zeros, error=max(error, off))
     wrong = "a ray from the centre meets the surface more than once or tangentially"
     said = f"grad f . u > 0 wherever f = 0, u from the centre; {result.examined} tetrahedra"
     return claim.settled(_where_used(surface, result), wrong, said)
@@ -106,7 +108,10 @@ def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
     claim = Proposition(surface, "enclosed")
     if not surface.partition.cells:
         return claim.undecided("there is no region")
-    walls, reached = _where_used(surface, wall_signs(surface)), "the inside of the surface reaches an outer wall"
+    faces = [surface.local.corners(face.vertices) for face in surface.walls]
+    values = [surface.patches[face.piece].raw for face in surface.walls], surface.degree
+    walls = _where_used(surface, positive_on(faces, values, near=True))
+    reached = "the inside of the surface reaches an outer wall"
     if surface.partition.sides and not any(join.opening for join in surface.joins):
         reached = "no contact closes the region, which is open: the inside reaches its sides"
     failed = claim.failed(walls, reached)
@@ -128,33 +133,12 @@ def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
             continue
         if any(met.division.order < 0 for met in incidences(surface, join, 0)):
             return claim.undecided(f"contact {number} is not met on its clip face")
-        result = alpha_signs(surface, join, on_curve=False, beside=surface.joins)
+        result = alpha_signs(surface, join, on_curve=False)
         failed = claim.failed(result, f"alpha is not positive on the clip face of contact {number}")
         if failed is not None:
             return failed
         examined += result.examined
     return claim.proved(f"f > 0 on the walls, alpha > 0 on the clip faces; {examined} triangles", examined)
-
-
-def sheet_signs(surface: PiecewisePolynomial) -> SignResult:
-    """Branch and bound for `f = 0 => grad f . u > 0` over all cells."""
-    return zeros_signs(surface, [_radial_derivative(patch) for patch in surface.patches])
-
-
-def zeros_signs(surface: PiecewisePolynomial, values: Sequence[fmpq_mpoly]) -> SignResult:
-    """Branch and bound for `f = 0 => value > 0` over all cells; each piece has a value, in local coordinates."""
-    local, (zeros, off) = surface.local, surface.cell_forms
-    cells = [local.corners(cell) for cell in local.cells]
-    degree = max(surface.degree, *(int(value.total_degree()) for value in values))
-    forms, error = nearby_forms([values[piece] for piece in local.piece_of], cells, degree)
-    return prove_positive(forms, corner_points(cells), zeros, error=max(error, off))
-
-
-def wall_signs(surface: PiecewisePolynomial) -> SignResult:
-    """Branch and bound for `f > 0` on the faces of the region that the inside may not reach."""
-    faces = [surface.local.corners(face.vertices) for face in surface.walls]
-    values = [surface.patches[face.piece].raw for face in surface.walls], surface.degree
-    return positive_on(faces, values, near=True)
 
 
 def _unused(surface: PiecewisePolynomial, point: Floats) -> bool:
@@ -171,17 +155,16 @@ def _where_used(surface: PiecewisePolynomial, result: SignResult) -> SignResult:
     return replace(result, status=Status.UNDECIDED, undecided=points, witness=None)
 
 
-def _radial_derivative(patch: Polynomial) -> fmpq_mpoly:
+def radial_derivative(patch: Polynomial) -> fmpq_mpoly:
+    """The product of the gradient and the place."""
     return sum((g * patch.raw.derivative(i) for i, g in enumerate(GENERATORS)), GENERATORS[0] * 0)
 
 
-def _nonzero_point(restricted: fmpq_mpoly, corners: Sequence[Vector]) -> tuple[float, ...]:
-    """The lattice point of a face at which a polynomial on it is largest in absolute value."""
-    n = max(int(restricted.total_degree()), 1)
-    best = max(
-        ((i, j) for i in range(n + 1) for j in range(n + 1 - i)),
-        key=lambda ij: abs(Polynomial.from_raw(restricted).at((f"{ij[0]}/{n}", f"{ij[1]}/{n}", 0))),
-    )
+def _largest_at(polynomial: fmpq_mpoly, corners: Sequence[Vector]) -> Floats:
+    """The lattice point (3,) of a face at which a polynomial is largest in absolute value."""
+    on_face = on_simplex(polynomial, corners)
+    n = max(int(on_face.total_degree()), 1)
+    places = ((fmpq(i, n), fmpq(j, n)) for i in range(n + 1) for j in range(n + 1 - i))
+    u, v = map(to_float, max(places, key=lambda place: abs(on_face(*place, fmpq(0)))))
     a, b, c = (np.array(to_floats(p)) for p in corners)
-    u, v = best[0] / n, best[1] / n
-    return tuple(((1 - u - v) * a + u * b + v * c).tolist())
+    return np.asarray((1 - u - v) * a + u * b + v * c)

@@ -29,11 +29,11 @@ from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq, fmpq_mpoly
-from numpy.typing import NDArray
 
 from pas.algebra.inputs import shown_point
-from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.rational import Vector, plain, three, to_float
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.forms import corner_points, nearby_forms
 from pas.bernstein.search import Cells, Fate, Fates, Limits, Searched, search
 from pas.bernstein.simplices import Simplices, at_vertices, edges
@@ -47,7 +47,7 @@ CLEAR = 1e-9
 """Over the reach of the regions: by how much distances are more than a bound, or less; corners, planes and sums are off
 by some hundred 2^-53 of it."""
 
-Pairs: TypeAlias = "tuple[NDArray[np.intp], NDArray[np.intp]]"
+Pairs: TypeAlias = "tuple[Integers, Integers]"
 """The numbers (P,) of slices of the inner surface, and of one of the outer surface's for each."""
 
 LIMITS = Limits(depth=120, cells=400_000)
@@ -71,10 +71,10 @@ class Slices(Cells):
     middles: Floats
     radii: Floats
     normals: Floats
-    crossed: NDArray[np.bool_]
+    crossed: Bools
 
 
-def slices(batch: Simplices) -> tuple[Slices, NDArray[np.bool_]]:
+def slices(batch: Simplices) -> tuple[Slices, Bools]:
     """The slices of the first form's zeros in tetrahedra, and which there are, (N,): the others hold no zeros in use.
 
     A zero is in use where no other form, which is a clip's, is positive; `crossed` are edges with one that surely is.
@@ -179,7 +179,7 @@ def parted(
     return result, witness[0] if witness else None
 
 
-def _facing(corners: Floats, side: NDArray[np.intp], distance: float, ways: Floats) -> NDArray[np.bool_]:
+def _facing(corners: Floats, side: Integers, distance: float, ways: Floats) -> Bools:
     """Which slices by their corners (N, 12, 3) no plane across one of some ways parts from all of the other side, 0 or
     1 (N,)."""
     rows = [side == n for n in (0, 1)]
@@ -237,7 +237,7 @@ def nearest_pairs(first: Slices, second: Slices) -> Pairs:
     return np.concatenate([np.arange(len(first)), here]), np.concatenate([there, np.arange(len(second))])
 
 
-def close(first: Slices, second: Slices, nearest: Pairs, distance: float) -> list[NDArray[np.bool_]]:
+def close(first: Slices, second: Slices, nearest: Pairs, distance: float) -> list[Bools]:
     """Which slices of each of two surfaces are not parted by more than a distance from all of the other one; some
     pairs, which are likely not to be, are looked at before the others."""
     found = [np.zeros(len(side), dtype=bool) for side in (first, second)]
@@ -263,7 +263,7 @@ def _near(first: Slices, second: Slices, distance: float) -> Iterator[Pairs]:
         yield one[near], other[near]
 
 
-def apart(first: Slices, second: Slices, pairs: Pairs, distance: float) -> NDArray[np.bool_]:
+def apart(first: Slices, second: Slices, pairs: Pairs, distance: float) -> Bools:
     """Which pairs of slices are parted by more than a distance, (P,)."""
     result, rows = np.zeros(len(pairs[0]), dtype=bool), np.arange(len(pairs[0]))
     for way in range(3):
@@ -276,7 +276,7 @@ def apart(first: Slices, second: Slices, pairs: Pairs, distance: float) -> NDArr
     return result
 
 
-def _nearer(first: Slices, second: Slices, pairs: Pairs, distance: float) -> NDArray[np.bool_]:
+def _nearer(first: Slices, second: Slices, pairs: Pairs, distance: float) -> Bools:
     """Which pairs of slices have zeros on edges that are surely nearer than a distance, (P,)."""
     result = np.zeros(len(pairs[0]), dtype=bool)
     for i, j in np.ndindex(6, 6):

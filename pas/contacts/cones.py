@@ -11,13 +11,11 @@ from typing import ClassVar
 
 import numpy as np
 from flint import fmpq, fmpq_mat
-from numpy.typing import NDArray
 
 from pas.algebra.affine import away, center_equations, height, quadratic_form
 from pas.algebra.bracket import sign_change
 from pas.algebra.inputs import short
 from pas.algebra.matrices import solved
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import (
     Exact,
@@ -32,6 +30,7 @@ from pas.algebra.rational import (
     to_floats,
     vector,
 )
+from pas.arrays import Floats, Integers
 from pas.contacts.contact import Contact, Movable
 from pas.errors import GeometryError
 
@@ -88,7 +87,7 @@ def first_met(surface: Polynomial, rays: Floats, size: float = 1.0) -> Floats:
     place = outside.argmax(axis=0)
     low, high = steps[np.maximum(place - 1, 0)], steps[place]
 
-    def jets(at: Floats, rows: NDArray[np.intp]) -> tuple[Floats, Floats]:
+    def jets(at: Floats, rows: Integers) -> tuple[Floats, Floats]:
         points = rays[rows] * at[:, None]
         return surface(points), np.asarray((surface.gradient(points) * rays[rows]).sum(axis=1))
 
@@ -132,13 +131,12 @@ class Opening(Movable):
             )
         if polynomial.raw(*self.point) >= 0:
             raise GeometryError(
-                f"the point ({', '.join(map(plain, self.point))}) must be inside the surface, where {polynomial} is "
+                f"the point ({listed(self.point)}) must be inside the surface, where {polynomial} is "
                 "negative: the cone opens from there"
             )
 
     @cached_property
     def contact(self) -> Contact:
-        """The surface and the cone as polynomials."""
         along = height(self.point, self.axis)
         square = sum((c * c for c in away(self.point)), 0 * along)
         clip = square * dot(self.axis, self.axis) - (1 + self.slope**2) * along * along

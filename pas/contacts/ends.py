@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import VectorLike, three, to_floats, vector
+from pas.arrays import Floats
 from pas.contacts.contact import ContactLike, as_contact
 
 Triple = tuple[float, float, float]

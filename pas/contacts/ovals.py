@@ -18,8 +18,8 @@ import numpy as np
 from pas.algebra.brief import brief
 from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import resampled
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.arrays import Floats
 from pas.errors import GeometryError
 
 TURN = 0.1

@@ -13,9 +13,9 @@ from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.affine import height, slope_at, translation
 from pas.algebra.inputs import shown
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, dot, minus, rational, three, to_float, to_floats
+from pas.arrays import Floats
 from pas.contacts.cones import apex, nappe, nappe_rays
 from pas.contacts.contact import Contact, Movable
 from pas.contacts.parallels import Axes, TooThickError, principal_axes, quadratic_terms, rounded, shrunk

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.inputs import shown
+from pas.arrays import Floats, Integers
 from pas.exchange.formats import UNITS, Content, Request
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Floats, Integers, counted_on
+from pas.mesh.rows import counted_on
 from pas.parametric.patches import RationalPatch
 from pas.settings import MeshSettings, given
 from pas.shape import Shape, kind_of

@@ -23,9 +23,9 @@ from flint import fmpq
 
 from pas.algebra.affine import Affine
 from pas.algebra.inputs import whole
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational, vector
+from pas.arrays import Floats
 from pas.exchange.files import checksum
 from pas.exchange.records import PARAMETRIC, PARTITION, SURFACE
 from pas.exchange.schema import (
@@ -152,7 +152,6 @@ def _moved(moved: Function, matrix: Any, shift: Any) -> Moved:
 
 
 def _bounded(inside: ParametricSurface) -> SurfaceDistance:
-    """The distance from a surface that bounds a body."""
     return SurfaceDistance(inside, inside.mesh())
 
 

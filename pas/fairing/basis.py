@@ -16,14 +16,14 @@ from itertools import accumulate, chain
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
-from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from pas.algebra.affine import Frame
 from pas.algebra.matrices import Products
-from pas.algebra.monomials import Floats, derivative_matrix, exponents, monomial_values
+from pas.algebra.monomials import derivative_matrix, exponents, monomial_values
 from pas.algebra.polynomial import RING, Polynomial
 from pas.algebra.rational import to_float
+from pas.arrays import Floats, Integers
 from pas.fairing.functionals import tetrahedra_rule
 from pas.partition.cells import Partition
 
@@ -293,7 +293,7 @@ def _inverse(triangular: Floats) -> Floats:
     return np.linalg.inv(safe)
 
 
-def _whole(matrix: Floats, order: NDArray[np.intp]) -> tuple[fmpz_mat, int]:
+def _whole(matrix: Floats, order: Integers) -> tuple[fmpz_mat, int]:
     """A matrix in whole numbers of a power of two, `STEP_BITS` in the row of the smallest numbers, and that power's
     exponent; its columns are put at the places that `order` says."""
     placed = np.empty_like(matrix)

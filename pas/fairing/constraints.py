@@ -14,11 +14,11 @@ from functools import _lru_cache_wrapper, cached_property, lru_cache
 from math import ceil, gcd, pi
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from pas.algebra.monomials import Exponents, Floats, exponents, homogeneous_exponents, monomial_values
+from pas.algebra.monomials import Exponents, exponents, homogeneous_exponents, monomial_values
 from pas.algebra.rational import to_float
+from pas.arrays import Floats, Integers
 from pas.contacts.joins import Join
 from pas.fairing.basis import WorkingBasis
 from pas.kernels.library import compiled
@@ -95,7 +95,7 @@ class AlphaOnFace:
         outer = join.faces[face]
         self.corners = join.partition.points[list(outer.vertices)]
         self.degree = basis.degree - join.contact.surface.degree
-        nodes = lattice_weights(2 * basis.degree, 3) @ self.corners
+        nodes = lattice_weights(2 * basis.degree) @ self.corners
         values = join.contact.surface(nodes)[:, None] * self._monomials(nodes)
         self.coefficients = scale * np.linalg.lstsq(values, basis.values(outer.piece, nodes), rcond=None)[0]
 
@@ -128,7 +128,7 @@ class AlphaOnCone:
         self.inner = np.concatenate([middle[None], *(middle + s * (self.ends - middle) for s in shares)])
         self.inner_pieces = self._pieces(join, self.inner)
 
-    def _pieces(self, join: Join, points: Floats) -> NDArray[np.intp]:
+    def _pieces(self, join: Join, points: Floats) -> Integers:
         return np.asarray(join.partition.piece_of[join.partition.locate(points, tolerance=np.inf)])
 
     def depths(self) -> Floats:
@@ -169,7 +169,7 @@ class SampledConstraints:
             curves = join.measured_curves()
             points, weights = (np.concatenate(parts) for parts in zip(*curves, strict=True))
             gradient = join.contact.surface.gradient(points)
-            sizes = _lengths(gradient)
+            sizes = np.linalg.norm(gradient, axis=1)
             mean = float(sizes @ weights / weights.sum())
             if join.opening:
                 self.cones.append(AlphaOnCone(basis, join, mean / scale, placed.order))
@@ -183,7 +183,7 @@ class SampledConstraints:
         """The mean of alpha over all contact curves, as a row (m,)."""
         self.local_reach = max(min(reaches), 1e-3)
         self.reach = self.local_reach * scale
-        self.radius = float(_lengths(placed.local.points).max())
+        self.radius = float(np.linalg.norm(placed.local.points, axis=1).max())
 
     def initial(self, margins: Margins) -> Inequalities:
         """Rows on lattices of the walls and clip faces and at the centre."""
@@ -220,13 +220,13 @@ class SampledConstraints:
 
     def _lattice(self, corners: Floats, subdivisions: int) -> Floats:
         """The points (N, 3) of a lattice on an outer face."""
-        return lattice_weights(self.parts(corners, subdivisions), 3) @ corners
+        return lattice_weights(self.parts(corners, subdivisions)) @ corners
 
     def parts(self, corners: Floats, subdivisions: int) -> int:
         """Into how many parts the edges of an outer face are cut where so many are asked for."""
         if self.placed.local.center is None:
             return subdivisions
-        units = corners / _lengths(corners)[:, None]
+        units = corners / np.linalg.norm(corners, axis=1)[:, None]
         angle = float(np.arccos(np.clip(min(units[i] @ units[i - 1] for i in range(3)), -1, 1)))
         # Edges of outer faces seen from the centre under this angle, or a wider one, are cut into as many parts as are
         # asked for; others into as many as leave points as near to each other, seen from there.
@@ -260,20 +260,18 @@ class RayLattice:
         a share of what margins ask."""
         guard, found = self.guard, Inequalities.none(self.guard.basis.size)
         for piece, ends in self.ends.items():
-            rays, shares, slopes = crossed(self._profiles(piece, member), self._shares, margins.band * guard.reach)
-            asked = margins.sheet * guard.reach * _lengths(ends)[rays] / guard.radius
+            # coefficients of the member as a polynomial in the share of each ray of a piece: (n + 1, N)
+            terms = self._degrees * (member @ guard.basis.coefficients[piece])
+            profiles = np.asarray(terms @ self._monomials[piece])
+            rays, shares, slopes = crossed(profiles, self._shares, margins.band * guard.reach)
+            asked = margins.sheet * guard.reach * np.linalg.norm(ends, axis=1)[rays] / guard.radius
             flat = slopes < share * asked
             points = ends[rays[flat]] * shares[flat, None]
             found += Inequalities(guard.basis.radial(piece, points), (shares * asked)[flat])
         return found
 
-    def _profiles(self, piece: int, member: Floats) -> Floats:
-        """The coefficients of the member as a polynomial in the share of each ray of a piece: (n + 1, N)."""
-        terms = self._degrees * (member @ self.guard.basis.coefficients[piece])
-        return np.asarray(terms @ self._monomials[piece])
 
-
-def crossed(profiles: Floats, shares: Floats, band: float) -> tuple[NDArray[np.intp], Floats, Floats]:
+def crossed(profiles: Floats, shares: Floats, band: float) -> tuple[Integers, Floats, Floats]:
     """Where polynomials, columns of `profiles` (n + 1, N), pass -band, 0 and band between shares (S,) that are evenly
     apart from 0 on, at most 65: columns, shares and slopes, (M,) each, by rising columns, shares and levels."""
     levels = 3  # values that are looked for, each of which a ray may pass once in a step: -band, 0 and band
@@ -304,7 +302,7 @@ def _ends(guard: SampledConstraints, subdivisions: int) -> dict[int, Floats]:
             if key not in seen:
                 seen.add(key)
                 new.append(number)
-        ends.setdefault(face.piece, []).append(lattice_weights(parts, 3)[sorted([*inner, *new])] @ corners)
+        ends.setdefault(face.piece, []).append(lattice_weights(parts)[sorted([*inner, *new])] @ corners)
     return {piece: np.concatenate(parts) for piece, parts in ends.items()}
 
 
@@ -316,15 +314,11 @@ def _of_lattice(parts: int) -> tuple[list[int], list[tuple[int, Exponents]]]:
 
 
 @lru_cache(maxsize=64)
-def lattice_weights(subdivisions: int, vertices: int) -> Floats:
-    """Barycentric coordinates of the uniform lattice on a simplex (read-only)."""
-    weights = np.array(homogeneous_exponents(subdivisions, vertices)) / subdivisions
+def lattice_weights(subdivisions: int) -> Floats:
+    """Barycentric coordinates of the uniform lattice on a triangle (read-only)."""
+    weights = np.array(homogeneous_exponents(subdivisions, 3)) / subdivisions
     weights.flags.writeable = False
     return weights
-
-
-def _lengths(vectors: Floats) -> Floats:
-    return np.sqrt((vectors * vectors).sum(axis=-1))
 
 
 def lengths(rows: Floats) -> Floats:

@@ -26,9 +26,9 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.inputs import shown
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, plain, rational, to_float
+from pas.arrays import Floats
 from pas.fairing.basis import WorkingBasis
 from pas.partition.cells import Partition
 from pas.registry import Registry, Serialisable, read_record
@@ -266,12 +266,7 @@ class SurfacePoints:
         )
 
     def __getitem__(self, chosen: slice) -> SurfacePoints:
-        return replace(self, **{name: value[chosen] for name, value in self.arrays().items()})
-
-    def arrays(self) -> dict[str, Floats]:
-        """The arrays by their names."""
-        names = ("points", "normals", "gradients", "shape", "variation", "frame")
-        return {name: getattr(self, name) for name in names}
+        return replace(self, **{own.name: getattr(self, own.name)[chosen] for own in fields(self)})
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,10 +10,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
+from pas.arrays import Bools, Floats
 from pas.fairing.energy import NAMES, Energy, Sizes, SurfacePoints, differences, terms_of
 from pas.fairing.excess import BulgeExcess, CurvatureExcess, Limit, SectionExcess, WaistExcess
 from pas.fairing.prepared import PreparedSpace
@@ -37,9 +36,6 @@ by which rays differ that are not each other's mirror images: of such, all are f
 
 CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
 """Points at which a class's own slopes are held against differences, how far they may be off, and at how many."""
-
-
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -150,7 +146,7 @@ class ObjectiveValue:
         return replace(self.objective, energy=energy).value(self.geometries)
 
     @property
-    def passed(self) -> list[Mask]:
+    def passed(self) -> list[Bools]:
         """At which points each limit is passed."""
         return [one.values[:, 0] > 0 for found in self.excesses for one in found]
 
@@ -212,7 +208,7 @@ class LocalModel:
             self.rows = np.concatenate([self.rows, jacobian.rows(limit, mask)])
         return any(mask.any() for mask in new)
 
-    def matrices(self, passed: Mask | None = None) -> tuple[Floats, Floats]:
+    def matrices(self, passed: Bools | None = None) -> tuple[Floats, Floats]:
         """Second derivatives and slope of half of Phi at the member, with those limits; by default what it passes."""
         passed = self.values > 0 if passed is None else passed
         rows = self.rows[passed]

@@ -12,8 +12,8 @@ import numpy as np
 from flint import fmpq_mat
 
 from pas.algebra.matrices import Products
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.arrays import Floats
 from pas.fairing.basis import WorkingBasis
 from pas.fairing.constraints import Inequalities, Margins, RayLattice, SampledConstraints
 from pas.fairing.energy import Energy

@@ -18,11 +18,10 @@ from enum import Enum
 
 import numpy as np
 from flint import fmpq, fmpq_mat
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from pas.algebra.matrices import leads, solved
-from pas.algebra.monomials import Floats
+from pas.arrays import Bools, Floats
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
 from pas.fairing.constraints import Inequalities, lengths
@@ -120,7 +119,7 @@ def solve(programme: Programme, near: Floats | None = None) -> QuadraticSolution
         chosen |= more
 
 
-def _daqp(programme: Programme, chosen: NDArray[np.bool_]) -> tuple[Floats, int]:
+def _daqp(programme: Programme, chosen: Bools) -> tuple[Floats, int]:
     """The optimum under some of the rows, and how DAQP ended."""
     import daqp
 

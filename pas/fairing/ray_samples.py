@@ -13,9 +13,9 @@ from functools import cached_property
 from itertools import combinations_with_replacement, pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats, exponents, monomial_values
+from pas.algebra.monomials import exponents, monomial_values
+from pas.arrays import Bools, Floats, Integers
 from pas.fairing.basis import WorkingBasis
 from pas.fairing.energy import QUANTITIES, SurfacePoints
 from pas.surface.directions import Directions
@@ -30,8 +30,6 @@ TRIPLES = tuple(combinations_with_replacement((0, 1), 3))
 
 FRAMED = 3 + len(PAIRS) + len(TRIPLES)
 """Entries of a jet in the frame of a point: g1 g2 gn, H11 H12 H22 H1n H2n, F111 F112 F122 F222."""
-
-Numbers = NDArray[np.intp]
 
 
 class MovingGeometry(Geometry):
@@ -142,7 +140,7 @@ class RaySamples:
                 return t if bool((slope > 0).all()) else None
         return None
 
-    def jets_of(self, member: Floats, t: Floats, times: Numbers) -> Floats:
+    def jets_of(self, member: Floats, t: Floats, times: Integers) -> Floats:
         """The jets (N, 20) of a member at distances, with the monomials of each as often as `times` says."""
         result = np.empty((len(JETS), len(t)))
         monomials = self._monomials * self.power_table(t)
@@ -207,7 +205,7 @@ class Residuals:
     """What is squared and summed at some of the points, by rising numbers `chosen` (K,): `values` (K, R), and their
     `slopes` (K, R, 15) by the quantities of `SurfacePoints` and the logarithm of the area."""
 
-    chosen: Numbers
+    chosen: Integers
     values: Floats
     slopes: Floats
 
@@ -235,7 +233,7 @@ class Jacobian:
             gradient += by_member @ residuals.values[here].ravel()
         return (gram + gram.T) / 2, gradient
 
-    def rows(self, residuals: Residuals, which: NDArray[np.bool_]) -> Floats:
+    def rows(self, residuals: Residuals, which: Bools) -> Floats:
         """J (K R, m) for residuals (K, R) at some of the points."""
         some = Residuals(residuals.chosen[which], residuals.values[which], residuals.slopes[which])
         found = [by_member.T for _, by_member in self._by_member(some)]
@@ -259,7 +257,7 @@ class Jacobian:
             tables = [(basis.coefficients[p], rows[a - start : b - start]) for p, a, b in group]
             yield here, np.concatenate([c @ of_piece.reshape(-1, c.shape[1]).T for c, of_piece in tables], axis=1)
 
-    def _by_coefficient(self, chosen: Numbers, slopes: Floats) -> Floats:
+    def _by_coefficient(self, chosen: Integers, slopes: Floats) -> Floats:
         """The derivatives (K, R, C(n+3, 3)) of residuals at points by the coefficients of their pieces."""
         first, end = int(chosen[0]), int(chosen[-1]) + 1
         at = slice(first, end) if end - first == len(chosen) else chosen  # a slice copies nothing

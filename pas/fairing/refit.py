@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import null_space
 
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 from pas.errors import InfeasibleError
 from pas.fairing.basis import to_doubles
 from pas.fairing.constraints import Inequalities

@@ -23,7 +23,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from flint import fmpq_mat
 
-from pas.algebra.monomials import Floats, monomial_values
+from pas.algebra.monomials import monomial_values
+from pas.arrays import Floats
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
 from pas.fairing.constraints import Inequalities

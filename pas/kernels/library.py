@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
+from pas.arrays import AnyArray
 from pas.errors import MissingLibraryError
 
 PLACE = Path(__file__).with_name("_library.so")
@@ -103,7 +104,7 @@ class Functions:
         library()
         self._declared: dict[str, tuple[Callable[..., int], tuple[Array | None, ...]]] = {}
 
-    def call(self, name: str, *arguments: NDArray[Any] | float | None) -> None:
+    def call(self, name: str, *arguments: AnyArray | float | None) -> None:
         """Call a function with arrays, for which it takes their addresses (None for an array that is not there), and
         numbers.
 
@@ -142,7 +143,7 @@ def compiled() -> Functions:
     return Functions()
 
 
-def _held(value: Any, array: Array, name: str) -> NDArray[Any]:
+def _held(value: Any, array: Array, name: str) -> AnyArray:
     """A copy of what is only read, as the function takes it."""
     given = np.asarray(value)
     if array.written or not np.can_cast(given.dtype, array.code):
@@ -158,7 +159,7 @@ NOWHERE = ctypes.addressof(_NOTHING)
 """The address that stands for that of an empty array, from which nothing is read."""
 
 
-def address_of(array: NDArray[Any]) -> int:
+def address_of(array: AnyArray) -> int:
     """Where the numbers of a contiguous array stand."""
     try:
         return ctypes.addressof(ctypes.c_char.from_buffer(array))  # type: ignore[arg-type]  # faster than the other

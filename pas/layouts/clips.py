@@ -17,9 +17,9 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.lengths import angle_between
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, to_floats
+from pas.arrays import Floats
 from pas.contacts.contact import Contact, as_contact
 from pas.contacts.endless import Endless
 from pas.contacts.ends import ContactEnd, unusual

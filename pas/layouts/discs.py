@@ -12,8 +12,8 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.lengths import across, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, binary_exponent, dot, exact, minus, three, to_float, to_floats
+from pas.arrays import Floats
 from pas.contacts.contact import Movable
 from pas.contacts.rims import Rim
 from pas.errors import GeometryError
@@ -144,7 +144,7 @@ def room(layout: Layout, piece: int, disc: Disc) -> float:
     return float(np.arcsin(np.clip(sines.min(), -1, 1)))
 
 
-def sides(rays: Sequence[Ray]) -> Floats:
+def sides(rays: Sequence[Ray] | Floats) -> Floats:
     """The unit normals (N, 3), inwards, of the planes of a piece's sides."""
     around = np.array(rays, dtype=float)
     return unit(np.cross(around, np.roll(around, -1, axis=0)))

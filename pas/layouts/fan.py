@@ -15,8 +15,8 @@ from math import cos, degrees, gcd, pi, radians, sin
 import numpy as np
 
 from pas.algebra.lengths import across, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, three
+from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.layouts.discs import Disc, check_fits, first_made, turn, whole_ray
 from pas.partition.layout import Layout, Ray

@@ -17,8 +17,9 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.rational import Vector, determinant, dot, three, to_float, to_floats
+from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.layouts.discs import Disc, check_fits, power_of_two, sides
 from pas.partition.cells import Region

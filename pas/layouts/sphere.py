@@ -6,10 +6,9 @@ import numpy as np
 
 from pas.algebra.inputs import check_tolerance
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
+from pas.arrays import Floats, Integers
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Integers
 from pas.partition.layout import Layout
 
 USUAL, FEWEST, MOST = 1e-3, 2, 7

@@ -16,8 +16,8 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from pas.algebra.lengths import across, angle_between, spiral, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, determinant
+from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.layouts.discs import Disc, check_fits, first_made, room, whole_ray
 from pas.partition.layout import Layout, Ray

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from pas.arrays import Floats, Integers
 from pas.errors import GeometryError, library
-from pas.mesh.rows import Floats, Integers
 
 
 class Triangles(NamedTuple):

@@ -12,6 +12,7 @@ from itertools import product
 
 import numpy as np
 
+from pas.arrays import Floats
 from pas.limits import checkpoint
 from pas.mesh.face_ground import FaceGround
 from pas.mesh.field import FaceField
@@ -19,7 +20,7 @@ from pas.mesh.grading import KEPT, Grading, Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import onto_faces, project
-from pas.mesh.rows import Floats, norms
+from pas.mesh.rows import norms
 
 SHORT = 0.55
 """Edges below this share of the mean length about both their ends are collapsed."""

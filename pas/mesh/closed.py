@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pas.arrays import Bools, Floats, Integers
 from pas.mesh.cleaning import FOLD, cleaned
 from pas.mesh.crossings import crossings, near_pairs
 from pas.mesh.diagnostics import PLACES, diagnosis
@@ -29,7 +30,7 @@ from pas.mesh.projection import distances, newton, project
 from pas.mesh.quality import Quality
 from pas.mesh.refusals import FaceMesh, Made, Refusal, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
-from pas.mesh.rows import Bools, Floats, Integers, norms
+from pas.mesh.rows import norms
 from pas.mesh.topology import connected
 
 UPRIGHT = 0.3

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.rows import Bools, Floats, Integers
 from pas.mesh.topology import distinct, numbered
 
 KINDS = ((1, 2, 4, 8), (14, 13, 11, 7), (3,), (5,), (9,), (6,), (10,), (12,))

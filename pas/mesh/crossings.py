@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from pas.algebra.lengths import exponent
+from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.rows import Bools, Floats, Integers
 
 
 def crossings(points: Floats, triangles: Integers) -> tuple[Integers, Floats]:

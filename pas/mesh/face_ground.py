@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from pas.arrays import Floats, Integers
 from pas.mesh.field import FaceField
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.projection import least_norm, newton, placing
-from pas.mesh.rows import Floats, Integers, norms
+from pas.mesh.rows import norms
 from pas.mesh.shading import unit_rows
 
 STEP = 0.1

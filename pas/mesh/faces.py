@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from pas.algebra.bracket import sign_change
+from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
 from pas.mesh.field import FaceField
@@ -21,7 +22,7 @@ from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import NOWHERE, Nodes, contracted, find_nodes
 from pas.mesh.projection import least_norm, newton, placing
 from pas.mesh.refusals import Refusal
-from pas.mesh.rows import Bools, Floats, Integers, cross, dots, norms
+from pas.mesh.rows import cross, dots, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, edge_table, pinched
 

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from pas.algebra.inputs import shown_point
-from pas.mesh.rows import Bools, Floats, Integers
+from pas.arrays import Bools, Floats, Integers
 
 VISIBLE = 1e-7
 """Coordinates below this share of the largest ones of a box are shown as 0."""

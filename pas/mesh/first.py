@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.mesh.cleaning import FOLD, cleaned
 from pas.mesh.diagnostics import Diagnosis, diagnosis
@@ -22,7 +23,7 @@ from pas.mesh.labelled import Labelled
 from pas.mesh.octree import DEEPEST, MOST_CUBES, NOWHERE, OPEN, QUIET, Octree
 from pas.mesh.projection import cosines, least_norm, placing
 from pas.mesh.refusals import Refusal
-from pas.mesh.rows import Floats, norms
+from pas.mesh.rows import norms
 
 PARTS, HALVINGS, COMPARED = 25, 9, 3
 """Small cubes along the longest side of the box in the first lattice; how many finer ones are tried at most, and how

@@ -13,14 +13,14 @@ from __future__ import annotations
 import ctypes
 from dataclasses import replace
 from enum import IntEnum
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pas.arrays import AnyArray, Bools, Floats, Integers
 from pas.kernels.library import address_of, compiled
 from pas.mesh.labelled import Labelled
-from pas.mesh.rows import Bools, Floats, Integers, norms
+from pas.mesh.rows import norms
 from pas.mesh.topology import numbered
 
 TURNED = 0.5
@@ -53,7 +53,7 @@ class _Array:
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
 
-    def __get__(self, mesh: HalfEdges, owner: type) -> NDArray[Any]:
+    def __get__(self, mesh: HalfEdges, owner: type) -> AnyArray:
         return mesh.arrays[self.name][: mesh.count(self.of) * self.times]
 
 
@@ -82,7 +82,7 @@ class HalfEdges:
             raise ValueError("labels must be numbers of faces")
         self.faces = np.ascontiguousarray(faces, dtype=np.int8)
         self._struct = _Struct()
-        self.arrays: dict[str, NDArray[Any]] = {}
+        self.arrays: dict[str, AnyArray] = {}
         twins = first.topology.twins
         if twins.min(initial=0) < -1:
             raise ArithmeticError("some edge does not have one or two triangles")
@@ -116,14 +116,14 @@ class HalfEdges:
             old = self.arrays.get(name)
             if old is None or len(old) < needed:
                 room = needed + needed // 2  # of which what is not needed costs nothing
-                new: NDArray[Any] = np.empty((room, 3) if array.columns == 3 else room, dtype=array.kind)
+                new: AnyArray = np.empty((room, 3) if array.columns == 3 else room, dtype=array.kind)
                 if old is not None:
                     new[: len(old)] = old
                 self.arrays[name] = new
                 setattr(self._struct, name, address_of(new))
         self._struct.faces = address_of(self.faces)
 
-    def _call(self, name: str, *arguments: NDArray[Any] | float) -> None:
+    def _call(self, name: str, *arguments: AnyArray | float) -> None:
         compiled().call(name, ctypes.addressof(self._struct), *arguments)
 
     def _filled(self, name: str, *shape: int) -> Floats:

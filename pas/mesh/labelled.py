@@ -11,7 +11,8 @@ from functools import cached_property
 
 import numpy as np
 
-from pas.mesh.rows import Bools, Floats, Integers, norms
+from pas.arrays import Bools, Floats, Integers
+from pas.mesh.rows import norms
 from pas.mesh.topology import connected, numbered, twins_of
 
 NONE = np.empty(0, dtype=np.intp)

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, AffineShape, numbered
+from pas.arrays import Floats, Integers
 from pas.errors import GeometryError, optional
 from pas.mesh.booleans import BooleanStep, Triangles, boolean
 from pas.mesh.labelled import Topology
 from pas.mesh.quality import Quality, smallest_angles, soundness
-from pas.mesh.rows import Floats, Integers, counted_on
+from pas.mesh.rows import counted_on
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
 from pas.mesh.topology import edge_table, euler_characteristic, is_closed_manifold, is_manifold, piece_count
 from pas.shape import Shape, refuse_mixed

@@ -20,12 +20,13 @@ import numpy as np
 from scipy.spatial import ConvexHull, cKDTree
 
 from pas.algebra.lengths import spiral
+from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import distances, least_norm, least_solutions, newton, second_derivatives
 from pas.mesh.refusals import Refusal
-from pas.mesh.rows import Bools, Floats, Integers, any_of, cross, norms
+from pas.mesh.rows import any_of, cross, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, edge_table, numbered, pinched, same_places
 
@@ -265,7 +266,7 @@ def _system(field: FaceField, points: Floats, pairs: Integers, scale: Floats, si
     return value, matrix
 
 
-def _touch(field: FaceField, points: Floats, pairs: Integers, close: float) -> np.ndarray:
+def _touch(field: FaceField, points: Floats, pairs: Integers, close: float) -> Bools:
     """Whether both surfaces pass through points (N, 3) with one normal."""
     result = np.asarray(np.isfinite(points).all(axis=1))
     here, functions = points[result], pairs[result]

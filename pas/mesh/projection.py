@@ -6,10 +6,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from pas.arrays import Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, HasJets, extent_of
 from pas.mesh.labelled import Labelled
-from pas.mesh.rows import Floats, Integers, cross, dots, norms
+from pas.mesh.rows import cross, dots, norms
 from pas.mesh.shading import unit_rows, uprightness
 
 NEWTON_STEPS = 16

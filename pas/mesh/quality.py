@@ -9,8 +9,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from pas.arrays import Floats, Integers
 from pas.errors import MeshError
-from pas.mesh.rows import Floats, Integers
 from pas.mesh.topology import is_closed_manifold, is_manifold
 from pas.settings import check_quality
 from pas.verdicts import Findings, Status, Verdict

@@ -16,11 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.grading import Grading
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.refusals import FaceMesh
-from pas.mesh.rows import Bools, Floats, Integers, any_of, largest_of
+from pas.mesh.rows import any_of, largest_of
 
 
 @dataclass(frozen=True)

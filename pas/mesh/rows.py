@@ -1,16 +1,12 @@
-"""Arrays with a few columns and many rows: their types, and what is worked out of them faster than by numpy's sums."""
+"""Arrays with a few columns and many rows: what is worked out of them faster than by numpy's sums."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.intp]
-Bools = NDArray[np.bool_]
-Numbers = NDArray[np.int32]
+from pas.arrays import Bools, Floats, Integers
 
 
 def dots(u: Floats, v: Floats) -> Floats:
@@ -28,6 +24,13 @@ def cross(u: Floats, v: Floats) -> Floats:
     x, y, z = u.T
     a, b, c = v.T
     return np.stack([y * c - z * b, z * a - x * c, x * b - y * a], axis=1)
+
+
+def spans(corners: Floats) -> tuple[Floats, Floats]:
+    """The determinants (T,) of triangles (T, 3, 3), positive where they are seen from 0 with their outside away, and
+    the products of the corners' distances from 0, (T,)."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    return dots(a, cross(b, c)), np.asarray(np.sqrt(dots(a, a) * dots(b, b) * dots(c, c)))
 
 
 def any_of(table: Bools) -> Bools:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pas.mesh.rows import Floats, Integers, cross
+from pas.arrays import Floats, Integers
+from pas.mesh.rows import cross
 from pas.mesh.topology import connected, twins_of
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pas.arrays import Floats, Integers
 from pas.mesh.field import SheetField
 from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind
@@ -13,7 +14,7 @@ from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.refusals import FaceMesh, too_many
 from pas.mesh.remesher import Failure, Remesher
-from pas.mesh.rows import Floats, Integers, largest_of
+from pas.mesh.rows import largest_of
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import Edges
 

@@ -17,7 +17,7 @@ from math import hypot
 
 import numpy as np
 
-from pas.mesh.rows import Floats, Integers
+from pas.arrays import Floats, Integers
 from pas.mesh.topology import Edges
 
 TURN = 2 * np.pi

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from pas.arrays import Bools, Floats, Integers, Numbers
 from pas.kernels.library import compiled
-from pas.mesh.rows import Bools, Floats, Integers, Numbers
 
 
 def twins_of(triangles: Integers, size: int) -> Integers:

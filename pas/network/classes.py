@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.rational import Vector, cross, dot, vector
-from pas.mesh.rows import Floats, Integers, Numbers
+from pas.arrays import Floats, Integers, Numbers
 from pas.network.graph import StrutGraph
 from pas.pipeline.session import linear_maps
 

@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact
+from pas.arrays import Floats
 from pas.errors import ProblemFileError
 from pas.exchange.files import read_text, replacing, source, target
 from pas.exchange.formats import Request

@@ -16,10 +16,9 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.inputs import shown
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, positive, to_fraction
+from pas.arrays import Floats, Integers, Numbers
 from pas.errors import GeometryError
-from pas.mesh.rows import Integers, Numbers
 from pas.mesh.topology import connected
 
 LARGEST = 2**20

@@ -16,7 +16,7 @@ import numpy as np
 
 from pas.algebra.inputs import shown, whole
 from pas.algebra.rational import Exact, positive, to_fraction
-from pas.mesh.rows import Integers
+from pas.arrays import Integers
 from pas.network.network import Network
 from pas.registry import Registry
 

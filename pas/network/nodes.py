@@ -19,15 +19,14 @@ from typing import Any, Literal
 import numpy as np
 
 from pas.algebra.inputs import check_order
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational
+from pas.arrays import Floats, Numbers
 from pas.contacts.contact import Contact, as_contact
 from pas.contacts.endless import Cone, Pipe
 from pas.errors import PasError, ProjectFileError
 from pas.exchange.files import make_folder
 from pas.layouts.clips import with_clips
 from pas.limits import checkpoint
-from pas.mesh.rows import Numbers
 from pas.network.blocks import results
 from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph

@@ -13,8 +13,8 @@ import numpy as np
 
 from pas.algebra.affine import ORIGIN
 from pas.algebra.inputs import check_tolerance
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import cross, dot, rational, vector
+from pas.arrays import Floats
 from pas.errors import MeshError
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh

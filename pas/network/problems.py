@@ -11,7 +11,7 @@ import numpy as np
 
 from pas.algebra.inputs import shown
 from pas.algebra.lengths import unit
-from pas.mesh.rows import Floats, Integers, Numbers
+from pas.arrays import Floats, Integers, Numbers
 from pas.network.classes import Kinds, kinds_of
 from pas.network.clearance import crossing
 from pas.network.graph import NetworkProblem, StrutGraph

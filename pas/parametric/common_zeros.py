@@ -22,15 +22,13 @@ from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mpoly
-from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE, RING
 from pas.algebra.roots import in_one
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.forms import UNIT_ROUNDOFF, rounded
 from pas.bernstein.search import Fate, Fates, Limits, search
-from pas.mesh.rows import Integers
 from pas.parametric.maps import Ends, ExactDomain
 from pas.parametric.nets import PlacedNets, box_form
 from pas.parametric.series import roots_between
@@ -123,7 +121,7 @@ class _Rectangles(PlacedNets):
         return self.chart.place(u, v)
 
     @property
-    def worn(self) -> NDArray[np.bool_]:
+    def worn(self) -> Bools:
         """Which have a polynomial whose coefficients may be off by much of their size."""
         greatest, share = np.abs(self.table).max(axis=(1, 2)), 2.0**-12
         return ((greatest > 0) & (self.off.max(axis=(1, 2))[:, None] > share * greatest)).any(axis=1)
@@ -239,7 +237,7 @@ class _Seeker:
         return all(p(*place) == 0 for p in self.polynomials)
 
 
-def avoids_origin(nets: Floats, off: Floats) -> NDArray[np.bool_]:
+def avoids_origin(nets: Floats, off: Floats) -> Bools:
     """For which of nets (C, n+1, m+1, k) one direction has positive scalar products with all vectors, beyond `off`."""
     vectors = nets.reshape(len(nets), -1, nets.shape[-1])
     clear = ((vectors.min(axis=1) > off[:, None]) | (vectors.max(axis=1) < -off[:, None])).any(axis=1)

@@ -18,8 +18,8 @@ from flint import fmpq
 from pas.algebra.brief import brief
 from pas.algebra.inputs import check_tolerance, shown
 from pas.algebra.lengths import lengths
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import exact, to_float
+from pas.arrays import Floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.errors import GeometryError
 from pas.limits import WorkLimits, checkpoint, limited

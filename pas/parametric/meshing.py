@@ -22,15 +22,13 @@ from typing import Self
 
 import numpy as np
 from flint import fmpq
-from numpy.typing import NDArray
 
 from pas.algebra.lengths import lengths
-from pas.algebra.monomials import Floats
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.errors import GeometryError, MeshError
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Integers
 from pas.parametric.maps import ParametricMap
 from pas.parametric.nets import Framed, Nets, Rectangle, bernstein_at, exact_net, product
 from pas.parametric.tiling import GRID, SEAM, assemble
@@ -76,7 +74,7 @@ class CellErrors:
         """How far they may be from P there (C,)."""
         return np.asarray(lengths(self.errors[:, [0, 0, -1, -1], [0, -1, 0, -1]]).max(axis=1) + self.slack)
 
-    def long(self) -> tuple[NDArray[np.bool_], Integers]:
+    def long(self) -> tuple[Bools, Integers]:
         """Which cells are over 1.5 times as long as wide (C,), unless a side is a point, and the axis across which."""
         sides = [lengths(np.diff(self.corners, axis=axis)).reshape(-1, 2) for axis in (1, 2)]
         whole = np.min([side.min(axis=1) for side in sides], axis=0) > SEAM
@@ -149,7 +147,7 @@ class GridCells(Nets):
     axes: Integers
     points: Floats
     away: Floats
-    done: NDArray[np.bool_]
+    done: Bools
 
     def halves(self, axis: int) -> Self:
         """The first halves of all cells along a parameter, then the second ones; not seen yet."""

@@ -22,14 +22,13 @@ from flint import fmpq, fmpq_mat, fmpq_mpoly
 from numpy.typing import NDArray
 
 from pas.algebra.jets import Jet
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational, to_float
 from pas.algebra.rational_function import GENERATORS, ONE, RING, lcm
+from pas.arrays import AnyArray, Floats, Integers
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells
 from pas.bernstein.simplices import halved, halves
 from pas.errors import GeometryError
-from pas.mesh.rows import Integers
 from pas.parametric.maps import Domain, DomainLike, Interval, ParametricMap
 
 Rectangle = tuple[tuple[fmpq, fmpq], tuple[fmpq, fmpq]]
@@ -223,7 +222,7 @@ class PlacedNets(Nets):
     `steps` are the halvings so far, `start` whole numbers of any size.
     """
 
-    start: NDArray[Any]
+    start: AnyArray
     steps: Integers
 
     def halves(self, axis: int) -> Self:

@@ -25,9 +25,9 @@ from flint import fmpq
 
 from pas.algebra.inputs import short, shown
 from pas.algebra.lengths import across
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, VectorLike, dot, minus, plain, positive, rational, to_float, to_floats, vector
 from pas.algebra.rational_function import FunctionLike
+from pas.arrays import Floats
 from pas.parametric.maps import IntervalLike
 from pas.parametric.patches import RationalPatch
 from pas.parametric.surface import ParametricSurface

@@ -18,10 +18,10 @@ from scipy.spatial import cKDTree
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import lengths, unit
+from pas.arrays import Bools, Floats, Integers
 from pas.certify.graph_proofs import crossed
 from pas.errors import GeometryError
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Bools, Floats, Integers
 from pas.mesh.topology import Edges
 from pas.parametric.maps import ParametricMap
 from pas.parametric.tiling import closes
@@ -115,11 +115,9 @@ class SurfaceDistance(Distance, Parametrized):
         return np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1)
 
     def places(self, points: Floats) -> Floats:
-        """The parameters (N, 2) of feet."""
         return self.feet(points).parameters
 
     def at(self, places: Floats) -> Floats:
-        """The points (N, 3) with parameters (N, 2)."""
         return self.surface(self._within(places))
 
     def jets(self, points: Floats) -> Floats:
@@ -142,7 +140,6 @@ class SurfaceDistance(Distance, Parametrized):
         return np.concatenate([value[:, None], gradient], axis=1)
 
     def decided_within(self, centers: Floats, radii: Floats) -> tuple[Bools, Bools]:
-        """Whether it is certainly <= 0, and certainly > 0, in balls of given centres (N, 3) and radii (N,)."""
         feet = self.feet(centers)
         value, least = self._jets(centers, feet)[:, 0], self.least(centers, feet)
         return (value <= 0) & (radii <= least), (value > 0) & (radii < least)
@@ -223,7 +220,6 @@ class FlatEnd(Distance):
         return self.distance.edges[self.number]
 
     def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4)."""
         edge, gap = self.edge, self.distance.gap
         heights = edge.heights(points)
         near = np.isfinite(cKDTree(edge.loop).query(points, distance_upper_bound=NEAR * gap)[0])  # of AROUND points

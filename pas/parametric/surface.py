@@ -24,9 +24,9 @@ from pas.algebra.expressions import Formula, Names
 from pas.algebra.inputs import check_derivative, check_tolerance, short, shown
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, plain, rational, three
 from pas.algebra.rational_function import RationalFunction
+from pas.arrays import Floats
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality

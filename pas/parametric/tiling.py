@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pas.algebra.lengths import lengths, scaled, unit
-from pas.algebra.monomials import Floats
-from pas.mesh.rows import Integers
+from pas.arrays import Floats, Integers
 from pas.mesh.topology import connected, edge_table
 from pas.parametric.maps import ParametricMap
 

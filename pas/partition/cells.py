@@ -26,8 +26,8 @@ from pas.algebra.rational import (
     VectorLike,
     binary_exponent,
     determinant,
+    listed,
     minus,
-    plain,
     texts,
     three,
     to_float,
@@ -150,7 +150,7 @@ class Partition(CellComplex, Serialisable):
         cell = int(self.local.locate(np.array([to_floats(local)]))[0])
         if cell < 0:
             raise ValueError(
-                f"{name} lies outside the region of the partition; a point at ({', '.join(map(plain, point))}) "
+                f"{name} lies outside the region of the partition; a point at ({listed(point)}) "
                 "has no influence on the surface"
             )
         return int(self.piece_of[cell]), local
@@ -191,7 +191,6 @@ class Region(Partition):
         return type(self)([map_.exact(v) for v in self.vertices], self.cells, center, self.pieces, title)
 
     def to_record(self) -> dict[str, Any]:
-        """The partition as a table of plain data, exact numbers as texts."""
         return super().to_record() | {"kind": self.name}
 
 

@@ -23,11 +23,10 @@ from math import gcd, lcm
 
 import numpy as np
 from flint import fmpq
-from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot, minus, three, to_floats
+from pas.arrays import Floats, Integers
 from pas.errors import GeometryError
 from pas.kernels.library import compiled
 from pas.partition.layout import Ray, primitive, reduced
@@ -91,7 +90,7 @@ class CellComplex:
         return owners
 
     @cached_property
-    def piece_of(self) -> NDArray[np.intp]:
+    def piece_of(self) -> Integers:
         """The number of each cell's piece, (cells,)."""
         numbers = np.empty(len(self.cells), dtype=np.intp)
         for number, piece in enumerate(self.pieces):
@@ -127,7 +126,7 @@ class CellComplex:
         return tuple(face for face in self._boundary if self._through_center(face))
 
     @cached_property
-    def wall_of(self) -> NDArray[np.intp]:
+    def wall_of(self) -> Integers:
         """The number of each outer face's plane, (outer faces,): faces in one plane have one number."""
         numbers: dict[Polynomial, int] = {}
         return np.array([numbers.setdefault(face.plane, len(numbers)) for face in self.outer_faces], dtype=np.intp)
@@ -162,7 +161,7 @@ class CellComplex:
         product = maps[:, :, :3].reshape(-1, 3) @ np.asarray(points).T
         return product.reshape(len(maps), 4, -1) + maps[:, :, 3:]
 
-    def locate(self, points: Floats, tolerance: float = 1e-12) -> np.ndarray:
+    def locate(self, points: Floats, tolerance: float = 1e-12) -> Integers:
         """The index of the cell that holds each of `points` (N, 3), -1 outside the region.
 
         A point further than `tolerance` (barycentric) outside every cell counts as outside.
@@ -214,9 +213,6 @@ def _linear(way: Whole, point: Whole, denominator: int, sign: int) -> Polynomial
     if divisor == 0:
         raise GeometryError("three points of a face are on one line")
     return Polynomial.from_row((fmpq(v // divisor) for v in values), 1)
-
-
-Integers = NDArray[np.intp]
 
 
 class Location:

@@ -12,14 +12,14 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import HIGHEST_DEGREE
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Vector, to_float, to_floats
+from pas.arrays import Floats
 from pas.contacts.contact import Contact
 from pas.contacts.joins import Join
 from pas.contacts.rims import outlook
@@ -35,7 +35,6 @@ from pas.partition.cells import Partition, Region
 from pas.partition.layout import Layout
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.chosen import B, ChosenBlend
-from pas.pipeline.search import excess
 from pas.surface.depth import Depth
 
 Trial: TypeAlias = "tuple[int | None, Partition | Layout]"
@@ -95,23 +94,18 @@ class Cavity:
 
         The outer one's points are not in the inner one.
         """
-        return self._wishes(self.evenness)
-
-    def _wishes(self, evenness: EvenWall | None) -> Wishes:
-        wishes = self.outer.wishes
-        energy = self.outer.plate if evenness is None else self.outer.plate + evenness
-        options: Any = {"energy": energy if evenness else wishes.energy, "limits": wishes.limits}
-        return Wishes(**options)
+        energy = self.outer.wishes.energy if self.evenness is None else self.outer.plate + self.evenness
+        return Wishes(energy=energy, limits=self.outer.wishes.limits)
 
     def plain(self, found: B) -> B:
         """An inner blend without what it was chosen by besides the outer one's energy, which files do not keep."""
-        choice = found.choice
+        choice, wishes = found.choice, self.wishes.changed(energy=self.outer.wishes.energy)
         if self.evenness is None or choice is None:
             return found
-        solver = FitSolver(found.space.prepared, self._wishes(None).settled(found.surface.placed))
+        solver = FitSolver(found.space.prepared, wishes.settled(found.surface.placed))
         seen = solver.iterate(to_doubles(choice.working)[0], choice.rows)
         energy = found.energy if seen is None else solver.rounded(seen, choice.share).energy
-        return replace(found, energy=energy, wishes=self._wishes(None), choice=replace(choice, energy=energy))
+        return replace(found, energy=energy, wishes=wishes, choice=replace(choice, energy=energy))
 
     def unevenness(self, inner: PiecewiseSurface) -> float:
         """By what factor the wall's thickness is beyond `EVEN`, at some thousand points: 1 for an even wall."""
@@ -132,38 +126,26 @@ class Cavity:
 
     def trials(self) -> Iterator[Trial]:
         """What to try, the likeliest first: the outer degree on each region, and the next; the outer layout with walls
-        nearer by."""
+        nearer by; and where nothing of that is proved, all degrees on each region."""
         own, degree = self.outer.surface.partition, self.outer.surface.degree
         yield from ((degree, region) for region in self._regions)
         if degree < HIGHEST_DEGREE:
             yield degree + 1, self._regions[0]
         if isinstance(own, Region) and not own.open and own.layout is not None:
             yield degree, own.layout
-
-    def last_trials(self) -> Iterator[Trial]:
-        """What to try where all these have nothing that is proved."""
         yield from ((None, region) for region in self._regions)
-
-    def serves(self, inner: ChosenBlend) -> bool:
-        """Whether an inner blend that is proved and whose wall is even is fair enough to look for no other.
-
-        Beside outer sides that are not fair, as some of cones and spheres are, none was found that is.
-        """
-        return not excess(inner) or excess(self.outer) > 0
 
     @cached_property
     def _radius(self) -> float:
         return min(contact.rim.radii[0] for contact in self.contacts)
 
-    def _beyond(self, evenness: EvenWall, center: Vector) -> float:
-        """How much deeper than the wall is thick a point is, in smallest inner radii."""
-        point = np.array([to_floats(center)])
-        return float(evenness.depth(point)[0][0] - evenness.thickness(point)[0][0]) / self._radius
-
     @property
     def _deep_enough(self) -> bool:
         center = self.outer.surface.partition.center
-        return self.evenness is None or center is None or self._beyond(self.evenness, center) >= SHALLOW
+        if self.evenness is None or center is None:
+            return True
+        depth, thickness = _at(self.evenness, center)
+        return (depth - thickness) / self._radius >= SHALLOW
 
     def _deeper(self) -> Iterator[Partition]:
         """The first region around a centre further in; none where no layout fits."""
@@ -191,17 +173,14 @@ class Cavity:
         for number in range(int(np.linalg.norm(off, axis=1).min() / radius * FINE)):
             shift = number * radius / FINE * towards / length / to_float(step)
             x, y, z = (c + fmpq(round(float(v))) * step for c, v in zip(center, shift, strict=True))
-            served = min(1.0, self._room(evenness, (x, y, z)), self._visibility((x, y, z)) / VISIBLE)
+            depth, thickness = _at(evenness, (x, y, z))
+            room = depth / (thickness + DEEP * self._radius)  # how deep it is, over how deep a centre should be
+            served = min(1.0, room, self._visibility((x, y, z)) / VISIBLE)
             if served > most:
                 most, best = served, (x, y, z)
             if served == 1.0:
                 break
         return best if best != center else None
-
-    def _room(self, evenness: EvenWall, center: Vector) -> float:
-        """How deep a point is, over how deep a centre should be."""
-        point = np.array([to_floats(center)])
-        return float(evenness.depth(point)[0][0] / (evenness.thickness(point)[0][0] + DEEP * self._radius))
 
     def _visibility(self, center: Vector) -> float:
         """How well the contacts are seen from a point: 1 from their axes, 0 where one of them turns its back."""
@@ -211,3 +190,9 @@ class Cavity:
             distance = float(np.linalg.norm(np.array(to_floats(contact.rim.center)) - point))
             seen.append(outlook(contact.surface, contact.rim, center)[0] * distance / contact.rim.radii[0])
         return min(seen)
+
+
+def _at(evenness: EvenWall, place: Vector) -> tuple[float, float]:
+    """How deep a point is, and how thick the wall is to be there."""
+    point = np.array([to_floats(place)])
+    return float(evenness.depth(point)[0][0]), float(evenness.thickness(point)[0][0])

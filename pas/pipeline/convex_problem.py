@@ -8,7 +8,7 @@ from typing import Any, Generic
 import numpy as np
 
 from pas.algebra.inputs import short, shown, whole
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 from pas.blending.space import Space
 from pas.errors import InfeasibleError, NotProvedError, NotSolvedError, optional
 from pas.fairing.constraints import Inequalities

@@ -22,9 +22,9 @@ from flint import fmpq
 from pas.algebra.affine import slope_at
 from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, decimal, dot, minus, three, to_float, to_floats
+from pas.arrays import Floats
 from pas.contacts.endless import Pipe
 from pas.errors import GeometryError, NoSolutionError, NotProvedError
 from pas.limits import checkpoint
@@ -71,10 +71,6 @@ class PipeFace:
         if radius**2 != square or surface.primitive() != Pipe(way, radius, 0, point).contact.surface.primitive():
             return None
         return cls(face, surface, point, way, radius, value < 0)
-
-    def passes(self, point: Vector) -> bool:
-        """Whether its axis does."""
-        return not any(cross(minus(point, self.point), self.way))
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +127,8 @@ class PipeNode:
         if one is None or center is None or not isinstance(level, Node) or level.union == one.is_bore:
             return None
         found = (PipeFace.of(name, some) for name, some in polynomials.items() if name != one.face)
-        near = [one, *(tube for tube in found if tube and tube.is_bore == one.is_bore and tube.passes(center))]
+        alike = (tube for tube in found if tube and tube.is_bore == one.is_bore)
+        near = [one, *(tube for tube in alike if not any(cross(minus(center, tube.point), tube.way)))]
         parts = tuple(part for part in level.parts if _has(part, near))
         node = cls(solid, level, parts, tuple(near), center, order, title_of(solid, order, face))
         mesh, joined = node.pipes.mesh(), [one]

@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats, Integers
 from pas.certify.local_mesh import OFF
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import manifold
-from pas.mesh.rows import Integers
 from pas.solid.faces import End, off_surface
 from pas.verdicts import Findings, Status, Verdict, Verdicts
 
@@ -37,12 +36,6 @@ class WallMesh(Mesh):
 
     sheets: tuple[PiecewiseSurface, ...] = ()
     ends: Sequence[End] = field(default=())
-
-    @classmethod
-    def of(cls, mesh: Mesh, sheets: tuple[PiecewiseSurface, PiecewiseSurface], ends: Sequence[End]) -> WallMesh:
-        """A mesh with what it is the mesh of."""
-        parts = (mesh.points, mesh.triangles, mesh.faces, mesh.names, mesh.normals)
-        return cls(*parts, deviation=mesh.deviation, sheets=sheets, ends=ends)
 
     @cached_property
     def certificate(self) -> Findings:

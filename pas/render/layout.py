@@ -10,8 +10,8 @@ import numpy as np
 from scipy.spatial import geometric_slerp
 
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_floats
+from pas.arrays import Floats
 from pas.contacts.contact import ContactLike, as_contact
 from pas.exchange.picture_options import Picture, PictureOptions
 from pas.layouts.discs import Disc, check_fits

@@ -7,11 +7,10 @@ from collections.abc import Callable
 import numpy as np
 
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.arrays import Floats, Integers
 from pas.contacts.contact import Contact
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Integers
 from pas.mesh.topology import chains
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.form import connectivity

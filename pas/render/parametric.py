@@ -10,8 +10,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
+from pas.arrays import Floats
 from pas.mesh.mesh import Mesh
 from pas.parametric.blends import ParametricBlend
 from pas.parametric.generatrix.blend import GeneratrixBlend

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 from pas.errors import optional
 from pas.exchange.picture_options import VIEWS, Picture
 from pas.limits import checkpoint

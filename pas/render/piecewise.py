@@ -13,9 +13,9 @@ from itertools import combinations
 import numpy as np
 
 from pas.algebra.lengths import arc_lengths, resampled, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
+from pas.arrays import Floats
 from pas.mesh.mesh import Mesh
 from pas.mesh.topology import chains
 from pas.piecewise import PiecewiseSurface

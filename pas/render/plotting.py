@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 from pas.errors import MissingLibraryError, optional
 from pas.exchange.picture_options import Picture
 from pas.limits import checkpoint

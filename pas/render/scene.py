@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from pas.algebra.inputs import shown
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 from pas.exchange.picture_options import STYLES, Picture
 from pas.mesh.mesh import Mesh
 from pas.shape import Kind, Shape, kind_of, one

@@ -23,7 +23,7 @@ from fnmatch import filter
 import numpy as np
 
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 from pas.errors import meant
 from pas.mesh.mesh import Mesh
 from pas.render.scene import COLORS, Coloring, Layer, Legend, Paint, Scene

@@ -23,9 +23,9 @@ from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import exact_vector
 from pas.algebra.roots import FIRST_BITS, RealRoot, between, bounds, rational_root
 from pas.algebra.zeros import RealZero, value_at
+from pas.arrays import Bools, Floats
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.limits import checkpoint
-from pas.mesh.rows import Bools, Floats
 from pas.solid.germs import Ray, Sheets
 from pas.solid.tree import Atom, ScalarField
 from pas.solid.truths import LeafTree, matters, rests_on, says

@@ -13,10 +13,10 @@ import numpy as np
 
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.scaling import scaled
+from pas.arrays import Bools, Floats
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.errors import GeometryError
 from pas.limits import checkpoint
-from pas.mesh.rows import Bools, Floats
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import followed_by
 from pas.solid.tree import Node, Tree, atoms, is_contradiction, parts_of

@@ -18,8 +18,8 @@ from flint import fmpq
 from pas.algebra.inputs import shown_point
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import exact, plain, rational, to_float, to_floats
+from pas.arrays import Floats
 from pas.errors import GeometryError
-from pas.mesh.rows import Floats
 
 Point = tuple[fmpq, fmpq]
 

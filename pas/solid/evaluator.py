@@ -18,8 +18,8 @@ from pas.algebra.evaluation import CHUNK_ENTRIES, PolynomialBatch
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, to_float
 from pas.algebra.scaling import Scaled
+from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.rows import Bools, Floats, Integers
 from pas.solid.taylor import TaylorForms
 from pas.solid.tree import Atom, Columns, Function, ScalarField, Tree, atoms
 from pas.solid.truths import CompiledTree

@@ -13,10 +13,10 @@ from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, decimal, dot, near, square_root, to_float
+from pas.arrays import Floats, Integers
 from pas.errors import GeometryError, meant
 from pas.mesh.mesh import Mesh
 from pas.mesh.projection import distances, newton
-from pas.mesh.rows import Floats, Integers
 from pas.solid.joints import Joint
 from pas.solid.sections import Levels
 from pas.solid.solid import Solid

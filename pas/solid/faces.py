@@ -14,10 +14,10 @@ import numpy as np
 from pas.algebra.affine import Affine
 from pas.algebra.lengths import across
 from pas.algebra.polynomial import Polynomial
+from pas.arrays import Floats, Integers
 from pas.errors import MeshError
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
 from pas.solid.edges import Loop
 

@@ -14,12 +14,12 @@ from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact, exact_vector, to_float
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.contacts.rims import rim_of
 from pas.errors import GeometryError, MeshError
 from pas.mesh.diagnostics import touching
 from pas.mesh.field import FaceField, ShellWall
-from pas.mesh.rows import Bools, Floats, Integers
 from pas.solid.bounds import bounding_box
 from pas.solid.evaluator import TreeEvaluator, called
 from pas.solid.functions import followed_by

@@ -19,9 +19,9 @@ from flint import fmpq
 from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
 from pas.algebra.rational import decimal, plain, to_float
+from pas.arrays import Floats
 from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
-from pas.mesh.rows import Floats
 from pas.registry import loaded
 from pas.solid.face_seams import FaceSeam
 from pas.solid.fillet_forms import FilletPiece, radius_of_turned

@@ -14,7 +14,7 @@ import numpy as np
 from pas.algebra.affine import Affine
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
-from pas.mesh.rows import Bools, Floats
+from pas.arrays import Bools, Floats
 from pas.partition.cells import Partition
 from pas.piecewise import PiecewiseSurface
 from pas.solid.taylor import TaylorForms

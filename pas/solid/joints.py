@@ -23,8 +23,8 @@ from pas.algebra.curve import CurvePart, SpaceCurve, SplitError
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order, short
 from pas.algebra.polynomial import Polynomial, PolynomialLike
+from pas.arrays import Floats
 from pas.errors import GeometryError
-from pas.mesh.rows import Floats
 from pas.solid.arcs import AlongCurve, Arc, Around, arcs
 from pas.solid.functions import by_cells
 from pas.solid.germs import Sheets

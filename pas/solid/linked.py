@@ -22,9 +22,9 @@ from pas.algebra.affine import Affine
 from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import rational
+from pas.arrays import Floats
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Floats
 from pas.solid.faces import Faces, SolidBoundary, jets_of, ring
 from pas.solid.runs import gap_between
 from pas.solid.sheets import EQUAL, ROOM, Loops, SheetBody

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pas.arrays import Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField
 from pas.mesh.grading import LARGEST
@@ -19,7 +20,6 @@ from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.projection import newton, pair_normals, placing, project
 from pas.mesh.refusals import FaceMesh
-from pas.mesh.rows import Floats, Integers
 
 _GAUSS = [
     (u, v, weight)

@@ -20,13 +20,14 @@ from pas.algebra.affine import Affine
 from pas.algebra.inputs import FINEST
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import rational
+from pas.arrays import Floats
 from pas.errors import GeometryError, MeshError
 from pas.mesh.booleans import BooleanStep, Triangles, boolean, carried_out
 from pas.mesh.closed import refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import SAME
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Floats, cross, dots, norms
+from pas.mesh.rows import cross, dots, norms
 from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.settings import RELATIVE_TOLERANCE
 from pas.solid.faces import SolidBoundary

@@ -43,8 +43,8 @@ from pas.algebra.rational import (
     to_floats,
     vector,
 )
+from pas.arrays import Floats, Integers
 from pas.errors import GeometryError
-from pas.mesh.rows import Floats, Integers
 from pas.mesh.shading import unit_rows
 from pas.solid.faces import FacedBody, Faces, jets_of
 from pas.solid.joints import Joint

@@ -19,8 +19,8 @@ from flint import fmpq, fmpq_mpoly
 from pas.algebra.affine import rotation
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import plain, to_float
+from pas.arrays import Floats
 from pas.errors import GeometryError
-from pas.mesh.rows import Floats
 from pas.solid.edges import Loop, PlaneEdge, at, line
 from pas.solid.faces import Faces, SolidBoundary, SweptBody
 from pas.solid.formulas import PlaneSet, Truth, formula, joined, negated

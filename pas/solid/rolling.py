@@ -13,7 +13,7 @@ import numpy as np
 
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.polynomial import Polynomial
-from pas.mesh.rows import Floats
+from pas.arrays import Floats
 from pas.solid.face_seams import FaceSeam
 
 

@@ -36,8 +36,8 @@ from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.lengths import across, unit
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, cross, dot, plain, to_float, to_floats
+from pas.arrays import Floats, Integers
 from pas.errors import GeometryError, meant
-from pas.mesh.rows import Floats, Integers
 from pas.solid.face_seams import PlaneFace
 from pas.solid.faces import FacedBody, Faces, SolidBoundary, flat, jets_of
 from pas.solid.joints import Joint

@@ -19,9 +19,9 @@ import numpy as np
 from pas.algebra.affine import quadratic_form, slope_at
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import cross, dot, three
+from pas.arrays import Floats, Integers
 from pas.contacts.contact import Contact
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Floats, Integers
 from pas.mesh.sweep import between_loops
 from pas.solid.faces import COARSE, Faces, jets_of
 from pas.solid.sheets import ROOM, Loose, SheetBody, Side, merged

@@ -30,7 +30,7 @@ from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.polynomial import Polynomial, residue_place
 from pas.algebra.rational import cross, to_floats
-from pas.mesh.rows import Bools, Floats
+from pas.arrays import Bools, Floats
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import polynomials_of
 from pas.solid.sections import SLACK, multiples, smooth_sections, tangent_line, touch_along

@@ -15,8 +15,8 @@ from flint import fmpq_mpoly
 from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.polynomial import Polynomial
+from pas.arrays import Bools, Floats, Integers
 from pas.mesh.projection import least_norm, newton
-from pas.mesh.rows import Bools, Floats, Integers
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.tree import Tree, atoms
 

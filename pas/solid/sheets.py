@@ -18,12 +18,13 @@ from typing import NamedTuple, Protocol, TypeAlias
 import numpy as np
 
 from pas.algebra.polynomial import Polynomial
+from pas.arrays import Floats, Integers
 from pas.mesh.closed import refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.refusals import FaceMesh
-from pas.mesh.rows import Floats, Integers, norms
+from pas.mesh.rows import norms
 from pas.mesh.topology import Edges
 from pas.piecewise import PiecewiseSurface
 from pas.solid.bounds import hull

@@ -14,9 +14,9 @@ import numpy as np
 
 from pas.algebra.inputs import check_order, shown_point
 from pas.algebra.rational import Exact, positive
+from pas.arrays import Integers
 from pas.errors import GeometryError
 from pas.limits import WorkLimits, limited, part
-from pas.mesh.rows import Integers
 from pas.mesh.topology import twins_of
 from pas.registry import loaded
 from pas.solid.assembly import only_solids

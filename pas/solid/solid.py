@@ -22,13 +22,13 @@ from pas.algebra.brief import listed
 from pas.algebra.inputs import check_names, check_tolerance, points_of
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, rational, to_float
+from pas.arrays import Bools, Floats
 from pas.errors import GeometryError, meant
 from pas.limits import WorkLimits, limited
 from pas.mesh.closed import triangulate_faces
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.refusals import FaceMesh
-from pas.mesh.rows import Floats
 from pas.registry import loaded
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape, refuse_mixed
@@ -218,7 +218,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     def _field_of(self, tree: Tree) -> SolidField:
         return SolidField(tree, self._around, orders(self.joints), np.array(self.special_points).reshape(-1, 3))
 
-    def contains(self, points: ArrayLike) -> np.ndarray:
+    def contains(self, points: ArrayLike) -> Bools:
         """Whether points (..., 3) are inside, shape (...).
 
         Points on a face count as inside, on one that a difference left as outside.

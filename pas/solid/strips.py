@@ -23,10 +23,10 @@ from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, dot, to_float, to_floats
 from pas.algebra.scaling import scaled
+from pas.arrays import Floats, Integers
 from pas.contacts.cones import first_met
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
-from pas.mesh.rows import Floats, Integers
 from pas.solid.faces import End, Faces, jets_of, off_surface
 
 Rows = Callable[[Floats, float], Floats]

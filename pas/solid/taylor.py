@@ -15,8 +15,8 @@ import numpy as np
 from pas.algebra.evaluation import evaluate
 from pas.algebra.monomials import derivative_matrix, exponents, positions
 from pas.algebra.polynomial import Polynomial
+from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.rows import Bools, Floats, Integers
 
 HELD = 1 << 22
 """Numbers held at once while boxes are bounded."""

@@ -17,7 +17,7 @@ from flint import fmpq
 
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact, plain, positive, square_root, to_float
-from pas.mesh.rows import Floats
+from pas.arrays import Floats
 from pas.solid.faces import FacedBody, Faces, jets_of
 from pas.solid.functions import Distance, Parametrized
 from pas.solid.solid import Solid

@@ -11,7 +11,7 @@ import numpy as np
 from pas.algebra.affine import Affine
 from pas.algebra.inputs import check_coefficients
 from pas.algebra.polynomial import Polynomial
-from pas.mesh.rows import Bools, Floats
+from pas.arrays import Bools, Floats
 
 
 @runtime_checkable

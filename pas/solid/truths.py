@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pas.algebra.polynomial import Polynomial
+from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.rows import Bools, Floats, Integers
 from pas.solid.tree import Atom, Columns, Node, Tree, atoms, folded
 
 Bits = NDArray[np.uint8]

@@ -20,7 +20,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from pas.arrays import AnyArray
 
 Data = dict[str, Any]
 
@@ -44,7 +45,7 @@ class Message:
     """A table of plain data, and arrays by name."""
 
     head: Mapping[str, Any]
-    arrays: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    arrays: Mapping[str, AnyArray] = field(default_factory=dict)
 
     def numbered(self, number: int) -> Message:
         """This message as the answer to the request of a number."""

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.optimize import linprog
 
 from pas.algebra.inputs import short, shown
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float, to_floats
+from pas.arrays import Floats
 from pas.blending.shaping import handles
 from pas.errors import InfeasibleError, InputError
 from pas.fairing.basis import to_doubles

@@ -17,9 +17,9 @@ import numpy as np
 
 from pas.algebra.affine import ORIGIN
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float, to_floats
+from pas.arrays import Floats
 from pas.blending.place import place
 from pas.contacts.joins import Join
 from pas.exchange.picture_options import Picture

@@ -12,14 +12,14 @@ from the surface: along the ray there, or to first order.  A ridge that none of 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.grading import NOWHERE, Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind, following
 from pas.mesh.mesh import Mesh
 from pas.mesh.refusals import FaceMesh, too_many
-from pas.mesh.rows import Floats, Integers, cross, norms
+from pas.mesh.rows import cross, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.sheet import BadMeshError, given
 from pas.surface.graph import AROUND, delaunay, require_once
@@ -92,7 +92,7 @@ def _room(mesh: HalfEdges, halves: Integers) -> Floats:
     return share * sines * mesh.lengths(halves)
 
 
-def _chosen(mesh: HalfEdges, rim: Integers, bad: NDArray[np.bool_]) -> Integers:
+def _chosen(mesh: HalfEdges, rim: Integers, bad: Bools) -> Integers:
     """The half edges to be halved, the longest first: those on the boundary that are too far from its curves; where
     there are none, the longest of bad triangles (T,); and of each triangle that has one of them its longest, without
     which angles become ever smaller (Rivara 1984)."""

@@ -14,13 +14,12 @@ from typing import ClassVar
 import numpy as np
 
 from pas.algebra.bracket import Jets
-from pas.algebra.evaluation import PolynomialBatch
 from pas.algebra.lengths import across
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
+from pas.arrays import Bools, Floats, Integers
 from pas.contacts.cones import first_met, nappe_rays
 from pas.contacts.joins import Join
-from pas.mesh.rows import Integers, dots
+from pas.mesh.rows import dots
 from pas.surface.geometry import derivative_batch
 
 STEPS = 40
@@ -87,7 +86,7 @@ class ConeLoop:
             total += np.abs(p(points)) / np.maximum(np.sqrt(dots(slope, slope)), 1e-300)
         return total
 
-    def inside(self, units: Floats) -> np.ndarray:
+    def inside(self, units: Floats) -> Bools:
         """Which rays (N, 3) from 0 pass through the curve."""
         return np.asarray((self.clip(units) <= 0) & (units @ self.normal > 0))
 
@@ -110,13 +109,9 @@ class PlaneLoop:
     def _alone(self) -> Loops:
         return Loops([self])
 
-    @cached_property
-    def _function(self) -> PolynomialBatch:
-        return derivative_batch([self.column], (0, 1))
-
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4) of its function at points (N, 3)."""
-        return self._function(points, np.zeros(len(points), dtype=np.intp))
+        return self._alone.jets(points, np.zeros(len(points), dtype=np.intp))
 
     def at(self, points: Floats) -> Floats:
         """Where the rays from the middle through points (N, 3) near the plane meet the curve."""
@@ -139,7 +134,7 @@ class PlaneLoop:
         """How far points (N, 3) are from the curve, out of its plane or in it, to first order."""
         return self.distances(points) + np.abs((points - self.middle) @ self.normal)
 
-    def inside(self, units: Floats) -> np.ndarray:
+    def inside(self, units: Floats) -> Bools:
         """Which rays (N, 3) from 0 pass through the curve."""
         offset = float(self.middle @ self.normal)
         along = units @ self.normal
@@ -159,33 +154,27 @@ class Loops:
     def __init__(self, curves: Sequence[BoundaryLoop]) -> None:
         self._openings = {number: curve for number, curve in enumerate(curves) if isinstance(curve, ConeLoop)}
         loops = [curve for curve in curves if isinstance(curve, PlaneLoop)]
-        self._place = np.cumsum([isinstance(curve, PlaneLoop) for curve in curves]) - 1
+        self._place = np.cumsum([isinstance(curve, PlaneLoop) for curve in curves], dtype=np.intp) - 1
         self._middles = np.array([loop.middle for loop in loops]).reshape(-1, 3)
         self._normals = np.array([loop.normal for loop in loops]).reshape(-1, 3)
-        self._batch = derivative_batch([loop.column for loop in loops], (0, 1))
+        self.jets = derivative_batch([loop.column for loop in loops], (0, 1))
 
     def at(self, points: Floats, numbers: Integers) -> Floats:
         """Where rays from the middles of curves of given numbers (N,) through points (N, 3) meet these."""
-        if self._openings:
-            result = np.empty_like(points)
-            flat = ~np.isin(numbers, list(self._openings))
-            result[flat] = self._on_plane_loops(points[flat], self._place[numbers[flat]])
-            for number, curve in self._openings.items():
-                result[numbers == number] = curve.at(points[numbers == number])
-            return result
-        return self._on_plane_loops(points, numbers)
-
-    def _on_plane_loops(self, points: Floats, numbers: Integers) -> Floats:
-        """Where rays from the middles of loops, of given numbers (N,) among these, through points (N, 3) meet them."""
-        middles, normals = self._middles[numbers], self._normals[numbers]
-        ways = points - middles
+        result, flat = np.empty_like(points), ~np.isin(numbers, list(self._openings))
+        places = self._place[numbers[flat]]
+        middles, normals = self._middles[places], self._normals[places]
+        ways = points[flat] - middles
         ways = ways - dots(ways, normals)[:, None] * normals
 
         def jets(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
-            found = self._batch(middles[rows] + shares[:, None] * ways[rows], numbers[rows])
+            found = self.jets(middles[rows] + shares[:, None] * ways[rows], places[rows])
             return found[:, 0], dots(found[:, 1:], ways[rows])
 
-        return np.asarray(middles + _settled(jets, np.ones(len(points)))[:, None] * ways)
+        result[flat] = middles + _settled(jets, np.ones(len(ways)))[:, None] * ways
+        for number, curve in self._openings.items():
+            result[numbers == number] = curve.at(points[numbers == number])
+        return result
 
 
 def _settled(jets: Jets, shares: Floats) -> Floats:

@@ -25,12 +25,12 @@ import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
 from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_float
 from pas.algebra.roots import RealRoot, between, in_one, middle_of, rational_root, real_roots
+from pas.arrays import Floats, Integers
 from pas.limits import checkpoint
-from pas.surface.rays import Found, Integers, LocalRays, RayTarget
+from pas.surface.rays import Found, LocalRays, RayTarget
 
 BLOCK = 1 << 13
 """Rays that are worked on at once."""

@@ -17,10 +17,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float, to_floats
+from pas.arrays import Floats, Integers
 from pas.surface.directions import Directions
 from pas.surface.geometry import FIRST, SECOND, derivative_batch, tangent_frame
 
@@ -39,7 +38,7 @@ class Depth:
         self._origin, self._scale = np.array(to_floats(frame.origin)), to_float(frame.scale)
         rays = Directions.of(surface.placed, columns, surface.degree, samples)
         self._samples = rays.directions * rays.distances[:, None]
-        self._numbers = np.concatenate([np.full(here.stop - here.start, piece) for piece, here in rays.slices])
+        self._numbers = rays.pieces
         self._location, self._tolerance = surface.local.location, surface.evaluator.tolerance
         self._joins = surface.joins
         ends = [join.contact.surface for join in surface.joins]
@@ -77,7 +76,7 @@ class Depth:
             feet[here[beyond]], normals[here[beyond]] = found[beyond], across[beyond]
         return -((local - feet) * normals).sum(axis=1) * self._scale, normals
 
-    def _feet(self, points: Floats, near: Floats, numbers: NDArray[np.intp]) -> tuple[Floats, Floats]:
+    def _feet(self, points: Floats, near: Floats, numbers: Integers) -> tuple[Floats, Floats]:
         """The feet (N, 3) of local points on pieces of given numbers (N,), or the contacts' surfaces after these, from
         places near by, and the unit normals (N, 3) there."""
         steps, enough = 8, 1e-6  # a step as short as this, in local units, is the last: the next would be its square

@@ -19,11 +19,9 @@ from math import log
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.bracket import zeros_of_columns
-from pas.algebra.evaluation import PolynomialBatch
-from pas.algebra.monomials import Floats
+from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.rows import quarters
 from pas.partition.cells import Partition
@@ -40,8 +38,6 @@ AT_ONCE = 256
 
 NOTHING = 1e-9
 """The share of the largest value up to which one counts as none: curves through a corner of a triangle are common."""
-
-Pieces = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -79,7 +75,7 @@ class Directions:
         pieces = np.array([face.piece for face in local.outer_faces], dtype=np.intp)
         for _ in range(even):
             triangles, pieces = _quartered(triangles, pieces)
-        member, found = _Member.of(columns, degree), list[tuple[Any, ...]]()
+        member, found = _Member(columns, degree), list[tuple[Any, ...]]()
         limit = 0.0
         for level in range(even, deepest + 1):
             checkpoint("sending rays")
@@ -104,12 +100,12 @@ class Directions:
         return cls(units[order], angles[order], distances[order], slices)
 
     @property
-    def pieces(self) -> Pieces:
+    def pieces(self) -> Integers:
         """The piece in which each ray meets the surface, (N,)."""
         pieces = np.array([piece for piece, _ in self.slices], dtype=np.intp)
         return np.repeat(pieces, [here.stop - here.start for _, here in self.slices])
 
-    def some(self, chosen: NDArray[np.intp], times: float = 1.0) -> Directions:
+    def some(self, chosen: Integers, times: float = 1.0) -> Directions:
         """Some of the rays, by rising numbers, each with so many times its solid angle."""
         ends = [(p, *np.searchsorted(chosen, (here.start, here.stop)).tolist()) for p, here in self.slices]
         slices = tuple((p, slice(a, b)) for p, a, b in ends if b > a)
@@ -118,12 +114,12 @@ class Directions:
     @classmethod
     def along(
         cls, placed: PlacedContacts, columns: Sequence[Floats], degree: int, units: Floats
-    ) -> tuple[Directions, NDArray[np.intp]]:
+    ) -> tuple[Directions, Integers]:
         """Rays of solid angle 0 along given unit vectors (N, 3), and the numbers of those that meet the surface where
         it is in use."""
         used = np.flatnonzero(placed.in_use(units))
         ends, pieces = _ends(placed.local, units[used])
-        distances, _ = _Member.of(columns, degree).met(ends, pieces)
+        distances, _ = _Member(columns, degree).met(ends, pieces)
         met = np.flatnonzero(distances > 0)
         order, slices = _by_piece(pieces[met], len(columns))
         met = met[order]
@@ -140,14 +136,14 @@ def solid_angles(triangles: Floats) -> Floats:
     return 2 * np.arctan2(above, below)
 
 
-def _by_piece(numbers: Pieces, count: int) -> tuple[NDArray[np.intp], tuple[tuple[int, slice], ...]]:
+def _by_piece(numbers: Integers, count: int) -> tuple[Integers, tuple[tuple[int, slice], ...]]:
     """An order in which the rays of a piece follow one another, and where those of each piece then are."""
     order = np.argsort(numbers, kind="stable")
     starts = np.searchsorted(numbers[order], np.arange(count + 1))
     return order, tuple((p, slice(int(a), int(b))) for p, (a, b) in enumerate(pairwise(starts)) if b > a)
 
 
-def _ends(local: Partition, units: Floats) -> tuple[Floats, Pieces]:
+def _ends(local: Partition, units: Floats) -> tuple[Floats, Integers]:
     """Where rays along unit vectors leave the region, and in which piece: the outer face each is most inside of."""
     corners = np.array([local.points[list(face.vertices)] for face in local.outer_faces])
     inverse = np.linalg.inv(corners.transpose(0, 2, 1))
@@ -161,24 +157,18 @@ def _ends(local: Partition, units: Floats) -> tuple[Floats, Pieces]:
     return np.concatenate(ends), pieces[np.concatenate(faces)]
 
 
-def _quartered(triangles: Floats, pieces: Pieces) -> tuple[Floats, Pieces]:
+def _quartered(triangles: Floats, pieces: Integers) -> tuple[Floats, Integers]:
     return quarters(triangles).swapaxes(0, 1).reshape(-1, 3, 3), np.tile(pieces, 4)
 
 
-@dataclass(frozen=True)
 class _Member:
     """A piecewise polynomial: its values and gradients, and its coefficients along rays from the centre."""
 
-    values: PolynomialBatch
-    gradients: PolynomialBatch
-    profiles: PolynomialBatch
+    def __init__(self, columns: Sequence[Floats], degree: int) -> None:
+        self.values, self.gradients = (derivative_batch(columns, (order,)) for order in (0, 1))
+        self.profiles = profile_batch(columns, degree)
 
-    @classmethod
-    def of(cls, columns: Sequence[Floats], degree: int) -> _Member:
-        values, gradients = (derivative_batch(columns, (order,)) for order in (0, 1))
-        return cls(values, gradients, profile_batch(columns, degree))
-
-    def met(self, ends: Floats, pieces: Pieces) -> tuple[Floats, Floats]:
+    def met(self, ends: Floats, pieces: Integers) -> tuple[Floats, Floats]:
         """Where rays to given ends meet it, 0 for those that end inside, and the area for a unit of solid angle."""
         steep = 0.05  # cosines between ray and normal count as at least this much where areas are estimated
         profiles = self.profiles(ends, pieces).T
@@ -210,14 +200,9 @@ def circle(first: Floats, second: Floats) -> Floats:
     return np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second
 
 
-def runs(there: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
+def runs(there: Bools) -> list[Integers]:
     """Runs of True round a circle (n,), as index arrays."""
-    if there.all():
-        return [np.arange(len(there))]
-    if not there.any():
-        return []
-    start = int(np.flatnonzero(~there)[0])
-    order = (np.arange(len(there)) + start) % len(there)
+    order = (np.arange(len(there)) + (~there).argmax()) % len(there)
     breaks = np.flatnonzero(np.diff(there[order].astype(int)))
     parts = np.split(order, breaks + 1)
     return [part for part in parts if there[part[0]]]

@@ -13,19 +13,20 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pas.algebra.evaluation import PolynomialBatch
-from pas.algebra.inputs import shown
-from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.inputs import points_of, shown
+from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import to_float, to_floats
 from pas.algebra.scaling import Scaled
+from pas.arrays import Bools, Floats
 from pas.limits import checkpoint
 from pas.partition.boxes import SingleCell
 from pas.partition.cells import Partition
 from pas.surface.crossings import Crossings, crossings, first_crossings
-from pas.surface.geometry import derivative_batch
+from pas.surface.geometry import derivative_batch, symmetric
 from pas.surface.rays import RayTarget
 
 BLOCK = 1 << 14
@@ -76,6 +77,7 @@ class Evaluator:
         self.patches: tuple[Polynomial, ...] = tuple(patches)
         self.scaled = Scaled.of(self.patches)
         self.degree = max(0, *(patch.degree for patch in self.patches))
+        self._batches: dict[tuple[int, ...], PolynomialBatch] = {}
 
     def __repr__(self) -> str:
         pieces = "1 piece" if len(self.patches) == 1 else f"{len(self.patches)} pieces"
@@ -135,7 +137,7 @@ class Evaluator:
         """Partial derivatives of the scaled patches at points (..., 3), (..., entries), finite inside; NaN outside."""
         return self._located(points, orders)[0]
 
-    def _located(self, points: Floats, orders: Sequence[int]) -> tuple[Floats, NDArray[np.bool_]]:
+    def _located(self, points: Floats, orders: Sequence[int]) -> tuple[Floats, Bools]:
         """The derivatives of the scaled patches (..., entries), and which points (...) are in the region."""
         flat, batch = np.asarray(points, dtype=float).reshape(-1, 3), self.batch(*orders)
         result, inside = np.empty((len(flat), batch.degrees.shape[1])), np.empty(len(flat), dtype=bool)
@@ -148,17 +150,9 @@ class Evaluator:
             pieces = self.partition.local.location.pieces(local, self.tolerance)
             result[here] = batch(local.T, pieces)
             inside[here] = pieces >= 0
-        self._rescale(result, orders)
+        result /= [self.scale**order for order in orders for _ in homogeneous_exponents(order, 3)]
         shape = np.shape(points)[:-1]
         return result.reshape(*shape, result.shape[1]), inside.reshape(shape)
-
-    def _rescale(self, result: Floats, orders: Sequence[int]) -> None:
-        first = 0
-        for order in orders:
-            last = first + len(homogeneous_exponents(order, 3))
-            if order and self.scale != 1:
-                result[:, first:last] /= self.scale**order
-            first = last
 
     @cached_property
     def _origin(self) -> Floats:
@@ -190,32 +184,14 @@ class Evaluator:
         return self._batches[orders]
 
     @cached_property
-    def _batches(self) -> dict[tuple[int, ...], PolynomialBatch]:
-        """Those that were asked for, by orders."""
-        return {}
-
-    @cached_property
     def columns(self) -> list[Floats]:
         """The coefficients of the scaled patches (C(n+3, 3),), rounded."""
         return [patch.dense(max(patch.degree, 0)) for patch in self.scaled.polynomials]
 
 
-def symmetric(entries: Floats, order: int) -> Floats:
-    """All derivatives (..., 3, ..., 3) of an order, from one of each kind (..., entries)."""
-    where = {e: i for i, e in enumerate(homogeneous_exponents(order, 3))}
-    axes = np.indices((3,) * order).reshape(order, -1).T
-    places = [where[(kinds == 0).sum(), (kinds == 1).sum(), (kinds == 2).sum()] for kinds in axes]
-    return entries[..., places].reshape(*entries.shape[:-1], *(3,) * order)
-
-
 def checked(points: ArrayLike, name: str = "points") -> Floats:
     """Finite points (..., 3), at least one.  Raises `ValueError` otherwise."""
-    try:
-        array = np.asarray(points, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must be numbers of shape (..., 3), not {shown(points)}") from None
-    if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"{name} must have shape (..., 3), not {array.shape}")
+    array = points_of(points, name)
     if array.size == 0:
         raise ValueError(f"{name} must hold at least one, not none: their shape is {array.shape}")
     finite = np.isfinite(array)

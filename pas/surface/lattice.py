@@ -12,13 +12,13 @@ from functools import cache
 from itertools import permutations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.monomials import homogeneous_exponents
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.bernstein.simplices import Means, means, raised
 from pas.limits import checkpoint
-from pas.mesh.rows import Floats, Integers, any_of
+from pas.mesh.rows import any_of
 from pas.mesh.topology import MOST, first_with
 from pas.surface.local_field import LocalField
 from pas.verdicts import Status
@@ -45,15 +45,6 @@ class _Tetrahedra(Cells):
     points: Floats
 
 
-@dataclass(frozen=True)
-class Lattice:
-    """Nodes (N, 3) with values (N,), and the small tetrahedra (T, 4) the surface passes through."""
-
-    points: Floats
-    values: Floats
-    tetrahedra: Integers
-
-
 class Subdivision:
     """The tetrahedra that may hold zeros, as they are cut again and again.
 
@@ -65,7 +56,8 @@ class Subdivision:
         self.field, self.parts = field, 1
         kept = _kept(field.forms)
         cells, self.forms = field.cells[kept], field.forms[kept]
-        self.keys, self.points = _weights(len(field.vertices))[cells], field.vertices[cells]
+        weights = np.random.default_rng(0).integers(1 << 62, size=len(field.vertices)) | 1
+        self.keys, self.points = weights[cells], field.vertices[cells]
 
     def halve(self) -> None:
         """Cut each tetrahedron into eight."""
@@ -89,7 +81,7 @@ class Subdivision:
             alone = alone[~near]
         return self.points[order].mean(axis=1), self._hides(self.forms[alone], self.points[alone])
 
-    def _of_one_sign(self, rows: Integers | slice) -> NDArray[np.bool_]:
+    def _of_one_sign(self, rows: Integers | slice) -> Bools:
         """Which of some tetrahedra have values of one sign at their corners."""
         ends = self.forms[rows][:, self._ends]
         return np.asarray((ends >= -ROUNDING).all(axis=1) | (ends <= ROUNDING).all(axis=1))
@@ -122,8 +114,8 @@ class Subdivision:
         return found.status is Status.REFUTED
 
     @property
-    def lattice(self) -> Lattice:
-        """The tetrahedra across which the sign changes, with shared nodes."""
+    def lattice(self) -> tuple[Floats, Floats, Integers]:
+        """Nodes (N, 3) with values (N,), and the tetrahedra (T, 4) across which the sign changes."""
         corners = self.points.reshape(-1, 3)
         first, joined = first_with(self.keys.ravel() & MOST, corners)
         points = corners[first]
@@ -131,16 +123,10 @@ class Subdivision:
         values = np.where(values == 0, TINY, values)
         joined = joined.reshape(-1, 4)
         negative = (values < 0)[joined]
-        return Lattice(points, values, joined[any_of(negative) & any_of(~negative)])
+        return points, values, joined[any_of(negative) & any_of(~negative)]
 
 
-@cache
-def _weights(count: int) -> Integers:
-    """Odd numbers (count,), drawn once: vertices' keys."""
-    return np.random.default_rng(0).integers(1 << 62, size=count) | 1
-
-
-def _kept(forms: Floats) -> NDArray[np.bool_]:
+def _kept(forms: Floats) -> Bools:
     """Which tetrahedra may hold zeros."""
     return np.asarray((forms.min(axis=-1) <= ROUNDING) & (forms.max(axis=-1) >= -ROUNDING))
 
@@ -160,7 +146,7 @@ def _cut(degree: int, keys: Integers, points: Floats, forms: Floats) -> tuple[In
     return new_keys, new_points, new_forms
 
 
-def _turning(degree: int, forms: Floats, points: Floats) -> tuple[NDArray[np.bool_], Floats]:
+def _turning(degree: int, forms: Floats, points: Floats) -> tuple[Bools, Floats]:
     """In which tetrahedra (T, 4, 3) the function need not rise along its mean gradient, and that (T, 3)."""
     mean, least, size = risings(forms, points, degree)
     return least <= ROUNDING * size, mean

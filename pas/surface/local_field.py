@@ -11,11 +11,10 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_fraction
-from pas.mesh.rows import Integers, cross, dots, largest_of, norms
+from pas.arrays import Bools, Floats, Integers
+from pas.mesh.rows import cross, dots, largest_of, norms
 from pas.partition.complex import OuterFace
 from pas.surface.boundary_loops import BoundaryLoop
 from pas.surface.function import PiecewisePolynomial
@@ -45,7 +44,7 @@ class LocalSurface(ABC):
         self._value, self._jets, self._bends = (self.evaluator.batch(*range(n)) for n in (1, 2, 3))
 
     @cached_property
-    def fixed(self) -> NDArray[np.bool_]:
+    def fixed(self) -> Bools:
         """Which of `rims` are fixed, and, at the end, that what is on none is not, (R + 1,)."""
         return np.array([*(curve.fixed for curve in self.rims), False])
 
@@ -78,7 +77,7 @@ class LocalSurface(ABC):
     def near(self, points: Floats) -> Floats:
         """Points (N, 3) of the surface near points inside or outside it."""
 
-    def drawn(self, points: Floats, still: NDArray[np.bool_]) -> tuple[Floats, Floats, Floats]:
+    def drawn(self, points: Floats, still: Bools) -> tuple[Floats, Floats, Floats]:
         """Points near the surface moved towards it, but for those that are `still` (N,), and gradients and curvatures
         there.
 
@@ -175,7 +174,7 @@ class LocalField(LocalSurface):
         """The B-coefficients (C, m) of the function on the cells, each cell's scaled by a positive number."""
         return self.surface.cell_forms[0]
 
-    def nearest_walls(self, points: Floats) -> NDArray[np.intp]:
+    def nearest_walls(self, points: Floats) -> Integers:
         """The numbers of the walls (N,) whose faces are nearest to points (N, 3)."""
         if not len(points):
             return np.empty(0, dtype=np.intp)

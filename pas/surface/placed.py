@@ -11,10 +11,9 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pas.algebra.inputs import check_order
-from pas.algebra.monomials import Floats
+from pas.arrays import Bools, Floats
 from pas.contacts.contact import Contact
 from pas.contacts.joins import Join, joins
 from pas.partition.cells import Partition
@@ -73,7 +72,7 @@ class PlacedContacts:
         near = contact.near or frame.global_points(self.joins[number].curve()[0]).tolist()
         return Contact(contact.surface, contact.clip, near)
 
-    def in_use(self, directions: Floats) -> NDArray[np.bool_]:
+    def in_use(self, directions: Floats) -> Bools:
         """Along which directions (N, 3) from the centre surfaces are in use: inside all openings."""
         result = np.ones(len(directions), dtype=bool)
         for join in self.joins:

@@ -6,12 +6,12 @@ The piece of a ray is that of the outer face it leaves the region through, so no
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.polynomial.polynomial import polyval
 
 from pas.algebra.bracket import jets_of_columns, sign_change
-from pas.algebra.monomials import Floats
+from pas.arrays import Bools, Floats, Integers
 from pas.kernels.library import compiled
-from pas.mesh.rows import Integers, dots
+from pas.mesh.rows import dots
 from pas.surface.boundary_loops import BoundaryLoop, Loops
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import profile_batch
@@ -65,7 +65,7 @@ class RadialField(LocalSurface):
         """Where the rays through points (N, 3) meet the surface, found from there."""
         return self._met(points)[0]
 
-    def _met(self, points: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    def _met(self, points: Floats) -> tuple[Floats, Bools]:
         """Where rays through points (N, 3) meet the surface, (N, 3), and which of them (N,) graze or miss it."""
         steep = 0.4  # cosine between normal and ray below which a ray from the skeleton is taken
         off = 1e-6  # so far from the surface, over the way from 0, a ray has missed it: it left through a contact
@@ -135,8 +135,5 @@ class RadialField(LocalSurface):
         samples = 32  # places along a ray where the sign of f is looked at
         profiles, leave = self.profiles(points)
         shares = np.outer(np.linspace(0.0, 1.0, samples + 1), leave)
-        values = np.zeros_like(shares)
-        for coefficients in profiles[::-1]:
-            values = values * shares + coefficients
-        inside = values < 0
+        inside = polyval(shares, profiles, tensor=False) < 0
         return bool((inside[:-1] >= inside[1:]).all() and inside[0].all() and not inside[-1].any())

@@ -34,7 +34,8 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 
-from pas.algebra.monomials import Floats, homogeneous_exponents
+from pas.algebra.monomials import homogeneous_exponents
+from pas.arrays import Floats
 from pas.errors import library, optional
 from pas.exchange.formats import Content, Format, Request
 from pas.exchange.parts import (

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pas.arrays import Floats
 from pas.exchange.formats import UNITS, Format, Request
 from pas.exchange.parts import (
     MEASURES,
@@ -26,7 +27,6 @@ from pas.exchange.parts import (
     repeated_colors,
 )
 from pas.limits import checkpoint
-from pas.mesh.rows import Floats
 from pas.solid.measures import PartList
 
 AT_ONCE = 2**16

@@ -15,13 +15,12 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from pas.algebra.lengths import arc_lengths, resampled
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats, Integers
 from pas.errors import GeometryError
 from pas.exchange.step.charts import NEAR, Atlas, CommonZeros, Functions, Sheet
 from pas.exchange.step.parametrized import Wall
 from pas.limits import checkpoint
 from pas.mesh.halfedges import following
-from pas.mesh.rows import Integers
 from pas.mesh.topology import chains
 
 DEGREE = 5

@@ -17,9 +17,9 @@ from flint import fmpq_mat
 
 from pas.algebra.affine import quadratic_form
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import dot, three, to_float, to_floats
+from pas.arrays import Floats
 from pas.contacts.parallels import axis_of_revolution
 from pas.contacts.torus import torus_of
 from pas.parametric.generatrix.quadric import inertia, planes_of, rational_zeros

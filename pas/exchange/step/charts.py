@@ -12,9 +12,9 @@ from functools import partial
 
 import numpy as np
 
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
+from pas.arrays import Floats, Integers
 from pas.errors import GeometryError
 from pas.exchange.step.carriers import Carrier, Plane, reducible_planes
 from pas.exchange.step.parametrized import PlacedSurface, Wall, surface_of
@@ -22,7 +22,6 @@ from pas.mesh.field import place_of
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton
-from pas.mesh.rows import Integers
 from pas.mesh.topology import connected, twins_of
 from pas.solid.field import SolidField
 from pas.solid.functions import Pieces

@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline, NdBSpline, make_interp_spline
 from scipy.linalg import solveh_banded
 from scipy.sparse import diags_array, eye_array, kron, triu
@@ -19,8 +18,8 @@ from scipy.spatial import cKDTree
 
 from pas.algebra.affine import quadratic_form
 from pas.algebra.lengths import across
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import to_float
+from pas.arrays import Bools, Floats, Integers
 from pas.errors import GeometryError
 from pas.exchange.step.borders import DEGREE
 from pas.exchange.step.carriers import LEAST, Carrier, Plane
@@ -38,7 +37,6 @@ from pas.exchange.step.parameters import (
 from pas.exchange.step.parametrized import ParameterWall, PlacedSurface, Wall
 from pas.limits import checkpoint
 from pas.mesh.field import place_of
-from pas.mesh.rows import Integers
 
 STEEP = 0.55
 """Cosine between a chart's mean normal and the others' below which it is divided before a graph is looked for."""
@@ -256,9 +254,7 @@ def _through(origin: Floats, frame: Floats, knots: list[Floats], heights: Floats
     return SeenPatch(degree=DEGREE, knots=(knots[0], knots[1]), poles=poles, origin=origin, frame=frame)
 
 
-def _heights(
-    sheet: Sheet, origin: Floats, frame: Floats, uv: Floats, start: Floats
-) -> tuple[Floats, NDArray[np.bool_]]:
+def _heights(sheet: Sheet, origin: Floats, frame: Floats, uv: Floats, start: Floats) -> tuple[Floats, Bools]:
     """Heights (N,) over a plane at parameters (N, 2) by Newton's method, and whether they are found, not too steep."""
     heights, base, normal = start.copy(), origin + uv @ frame[:2], frame[2]
     most = 0.1 * float(np.ptp(uv, axis=0).max(initial=0.0))

@@ -30,7 +30,7 @@ from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS, TopoDS_Compound
 
 from pas.algebra.inputs import check_tolerance
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.exchange.step.borders import Borders
 from pas.exchange.step.charts import NEAR, Atlas

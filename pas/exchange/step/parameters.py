@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pas.algebra.lengths import across, spiral
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 from pas.exchange.step.carriers import Carrier, CarrierKind, Plane
 from pas.exchange.step.charts import ON_PLANE
 from pas.exchange.step.parametrized import PlacedSurface

@@ -15,11 +15,10 @@ from flint import fmpq
 
 from pas.algebra.affine import Affine
 from pas.algebra.lengths import unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import UNITS, three, to_float, to_floats
+from pas.arrays import Floats, Integers
 from pas.exchange.step.carriers import Carrier, CarrierKind, Plane, carrier_of
-from pas.mesh.rows import Integers
 from pas.solid.field import SolidField
 from pas.solid.functions import Distance, Moved, Parametrized
 
@@ -164,7 +163,6 @@ class Cyclide(Parametrized):
         return np.stack([u, np.arctan2(self.b * z / behind, (self.a - share) / self.m)], axis=1)
 
     def at(self, places: Floats) -> Floats:
-        """Its points (N, 3)."""
         a, b, c, m = self.a, self.b, self.c, self.m
         (p, q), (s, t) = np.cos(places).T, np.sin(places).T
         found = m * (c - a * p * q) + b * b * p, b * s * (a - m * q), b * t * (c * p - m)

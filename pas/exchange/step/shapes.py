@@ -23,7 +23,7 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Shell, TopoDS_Solid, TopoDS_Vertex, TopoDS_Wire
 from scipy.interpolate import BSpline, make_interp_spline
 
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 from pas.exchange.step.borders import DEGREE, Borders, Curve
 from pas.exchange.step.carriers import LEAST, CarrierKind
 from pas.exchange.step.parameters import CarrierParameters, Parameters, SeenPatch, SplinePatch

@@ -15,8 +15,8 @@ import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_mpoly
 
 from pas.algebra.inputs import MOST_PIECES, shown, whole
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import amount, plain, to_float
+from pas.arrays import Floats
 from pas.fairing.basis import Derivative, WorkingBasis
 from pas.fairing.energy import Energy, Members
 from pas.fairing.functionals import Box, box_products, box_rule, tetrahedron_products

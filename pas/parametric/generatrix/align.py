@@ -19,7 +19,7 @@ import numpy as np
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import exponent, lengths, unit
-from pas.algebra.monomials import Floats
+from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.parametric.generatrix.boundary import Boundary
 

@@ -20,10 +20,10 @@ from numpy.typing import ArrayLike
 from pas.algebra.brief import brief
 from pas.algebra.inputs import short, shown
 from pas.algebra.lengths import lengths, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, cross
 from pas.algebra.rational_function import RationalFunction
+from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.parametric.generatrix.paths import (
     CHECKED,

@@ -26,11 +26,10 @@ from numpy.typing import ArrayLike
 from pas.algebra.brief import brief
 from pas.algebra.callables import on_series
 from pas.algebra.lengths import exponent, lengths, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import rational, square_root, three
 from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction, total
+from pas.arrays import Floats, Integers
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import Integers
 from pas.parametric.generatrix.align import Alignment
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.paths import NAMES, value_at

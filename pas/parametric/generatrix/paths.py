@@ -20,11 +20,11 @@ from pas.algebra.callables import ComponentLike, component
 from pas.algebra.expressions import Names
 from pas.algebra.inputs import shown
 from pas.algebra.lengths import lengths, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, cross, dot, rational, three, to_float
 from pas.algebra.rational_function import GENERATORS, RationalFunction
 from pas.algebra.roots import in_one
+from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.parametric.series import Components, zeros_in_unit_interval
 from pas.parametric.surface import ParametricSurface, one_parameter

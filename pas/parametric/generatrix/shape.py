@@ -17,9 +17,9 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import WIDEST, short, shown
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import Exact, plain, rational, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
+from pas.arrays import Floats
 from pas.parametric.generatrix.paths import NAMES, CurveLike
 from pas.parametric.hermite import taylor_basis
 from pas.parametric.series import univariate, zeros_in_unit_interval

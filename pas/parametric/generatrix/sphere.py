@@ -19,14 +19,13 @@ import numpy as np
 from pas.algebra.brief import brief
 from pas.algebra.inputs import check_tolerance, shown, shown_point
 from pas.algebra.lengths import lengths, spiral, unit
-from pas.algebra.monomials import Floats
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, VectorLike, dot, positive, to_float, to_floats, vector
+from pas.arrays import Floats, Integers
 from pas.errors import GeometryError, MeshError
 from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.rows import Integers
 from pas.parametric.generatrix.blend import GeneratrixBlend, generatrix_blend, refuse_both
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.sections import plane_section

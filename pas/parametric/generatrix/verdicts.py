@@ -39,9 +39,9 @@ from flint import fmpq
 
 from pas.algebra.brief import brief
 from pas.algebra.lengths import exponent, lengths
-from pas.algebra.monomials import Floats
 from pas.algebra.rational import dot, exact, rational, to_float, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE, RationalFunction, total
+from pas.arrays import Floats
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.contacts.ends import triple
 from pas.mesh.crossings import crossings
@@ -76,7 +76,6 @@ class GeneratrixCertificate(Verdicts):
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:
-        """All verdicts in that order."""
         return (*self.contacts, self.sense, self.regular, self.simple)
 
 
