@@ -469,9 +469,9 @@ def test_critical_parts_are_free_of_what_must_not_be_in_them():
     form = rounded_forms(Polynomial(bowl).raw, [tetrahedron])
     corners = np.array([[to_floats(v) for v in tetrahedron]])
     parts = critical_parts(isolated(form, corners), lambda _, some: np.ptp(some, axis=1).max(axis=1) < 0.05)
-    assert not len(parts.open) and (parts.signs == 1).all()
-    assert (np.ptp(parts.simplices, axis=1) < 0.05).all()
-    low, high = parts.simplices.min(axis=1), parts.simplices.max(axis=1)
+    assert not len(parts.open) and (parts.kept.table > 0).all()
+    assert (np.ptp(parts.kept.corners, axis=1) < 0.05).all()
+    low, high = parts.kept.corners.min(axis=1), parts.kept.corners.max(axis=1)
     assert ((low <= middle) & (middle <= high)).all(axis=1).any()
     told = []
     critical_parts(isolated(np.full((1, 10), -0.5), corners, 1e-4), lambda least, some: told.append(least) or least > 0)

@@ -172,7 +172,11 @@ def test_no_mesh_is_needed_to_prove_a_body(monkeypatch):
 def test_nodes_that_meet_are_not_proved_to_be_apart(gap, proved):
     """By a hair, far into one another, or nearly one in the place of the other; so by whichever comes first."""
     both = covers([*TEE, *moved(2 * tee()[1] + gap, sign=-1)], [(0, 1), (0, 2), (0, 3), (4, 5), (4, 6), (4, 7)])
-    assert both.nodes_apart(np.array([0, 4]), np.array([4, 0])).tolist() == [proved] * 2
+    found = both.nodes_apart(np.array([0, 4]), np.array([4, 0]))
+    assert [apart is True for apart in found] == [proved] * 2
+    assert all(
+        both.node(n, a).holds(point) for point, a in zip(found, (0, 4), strict=True) for n in (0, 4) if not proved
+    )
 
 
 @pytest.mark.parametrize(("gap", "proved"), [(0.2, 1), (0.005, 1), (-0.002, 0), (-0.2, 0), (-0.4, 0)])
@@ -181,7 +185,72 @@ def test_a_strut_that_meets_a_node_is_not_proved_to_be_apart(gap, proved):
     x = tee()[1] + 0.25 + gap
     others = [(x, 1, 0), (x, -1, 0), (x, 0, 0), (x + 2, 0, 0)]
     found = covers([*TEE, *others], [(0, 1), (0, 2), (0, 3), (4, 5), (6, 7)])
-    assert found.struts_apart(np.array([0, 0]), np.array([3, 4])).tolist() == [proved] * 2
+    apart = found.struts_apart(np.array([0, 0]), np.array([3, 4]))
+    assert [one is True for one in apart] == [proved] * 2
+    assert proved or all(solid.holds(apart[0]) for solid in (found.node(0, 0), found.strut(3, 0)))
+
+
+STAR = np.array([(0, 0, 0), (4, 0, 0), (-2, 3.5, 0), (-2, -3.5, 0)])
+"""The points of a node of three struts in a plane, from which it rises farther than they are thick, by some 11 %."""
+
+
+def stars(height, *rod):
+    """Two such nodes, one turned and this much higher, and perhaps a rod; radii are 1/4."""
+    points = [*STAR, *(STAR * (-1, 1, 1) + (0, 0, height)), *rod]
+    edges = [(n, n + m) for n in (0, 4) for m in (1, 2, 3)] + [(8, 9)][: len(rod)]
+    return network.Network(points, edges, "1/4", "1/1024")
+
+
+@pytest.mark.parametrize(("height", "proved"), [(0.53, False), (0.5625, True)])
+def test_nodes_that_overlap_are_refuted(height, proved):
+    """Though their struts do not; with a point that is inside of both, exact, and what to change."""
+    net = stars(height)
+    assert not net.check()
+    found = net.blend(1, "lowest")
+    assert found.certificate.proved is proved
+    if proved:
+        return
+    (refuted,) = found.certificate.refuted
+    said = (
+        r"the nodes 0 and 4, 0\.5303 from one another, overlap at \(.*\); make struts there thinner, or move .* apart"
+    )
+    assert re.fullmatch(said, refuted.reason)
+    assert found.unproved == (network.NetworkProblem("nodes", (0, 4), refuted.reason),)
+    (blend,) = found.blends.values()  # of the second node, of which the first is the image in a plane
+    assert blend.surface(1024 * (np.array(refuted.witness) - net.points[4])) < 0
+    assert blend.surface((-1024, 1024, 1024) * np.array(refuted.witness)) < 0
+
+
+@pytest.mark.parametrize(("height", "status"), [(0.5156, "REFUTED"), (0.5625, "PROVED")])
+def test_a_strut_in_a_node_is_refuted(height, status):
+    found = stars(2, (0, -1, -height), (0, 1, -height)).blend(1, "lowest")
+    assert found.certificate.verdicts[-1].status is pas.Status[status]
+    assert [problem.ids for problem in found.unproved] == [(0, 6)][: status == "REFUTED"]
+
+
+def test_what_is_inside_of_nodes_and_struts_is_exact():
+    """In the cells of a blend, off the discs where its struts begin; of a strut between these, off its surface."""
+    net = stars(2)
+    part = net.blend(1, "lowest")
+    found = NodeCovers(net, part.kinds, part.blends)
+    (blend,) = part.blends.values()
+    surface = blend.surface.mesh(10).points
+    for node, image in ((4, surface), (0, surface * (-1, 1, 1))):
+        inside = [found.node(node, node).holds(vector(point)) for share in (0.99, 1.01) for point in share * image]
+        assert inside == [True] * len(image) + [False] * len(image)
+    clip = blend.surface.contacts[0].clip
+    at = clip.at((0, 0, 0)) / (clip.at((0, 0, 0)) - clip.at((-1, 0, 0)))  # in steps along x, of which it is the image
+    node, strut = found.node(0, 0), found.strut(0, 0)
+    held = [(node.holds(vector((x, 0, 0))), strut.holds(vector((x, 0, 0)))) for x in (at - 1, at, at + 1, 4095, 4096)]
+    assert held == [(True, False), (False, False), (False, True), (False, True), (False, False)]
+    assert [strut.holds(vector((2000, 0, z))) for z in (255, Fraction(256) - Fraction(1, 10**30), 256)] == [1, 1, 0]
+
+
+def test_ends_of_struts_are_rounded_inwards():
+    found = NodeCovers(net := stars(2), kinds_of(net), {})
+    vars(found).update(ends=np.full((len(net.edges), 2), 1 / 3))
+    here, there = found.strut(0, 0).ends
+    assert Fraction(1 / 3) < Fraction(1, 3) and 3 * here > 1 and 3 * there < 2
 
 
 def test_how_far_nodes_reach_is_proved_on_their_polynomials():
@@ -201,8 +270,9 @@ def test_what_is_proved_of_a_pair_is_so_of_those_that_are_placed_alike():
     rods = [(y, 1, 0), (y, -1, 0), (y - 0.2, 21, 0), (y - 0.2, 19, 0)]
     edges = [(4 * n, 4 * n + m) for n in range(6) for m in (1, 2, 3)]
     found = covers([*chain.from_iterable(nodes), *rods], [*edges, (24, 25), (26, 27)])
-    assert found.nodes_apart(np.array([0, 8, 16]), np.array([4, 12, 20])).tolist() == [True, False, False]
-    assert found.struts_apart(np.array([0, 8]), np.array([18, 19])).tolist() == [True, False]
+    nodes = found.nodes_apart(np.array([0, 8, 16]), np.array([4, 12, 20]))
+    struts = found.struts_apart(np.array([0, 8]), np.array([18, 19]))
+    assert [[apart is True for apart in some] for some in (nodes, struts)] == [[True, False, False], [True, False]]
 
 
 def test_neighbours_are_apart_that_no_plane_across_their_strut_parts():
@@ -726,7 +796,7 @@ def test_what_comes_near_is_seen():
     assert cleared(net).proved
     touching = cleared(net.with_radius("3/20"))
     assert touching.status is pas.Status.UNDECIDED
-    assert "the struts 0 and 1 come within 0.3" in touching.reason
+    assert "the struts 0 and 1, 0.3 from one another, may meet" in touching.reason
     reach = [1.95, 0, 0, 0]
     assert cleared(net, reach, [[0, 0], [0.8, 0]]).proved  # what is not straight is of the nodes there
     assert not cleared(net, reach, [[0, 0], [0, 0.4]]).proved
@@ -767,7 +837,7 @@ def test_a_file_with_struts_that_overlap_is_refuted(tmp_path):
     content["content"]["points"][2:] = [[4, 4, 1], [4, -4, 1]]
     path.write_text(json.dumps(content))
     (refuted,) = pas.load(path, edited=True).certificate.refuted
-    assert refuted.reason == "the struts 0 and 1, 0.125 from one another, overlap"
+    assert refuted.reason.startswith("the struts 0 and 1, 0.125 from one another, overlap at (0.5, 0, 0.0625); make ")
 
 
 def test_an_error_tells_one_of_each_kind():

@@ -131,7 +131,7 @@ def test_a_cone_that_is_wider_than_the_region(blends):
 def test_the_cofactor_is_exact(blends):
     surface = blends("leaning").surface
     join = surface.joins[0]
-    alpha = cofactor(surface.patches[0], join, 1)
+    alpha = cofactor(surface.patches[0], join.contact, 1)
     rest = surface.patches[0] - alpha * join.contact.surface
     quotient, remainder = divmod(rest.raw, join.contact.clip.raw**2)
     assert remainder.is_zero() and quotient.total_degree() <= surface.degree - 4

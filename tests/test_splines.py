@@ -15,7 +15,7 @@ from flint import fmpq_mat
 import pas
 from pas.blending.net import Net
 from pas.blending.place import place
-from pas.blending.solving import Conditions
+from pas.blending.solving import solve_along_tree
 from pas.blending.space import Space
 from pas.surface.placed import PlacedContacts
 
@@ -49,7 +49,7 @@ def alfeld() -> pas.Partition:
 
 def by_conditions(partition, order, degree) -> Space:
     placed = PlacedContacts(partition, (), order)
-    return Space(placed, degree, Conditions(placed).solve(degree))
+    return Space(placed, degree, solve_along_tree(placed, degree))
 
 
 def by_net(partition, order, degree) -> Space:

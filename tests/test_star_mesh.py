@@ -70,7 +70,7 @@ def test_corners_have_good_triangles(no_lattice, radii, tolerance):
 def test_from_a_lattice_the_mesh_is_as_good():
     surface, tolerance = solved(EQUAL, 2).surface, 1e-2
     lattice = LocalField(surface)
-    other = triangulate(Beginnings(lattice), tolerance / lattice.scale)
+    other = triangulate(Beginnings(lattice), tolerance / lattice.scale, Settings())
     check(surface, other, tolerance)
     assert 0.7 < len(surface.mesh(tolerance).triangles) / len(other.triangles) < 1.4
     assert np.percentile(other.smallest_angles, 1) > 28

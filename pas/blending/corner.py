@@ -16,7 +16,7 @@ from flint import fmpq, fmpq_mat
 
 from pas.algebra.affine import center_equations, slope_at
 from pas.algebra.matrices import solved
-from pas.algebra.rational import Vector, cross, dot, listed, moved, plain, rational, three, to_float
+from pas.algebra.rational import Vector, cross, dot, listed, minus, moved, plain, rational, three, to_float
 from pas.contacts.contact import Contact
 from pas.contacts.endless import Circular
 from pas.contacts.joins import Join
@@ -103,18 +103,16 @@ def _center(contacts: Sequence[Contact], pipes: Sequence[Circular | None]) -> Ve
 
 def _on_axis(pipe: Circular) -> list[list[fmpq]]:
     """Three equations, `axis x (p - point) = 0`, as rows of four."""
-    a, b, c = pipe.axis
+    (a, b, c), (u, v, w) = pipe.axis, cross(pipe.axis, pipe.point)
     zero = fmpq(0)
-    crossed = cross(pipe.axis, pipe.point)
-    return [[*row, right] for row, right in zip([[zero, -c, b], [c, zero, -a], [-b, a, zero]], crossed, strict=True)]
+    return [[zero, -c, b, u], [c, zero, -a, v], [-b, a, zero, w]]
 
 
 def _apart(pipes: Sequence[Circular | None]) -> str:
     """Which two axes miss one another, and by how much, or that there is no common centre."""
     for (i, a), (j, b) in combinations([(i, p) for i, p in enumerate(pipes, start=1) if p], 2):
         common = cross(a.axis, b.axis)
-        offset = [q - p for p, q in zip(a.point, b.point, strict=True)]
-        gap = to_float(dot(common, offset)) / sqrt(to_float(dot(common, common)))
+        gap = to_float(dot(common, minus(b.point, a.point))) / sqrt(to_float(dot(common, common)))
         if gap != 0:
             return (
                 f"the axes of pipes {i} and {j} miss each other by {abs(gap):.6g}; "
@@ -127,7 +125,8 @@ def _apart(pipes: Sequence[Circular | None]) -> str:
 
 def check_circle(number: int, pipe: Circular, join: Join) -> None:
     """That a pipe's circle fits the clip face, or by how much it does not."""
-    foot = _foot(pipe, join)
+    clip = join.contact.clip
+    foot = moved(pipe.point, (-clip.raw(*pipe.point) / dot(slope_at(clip), pipe.axis), pipe.axis))
     largest = min(_distance(foot, a, b) for a, b in join.rim())
     radius = to_float(pipe.radius)
     if radius >= largest:
@@ -138,13 +137,7 @@ def check_circle(number: int, pipe: Circular, join: Join) -> None:
         )
 
 
-def _foot(pipe: Circular, join: Join) -> Vector:
-    clip = join.contact.clip
-    t = -clip.raw(*pipe.point) / dot(slope_at(clip), pipe.axis)
-    return moved(pipe.point, (t, pipe.axis))
-
-
 def _distance(point: Vector, a: Vector, b: Vector) -> float:
-    along = [q - p for p, q in zip(a, b, strict=True)]
-    normal = cross(along, [q - p for p, q in zip(a, point, strict=True)])
+    along = minus(b, a)
+    normal = cross(along, minus(point, a))
     return sqrt(to_float(dot(normal, normal) / dot(along, along)))

@@ -185,15 +185,9 @@ class Consistency:
             roots.append(root)
             sums[root] = self._site(carried[root]) if root in carried else {free: 1}
             free += root not in carried
-            queue = [root]
-            while queue:
-                parent = queue.pop(0)
-                for j, face in enumerate(self.interior_faces):
-                    for here, there, sign in ((face.first, face.second, 1), (face.second, face.first, -1)):
-                        if here == parent and there not in sums:
-                            sums[there] = sums[parent] | {j: sign}
-                            used.add(j)
-                            queue.append(there)
+            for j, parent, child in spanning_tree(self.interior_faces, root):
+                sums[child] = sums[parent] | {j: 1 if self.interior_faces[j].first == parent else -1}
+                used.add(j)
         return tuple(sums[c] for c in range(self.patches)), tuple(roots), frozenset(used)
 
     @property
@@ -278,6 +272,19 @@ def consistency(placed: PlacedContacts) -> Consistency:
     """The system of contacts in place, in the user's coordinates."""
     partition = placed.partition
     return Consistency(partition.interior_faces, placed.contacts, placed.carriers, len(partition.pieces), placed.order)
+
+
+def spanning_tree(faces: Sequence[InteriorFace], root: int) -> list[tuple[int, int, int]]:
+    """The faces of a breadth-first spanning tree of what is joined to a root: (face, parent, child), by numbers."""
+    reached, tree = [root], list[tuple[int, int, int]]()
+    for parent in reached:  # which grows on the way
+        for number, face in enumerate(faces):
+            if parent in (face.first, face.second):
+                child = face.first + face.second - parent
+                if child not in reached:
+                    reached.append(child)
+                    tree.append((number, parent, child))
+    return tree
 
 
 def descending(degree: int) -> list[Exponents]:

@@ -38,6 +38,7 @@ from pas.partition.layout import Layout
 from pas.surface.placed import PlacedContacts
 
 Row = dict[int, fmpq]
+Column = dict[Exponents, fmpq]
 
 Point = tuple[tuple[int, int], ...]
 """The corners of a domain point with their multiplicities, in order."""
@@ -58,17 +59,19 @@ def numbered(simplices: Sequence[Exponents], degree: int) -> dict[Point, int]:
 
 
 def across(
-    points: Mapping[Point, int], degree: int, face: Exponents, a: int, b: int, coordinates: Sequence[fmpq], s: int
+    points: Mapping[Point, int], degree: int, face: Exponents, a: int, b: int, coordinates: Sequence[fmpq], order: int
 ) -> Iterator[Row]:
-    """The conditions of order s across a face between the corners a and b, `coordinates` those of b by (a, *face)."""
-    weights = _power_weights(coordinates, s)
-    for index in homogeneous_exponents(degree - s, len(face)):
-        row: Row = {points[domain_point((b, *face), (s, *index))]: fmpq(-1)}
-        for shift, weight in weights:
-            there = (shift[0], *(i + m for i, m in zip(index, shift[1:], strict=True)))
-            number = points[domain_point((a, *face), there)]
-            row[number] = row.get(number, fmpq(0)) + weight
-        yield row
+    """The conditions of orders 1 to `order` across a face between the corners a and b, `coordinates` those of b by
+    (a, *face): a row for each order and multi-index."""
+    for s in range(1, 1 + min(order, degree)):
+        weights = _power_weights(coordinates, s)
+        for index in homogeneous_exponents(degree - s, len(face)):
+            row: Row = {points[domain_point((b, *face), (s, *index))]: fmpq(-1)}
+            for shift, weight in weights:
+                there = (shift[0], *(i + m for i, m in zip(index, shift[1:], strict=True)))
+                number = points[domain_point((a, *face), there)]
+                row[number] = row.get(number, fmpq(0)) + weight
+            yield row
 
 
 def members(solved: Solved, points: int) -> list[dict[int, int]]:
@@ -88,12 +91,12 @@ def members(solved: Solved, points: int) -> list[dict[int, int]]:
     return found
 
 
-def coordinates_of(vector: Sequence[fmpq], others: Sequence[Sequence[fmpq]]) -> list[fmpq]:
+def coordinates_of(vector: Sequence[fmpq], *others: Sequence[fmpq]) -> list[fmpq]:
     """The coordinates of a vector by as many others as it has entries: barycentric ones of points (1, x, y, z)."""
     return list((fmpq_mat([list(vector)]) * fmpq_mat([list(other) for other in others]).inv()).entries())
 
 
-def bernstein_polynomials(others: Sequence[Sequence[fmpq]], degree: int) -> list[dict[Exponents, fmpq]]:
+def bernstein_polynomials(others: Sequence[Sequence[fmpq]], degree: int) -> list[Column]:
     """Those of a simplex in coordinates by its corners (1, x, y, z), or by three rays, by multi-index and monomial."""
     axes, inverse = (RING.constant(1), *GENERATORS)[-len(others) :], fmpq_mat([list(other) for other in others]).inv()
     forms = [sum((g * inverse[i, k] for i, g in enumerate(axes)), RING.constant(0)) for k in range(len(others))]
@@ -103,6 +106,21 @@ def bernstein_polynomials(others: Sequence[Sequence[fmpq]], degree: int) -> list
         for index in homogeneous_exponents(degree, len(others))
     )
     return [product.to_dict() for product in products]
+
+
+def in_monomials(
+    values: list[dict[int, int]], dimension: int, bernstein: Sequence[Column], places: Mapping[Exponents, int]
+) -> fmpq_mat:
+    """Members (dimension, monomials) by values at the domain points of a simplex, given its Bernstein polynomials.
+
+    Most members vanish on it; the others are converted together, in integers.
+    """
+    change, common = whole_rows(bernstein, places)
+    touched = sorted({member for at_point in values for member in at_point})
+    table = fmpz_mat(len(touched), len(values), [at_point.get(m, 0) for m in touched for at_point in values])
+    rows, nothing = dict(zip(touched, (table * change).tolist(), strict=True)), [0] * len(places)
+    whole = fmpz_mat(dimension, len(places), [v for m in range(dimension) for v in rows.get(m, nothing)])
+    return fmpq_mat(whole) * fmpq(1, common)
 
 
 def multinomial(index: Exponents) -> int:
@@ -150,45 +168,28 @@ class Net:
         for number, (triangle, first, second) in enumerate(self.partition.inner_triangles):
             checkpoint("setting up the conditions across faces", number / len(self.partition.inner_triangles))
             same = self.partition.piece_of[first] == self.partition.piece_of[second]
-            for s in range(1, 1 + min(self.degree if same else self.placed.order, self.degree)):
-                yield from self._across(triangle, first, second, s)
+            a, b = (next(v for v in self.partition.cells[i] if v not in triangle) for i in (first, second))
+            corners = [(fmpq(1), *corner) for corner in self.partition.corners((b, a, *triangle))]
+            order = self.degree if same else self.placed.order
+            yield from across(self.points, self.degree, triangle, a, b, coordinates_of(*corners), order)
         for contact, pieces in zip(self.placed.local_contacts, self.placed.carriers, strict=True):
             form = contact.form(self.placed.order)
             for piece in pieces:
                 terms = (polynomial.items() for polynomial in self._bernstein(piece))
                 yield from form.rows(zip(self._numbers(piece), terms, strict=True), self.degree)
 
-    def _across(self, triangle: Exponents, first: int, second: int, s: int) -> Iterator[Row]:
-        """The conditions of order s across a face, a row for each index (i, j, k) of degree n - s."""
-        a, b = (next(v for v in self.partition.cells[i] if v not in triangle) for i in (first, second))
-        points = [(fmpq(1), *corner) for corner in self.partition.corners((b, a, *triangle))]
-        coordinates = coordinates_of(points[0], points[1:])
-        yield from across(self.points, self.degree, triangle, a, b, coordinates, s)
-
     def _patch(self, piece: int, members: list[dict[int, int]], dimension: int) -> fmpq_mat:
-        """The members' polynomials on a piece, from the B-coefficients on its first cell.
-
-        Most members vanish on it; the others are converted together, in integers.
-        """
+        """The members' polynomials on a piece, from the B-coefficients on its first cell."""
         checkpoint("writing the basis", piece / len(self.partition.pieces))
-        numbers, size = self._numbers(piece), count(self.degree)
-        change, common = whole_rows(self._bernstein(piece), positions(self.degree))
-        touched = sorted({member for number in numbers for member in members[number]})
-        table = [members[number].get(member, 0) for member in touched for number in numbers]
-        converted = fmpq_mat(fmpz_mat(len(touched), size, table) * change) * fmpq(1, common)
-        result = fmpq_mat(dimension, size)
-        for member, values in zip(touched, converted.tolist(), strict=True):
-            for column, value in enumerate(values):
-                if value != 0:
-                    result[member, column] = value
-        return result
+        values = [members[number] for number in self._numbers(piece)]
+        return in_monomials(values, dimension, self._bernstein(piece), positions(self.degree))
 
     def _numbers(self, piece: int) -> list[int]:
         """The unknowns on the first cell of a piece."""
         cell = self.partition.cells[self.partition.pieces[piece][0]]
         return [self.points[domain_point(cell, index)] for index in homogeneous_exponents(self.degree, 4)]
 
-    def _bernstein(self, piece: int) -> list[dict[Exponents, fmpq]]:
+    def _bernstein(self, piece: int) -> list[Column]:
         """The Bernstein polynomials of the first cell of a piece, by monomials in x, y, z."""
         corners = self.partition.corners(self.partition.cells[self.partition.pieces[piece][0]])
         return bernstein_polynomials([(fmpq(1), *corner) for corner in corners], self.degree)
@@ -216,11 +217,11 @@ def solve_on_layout(
 @lru_cache(maxsize=2)
 def equations_on_layout(
     contacts: tuple[Contact, ...], carriers: tuple[tuple[int, ...], ...], order: int, layout: Layout, degree: int
-) -> tuple[Tables, list[dict[int, fmpq]]]:
+) -> tuple[Tables, list[Row]]:
     """Piecewise polynomials of which all solutions are combinations, and the equations for these."""
     parts = [splines(layout, order, d) for d in range(degree + 1)]
     tables = tuple(_side_by_side([part[piece] for part in parts], degree) for piece in range(len(layout.pieces)))
-    rows: list[dict[int, fmpq]] = []
+    rows: list[Row] = []
     for contact, pieces in zip(contacts, carriers, strict=True):
         checkpoint("setting up the conditions at contacts")
         form = contact.form(order)
@@ -248,18 +249,13 @@ def splines(layout: Layout, order: int, degree: int) -> Tables:
     patches = []
     for piece in layout.triangles:
         checkpoint("writing homogeneous splines")
-        numbers = [points[domain_point(piece[0], index)] for index in homogeneous_exponents(degree, 3)]
-        values = fmpz_mat(dimension, len(numbers))
-        for column, number in enumerate(numbers):
-            for member, value in found[number].items():
-                values[member, column] = value
+        values = [found[points[domain_point(piece[0], index)]] for index in homogeneous_exponents(degree, 3)]
         rays = [tuple(map(fmpq, layout.rays[v])) for v in piece[0]]
-        change, common = whole_rows(bernstein_polynomials(rays, degree), places)
-        patches.append(fmpq_mat(values * change) * fmpq(1, common))
+        patches.append(in_monomials(values, dimension, bernstein_polynomials(rays, degree), places))
     return _integral(patches)
 
 
-def _rows(layout: Layout, points: dict[tuple[tuple[int, int], ...], int], order: int, degree: int) -> Iterator[Row]:
+def _rows(layout: Layout, points: dict[Point, int], order: int, degree: int) -> Iterator[Row]:
     """The conditions across all sides of triangles: of all orders within a piece, up to `order` between two."""
     sides: dict[tuple[int, ...], list[tuple[int, int]]] = {}
     for piece, triangles in enumerate(layout.triangles):
@@ -267,10 +263,8 @@ def _rows(layout: Layout, points: dict[tuple[tuple[int, int], ...], int], order:
             for side in combinations(sorted(triangle), 2):
                 sides.setdefault(side, []).append((piece, next(v for v in triangle if v not in side)))
     for common, ((first, a), (second, b)) in sides.items():
-        b_ray, *others = ([fmpq(c) for c in layout.rays[v]] for v in (b, a, *common))
-        coordinates = coordinates_of(b_ray, others)
-        for s in range(1, 1 + (degree if first == second else min(order, degree))):
-            yield from across(points, degree, common, a, b, coordinates, s)
+        coordinates = coordinates_of(*([fmpq(c) for c in layout.rays[v]] for v in (b, a, *common)))
+        yield from across(points, degree, common, a, b, coordinates, degree if first == second else order)
 
 
 def _side_by_side(parts: list[fmpz_mat], degree: int) -> fmpz_mat:
@@ -290,7 +284,7 @@ def _side_by_side(parts: list[fmpz_mat], degree: int) -> fmpz_mat:
 
 def _images(form: NormalForm, degree: int) -> fmpz_mat:
     """The normal forms of all monomials: (monomials, targets), whole numbers, each target by its own factor."""
-    where, columns = positions(degree), dict[Exponents, dict[int, fmpq]]()
+    where, columns = positions(degree), dict[Exponents, Row]()
     for e, image in form.images(degree).items():
         for target, value in image.items():
             columns.setdefault(target, {})[where[e]] = value

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 from pas.algebra.curve import count_real_points, has_real_curve
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
-from pas.algebra.rational import Vector, plain
+from pas.algebra.rational import Vector, listed
 from pas.blending.corner import check_circle, six_tetrahedra
 from pas.certify.contact_proofs import check_join, clip_sided
 from pas.contacts.contact import Contact, as_contact
@@ -221,7 +221,7 @@ def _check_closed(partition: Partition, placed: Sequence[Join]) -> None:
     """That one contact closes an open region."""
     openings = [number for number, join in enumerate(placed, start=1) if join.opening]
     if partition.sides and partition.center is not None and len(openings) != 1:
-        apex = f"({', '.join(map(plain, partition.center))})"
+        apex = f"({listed(partition.center)})"
         which = f"contacts {' and '.join(map(str, openings))} do" if openings else "none does"
         raise GeometryError(
             f"the region ({partition.title}) is open: one contact must close it, a plate or an opening whose clip is a "

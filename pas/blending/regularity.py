@@ -118,21 +118,19 @@ class TrivialPart:
         if m > 1 and self.common_factor.degree > 0:
             yield f"all members have the common factor {self.common_factor}"
         if self.products is not None and self.products.dimension:
-            kind = (
-                "all members are"
-                if self.products.dimension == m
-                else f"{self.products.dimension} of {m} dimensions are"
-            )
-            yield f"{kind} sums of products of the given surfaces and clips, which exist for any data"
+            kind = "sums of products of the given surfaces and clips, which exist for any data"
+            yield f"{_share(self.products, m)} {kind}"
         if self.same_everywhere is not None and self.same_everywhere.dimension:
-            found = self.same_everywhere.dimension
-            kind = "all members are" if found == m else f"{found} of {m} dimensions are"
-            yield f"{kind} single polynomials, the same on all pieces"
+            yield f"{_share(self.same_everywhere, m)} single polynomials, the same on all pieces"
         if len(self.reducible) == m and (m == 1 or self.common_factor.degree <= 0):
             yield "all basis members are reducible"
 
     def __str__(self) -> str:
         return "\n".join(self.remarks())
+
+
+def _share(part: Space, dimension: int) -> str:
+    return "all members are" if part.dimension == dimension else f"{part.dimension} of {dimension} dimensions are"
 
 
 def trivial_part(space: Space) -> TrivialPart:
@@ -147,23 +145,18 @@ def trivial_part(space: Space) -> TrivialPart:
 def _products(space: Space) -> Space:
     """The span of products of one generator of each contact ideal, times anything, in degree."""
     factors = [(c.surface, c.clip ** (space.order + 1)) for c in space.contacts]
-    rows = []
-    for chosen in product(*factors):
-        whole = prod(chosen, start=Polynomial(1))
-        for shift in exponents(space.degree - whole.degree) if whole.degree <= space.degree else ():
-            rows.append((whole * Polynomial({shift: 1})).row(space.degree))
+    whole = [prod(chosen, start=Polynomial(1)) for chosen in product(*factors)]
+    shifts = ((p, shift) for p in whole for shift in exponents(space.degree - p.degree))
+    rows = [(p * Polynomial({shift: 1})).row(space.degree) for p, shift in shifts]
     reduced, rank = fmpq_mat(len(rows), count(space.degree), [v for row in rows for v in row]).rref()
     return space.restricted([(Polynomial.from_row(row, space.degree),) for row in reduced.tolist()[:rank]])
 
 
 def _same_everywhere(space: Space) -> Space:
-    first, *others = (m.transpose().tolist() for m in space.patches)
-    rows: list[dict[int, fmpq]] = []
-    for other in others:
-        for a, b in zip(first, other, strict=True):
-            rows.append({j: u - v for j, (u, v) in enumerate(zip(a, b, strict=True)) if u != v})
-    found: fmpq_mat = nullspace(rows, space.dimension)
-    return space.subspace(found)
+    first, *others = space.patches
+    differences = (row for other in others for row in (first - other).transpose().tolist())
+    rows = [{j: value for j, value in enumerate(row) if value != 0} for row in differences]
+    return space.subspace(nullspace(rows, space.dimension))
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +194,7 @@ def generators(space: Space) -> tuple[Generator, ...]:
         found: list[tuple[Polynomial, ...]] = [(g.primitive(),) for g in basis]
     else:
         found = [s.patches for s in system.generators()]
-    forms = [NormalForm([c.surface.raw**2, c.clip.raw]) for c in space.contacts]
+    forms = list(map(_form, space.contacts))
     carriers = [pieces[0] for pieces in space.placed.carriers]
     made = [
         Generator(

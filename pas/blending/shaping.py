@@ -11,10 +11,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, Unpack
+from typing import Unpack
 
 import numpy as np
 from flint import arb, fmpq, fmpq_mat
@@ -22,10 +22,11 @@ from scipy.linalg import svd
 
 from pas.algebra.brief import brief
 from pas.algebra.matrices import Products, leads
-from pas.algebra.monomials import exponents, homogeneous_exponents
+from pas.algebra.monomials import derivative_matrix, homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, rational, to_float, to_fraction, vector
+from pas.algebra.rational import Exact, Vector, rational, to_float, to_fraction
 from pas.arrays import Floats
+from pas.blending.net import Point, domain_point
 from pas.blending.refining import refined
 from pas.blending.space import Space
 from pas.certify.free_curves import transversality
@@ -33,6 +34,7 @@ from pas.errors import InfeasibleError
 from pas.fairing.basis import orthonormal, to_doubles
 from pas.fairing.energy import Energy, as_energy
 from pas.fairing.functionals import Handle, b_coefficient, value_at
+from pas.fairing.programme import SIDES, ExactRows
 from pas.fairing.qp import ExactProgramme, solve_exactly
 from pas.fairing.wishes import (
     MeanAlpha,
@@ -40,9 +42,7 @@ from pas.fairing.wishes import (
     PointsLike,
     SumOfCoefficients,
     UnitCoefficients,
-    ValueAt,
     Wishes,
-    check_member,
     check_point_options,
     exact_points,
 )
@@ -103,18 +103,23 @@ def optimum(
     check_point_options(options)
     space.check_not_empty()
     wishes = Wishes(**options)
-    free = options.get("normalize") is None and any(value != 0 for _, value in wishes.handles + wishes.coefficients)
-    if options.get("normalize") is None:
+    if options.get("normalize") is not None:
+        if isinstance(wishes.normalize, MeanAlpha | UnitCoefficients):
+            raise ValueError(
+                "an exact optimum needs a linear normalisation: pas.SumOfCoefficients() or pas.ValueAt(...)"
+            )
+    elif not any(value != 0 for _, value in wishes.handles + wishes.coefficients):
         wishes = wishes.changed(normalize=SumOfCoefficients())
-    quadratic = as_energy(energy).products(space)
-    near = fmpq_mat(space.dimension, space.dimension)
-    for weight, row in zip(wishes.near_weights, _values(space, wishes, "near"), strict=True):
-        near += fmpq_mat(space.dimension, 1, row) * fmpq_mat(1, space.dimension, row) * (2 * weight)
-    equations = list(_equations(space, wishes, normalized=not free))
-    sided = list(_inequalities(space, wishes))
-    programme = ExactProgramme(
-        quadratic + near, _matrix(equations, space.dimension), _matrix([row for _, row in sided], space.dimension)
-    )
+    quadratic, m = as_energy(energy).products(space), space.dimension
+    asked = ExactRows(wishes, space.partition, space.degree, lambda functional: functional.on(space.patches))
+    near = fmpq_mat(m, m)
+    for weight, row in zip(wishes.near_weights, asked.values("near"), strict=True):
+        near += fmpq_mat(m, 1, row) * fmpq_mat(1, m, row) * (2 * weight)
+    equations = asked.equations(fmpq_mat(m, m, [int(i == j) for i in range(m) for j in range(m)]))
+    sides = ((kind, i, sign, row) for kind, sign in SIDES for i, row in enumerate(asked.values(kind)))
+    sided = {(kind, i): [*(sign * v for v in row), wishes.margin or fmpq(0)] for kind, i, sign, row in sides}
+    systems = (fmpq_mat(len(rows), m + 1, [v for row in rows for v in row]) for rows in (equations, sided.values()))
+    programme = ExactProgramme(quadratic + near, *systems)
     try:
         solution = solve_exactly(programme)
     except InfeasibleError as error:
@@ -125,7 +130,7 @@ def optimum(
         coefficients=tuple(map(to_fraction, a.entries())),
         energy=to_fraction((a * quadratic * a.transpose())[0, 0] / 2),
         value=to_fraction(solution.value),
-        active={wishes.describe(sided[i][0]): to_fraction(v) for i, v in solution.multipliers.items()},
+        active={wishes.describe([*sided][i]): to_fraction(v) for i, v in solution.multipliers.items()},
         unique=solution.unique,
     )
 
@@ -133,15 +138,11 @@ def optimum(
 def handles(space: Space) -> tuple[Handle, ...]:
     """All B-coefficients of a space: (cell, multi-index), each domain point once, cell by cell."""
     cells = space.partition.cells or ((0, 1, 2, 3),)
-    seen: set[tuple[tuple[int, int], ...]] = set()
-    result: list[Handle] = []
+    first: dict[Point, Handle] = {}
     for number, cell in enumerate(cells):
         for i, j, k, m in homogeneous_exponents(space.degree, 4):
-            point = tuple(sorted((v, times) for v, times in zip(cell, (i, j, k, m), strict=True) if times))
-            if point not in seen:
-                seen.add(point)
-                result.append((number, (i, j, k, m)))
-    return tuple(result)
+            first.setdefault(domain_point(cell, (i, j, k, m)), (number, (i, j, k, m)))
+    return tuple(first.values())
 
 
 def determining_set(space: Space, prefer: Sequence[Handle] = ()) -> tuple[Handle, ...]:
@@ -230,60 +231,10 @@ def orientation(surface: PiecewiseSurface) -> int:
     return -1 if alpha < 0 else 1
 
 
-def _gradients(space: Space, points: Sequence[Any]) -> fmpq_mat:
+def _gradients(space: Space, points: Sequence[Vector]) -> fmpq_mat:
     """The exact gradients of the members at points, a row for each coordinate: (3 m, dimension)."""
-    rows = []
-    for i, point in enumerate(points):
-        piece, local = space.partition.place(vector(point, f"points[{i}]"), f"points[{i}]")
-        powers = [[c**e for e in range(space.degree + 1)] for c in local]
-        for axis in range(3):
-            column = [_slope(powers, e, axis) / space.partition.frame.scale for e in exponents(space.degree)]
-            rows += (space.patches[piece] * fmpq_mat(len(column), 1, column)).entries()
+    derivatives = (fmpq_mat(derivative_matrix(space.degree, axis).T.astype(int).tolist()) for axis in range(3))
+    slopes = [[patch * derivative for patch in space.patches] for derivative in derivatives]
+    values = (value_at(space.partition, point, space.degree, f"points[{i}]") for i, point in enumerate(points))
+    rows = [v / space.partition.frame.scale for at in values for patches in slopes for v in at.on(patches)]
     return fmpq_mat(3 * len(points), space.dimension, rows)
-
-
-def _slope(powers: list[list[fmpq]], exponent: Sequence[int], axis: int) -> fmpq:
-    """The derivative of a monomial along an axis, at a point with these powers of its coordinates."""
-    if not exponent[axis]:
-        return fmpq(0)
-    lowered = [e - (i == axis) for i, e in enumerate(exponent)]
-    return exponent[axis] * powers[0][lowered[0]] * powers[1][lowered[1]] * powers[2][lowered[2]]
-
-
-def _values(space: Space, wishes: Wishes, kind: str) -> list[list[fmpq]]:
-    points = getattr(wishes, kind)
-    names = (wishes.describe((kind, i)) for i in range(len(points)))
-    there = [value_at(space.partition, p, space.degree, n) for p, n in zip(points, names, strict=True)]
-    rows: list[list[fmpq]] = space.functional_rows(there).tolist()
-    return rows
-
-
-def _equations(space: Space, wishes: Wishes, *, normalized: bool) -> Iterator[list[fmpq]]:
-    for row in _values(space, wishes, "through"):
-        yield [*row, fmpq(0)]
-    for handle, value in wishes.handles:
-        yield [*b_coefficient(space.partition, handle, space.degree).on(space.patches), value]
-    for number, value in wishes.coefficients:
-        check_member(number, space.dimension)
-        yield [*(fmpq(i == number) for i in range(space.dimension)), value]
-    if not normalized:
-        return
-    normalize = wishes.normalize
-    if isinstance(normalize, MeanAlpha | UnitCoefficients):
-        raise ValueError("an exact optimum needs a linear normalisation: pas.SumOfCoefficients() or pas.ValueAt(...)")
-    if isinstance(normalize, ValueAt):
-        there = value_at(space.partition, normalize.point, space.degree, "the normalisation's point")
-        yield [*there.on(space.patches), normalize.value]
-    else:
-        yield [fmpq(1)] * (space.dimension + 1)
-
-
-def _inequalities(space: Space, wishes: Wishes) -> Iterator[tuple[tuple[str, int], list[fmpq]]]:
-    margin = fmpq(0) if wishes.margin is None else wishes.margin
-    for kind, sign in (("inside", -1), ("outside", 1)):
-        for index, row in enumerate(_values(space, wishes, kind)):
-            yield (kind, index), [*(sign * v for v in row), margin]
-
-
-def _matrix(rows: Sequence[Sequence[fmpq]], unknowns: int) -> fmpq_mat:
-    return fmpq_mat(len(rows), unknowns + 1, [v for row in rows for v in row])

@@ -41,11 +41,11 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.ideal import Ideal, NormalForm
 from pas.algebra.inputs import check_degree, check_order, shown
 from pas.algebra.matrices import Products, whole_rows
-from pas.algebra.monomials import Exponents, count, exponents, positions
+from pas.algebra.monomials import count, exponents, positions
 from pas.algebra.nullspace import integral_nullspace
 from pas.algebra.polynomial import Polynomial
-from pas.blending.multipliers import consistency
-from pas.blending.net import Net, equations_on_layout, solve_on_layout, splines
+from pas.blending.multipliers import consistency, spanning_tree
+from pas.blending.net import Column, Net, equations_on_layout, solve_on_layout, splines
 from pas.blending.normal_form_system import normal_form_system
 from pas.blending.place import place
 from pas.blending.space import MemberLike, Space
@@ -53,7 +53,6 @@ from pas.contacts.contact import Contact, contact_ideal
 from pas.limits import checkpoint
 from pas.partition.boxes import SingleCell
 from pas.partition.cells import Partition
-from pas.partition.complex import InteriorFace
 from pas.partition.layout import Layout
 from pas.registry import Registry
 from pas.surface.placed import PlacedContacts
@@ -88,7 +87,7 @@ def patches_of(placed: PlacedContacts, degree: int, members: Sequence[Sequence[P
 def _linear(placed: PlacedContacts, degree: int) -> Patches:
     if len(placed.partition.pieces) == 1:
         alone = PlacedContacts(SingleCell(), placed.contacts, placed.order)
-        (found,) = Conditions(alone).solve(degree).matrices
+        (found,) = solve_along_tree(alone, degree).matrices
         members = [Polynomial.from_row(row, degree).primitive() for row in found.tolist()]
         return patches_of(placed, degree, [(member,) for member in members])
     # Cells above which sparse elimination serves: on C^1 quartics both take 10 to 20 ms with 6 cells, with 48 cells the
@@ -99,7 +98,7 @@ def _linear(placed: PlacedContacts, degree: int) -> Patches:
         if layout is None:
             return Net(placed, degree).solve()
         return solve_on_layout(placed.local_contacts, placed.carriers, placed.order, layout, degree)
-    return Conditions(placed).solve(degree)
+    return solve_along_tree(placed, degree)
 
 
 def fewest_members(placed: PlacedContacts, degree: int) -> int:
@@ -215,90 +214,41 @@ def dimensions(layout: Layout, contacts: Sequence[Any], order: int, degrees: Ite
     return table
 
 
-Column = dict[Exponents, fmpq]
+def solve_along_tree(placed: PlacedContacts, degree: int) -> Products:
+    """A basis of all solutions of degree <= `degree` on few cells, see above.
 
-
-@dataclass(frozen=True)
-class Conditions:
-    """What a piecewise surface must satisfy: contacts in place, in local coordinates."""
-
-    placed: PlacedContacts
-
-    def solve(self, degree: int) -> Products:
-        """A basis of all solutions of degree <= `degree`.
-
-        Returns for each piece a matrix (dimension, C(degree+3, 3)): the patches of the basis
-        members, with the monomials in the order of `pas.algebra.monomials`.
-        """
-        patches, unknowns = self._parametrised(degree)
-        rows: list[dict[int, fmpq]] = []
-        tree = {id(face) for face, _, _ in self._tree()}
-        for face in self.placed.local.interior_faces:
-            if id(face) not in tree:
-                form = NormalForm([face.plane.raw ** (self.placed.order + 1)])
-                crossing = _difference(patches[face.second], patches[face.first])
-                rows += form.rows(((u, column.items()) for u, column in crossing), degree)
-        for number, pieces in enumerate(self.placed.carriers):
-            for piece in pieces:
-                if piece != self._root or number != self._root_contact:
-                    terms = ((u, column.items()) for u, column in patches[piece].items())
-                    rows += self.placed.local_contacts[number].form(self.placed.order).rows(terms, degree)
-        basis, denominator = integral_nullspace(rows, unknowns)
-        parts = [whole_rows([patch.get(u, {}) for u in range(unknowns)], positions(degree)) for patch in patches]
-        common = lcm(*(own for _, own in parts))
-        return Products(basis, tuple(table * (common // own) for table, own in parts), denominator * common)
-
-    @property
-    def _root_contact(self) -> int | None:
-        return next((i for i, pieces in enumerate(self.placed.carriers) if pieces), None)
-
-    @property
-    def _root(self) -> int:
-        number = self._root_contact
-        return 0 if number is None else self.placed.carriers[number][0]
-
-    def _tree(self) -> list[tuple[InteriorFace, int, int]]:
-        """Faces of a breadth-first spanning tree from the root: (face, parent, child)."""
-        reached, queue, tree = {self._root}, [self._root], []
-        while queue:
-            parent = queue.pop(0)
-            for face in self.placed.local.interior_faces:
-                if parent in (face.first, face.second):
-                    child = face.second if parent == face.first else face.first
-                    if child not in reached:
-                        reached.add(child)
-                        queue.append(child)
-                        tree.append((face, parent, child))
-        return tree
-
-    def _parametrised(self, degree: int) -> tuple[list[dict[int, Column]], int]:
-        """Each piece's patch as {unknown: polynomial}, and the number of unknowns."""
-        root = self._root_columns(degree)
-        patches: list[dict[int, Column]] = [{} for _ in self.placed.partition.pieces]
-        patches[self._root] = dict(enumerate(root))
-        unknowns = len(root)
-        for face, parent, child in self._tree():
-            factor = (face.plane.raw ** (self.placed.order + 1)).to_dict()
-            step = {
-                unknowns + i: {_plus(shift, e): c for e, c in factor.items()}
-                for i, shift in enumerate(exponents(degree - self.placed.order - 1))
-            }
-            patches[child] = patches[parent] | step
-            unknowns += len(step)
-        return patches, unknowns
-
-    def _root_columns(self, degree: int) -> list[Column]:
-        number = self._root_contact
-        if number is None:
-            return [{e: fmpq(1)} for e in exponents(degree)]
-        form = self.placed.local_contacts[number].form(self.placed.order)
-        images = form.images(degree)
-        standard = set(form.standard(degree))
-        return [{e: fmpq(1)} | {m: -c for m, c in images[e].items()} for e in exponents(degree) if e not in standard]
-
-
-def _plus(a: Exponents, b: Exponents) -> Exponents:
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+    For each piece the patches of its members, with the monomials in the order of `pas.algebra.monomials`.
+    """
+    faces, contacts, order = placed.local.interior_faces, placed.local_contacts, placed.order
+    first = next((i for i, pieces in enumerate(placed.carriers) if pieces), None)
+    root = 0 if first is None else placed.carriers[first][0]
+    columns: list[Column] = [{e: fmpq(1)} for e in exponents(degree)]
+    if first is not None:
+        form = contacts[first].form(order)
+        images, standard = form.images(degree), set(form.standard(degree))
+        columns = [{e: fmpq(1)} | {m: -c for m, c in images[e].items()} for e in images if e not in standard]
+    patches: list[dict[int, Column]] = [{} for _ in placed.partition.pieces]
+    patches[root], unknowns, tree = dict(enumerate(columns)), len(columns), spanning_tree(faces, root)
+    for number, parent, child in tree:
+        terms = (faces[number].plane.raw ** (order + 1)).to_dict().items()
+        shifts = enumerate(exponents(degree - order - 1), start=unknowns)
+        step: dict[int, Column] = {u: {(a + i, b + j, c + k): v for (i, j, k), v in terms} for u, (a, b, c) in shifts}
+        patches[child] = patches[parent] | step
+        unknowns += len(step)
+    rows: list[dict[int, fmpq]] = []
+    for number, face in enumerate(faces):
+        if number not in {used for used, _, _ in tree}:
+            crossing = _difference(patches[face.second], patches[face.first])
+            rows += NormalForm([face.plane.raw ** (order + 1)]).rows(((u, c.items()) for u, c in crossing), degree)
+    for number, pieces in enumerate(placed.carriers):
+        for piece in pieces:
+            if (number, piece) != (first, root):
+                by_unknown = ((u, column.items()) for u, column in patches[piece].items())
+                rows += contacts[number].form(order).rows(by_unknown, degree)
+    basis, denominator = integral_nullspace(rows, unknowns)
+    parts = [whole_rows([patch.get(u, {}) for u in range(unknowns)], positions(degree)) for patch in patches]
+    common = lcm(*(own for _, own in parts))
+    return Products(basis, tuple(table * (common // own) for table, own in parts), denominator * common)
 
 
 def _difference(patch: Mapping[int, Column], other: Mapping[int, Column]) -> Iterator[tuple[int, Column]]:

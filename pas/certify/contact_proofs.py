@@ -28,11 +28,11 @@ the nappe, is theorem 4 of docs/theory/verdicts.md.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 from itertools import combinations
 
-from flint import fmpq, fmpq_mat, fmpq_mpoly
+from flint import fmpq_mat
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.matrices import solved
@@ -42,9 +42,9 @@ from pas.bernstein.signs import SignResult, alike, positive_on
 from pas.certify.certificate import Proposition
 from pas.certify.free_curves import free_verdict, transversality
 from pas.certify.incidence import alpha_signs, incidences, on_faces, unmet
+from pas.contacts.contact import Contact
 from pas.contacts.joins import Join
 from pas.errors import GeometryError
-from pas.partition.cells import Partition
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status, Verdict
 
@@ -56,10 +56,10 @@ def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
         return opening_verdict(claim, join)
     if not join.faces:
         return free_verdict(claim, join)
-    for rule in (_met, _closed, _simple, _sided, _regular):
-        verdict = rule(claim, join)
-        if verdict is not None:
-            return verdict
+    if (verdict := _unmet(claim, join)) is not None:
+        return verdict
+    for signs, reason, _ in _flaws(join):
+        return claim.undecided(reason) if signs is None else claim.settled(signs, reason, "")
     positive = alpha_signs(surface, join, on_curve=True)
     failed = claim.failed(positive, "alpha is not positive on the curve")
     if failed is not None:
@@ -70,8 +70,8 @@ def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
     return claim.proved(reason, positive.examined)
 
 
-def _met(claim: Proposition, join: Join) -> Verdict | None:
-    """The patch is a member of the contact's ideal at every point of the curve in the clip faces."""
+def _unmet(claim: Proposition, join: Join) -> Verdict | None:
+    """That the patch is no member of the contact's ideal at some point of the curve in the clip faces, if it is not."""
     k = claim.surface.order
     for met in incidences(claim.surface, join, k):
         achieved = met.division.order
@@ -87,42 +87,6 @@ def _met(claim: Proposition, join: Join) -> Verdict | None:
     return None
 
 
-def _closed(claim: Proposition, join: Join) -> Verdict | None:
-    """The curve is closed inside the clip faces, around a point where the surface is negative."""
-    failed = claim.failed(curve_in_face(join), "the contact's surface is not positive on its clip face's edges")
-    if failed is None and join.inside_point() is None:
-        return claim.undecided("no point inside the contact was found on its clip face")
-    return failed
-
-
-def _simple(claim: Proposition, join: Join) -> Verdict | None:
-    """No clip plane is a multiple factor of the clip."""
-    if all(plane.simple for plane in join.planes):
-        return None
-    return claim.undecided("the clip's gradient vanishes on its face, which is a multiple factor of it")
-
-
-def _sided(claim: Proposition, join: Join) -> Verdict | None:
-    """The clip is negative on the region's side of its faces, all along the curve."""
-    return claim.failed(clip_sided(join), "the clip is positive on the region's side of its face")
-
-
-def _regular(claim: Proposition, join: Join) -> Verdict | None:
-    """The clip cuts the surface transversally along the curve."""
-    return claim.failed(curve_regular(join), "the clip is tangent to the surface on the curve")
-
-
-def curve_in_face(join: Join) -> SignResult:
-    """`f_i > 0` on the rim of the clip faces: the curve is closed inside them."""
-    return positive_on(join.rim(), alike(join.contact.surface.raw, join.rim()))
-
-
-def curve_regular(join: Join) -> SignResult:
-    """`|grad f_i x grad h_i|^2 > 0` where `f_i = 0` on the clip faces."""
-    f, h = join.contact.surface, join.contact.clip
-    return on_faces(transversality(f, f, h).raw, join, join.faces, f.raw)
-
-
 def clip_sided(join: Join) -> SignResult:
     """`h_i < 0` on the region's side of the clip faces, where `f_i = 0`."""
     results = [on_faces(plane.cofactor.raw, join, plane.faces, join.contact.surface.raw) for plane in join.planes]
@@ -134,43 +98,57 @@ def check_join(number: int, join: Join) -> None:
 
     Raises `GeometryError` with the place where it fails.
     """
-    for flaw in _flaws(join):
+    for _, _, flaw in _flaws(join):
         raise GeometryError(f"contact {number}: {flaw}")
+    if len(join.partition.pieces) > 1 and not join.confined:
+        raise GeometryError(
+            f"contact {number}: its clip {join.contact.clip} cuts its surface inside the region, too, around "
+            f"{_place(join.elsewhere)}; give the plane of its face alone as the clip"
+        )
 
 
-def _flaws(join: Join) -> Iterator[str]:
-    """What is wrong with a contact on its clip faces, in words."""
-    surface, clip, inside = join.contact.surface, join.contact.clip, curve_in_face(join)
+def _flaws(join: Join) -> Iterator[tuple[SignResult | None, str, str]]:
+    """What is wrong with a contact on its clip faces: the proof of signs that failed, if there is one, what verdicts
+    say of it, and what is said to whoever gave the contact."""
+    surface, clip = join.contact.surface, join.contact.clip
+    inside = positive_on(join.rim(), alike(surface.raw, join.rim()))
     if inside.status is not Status.PROVED:
         turned = all(surface.raw(*a) < 0 for a, _ in join.rim())
         hint = " (a surface must be negative inside; is its sign turned round?)" if turned else ""
         yield (
+            inside,
+            "the contact's surface is not positive on its clip face's edges",
             f"its curve is not closed inside its face of the partition; the surface {surface} must be positive on the "
-            f"face's edges, and is not at {_place(inside)}{hint}"
+            f"face's edges, and is not at {_place(inside)}{hint}",
         )
     if join.inside_point() is None:
         yield (
+            None,
+            "no point inside the contact was found on its clip face",
             f"the surface {surface} is nowhere negative on its clip face, so there is no curve to meet (a surface must "
-            "be negative inside; is its sign turned round?)"
+            "be negative inside; is its sign turned round?)",
         )
     if not all(plane.simple for plane in join.planes):
-        yield f"the plane of its clip face is a multiple factor of its clip {clip}; give it once"
+        yield (
+            None,
+            "the clip's gradient vanishes on its face, which is a multiple factor of it",
+            f"the plane of its clip face is a multiple factor of its clip {clip}; give it once",
+        )
     sided = clip_sided(join)
     if sided.status is not Status.PROVED:
         yield (
+            sided,
+            "the clip is positive on the region's side of its face",
             f"its clip {clip} is not negative on the region's side of its face at {_place(sided)}; it must be so along "
-            "the whole curve, and in each of its faces"
+            "the whole curve, and in each of its faces",
         )
-    regular = curve_regular(join)
+    regular = on_faces(transversality(surface, surface, clip).raw, join, join.faces, surface.raw)
     if regular.status is not Status.PROVED:
         yield (
+            regular,
+            "the clip is tangent to the surface on the curve",
             f"its clip does not cut its surface transversally at {_place(regular)}; the two must cross at an angle "
-            "along the whole curve"
-        )
-    if len(join.partition.pieces) > 1 and not join.confined:
-        yield (
-            f"its clip {clip} cuts its surface inside the region, too, around {_place(join.elsewhere)}; give the plane "
-            "of its face alone as the clip"
+            "along the whole curve",
         )
 
 
@@ -178,37 +156,26 @@ def _place(result: SignResult) -> str:
     return shown_point(result.undecided[0] if result.witness is None else result.witness, 6)
 
 
-def cofactor(patch: Polynomial, join: Join, order: int) -> Polynomial | None:
-    """alpha of `patch = alpha f + beta q^(order+1)`; None where the patch is no member of `<f, q^(order+1)>`."""
-    return _cofactor(patch, join.contact.surface, join.contact.clip, order)
-
-
 @lru_cache(maxsize=64)
-def _cofactor(patch: Polynomial, f: Polynomial, q: Polynomial, order: int) -> Polynomial | None:
-    power = q.raw ** (order + 1)
-    degree = max(patch.degree - power.total_degree(), 0)
-    monomials = [RING.from_dict({e: 1}) for e in exponents(degree)]
-    rests = [divmod(m * power, f.raw)[1] for m in monomials]
-    beta = _combination(divmod(patch.raw, f.raw)[1], rests)
-    if beta is None:
+def cofactor(patch: Polynomial, contact: Contact, order: int) -> Polynomial | None:
+    """alpha of `patch = alpha f + beta q^(order+1)`; None where the patch is no member of `<f, q^(order+1)>`."""
+    f, power = contact.surface.raw, contact.clip.raw ** (order + 1)
+    monomials = [RING.from_dict({e: 1}) for e in exponents(max(patch.degree - power.total_degree(), 0))]
+    rests = [divmod(p, f)[1].to_dict() for p in (*(m * power for m in monomials), patch.raw)]
+    terms = sorted({e for rest in rests for e in rest})
+    found = solved(fmpq_mat(len(terms), len(rests), [rest.get(e, 0) for e in terms for rest in rests]))
+    if found is None:
         return None
-    rest = patch.raw - power * sum((b * m for b, m in zip(beta, monomials, strict=True)), RING.constant(0))
-    return Polynomial.from_raw(divmod(rest, f.raw)[0])
-
-
-def _combination(wanted: fmpq_mpoly, given: Sequence[fmpq_mpoly]) -> list[fmpq] | None:
-    """The numbers with which polynomials add up to one; None where they do not."""
-    parts = [p.to_dict() for p in (*given, wanted)]
-    terms = sorted({e for part in parts for e in part})
-    table = fmpq_mat(len(terms), len(parts), [part.get(e, 0) for e in terms for part in parts])
-    found = solved(table)
-    return None if found is None else found[0]
+    beta = sum((b * m for b, m in zip(found[0], monomials, strict=True)), RING.constant(0))
+    return Polynomial.from_raw(divmod(patch.raw - power * beta, f)[0])
 
 
 def side_signs(join: Join) -> SignResult:
     """Branch and bound for q > 0 on the far edges of the region's sides, from which q > 0 on all of them follows."""
-    local = join.partition
-    edges = [local.corners(_far_edge(local, side.vertices)) for side in local.sides]
+    edges = [
+        next(edge for edge in combinations(corners, 2) if join.partition.center not in edge)
+        for corners in (join.partition.corners(side.vertices) for side in join.partition.sides)
+    ]
     return positive_on(edges, alike(join.contact.clip.raw, edges))
 
 
@@ -216,21 +183,6 @@ def _inside_cone(join: Join, other: Join) -> bool:
     """Whether q < 0 is proved on the curve of another contact in its clip faces."""
     result = on_faces(-join.contact.clip.raw, other, other.faces, other.contact.surface.raw)
     return bool(other.faces) and result.status is Status.PROVED
-
-
-def _far_edge(local: Partition, side: tuple[int, ...]) -> tuple[int, ...]:
-    return next(edge for edge in combinations(side, 2) if local.center not in local.corners(edge))
-
-
-def cone_signs(surface: PiecewisePolynomial, join: Join) -> SignResult | None:
-    """Branch and bound for alpha > 0 where q = 0 in the region; None where a patch is no member of its ideal."""
-    local = surface.local
-    alphas = [alpha for patch in surface.patches if (alpha := cofactor(patch, join, surface.order)) is not None]
-    if len(alphas) < len(surface.patches):
-        return None
-    cells = [local.corners(cell) for cell in local.cells]
-    values = [alphas[piece].raw for piece in local.piece_of.tolist()], max(0, *(alpha.degree for alpha in alphas))
-    return positive_on(cells, values, [alike(join.contact.clip.raw, cells)])
 
 
 def opening_verdict(claim: Proposition, join: Join) -> Verdict:
@@ -246,8 +198,12 @@ def opening_verdict(claim: Proposition, join: Join) -> Verdict:
         return claim.undecided("the clip is not proved to be positive on the sides of the region")
     if not any(join.contact.clip.raw(*vertex) < 0 for vertex in join.partition.vertices):
         return claim.undecided("no point inside the clip was found in the region")
-    signs = cone_signs(surface, join)
-    if signs is None:
+    found = [cofactor(patch, join.contact, k) for patch in surface.patches]
+    alphas = [alpha for alpha in found if alpha is not None]
+    if len(alphas) < len(found):
         return claim.undecided(f"f is not in <f_i, h_i^{k + 1}>")
+    cells = [surface.local.corners(cell) for cell in surface.local.cells]
+    values = [alphas[piece].raw for piece in surface.local.piece_of], max(0, *(alpha.degree for alpha in alphas))
+    signs = positive_on(cells, values, [alike(join.contact.clip.raw, cells)])
     right = f"in <f, h^{k + 1}> exactly, alpha > 0 where h = 0"
     return claim.settled(signs, "alpha is not positive on the clip", right)

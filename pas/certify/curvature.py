@@ -127,7 +127,7 @@ def curvature_contact(f: PolynomialLike, g: PolynomialLike, contact: ContactLike
     other_speed, other_bend = _curvature(second.raw, starred, curve)
     difference = curve.reduce(speed * speed * other_bend - other_speed * other_speed * bend)
     cubed = None
-    if met is not None and _proportional(first.raw, met.surface.raw):
+    if met is not None and first.primitive() == met.surface.primitive():
         cubed = contact_ideal(met, 2).normal_form(second)
     return CurvatureContact(
         value=Polynomial.from_raw(curve.reduce(second.raw)),
@@ -155,10 +155,6 @@ def _adjugate(rows: Matrix[R]) -> Matrix[R]:
 
 def _form(g: Sequence[R], matrix: Matrix[R]) -> R:
     return dot(g, [dot(row, g) for row in matrix])
-
-
-def _proportional(a: fmpq_mpoly, b: fmpq_mpoly) -> bool:
-    return bool(a * b.leading_coefficient() == b * a.leading_coefficient())
 
 
 def _owned(components: Sequence[fmpq_mpoly]) -> tuple[Polynomial, Polynomial, Polynomial]:

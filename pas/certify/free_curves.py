@@ -92,26 +92,18 @@ def contact_order(patch: Polynomial, f: Polynomial, d: Polynomial, highest: int)
     """
     if NormalForm([f.raw, d.raw ** (highest + 1)]).reduce(patch.raw).is_zero():
         return highest, None
-    for j in range(highest + 1):
-        remainder = NormalForm([f.raw, d.raw ** (j + 1)]).reduce(patch.raw)
-        if not remainder.is_zero():
-            obstacle = Polynomial.from_raw(remainder)
-            for _ in range(j):
-                obstacle = _derived(obstacle, f, d)
-            return j - 1, obstacle
-    raise ArithmeticError("a power of an ideal is in its lower ones")  # pragma: no cover
+    remainders = (NormalForm([f.raw, d.raw ** (j + 1)]).reduce(patch.raw) for j in range(highest + 1))
+    lowest, remainder = next((j, r) for j, r in enumerate(remainders) if not r.is_zero())
+    obstacle, along = Polynomial.from_raw(remainder), cross(cross(_gradient(f), _gradient(d)), _gradient(f))
+    for _ in range(lowest):
+        obstacle = Polynomial.from_raw(dot(along, _gradient(obstacle)))
+    return lowest - 1, obstacle
 
 
 def transversality(g: Polynomial, f: Polynomial, d: Polynomial) -> Polynomial:
     """`(grad g x grad d) . (grad f x grad d)`."""
     first, second = cross(_gradient(g), _gradient(d)), cross(_gradient(f), _gradient(d))
     return Polynomial.from_raw(dot(first, second))
-
-
-def _derived(g: Polynomial, f: Polynomial, d: Polynomial) -> Polynomial:
-    """The derivative of g along `(grad f x grad d) x grad f`."""
-    along = cross(cross(_gradient(f), _gradient(d)), _gradient(f))
-    return Polynomial.from_raw(dot(along, _gradient(g)))
 
 
 def _gradient(polynomial: Polynomial) -> list[fmpq_mpoly]:
@@ -192,10 +184,12 @@ class RegionCurve:
         return points[inside]
 
     def _starts(self) -> Floats:
-        corners = self.partition.points[np.array(self.partition.cells)] if self.partition.cells else _cubes()
-        vertices = corners.shape[1]
+        if self.partition.cells:
+            corners = self.partition.points[np.array(self.partition.cells)]
+        else:  # those of cubes around the origin
+            corners = np.multiply.outer([1.0, 8.0, 64.0], list(product((-1.0, 1.0), repeat=3)))
         parts = 4  # of a cell's edge: a curve that is missed leaves the claim undecided
-        weights = np.array(homogeneous_exponents(parts, vertices)) / parts
+        weights = np.array(homogeneous_exponents(parts, corners.shape[1])) / parts
         return np.unique((weights @ corners).reshape(-1, 3), axis=0)
 
     def _holds(self, corners: tuple[Vector, ...]) -> bool:
@@ -230,9 +224,3 @@ def dual(f: Floats, d: Floats) -> tuple[Floats, Floats, Bools]:
     regular = determinant > 1e-12 * ff * dd  # the squared sine of the angle between them
     scale = np.where(regular, determinant, 1.0)
     return (dd * f - fd * d) / scale, (ff * d - fd * f) / scale, regular[:, 0]
-
-
-def _cubes() -> Floats:
-    """The corners of cubes around the origin, cut into no cells: (cubes, 8, 3)."""
-    corners = np.array(list(product((-1.0, 1.0), repeat=3)))
-    return np.array([reach * corners for reach in (1.0, 8.0, 64.0)])

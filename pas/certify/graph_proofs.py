@@ -22,12 +22,13 @@ from itertools import combinations
 
 import numpy as np
 
-from pas.algebra.lengths import angle_between
+from pas.algebra.lengths import across, angle_between
 from pas.arrays import Floats, Integers
 from pas.certify.certificate import Certificate
 from pas.certify.local_mesh import OFF, FramedMesh
 from pas.kernels.library import compiled
 from pas.mesh.rows import cross, dots, norms
+from pas.mesh.shading import unit_rows
 from pas.mesh.topology import Edges
 from pas.surface.boundary_loops import BoundaryLoop
 from pas.verdicts import Point, Status, Verdict
@@ -115,8 +116,7 @@ def _parted(points: Floats, loops: Sequence[Integers], owner: Integers, rings: S
 
 def _once_round(loop: Floats, ring: BoundaryLoop) -> bool:
     """Whether a loop goes round the middle of a ring once, always on."""
-    first = np.cross(ring.normal, np.eye(3)[np.abs(ring.normal).argmin()])
-    second = np.cross(ring.normal, first)
+    first, second = across(ring.normal)
     away = loop - ring.middle
     angles = np.arctan2(away @ second, away @ first)
     steps = (np.roll(angles, -1) - angles + np.pi) % (2 * np.pi) - np.pi
@@ -126,9 +126,7 @@ def _once_round(loop: Floats, ring: BoundaryLoop) -> bool:
 
 def _inside(inner: Floats, outer: Floats) -> bool:
     """Whether directions (N, 3) are inside the convex cone of a loop (M, 3)."""
-    across = np.cross(outer, np.roll(outer, -1, axis=0))
-    across /= np.sqrt((across * across).sum(axis=1))[:, None]
-    depths = (inner / np.sqrt((inner * inner).sum(axis=1))[:, None]) @ across.T
+    depths = unit_rows(inner) @ unit_rows(cross(outer, np.roll(outer, -1, axis=0))).T
     return bool((depths > SEPARATE).all() or (depths < -SEPARATE).all())
 
 

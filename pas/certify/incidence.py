@@ -18,7 +18,7 @@ vanishes at finitely many points of its real curve at most (Bochnak, Coste and R
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from flint import fmpq, fmpq_mpoly
@@ -91,13 +91,11 @@ class Incidence:
     factors: tuple[fmpq_mpoly, ...] = ()
 
 
-def incidences(surface: PiecewisePolynomial, join: Join, order: int) -> list[Incidence]:
+def incidences(surface: PiecewisePolynomial, join: Join, order: int) -> Iterator[Incidence]:
     """How each patch behind clip faces meets a contact, as far as GC^`order`."""
-    return [
-        _incidence(surface.patches[piece], join, plane, piece, order)
-        for plane in join.planes
-        for piece in dict.fromkeys(face.piece for face in plane.faces)
-    ]
+    for plane in join.planes:
+        for piece in dict.fromkeys(face.piece for face in plane.faces):
+            yield _incidence(surface.patches[piece], join, plane, piece, order)
 
 
 def alpha_signs(
@@ -160,17 +158,10 @@ def _incidence(patch: Polynomial, join: Join, plane: ClipPlane, piece: int, orde
         return Incidence(faces, division)
     unit, factors = RING.constant(1), []
     for factor, times in f[0].factor()[1]:
-        sign = _constant_sign(factor, join, faces)
+        signs = (s for s in (1, -1) if on_faces(factor * s, join, faces).status is Status.PROVED)
+        sign = next(signs, 0)  # that which it is proved to have on all of the faces
         if sign:
             unit *= (factor * sign) ** times
         elif times == 1:
             factors.append(factor)
     return Incidence(faces, divide(g, f, divmod(f[0], unit)[0], unit), tuple(factors))
-
-
-def _constant_sign(polynomial: fmpq_mpoly, join: Join, faces: Sequence[OuterFace]) -> int:
-    """1 or -1 where a polynomial is proved to have that sign on all of some faces, else 0."""
-    for sign in (1, -1):
-        if on_faces(polynomial * sign, join, faces).status is Status.PROVED:
-            return sign
-    return 0

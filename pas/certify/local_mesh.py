@@ -11,14 +11,13 @@ itself has and the simplex is free of what must not be in it; any other is halve
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import cache, cached_property, lru_cache
+from dataclasses import replace
+from functools import cached_property, lru_cache
 from itertools import combinations
 
 import numpy as np
 
 from pas.algebra.affine import Frame
-from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact_vector, to_float, to_floats
 from pas.algebra.scaling import Scaled, scaled
@@ -27,7 +26,7 @@ from pas.bernstein.forms import LARGEST_ERROR, SMALLEST, UNIT_ROUNDOFF, b_form, 
 from pas.bernstein.search import Fate, Fates, Limits, Searched, search
 from pas.bernstein.simplices import Simplices
 from pas.certify.proofs import face_verdict
-from pas.certify.triangle_forms import TriangleForms
+from pas.certify.triangle_forms import TriangleForms, on_corners
 from pas.mesh.rows import cross, dots
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Point
@@ -218,8 +217,8 @@ class FramedSurface:
         result = [(self.cell_forms[0], self.corners)]
         walls = zip(self.cells.wall_of.tolist(), self.cells.outer_faces, strict=True)
         for cells, at in _strata(self.cells.cells, tuple((wall, face.cell, face.vertices) for wall, face in walls)):
-            ons = np.array([_on_corners(self.degree, tuple(corners)) for corners in at.tolist()])
-            result.append((self.cell_forms[0][cells[:, None], ons], self.corners[cells[:, None], at]))
+            own = on_corners(self.degree, 4)[(1 << at).sum(axis=1)]
+            result.append((self.cell_forms[0][cells][own].reshape(len(at), -1), self.corners[cells[:, None], at]))
         return result
 
 
@@ -242,13 +241,6 @@ def _strata(cells: Parts, faces: tuple[tuple[int, int, tuple[int, ...]], ...]) -
         at = [[k for k, v in enumerate(cells[cell]) if v in vertices] for cell, vertices in sorted(part)]
         found.append((np.array([cell for cell, _ in sorted(part)]), np.array(at)))
     return found
-
-
-@cache
-def _on_corners(degree: int, corners: tuple[int, ...]) -> Integers:
-    """Which B-coefficients of a tetrahedron are those on the simplex that some of its corners span."""
-    others = [k for k in range(4) if k not in corners]
-    return np.array([i for i, a in enumerate(homogeneous_exponents(degree, 4)) if not any(a[k] for k in others)])
 
 
 class FramedMesh:
@@ -277,17 +269,6 @@ LIMITS = Limits(depth=150, cells=6000)
 """Of what is critical on more simplices than these, such as along a curve, nothing can be counted."""
 
 
-@dataclass(frozen=True)
-class CriticalParts:
-    """Simplices (R, d + 1, 3) with the sign (R,) of the polynomial on each, and the middles (U, 3) of those left open:
-    all critical points are in one of them.  `examined` counts the simplices that were."""
-
-    simplices: Floats
-    signs: Floats
-    open: Floats
-    examined: int
-
-
 Free = Callable[[Floats, Floats], np.ndarray]
 """Says which simplices (N, d + 1, 3), on which the polynomial's size is at least (N,), are free of what must not be
 in them."""
@@ -300,8 +281,9 @@ def isolated(forms: Floats, corners: Floats, error: float = UNIT_ROUNDOFF) -> Se
     return search(cells, lambda some, _: some.rising(), Simplices.halved, _limits(cells), "looking for critical points")
 
 
-def critical_parts(found: Searched[Simplices], free: Free) -> CriticalParts:
-    """Those of some simplices that were kept which are free, or parts of these where they are not."""
+def critical_parts(found: Searched[Simplices], free: Free) -> Searched[Simplices]:
+    """Those of some simplices that were kept which are free, or parts of these where they are not: the polynomial has
+    one sign on each, and all its critical points are in one of them or of those left open."""
 
     def judge(cells: Simplices, _: int) -> Fates:
         fates = cells.rising()
@@ -313,8 +295,7 @@ def critical_parts(found: Searched[Simplices], free: Free) -> CriticalParts:
         return fates
 
     result = search(found.kept, judge, Simplices.halved, _limits(found.kept), "looking for critical points")
-    signs, middles = np.sign(result.kept.table[:, 0]), result.open.corners.mean(axis=1)
-    return CriticalParts(result.kept.corners, signs, middles, found.examined + result.examined)
+    return replace(result, examined=found.examined + result.examined)
 
 
 def _limits(cells: Simplices) -> Limits:

@@ -54,20 +54,6 @@ class Parts(Cells):
         return parts if marks.all() else parts.select(marks.any(axis=1))
 
 
-class BoxTable:
-    """Many boxes from `low` (N, 3) to `high` (N, 3)."""
-
-    def __init__(self, low: Floats, high: Floats) -> None:
-        self._low, self._high = np.ascontiguousarray(low.T), np.ascontiguousarray(high.T)
-
-    def meeting(self, low: Floats, high: Floats) -> Integers:
-        """The numbers of those that meet the box from `low` (3,) to `high` (3,)."""
-        rows = np.flatnonzero((self._low[0] <= high[0]) & (self._high[0] >= low[0]))
-        for axis in (1, 2):
-            rows = rows[(self._low[axis, rows] <= high[axis]) & (self._high[axis, rows] >= low[axis])]
-        return rows
-
-
 def apart(simplices: Floats, corners: Floats, normals: Floats) -> np.ndarray:
     """Which simplices (K, d + 1, 3) are parted from triangles (K, 3, 3) with unit normals (K, 3), each from one, by its
     plane or one through a side of it.

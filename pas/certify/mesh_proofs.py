@@ -31,10 +31,12 @@ from itertools import combinations
 import numpy as np
 
 from pas.arrays import Floats, Integers
+from pas.bernstein.search import Searched
+from pas.bernstein.simplices import Simplices
 from pas.certify.certificate import Certificate
 from pas.certify.graph_proofs import CLAIM, certify_graph, crossed
-from pas.certify.local_mesh import OFF, ON_WALL, CriticalParts, FramedMesh, FramedSurface, critical_parts
-from pas.certify.mesh_bounds import BoxTable, TriangleBounds, along_walls, apart, bounds, farthest
+from pas.certify.local_mesh import OFF, ON_WALL, FramedMesh, FramedSurface, critical_parts
+from pas.certify.mesh_bounds import TriangleBounds, along_walls, apart, bounds, farthest
 from pas.mesh.topology import Edges, same_places
 from pas.verdicts import Findings, Point, Status, Verdict
 
@@ -164,11 +166,10 @@ def _topology(
     if not (steep > 0).all():
         places = mesh.corners[numbers[~(steep > 0)]].mean(axis=1)
         return undecided("the surface may be tangential to a wall", places)
-    singular = np.concatenate([part.open.corners.mean(axis=1) for part in local.isolated])
-    parts = (
-        [] if len(singular) else _critical(mesh, found.most * (1 + 1e-9))
-    )  # more than the rounding of what it is compared with
-    left = np.concatenate([singular, *(part.open for part in parts)])
+    parts = local.isolated
+    if not any(len(part.open) for part in parts):
+        parts = _critical(mesh, found.most * (1 + 1e-9))  # more than the rounding of what it is compared with
+    left = np.concatenate([part.open.corners.mean(axis=1) for part in parts])
     if len(left):
         return undecided("the surface may be singular, or closer to itself than to the mesh", left)
     return _counted(mesh, parts)
@@ -185,18 +186,25 @@ def _spread(places: Floats, most: int = 8) -> Floats:
     return np.array(chosen).reshape(-1, 3)
 
 
-def _critical(mesh: FramedMesh, most: Floats) -> list[CriticalParts]:
+def _critical(mesh: FramedMesh, most: Floats) -> list[Searched[Simplices]]:
     """Where f may have critical points in each of the strata, free of triangles on which |f| is `most` (T,) at most."""
     size, largest = mesh.local.size, most.max()
-    a, b, c = (mesh.corners[:, i] for i in range(3))
-    boxes = BoxTable(np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c))
+    a, b, c = (np.ascontiguousarray(mesh.corners[:, i].T) for i in range(3))
+    starts, ends = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+
+    def meeting(low: Floats, high: Floats) -> Integers:
+        """The numbers of triangles whose boxes meet one."""
+        rows = np.flatnonzero((starts[0] <= high[0]) & (ends[0] >= low[0]))
+        for axis in (1, 2):
+            rows = rows[(starts[axis, rows] <= high[axis]) & (ends[axis, rows] >= low[axis])]
+        return rows
 
     def free(least: Floats, simplices: Floats) -> np.ndarray:
         result = np.asarray((least > 0) & (least * size > largest))
         near = np.flatnonzero((least > 0) & ~result)
         if len(near) * len(mesh.corners) <= 4_000_000:  # a second's work; others are cut first
             low, high = simplices[near].min(axis=1) - ON_WALL, simplices[near].max(axis=1) + ON_WALL
-            met = [boxes.meeting(*ends) for ends in zip(low, high, strict=True)]
+            met = [*map(meeting, low, high)]
             rows, triangles = np.repeat(near, [len(some) for some in met]), np.concatenate([*met, near[:0]])
             close = most[triangles] >= least[rows] * size
             rows, triangles = rows[close], triangles[close]
@@ -229,15 +237,15 @@ def _grouped(parts: list[Floats]) -> list[list[int]]:
     return list(groups.values())
 
 
-def _counted(mesh: FramedMesh, parts: list[CriticalParts]) -> tuple[Verdict, tuple[Point, ...]]:
+def _counted(mesh: FramedMesh, parts: list[Searched[Simplices]]) -> tuple[Verdict, tuple[Point, ...]]:
     """Whether the mesh is crossed as the surface is between all critical points.
 
     None of them is on the mesh, so one of each group with common corners stands for all.
     """
     local, examined = mesh.local, sum(part.examined for part in parts)
-    simplices = [simplex for part in parts for simplex in part.simplices]
-    signs = np.concatenate([part.signs for part in parts])
-    groups = _grouped([part.simplices for part in parts])
+    simplices = [simplex for part in parts for simplex in part.kept.corners]
+    signs = np.concatenate([np.sign(part.kept.table[:, 0]) for part in parts])
+    groups = _grouped([part.kept.corners for part in parts])
     times, ends = np.zeros(len(groups), dtype=np.intp), np.zeros((len(groups), 3))
     known, inside = np.zeros(len(groups), dtype=bool), signs[[group[0] for group in groups]] < 0
     assert local.center is not None

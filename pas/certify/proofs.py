@@ -95,7 +95,11 @@ def sheet_verdict(surface: PiecewisePolynomial) -> Verdict:
         if _unused(surface, np.zeros(3)):
             return claim.undecided("the centre is beyond a contact's clip")
         return claim.refuted("the centre is not inside the surface", np.zeros(3))
-    result = sheet_signs(surface)
+    local, (zeros, off) = surface.local, surface.cell_forms
+    cells, values = [local.corners(cell) for cell in local.cells], [*map(radial_derivative, surface.patches)]
+    degree = max(surface.degree, *(int(value.total_degree()) for value in values))
+    forms, error = nearby_forms([values[piece] for piece in local.piece_of], cells, degree)
+    result = prove_positive(forms, corner_points(cells), zeros, error=max(error, off))
     wrong = "a ray from the centre meets the surface more than once or tangentially"
     said = f"grad f . u > 0 wherever f = 0, u from the centre; {result.examined} tetrahedra"
     return claim.settled(_where_used(surface, result), wrong, said)
@@ -106,7 +110,10 @@ def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
     claim = Proposition(surface, "enclosed")
     if not surface.partition.cells:
         return claim.undecided("there is no region")
-    walls, reached = _where_used(surface, wall_signs(surface)), "the inside of the surface reaches an outer wall"
+    faces = [surface.local.corners(face.vertices) for face in surface.walls]
+    values = [surface.patches[face.piece].raw for face in surface.walls], surface.degree
+    walls = _where_used(surface, positive_on(faces, values, near=True))
+    reached = "the inside of the surface reaches an outer wall"
     if surface.partition.sides and not any(join.opening for join in surface.joins):
         reached = "no contact closes the region, which is open: the inside reaches its sides"
     failed = claim.failed(walls, reached)
@@ -136,27 +143,6 @@ def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
     return claim.proved(f"f > 0 on the walls, alpha > 0 on the clip faces; {examined} triangles", examined)
 
 
-def sheet_signs(surface: PiecewisePolynomial) -> SignResult:
-    """Branch and bound for `f = 0 => grad f . u > 0` over all cells."""
-    return zeros_signs(surface, [_radial_derivative(patch) for patch in surface.patches])
-
-
-def zeros_signs(surface: PiecewisePolynomial, values: Sequence[fmpq_mpoly]) -> SignResult:
-    """Branch and bound for `f = 0 => value > 0` over all cells; each piece has a value, in local coordinates."""
-    local, (zeros, off) = surface.local, surface.cell_forms
-    cells = [local.corners(cell) for cell in local.cells]
-    degree = max(surface.degree, *(int(value.total_degree()) for value in values))
-    forms, error = nearby_forms([values[piece] for piece in local.piece_of], cells, degree)
-    return prove_positive(forms, corner_points(cells), zeros, error=max(error, off))
-
-
-def wall_signs(surface: PiecewisePolynomial) -> SignResult:
-    """Branch and bound for `f > 0` on the faces of the region that the inside may not reach."""
-    faces = [surface.local.corners(face.vertices) for face in surface.walls]
-    values = [surface.patches[face.piece].raw for face in surface.walls], surface.degree
-    return positive_on(faces, values, near=True)
-
-
 def _unused(surface: PiecewisePolynomial, point: Floats) -> bool:
     """Whether a local point (3,) is beyond a clip that passes through the region."""
     place = exact_vector(point.tolist())
@@ -171,7 +157,8 @@ def _where_used(surface: PiecewisePolynomial, result: SignResult) -> SignResult:
     return replace(result, status=Status.UNDECIDED, undecided=points, witness=None)
 
 
-def _radial_derivative(patch: Polynomial) -> fmpq_mpoly:
+def radial_derivative(patch: Polynomial) -> fmpq_mpoly:
+    """The product of the gradient and the place."""
     return sum((g * patch.raw.derivative(i) for i, g in enumerate(GENERATORS)), GENERATORS[0] * 0)
 
 

@@ -67,7 +67,10 @@ class TriangleForms:
 
     def gradients(self, corners: Floats) -> Floats:
         """The B-coefficients (3, k, T) of its gradient on triangles (T, 3, 3)."""
-        return _forms(self._gradient, self.degree - 1, corners)
+        places, inverse, _ = lattice(self.degree - 1)
+        points = np.ascontiguousarray(np.tensordot(places, corners, axes=(1, 1)).transpose(2, 0, 1))
+        values = horner(self._gradient, self.degree - 1, points.reshape(3, -1))
+        return np.asarray(np.matmul(inverse, values.reshape(3, len(places), -1)))
 
 
 def _blocks(number: int) -> Iterator[slice]:
@@ -75,14 +78,6 @@ def _blocks(number: int) -> Iterator[slice]:
     for start in range(0, number, size):
         checkpoint(f"bounding the function on triangles ({start} of {number})")
         yield slice(start, start + size)
-
-
-def _forms(tables: Floats, degree: int, corners: Floats) -> Floats:
-    """B-coefficients (r, m, T) of polynomials."""
-    places, inverse, _ = lattice(degree)
-    points = np.ascontiguousarray(np.tensordot(places, corners, axes=(1, 1)).transpose(2, 0, 1))
-    values = horner(tables, degree, points.reshape(3, -1))
-    return np.asarray(np.matmul(inverse, values.reshape(len(tables), len(places), -1)))
 
 
 def _rounding(tables: Floats, degree: int, reach: float) -> float:
@@ -123,9 +118,9 @@ def elevation(degree: int, higher: int) -> Floats:
 
 
 @cache
-def on_corners(degree: int) -> Bools:
-    """Which B-coefficients (8, m) are those on the side or at the corner of a triangle that some corners span: those of
+def on_corners(degree: int, corners: int = 3) -> Bools:
+    """Which B-coefficients (2^n, m) on a simplex of n corners are those on the part that some of these span: those of
     the numbers k for which the bit 2^k is set."""
-    used = np.array(homogeneous_exponents(degree, 3)) > 0
-    marked = np.arange(8)[:, None] >> np.arange(3) & 1 > 0
+    used = np.array(homogeneous_exponents(degree, corners)) > 0
+    marked = np.arange(1 << corners)[:, None] >> np.arange(corners) & 1 > 0
     return np.asarray((marked[:, None] | ~used).all(axis=2))

@@ -131,7 +131,7 @@ class Opening(Movable):
             )
         if polynomial.raw(*self.point) >= 0:
             raise GeometryError(
-                f"the point ({', '.join(map(plain, self.point))}) must be inside the surface, where {polynomial} is "
+                f"the point ({listed(self.point)}) must be inside the surface, where {polynomial} is "
                 "negative: the cone opens from there"
             )
 

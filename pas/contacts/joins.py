@@ -16,9 +16,10 @@ from itertools import combinations
 import numpy as np
 
 from pas.algebra.bracket import zeros_of_columns
+from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector
-from pas.arrays import Floats
+from pas.arrays import Floats, Integers
 from pas.bernstein.signs import SignResult, apart_on
 from pas.contacts.cones import first_met, nappe, nappe_rays
 from pas.contacts.contact import Contact
@@ -231,17 +232,26 @@ def _divides(plane: Polynomial, polynomial: Polynomial) -> bool:
 
 
 @cache
-def _lattice(n: int) -> tuple[Floats, np.ndarray]:
-    """Barycentric coordinates (m, 3) of the points of a triangle's uniform lattice, and the edges of its triangles."""
-    index = {(i, j): k for k, (i, j) in enumerate((i, j) for i in range(n + 1) for j in range(n + 1 - i))}
-    weights = np.array([(i, j, n - i - j) for i, j in index]) / n
-    steps = ((1, 0), (0, 1), (1, -1))
-    pairs = [(k, index[i + di, j + dj]) for (i, j), k in index.items() for di, dj in steps if (i + di, j + dj) in index]
-    return weights, np.array(pairs)
+def _lattice(n: int) -> tuple[Floats, Integers, Integers]:
+    """Of the uniform lattice on a triangle: barycentric coordinates (m, 3) of its points, the edges (e, 2) of its small
+    triangles, and these by the numbers of their edges (n^2, 3)."""
+    place = {index: k for k, index in enumerate(reversed(homogeneous_exponents(n, 3)))}
+    edges: dict[tuple[int, int], int] = {}
+    for (i, j, k), start in place.items():
+        for end in ((i + 1, j, k - 1), (i, j + 1, k - 1), (i + 1, j - 1, k)):
+            if end in place:
+                edges[start, place[end]] = len(edges)
+    triangles = []
+    for i, j, k in place:
+        for step in (1, -1):  # upward and downward triangles
+            corners = sorted(place.get(c, -1) for c in ((i, j, k), (i + step, j - step, k), (i + step, j, k - step)))
+            if corners[0] >= 0:
+                triangles.append([edges[pair] for pair in combinations(corners, 2)])
+    return np.array([*place]) / n, np.array([*edges]), np.array(triangles)
 
 
 def _zeros_on_triangle(surface: Polynomial, corners: Floats, subdivisions: int) -> tuple[Floats, Floats]:
-    weights, pairs = _lattice(subdivisions)
+    weights, pairs, edges = _lattice(subdivisions)
     points = weights @ corners
     negative = surface(points) < 0
     crossed = negative[pairs[:, 0]] != negative[pairs[:, 1]]
@@ -253,7 +263,6 @@ def _zeros_on_triangle(surface: Polynomial, corners: Floats, subdivisions: int) 
     barycentric = np.concatenate([zeros, np.ones((len(zeros), 1))], axis=1) @ inverse.T
     number = np.cumsum(crossed) - 1
     # the curve crosses two edges of a small triangle, or none: half of the piece between belongs to each
-    edges = _triangle_edges(subdivisions)
     ends = number[edges[crossed[edges]]].reshape(-1, 2)
     pieces = np.abs(barycentric[ends[:, 0]] - barycentric[ends[:, 1]]).sum(axis=1)
     lengths = np.bincount(ends.ravel(), weights=np.repeat(pieces / 2, 2), minlength=len(zeros)).astype(float)
@@ -265,18 +274,3 @@ def _along_edges(surface: Polynomial, first: Floats, second: Floats) -> Floats:
     shares = np.arange(surface.degree + 1) / max(surface.degree, 1)
     values = [surface(first + share * (second - first)) for share in shares]
     return np.asarray(np.linalg.solve(np.vander(shares, increasing=True), np.array(values)))
-
-
-@cache
-def _triangle_edges(subdivisions: int) -> np.ndarray:
-    """The edges (numbers of `_lattice`'s pairs) of the small triangles of a lattice: (n^2, 3)."""
-    weights, pairs = _lattice(subdivisions)
-    place = {tuple(index): k for k, index in enumerate(np.rint(weights * subdivisions).astype(int).tolist())}
-    edge = {frozenset(pair): k for k, pair in enumerate(pairs.tolist())}
-    triangles = []
-    for i, j, k in place:
-        for step in (1, -1):  # upward and downward triangles
-            corners = [place.get(c) for c in ((i, j, k), (i + step, j - step, k), (i + step, j, k - step))]
-            if None not in corners:
-                triangles.append([edge[frozenset(pair)] for pair in combinations(corners, 2)])
-    return np.array(triangles)

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, copysign, cos, sin, sqrt
+from math import atan2, copysign, cos, prod, sin, sqrt
 
 import numpy as np
 from flint import fmpq
@@ -295,15 +295,10 @@ def _check_regular(restricted: Polynomial, chart: PlaneChart, rim: Rim, words: s
     """That no singular point of the whole plane curve, as where two of its components cross, is on a rim."""
     if restricted.degree < 3:
         return
-    factors = [factor for factor, _ in restricted.raw.factor()[1]]
-    product = Polynomial(1)
-    for factor in factors:
-        product = product * Polynomial.from_raw(factor)
-    singular = real_zeros(Ideal(product, product.diff(0), product.diff(1), Polynomial("z")))
-    spacing = None
-    for zero in singular or ():
-        points = rim.points(8 * USUAL_POINTS)
-        spacing = float(np.linalg.norm(np.diff(points, axis=0), axis=1).max()) if spacing is None else spacing
-        place = _place(zero, chart)
+    product = prod((Polynomial.from_raw(p) for p, _ in restricted.raw.factor()[1]), start=Polynomial(1))
+    singular = real_zeros(Ideal(product, product.diff(0), product.diff(1), Polynomial("z"))) or ()
+    points = rim.points(8 * USUAL_POINTS) if singular else np.empty((0, 3))
+    for place in (_place(zero, chart) for zero in singular):
+        spacing = np.linalg.norm(np.diff(points, axis=0), axis=1).max()
         if np.linalg.norm(points - place, axis=1).min() <= spacing:
             raise GeometryError(f"{words} in a curve with a singular point at {shown_point(place, 6)}")

@@ -95,7 +95,7 @@ class AlphaOnFace:
         outer = join.faces[face]
         self.corners = join.partition.points[list(outer.vertices)]
         self.degree = basis.degree - join.contact.surface.degree
-        nodes = lattice_weights(2 * basis.degree, 3) @ self.corners
+        nodes = lattice_weights(2 * basis.degree) @ self.corners
         values = join.contact.surface(nodes)[:, None] * self._monomials(nodes)
         self.coefficients = scale * np.linalg.lstsq(values, basis.values(outer.piece, nodes), rcond=None)[0]
 
@@ -169,7 +169,7 @@ class SampledConstraints:
             curves = join.measured_curves()
             points, weights = (np.concatenate(parts) for parts in zip(*curves, strict=True))
             gradient = join.contact.surface.gradient(points)
-            sizes = _lengths(gradient)
+            sizes = np.linalg.norm(gradient, axis=1)
             mean = float(sizes @ weights / weights.sum())
             if join.opening:
                 self.cones.append(AlphaOnCone(basis, join, mean / scale, placed.order))
@@ -183,7 +183,7 @@ class SampledConstraints:
         """The mean of alpha over all contact curves, as a row (m,)."""
         self.local_reach = max(min(reaches), 1e-3)
         self.reach = self.local_reach * scale
-        self.radius = float(_lengths(placed.local.points).max())
+        self.radius = float(np.linalg.norm(placed.local.points, axis=1).max())
 
     def initial(self, margins: Margins) -> Inequalities:
         """Rows on lattices of the walls and clip faces and at the centre."""
@@ -220,13 +220,13 @@ class SampledConstraints:
 
     def _lattice(self, corners: Floats, subdivisions: int) -> Floats:
         """The points (N, 3) of a lattice on an outer face."""
-        return lattice_weights(self.parts(corners, subdivisions), 3) @ corners
+        return lattice_weights(self.parts(corners, subdivisions)) @ corners
 
     def parts(self, corners: Floats, subdivisions: int) -> int:
         """Into how many parts the edges of an outer face are cut where so many are asked for."""
         if self.placed.local.center is None:
             return subdivisions
-        units = corners / _lengths(corners)[:, None]
+        units = corners / np.linalg.norm(corners, axis=1)[:, None]
         angle = float(np.arccos(np.clip(min(units[i] @ units[i - 1] for i in range(3)), -1, 1)))
         # Edges of outer faces seen from the centre under this angle, or a wider one, are cut into as many parts as are
         # asked for; others into as many as leave points as near to each other, seen from there.
@@ -261,7 +261,7 @@ class RayLattice:
         guard, found = self.guard, Inequalities.none(self.guard.basis.size)
         for piece, ends in self.ends.items():
             rays, shares, slopes = crossed(self._profiles(piece, member), self._shares, margins.band * guard.reach)
-            asked = margins.sheet * guard.reach * _lengths(ends)[rays] / guard.radius
+            asked = margins.sheet * guard.reach * np.linalg.norm(ends, axis=1)[rays] / guard.radius
             flat = slopes < share * asked
             points = ends[rays[flat]] * shares[flat, None]
             found += Inequalities(guard.basis.radial(piece, points), (shares * asked)[flat])
@@ -304,7 +304,7 @@ def _ends(guard: SampledConstraints, subdivisions: int) -> dict[int, Floats]:
             if key not in seen:
                 seen.add(key)
                 new.append(number)
-        ends.setdefault(face.piece, []).append(lattice_weights(parts, 3)[sorted([*inner, *new])] @ corners)
+        ends.setdefault(face.piece, []).append(lattice_weights(parts)[sorted([*inner, *new])] @ corners)
     return {piece: np.concatenate(parts) for piece, parts in ends.items()}
 
 
@@ -316,15 +316,11 @@ def _of_lattice(parts: int) -> tuple[list[int], list[tuple[int, Exponents]]]:
 
 
 @lru_cache(maxsize=64)
-def lattice_weights(subdivisions: int, vertices: int) -> Floats:
-    """Barycentric coordinates of the uniform lattice on a simplex (read-only)."""
-    weights = np.array(homogeneous_exponents(subdivisions, vertices)) / subdivisions
+def lattice_weights(subdivisions: int) -> Floats:
+    """Barycentric coordinates of the uniform lattice on a triangle (read-only)."""
+    weights = np.array(homogeneous_exponents(subdivisions, 3)) / subdivisions
     weights.flags.writeable = False
     return weights
-
-
-def _lengths(vectors: Floats) -> Floats:
-    return np.sqrt((vectors * vectors).sum(axis=-1))
 
 
 def lengths(rows: Floats) -> Floats:

@@ -15,7 +15,7 @@ from itertools import combinations, product
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.monomials import count
-from pas.algebra.rational import Vector, cross, dot, plain
+from pas.algebra.rational import Vector, cross, dot, listed, minus, plain
 from pas.contacts.joins import Join
 from pas.errors import InfeasibleError
 from pas.fairing.functionals import b_coefficient, value_at
@@ -82,7 +82,7 @@ def _wishes(wishes: Wishes) -> Iterator[Wish]:
             yield Wish(wishes.describe((kind, index)), point, frozenset(signs[kind]))
     normalize = wishes.normalize
     if isinstance(normalize, ValueAt):
-        name = f"value {plain(normalize.value)} at ({', '.join(map(plain, normalize.point))})"
+        name = f"value {plain(normalize.value)} at ({listed(normalize.point)})"
         yield Wish(name, normalize.point, frozenset({_sign(normalize.value)}))
 
 
@@ -90,7 +90,7 @@ def _known(point: Vector, placed: PlacedContacts) -> Iterator[tuple[int, str]]:
     """Signs that a proved surface has at a point, with the reason."""
     partition = placed.partition
     if partition.center is not None and point == partition.center:
-        yield INSIDE, f"the centre {_written(point)} of the partition, from which one sheet is proved, must be inside"
+        yield INSIDE, f"the centre ({listed(point)}) of the partition, from which one sheet is proved, must be inside"
     local = partition.frame.local_point(point)
     for number, join in enumerate(placed.joins, start=1):
         if any(_holds(face, placed.local, local) for face in join.faces):
@@ -107,13 +107,13 @@ def _contradiction(first: Wish, second: Wish, center: Vector | None) -> str | No
         return None if first.signs & second.signs else "a point has one sign"
     if center is None:
         return None
-    a, b = (tuple(x - o for x, o in zip(wish.point, center, strict=True)) for wish in (first, second))
+    a, b = minus(first.point, center), minus(second.point, center)
     if any(c != 0 for c in cross(a, b)) or dot(a, b) <= 0:
         return None
     nearer, farther = (first, second) if dot(a, a) < dot(b, b) else (second, first)
     if any(low == INSIDE or high == OUTSIDE for low, high in product(nearer.signs, farther.signs)):
         return None
-    return f"a ray from the centre {_written(center)} of the partition goes from inside to outside once"
+    return f"a ray from the centre ({listed(center)}) of the partition goes from inside to outside once"
 
 
 def _leaves_inside(join: Join, face: OuterFace, partition: Partition, point: Vector) -> bool:
@@ -130,15 +130,10 @@ def _holds(face: OuterFace, partition: Partition, point: Vector) -> bool:
     """Whether a point lies on a face."""
     if face.plane.raw(*point) != 0:
         return False
-    corners = partition.corners(face.vertices)
-    arms = [tuple(c - x for c, x in zip(corner, point, strict=True)) for corner in corners]
+    arms = [minus(corner, point) for corner in partition.corners(face.vertices)]
     turns = [cross(arms[i], arms[(i + 1) % 3]) for i in range(3)]
     return all(dot(one, other) >= 0 for one, other in combinations(turns, 2))
 
 
 def _sign(value: fmpq) -> int:
     return int(value > 0) - int(value < 0)
-
-
-def _written(point: Vector) -> str:
-    return f"({', '.join(map(plain, point))})"

@@ -266,12 +266,7 @@ class SurfacePoints:
         )
 
     def __getitem__(self, chosen: slice) -> SurfacePoints:
-        return replace(self, **{name: value[chosen] for name, value in self.arrays().items()})
-
-    def arrays(self) -> dict[str, Floats]:
-        """The arrays by their names."""
-        names = ("points", "normals", "gradients", "shape", "variation", "frame")
-        return {name: getattr(self, name) for name in names}
+        return replace(self, **{own.name: getattr(self, own.name)[chosen] for own in fields(self)})
 
 
 @dataclass(frozen=True, eq=False)

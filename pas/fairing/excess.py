@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 from scipy.spatial import ConvexHull
@@ -50,16 +49,13 @@ TURNED = 0.2
 """Radians by which a part of a section must turn in all for one sign of its curvature to be wrong."""
 
 
-class Limit(Protocol):
-    """A limit of fairness."""
-
-    def beyond(self, sampled: SampledGeometry) -> Iterator[Residuals]:
-        """Residuals at all points, positive where a surface is beyond it: only there they count."""
-
-
 @dataclass(frozen=True)
 class CurvatureExcess:
-    """Curvature beyond the limits at points of the surface."""
+    """Curvature beyond the limits at points of the surface.
+
+    As of all of these `beyond` gives residuals at all points, positive where a surface is beyond a limit: only there
+    they count.
+    """
 
     limits: FairnessLimits
     curvature: float
@@ -86,7 +82,7 @@ class CurvatureExcess:
         for over, quantity, by in self.over(sampled.points.shape):
             slopes = np.zeros((len(over), AREA + 1))
             slopes[:, quantity] = by
-            yield from by_area(sampled, over, slopes, self.radius)
+            yield by_area(sampled, over, slopes, self.radius)
 
 
 class BulgeExcess:
@@ -102,7 +98,7 @@ class BulgeExcess:
         slopes = np.zeros((len(self.normals), AREA + 1))
         slopes[:, :3] = self.normals / (BULGE * self.widest)
         far = ((sampled.points.points - self.center) * self.normals).sum(axis=1) + self.offsets
-        yield from by_area(sampled, (far / self.widest - self.limits.bulge / 2) / BULGE, slopes, self.radius)
+        yield by_area(sampled, (far / self.widest - self.limits.bulge / 2) / BULGE, slopes, self.radius)
 
 
 class WaistExcess:
@@ -125,7 +121,7 @@ class WaistExcess:
             far[here] = _off(run, own)
             slopes[here, :3] = slopes_by_place(partial(_off, run), own, step)
         slopes *= np.sign(far)[:, None]
-        yield from by_area(sampled, np.abs(far) - self.limits.waist / (2 * TIGHT), slopes, self.radius)
+        yield by_area(sampled, np.abs(far) - self.limits.waist / (2 * TIGHT), slopes, self.radius)
 
 
 def _off(run: StraightRun, points: Floats) -> Floats:
@@ -133,17 +129,17 @@ def _off(run: StraightRun, points: Floats) -> Floats:
     return np.nan_to_num(run.seen(points)[0]) / (TIGHT * run.radius)
 
 
-def by_area(sampled: SampledGeometry, over: Floats, slopes: Floats, radius: float) -> Iterator[Residuals]:
+def by_area(sampled: SampledGeometry, over: Floats, slopes: Floats, radius: float) -> Residuals:
     """Residuals where a limit is passed, weighted by the areas that the points stand for, over a squared radius."""
     weights = sampled.areas / radius**2
     slopes[:, AREA] += over / 2
-    yield from _pressed(over, slopes, weights)
+    return _pressed(over, slopes, weights)
 
 
-def _pressed(over: Floats, slopes: Floats, weights: Floats) -> Iterator[Residuals]:
+def _pressed(over: Floats, slopes: Floats, weights: Floats) -> Residuals:
     """Residuals (N, 1) of a limit that is passed by `over` (N,) units, with slopes (N, 15) and weights (N,)."""
     root = np.sqrt(PRESS * weights)[:, None]
-    yield Residuals(np.arange(len(over)), root * over[:, None], (root * slopes)[:, None])
+    return Residuals(np.arange(len(over)), root * over[:, None], (root * slopes)[:, None])
 
 
 class SectionExcess:
@@ -195,7 +191,10 @@ class SectionExcess:
         slopes[:, : changes.shape[1]] = (-self.signs * self.widest / WRONG)[:, None] * changes
         # a point stands for its arc times the width of the arc: its weight is taken from the start's distance
         weights = EVERY * 2 * np.pi / AROUND * self.rays.distances / self.rays.distances.mean()
-        yield from _pressed(np.where(self.signs == 0, 0.0, over), slopes, weights)
+        yield _pressed(np.where(self.signs == 0, 0.0, over), slopes, weights)
+
+
+Limit = CurvatureExcess | BulgeExcess | WaistExcess | SectionExcess
 
 
 def section_curvatures(points: SurfacePoints, across: Floats) -> tuple[Floats, Floats]:

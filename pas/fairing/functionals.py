@@ -130,10 +130,8 @@ def _conical_rule(points: int) -> tuple[Floats, Floats]:
         rules.append(((nodes + 1) / 2, weights / weights.sum()))
     (a, wa), (b, wb), (c, wc) = rules
     u, v, w = np.meshgrid(a, b, c, indexing="ij")
-    first = u
-    second = (1 - u) * v
-    third = (1 - u) * (1 - v) * w
-    stacked = np.stack([1 - first - second - third, first, second, third], axis=-1).reshape(-1, 4)
+    second, third = (1 - u) * v, (1 - u) * (1 - v) * w
+    stacked = np.stack([1 - u - second - third, u, second, third], axis=-1).reshape(-1, 4)
     return stacked, np.einsum("i,j,k->ijk", wa, wb, wc).ravel()
 
 

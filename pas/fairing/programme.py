@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from math import floor, log2
 
@@ -11,7 +12,7 @@ from flint import fmpq, fmpq_mat
 from scipy.linalg import eigh, null_space, qr
 
 from pas.algebra.matrices import leads
-from pas.algebra.rational import to_float
+from pas.algebra.rational import Vector, to_float
 from pas.arrays import Floats
 from pas.errors import InfeasibleError, NotSolvedError
 from pas.fairing.basis import to_doubles
@@ -29,11 +30,12 @@ from pas.fairing.wishes import (
     Wishes,
     check_member,
 )
+from pas.partition.cells import Partition
 
 ROUNDING = 1e-7
 """What rounding and the solver may cost a point without margin, over the region's radius."""
 
-SIDES = (("inside", -1.0), ("outside", 1.0))
+SIDES = (("inside", -1), ("outside", 1))
 """The kinds of points with an inequality, and the sign of f there."""
 
 UNIT_STEPS = 100
@@ -46,6 +48,7 @@ class MemberProgramme:
     def __init__(self, space: PreparedSpace, wishes: Wishes) -> None:
         self.space, self.wishes, self.basis = space, wishes, space.basis
         self.energy = as_energy(wishes.energy)
+        self._asked = ExactRows(wishes, space.partition, space.degree, self._on)
         self.exact = self._exact_equations()
 
     def optimum(self, rows: Inequalities) -> Floats | None:
@@ -148,7 +151,7 @@ class MemberProgramme:
             result[0, pivot] = equations[i, len(q)] - others
         slack = max(self._margin / 2, ROUNDING * self._radius)
         for kind, sign in SIDES:
-            for index, values in enumerate(self._values(kind)):
+            for index, values in enumerate(self._asked.values(kind)):
                 value = (fmpq_mat([values]) * result.transpose())[0, 0]
                 if sign * to_float(value) < self._margin - slack:
                     words = self.wishes.describe((kind, index))
@@ -253,7 +256,7 @@ class MemberProgramme:
     @cached_property
     def _near(self) -> Floats:
         total = np.zeros((self.basis.size, self.basis.size))
-        for weight, values in zip(self.wishes.near_weights, self._values("near"), strict=True):
+        for weight, values in zip(self.wishes.near_weights, self._asked.values("near"), strict=True):
             row = to_doubles(fmpq_mat([values]))
             total += 2 * to_float(weight) * row.T @ row
         return total
@@ -263,43 +266,55 @@ class MemberProgramme:
         """The inequalities of the points wished to be inside and outside."""
         rows = Inequalities.none(self.basis.size)
         for kind, sign in SIDES:
-            for values in self._values(kind):
+            for values in self._asked.values(kind):
                 rows += Inequalities(sign * to_doubles(fmpq_mat([values])), np.array([self._margin]))
         return rows
 
     def _exact_equations(self) -> tuple[fmpq_mat, list[int]] | None:
         """The exact equations in reduced form with their pivots; None where they contradict."""
         m = self.basis.size
-        partition, degree = self.space.partition, self.space.degree
-        table = [[*values, fmpq(0)] for values in self._values("through")]
-        for handle, value in self.wishes.handles:
-            table.append([*self._on(b_coefficient(partition, handle, degree)), value])
-        for number, value in self.wishes.coefficients:
-            column = check_member(number, m)
-            table.append([*(self.basis.transform[i, column] for i in range(m)), value])
-        normalize = self.wishes.normalize
-        if isinstance(normalize, SumOfCoefficients):
-            ones = fmpq_mat(m, 1, [1] * m)
-            table.append([*(self.basis.transform * ones).entries(), fmpq(1)])
-        elif isinstance(normalize, ValueAt):
-            there = value_at(partition, normalize.point, degree, "the normalisation's point")
-            table.append([*self._on(there), normalize.value])
-        if not table:
-            return fmpq_mat(0, m + 1), []
-        return _reduce(table, m)
-
-    def _values(self, kind: str) -> list[list[fmpq]]:
-        """Exact values of the working basis at the points of a kind."""
-        points = getattr(self.wishes, kind)
-        return [self._on(self._at(point, (kind, i))) for i, point in enumerate(points)]
+        table = self._asked.equations(self.basis.transform)
+        return _reduce(table, m) if table else (fmpq_mat(0, m + 1), [])
 
     def _on(self, functional: Functional) -> list[fmpq]:
         """Exact values of a functional on the working basis."""
         values = functional.on(self.basis.members)
         return list((self.basis.transform * fmpq_mat(self.basis.size, 1, values)).entries())
 
-    def _at(self, point: tuple[fmpq, fmpq, fmpq], item: tuple[str, int]) -> Functional:
-        return value_at(self.space.partition, point, self.space.degree, self.wishes.describe(item))
+
+@dataclass(frozen=True)
+class ExactRows:
+    """What wishes ask exactly of members on a partition; `on` gives the values (m,) of a functional on these."""
+
+    wishes: Wishes
+    partition: Partition
+    degree: int
+    on: Callable[[Functional], list[fmpq]]
+
+    def values(self, kind: str) -> list[list[fmpq]]:
+        """The members' values at the points of a kind: a row (m,) for each."""
+        points = enumerate(getattr(self.wishes, kind))
+        return [self._value(point, self.wishes.describe((kind, i))) for i, point in points]
+
+    def equations(self, change: fmpq_mat) -> list[list[fmpq]]:
+        """All equations with their right-hand sides, rows (m + 1,), where the coefficients in the solution space's
+        basis are `change` (m, m) times those of the members."""
+        wishes, m = self.wishes, change.nrows()
+        rows = [[*values, fmpq(0)] for values in self.values("through")]
+        for handle, value in wishes.handles:
+            rows.append([*self.on(b_coefficient(self.partition, handle, self.degree)), value])
+        for number, value in wishes.coefficients:
+            column = check_member(number, m)
+            rows.append([*(change[i, column] for i in range(m)), value])
+        normalize = wishes.normalize
+        if isinstance(normalize, SumOfCoefficients):
+            rows.append([*(change * fmpq_mat(m, 1, [1] * m)).entries(), fmpq(1)])
+        elif isinstance(normalize, ValueAt):
+            rows.append([*self._value(normalize.point, "the normalisation's point"), normalize.value])
+        return rows
+
+    def _value(self, point: Vector, name: str) -> list[fmpq]:
+        return self.on(value_at(self.partition, point, self.degree, name))
 
 
 def _reduce(table: list[list[fmpq]], m: int) -> tuple[fmpq_mat, list[int]] | None:

@@ -14,7 +14,7 @@ from flint import fmpq
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import check_flag, shown
-from pas.algebra.rational import Exact, Vector, VectorLike, amount, plain, rational, to_float, vector
+from pas.algebra.rational import Exact, Vector, VectorLike, amount, listed, plain, rational, to_float, vector
 from pas.arrays import AnyArray
 from pas.errors import meant
 from pas.fairing.energies.curvature_variation import CurvatureVariation
@@ -255,7 +255,7 @@ class Wishes:
         if kind == "coefficients":
             number, value = self.coefficients[index]
             return f"coefficient {number} = {plain(value)}"
-        return f"{kind} ({', '.join(plain(c) for c in getattr(self, kind)[index])})"
+        return f"{kind} ({listed(getattr(self, kind)[index])})"
 
 
 def check_member(number: int, dimension: int) -> int:

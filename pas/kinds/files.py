@@ -7,7 +7,7 @@ they are proved anew, in this process, when they are first asked for.  Files of 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Unpack
 
 from pas._version import __version__
 from pas.algebra.inputs import shown
@@ -47,11 +47,7 @@ def load(path: str | Path, *, edited: bool = False, **limits: Unpack[WorkLimits]
 
     Raises `ProjectFileError` (see `pas.exchange.files.read_project`) or `FileNotFoundError`.
     """
-    return _made(read_project(path, edited=edited), Path(path).name)
-
-
-def _made(content: dict[str, Any], name: str) -> Shape:
-    """The shape of a content; raises `ProjectFileError`."""
+    content, name = read_project(path, edited=edited), Path(path).name
     title = content.get("kind", FIRST_KIND)
     if not isinstance(title, str) or title not in KINDS:
         raise ProjectFileError(

@@ -52,10 +52,6 @@ def _boundary_entries(boundary: Boundary) -> dict[str, Any]:
     return {"table": dict(boundary.source), "phase": boundary.phase, "backwards": boundary.backwards}
 
 
-def _boundary(table: dict[str, Any], phase: float, backwards: bool) -> Boundary:
-    return replace(boundary_from(table), phase=float(phase), backwards=backwards)
-
-
 def _coefficients(coefficients: list[Any]) -> ShapeFunction:
     if not 0 < len(coefficients) <= MANY:
         raise ValueError(f"a shape function must have 1 to {MANY} coefficients, not {len(coefficients)}")
@@ -84,7 +80,9 @@ _FUNCTION = choice(
     Table({"coefficients": list_of(NUMBER)}, make=_coefficients),
 )
 _BOUNDARY = Table(
-    {"table": table_of(ANYTHING), "phase": REAL, "backwards": FLAG}, make=_boundary, entries=_boundary_entries
+    {"table": table_of(ANYTHING), "phase": REAL, "backwards": FLAG},
+    make=lambda table, phase, backwards: replace(boundary_from(table), phase=float(phase), backwards=backwards),
+    entries=_boundary_entries,
 )
 _SHAPE = Table(
     dict.fromkeys(VALUES, _FUNCTION) | {"middle": maybe(list_of(choice("a formula", TEXT, WHOLE), 3))},

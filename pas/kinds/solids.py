@@ -123,10 +123,6 @@ def _assembly(parts: list[dict[str, Any]]) -> Assembly:
     return assembly({p["name"]: (p["solid"] if "solid" in p else p["mesh"], p["color"]) for p in parts})
 
 
-def _read_part(record: dict[str, Any]) -> Part:
-    return _assembly([_PART.read(record)])[record["name"]]
-
-
 def _layers(thing: Assembly, scene: Scene) -> None:
     for name, part in thing.parts.items():
         solid_layers(part.shape, scene, name, part.color)
@@ -139,10 +135,11 @@ ASSEMBLY = Kind(
     _layers,
     parts=lambda thing: thing.parts,
 )
+_NAMED = read_by(_PART, lambda r: _assembly([_PART.read(r)])[r["name"]], lambda part: _write_part(("part", part)))
 PART = Kind(
     "part",
     Part,
-    *kept(alone("part", read_by(_PART, _read_part, lambda part: _write_part(("part", part))))),
+    *kept(alone("part", _NAMED)),
     lambda part, scene: solid_layers(part.shape, scene, color=part.color),
     parts=lambda part: {"part": part},
 )

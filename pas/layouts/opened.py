@@ -9,7 +9,6 @@ cone is cut into sectors by half-planes through its axis: one around each contac
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, cos, degrees, pi
 from typing import Any
@@ -20,7 +19,7 @@ from flint import fmpq
 from pas.algebra.affine import slope_at
 from pas.algebra.lengths import unit
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, dot, minus, moved, plain, to_float, to_floats
+from pas.algebra.rational import Vector, dot, listed, minus, moved, to_float, to_floats
 from pas.algebra.scaling import scaled
 from pas.arrays import Floats
 from pas.contacts.cones import apex, first_met, nappe
@@ -189,22 +188,10 @@ SAMPLES = 256
 """Places on the axis where it is looked at which contacts it is inside of."""
 
 
-@dataclass(frozen=True)
-class Nappe:
-    """The cone of an opening in coordinates relative to the centre: its axes (3, 3), see `cones.nappe`."""
-
-    axes: Floats
-    surface: Polynomial
-
-    def azimuths(self, points: Floats) -> Floats:
-        """The angles (N,) of points (N, 3) round the axis, in units in which the cone is round."""
-        _, first, second = np.linalg.solve(self.axes.T, points.T)
-        return np.arctan2(second, first)
-
-    def corners(self, angles: Floats, larger: float) -> Floats:
-        """Directions (N, 3) at angles, so many times as far from the axis as those of the cone."""
-        around = np.cos(angles)[:, None] * self.axes[1] + np.sin(angles)[:, None] * self.axes[2]
-        return unit(self.axes[0] + larger * around)
+def _azimuths(axes: Floats, points: Floats) -> Floats:
+    """The angles (N,) of points (N, 3) round the first of the axes (3, 3) of a nappe, in units in which it is round."""
+    _, first, second = np.linalg.solve(axes.T, points.T)
+    return np.arctan2(second, first)
 
 
 def open_cone(
@@ -224,16 +211,16 @@ def open_cone(
     )
     axes = nappe(clip, np.mean([disc.middle for disc in discs], axis=0))
     axes[2] *= 1.0 if np.linalg.det(axes) > 0 else -1.0
-    cone = Nappe(axes, surface)
-    ends = _sectors(cone, discs) if len(discs) > 1 else []
+    ends = _sectors(axes, discs) if len(discs) > 1 else []
     angles = _angles(ends)
     steps = np.diff(np.append(angles, angles[0] + 2 * pi))
-    polygon = cone.corners(angles, LARGER / cos(float(steps.max()) / 2))
+    around = np.cos(angles)[:, None] * axes[1] + np.sin(angles)[:, None] * axes[2]
+    polygon = unit(axes[0] + LARGER / cos(float(steps.max()) / 2) * around)
     for disc in discs:
         if not _within(disc.points, polygon):
             raise GeometryError(
                 f"the curve of contact {disc.number} is not seen through that of contact {number} from "
-                f"({', '.join(map(plain, center))}), below; make the opening wider, or the pipe shorter"
+                f"({listed(center)}), below; make the opening wider, or the pipe shorter"
             )
     far = max(float(np.linalg.norm(disc.points, axis=1).max()) for disc in discs)
     met = first_met(surface, polygon, far)
@@ -265,12 +252,12 @@ def _with_face(disc: Disc, rim: Sequence[Vector]) -> list[Corners]:
     return around_clip(disc, [primitive(corner) for corner in rim], rim)
 
 
-def _sectors(cone: Nappe, discs: Sequence[Disc]) -> list[tuple[float, Disc | None]]:
+def _sectors(axes: Floats, discs: Sequence[Disc]) -> list[tuple[float, Disc | None]]:
     """Where sectors begin, by rising angles, and whose they are: one around each contact, others without."""
     found = []
     for disc in discs:
-        middle = float(cone.azimuths(disc.middle[None])[0])
-        away = (cone.azimuths(disc.points) - middle + pi) % (2 * pi) - pi
+        middle = float(_azimuths(axes, disc.middle[None])[0])
+        away = (_azimuths(axes, disc.points) - middle + pi) % (2 * pi) - pi
         if np.ptp(away) >= pi:
             raise GeometryError(
                 f"contact {disc.number} is seen around the axis of the opening; several contacts must lie around it"

@@ -20,61 +20,65 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.inputs import shown_point
+from pas.algebra.rational import to_floats
 from pas.arrays import Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.rows import dots
-from pas.network.covers import NodeCovers
+from pas.network.covers import Found, NodeCovers
 from pas.network.graph import NetworkProblem, StrutGraph, told
+from pas.network.overlaps import common_point
 from pas.verdicts import Status, Verdict
 
 AT_ONCE = 4096
 """Struts whose neighbours are looked at together, so that memory is bounded."""
 
 
+MAY_MEET = "may meet; thinner struts, or wider angles between those of a node, end nearer to it"
+
+WORDS = {
+    "near struts": ("the struts {} and {}, {} from one another,", MAY_MEET),
+    "node and strut": ("the node {} and the strut {}, {} from its point,", MAY_MEET),
+    "nodes": ("the nodes {} and {}, {} from one another,", MAY_MEET),
+    "enclosed": ("the piece of point {}", "may be inside of another one"),
+}
+"""What is told of each kind of doubt: of what, and what of it is not decided."""
+
+Doubt = tuple[tuple[int, ...], float, int, Found]
+"""Numbers of nodes, struts or both, how far apart they are, that of a point, and what is found about it."""
+
+
 def crossing(network: StrutGraph) -> Iterator[tuple[int, int, float]]:
     """Struts without a common point that come nearer than their radii: two numbers and the distance of their axes."""
     for first, second, distance in _near_struts(network):
         close = distance < network.thickness[first] + network.thickness[second] + network.slack
-        yield from _listed(first, second, distance, close)
+        yield from zip(first[close].tolist(), second[close].tolist(), distance[close].tolist(), strict=True)
 
 
 def clearance(network: StrutGraph, covers: NodeCovers) -> tuple[Verdict, tuple[NetworkProblem, ...]]:
     """The verdict that nothing meets that shares no point, nor neighbours, and all that may, with numbers of points and
     struts.
 
-    It is refuted where a point is inside of the straight parts of two struts.
+    It is refuted where a point is inside of two nodes, or struts where they are straight.
     """
-    found = [*_doubts(network, covers)]
-    problems = tuple(problem for _, problem in found)
-    for place, problem in found:
-        status, claim = Status.REFUTED if problem.kind == "overlap" else Status.UNDECIDED, "nothing else meets"
-        return Verdict(status, claim, told(problems), tuple(place.tolist())), problems
+    found = sorted(_doubts(network, covers), key=lambda doubt: doubt[0] is not Status.REFUTED)
+    problems = tuple(problem for *_, problem in found)
+    for status, place, _ in found:
+        return Verdict(status, "nothing else meets", told(problems), tuple(place.tolist())), problems
     reason = "nodes, also neighbours, and struts that share no point are apart"
     return Verdict(Status.PROVED, "nothing else meets", reason, measure=len(network.edges)), ()
 
 
-def _doubts(network: StrutGraph, covers: NodeCovers) -> Iterator[tuple[Floats, NetworkProblem]]:
-    """What meets, first, and what may meet: where, and what."""
-    points, left = network.points, []
-    for i, j, distance in crossing(network):
-        if (point := _common(network, covers, i, j)) is None:
-            left.append((i, j, distance))
-        else:
-            sentence = f"the struts {i} and {j}, {distance:.4g} from one another, overlap"
-            yield point, NetworkProblem("overlap", (i, j), sentence)
-    for i, j, distance in left:
-        sentence = f"the struts {i} and {j} come within {distance:.4g} of one another"
-        yield points[network.edges[i]].mean(axis=0), NetworkProblem("near struts", (i, j), sentence)
-    advice = "thinner struts, or wider angles between those of a node, end nearer to it"
-    for i, j, distance in _near_struts_of_nodes(network, covers):
-        sentence = f"the node {i} and the strut {j}, {distance:.4g} from its point, may meet; {advice}"
-        yield points[i], NetworkProblem("node and strut", (i, j), sentence)
-    for i, j, distance in _near_nodes(network, covers):
-        sentence = f"the nodes {i} and {j}, {distance:.4g} from one another, may meet; {advice}"
-        yield points[i], NetworkProblem("nodes", (i, j), sentence)
-    for piece in _enclosed(network, covers):
-        sentence = f"the piece of point {piece[0]} may be inside of another one"
-        yield points[piece[0]], NetworkProblem("enclosed", tuple(piece), sentence)
+def _doubts(network: StrutGraph, covers: NodeCovers) -> Iterator[tuple[Status, Floats, NetworkProblem]]:
+    """What meets, or may meet: which of both, where, and what."""
+    finders = _crossing_struts, _struts_of_nodes, _near_nodes, _enclosed
+    for (kind, (names, doubtful)), find in zip(WORDS.items(), finders, strict=True):
+        for ids, distance, about, common in find(network, covers):
+            status, place, said = Status.UNDECIDED, network.points[about], doubtful
+            if not isinstance(common, bool):
+                status, place = Status.REFUTED, place + float(network.grid) * np.array(to_floats(common))
+                said = f"overlap at {shown_point(place)}; make struts there thinner, or move their points apart"
+            yield status, place, NetworkProblem(kind, ids, f"{names.format(*ids[:2], f'{distance:.4g}')} {said}")
 
 
 def _near(points: Floats, others: Floats, distance: float) -> Iterator[tuple[Integers, Integers]]:
@@ -117,8 +121,25 @@ def _near_struts(network: StrutGraph) -> Iterator[tuple[Integers, Integers, Floa
         yield i[close], j[close], segment_distances(points[edges[i[close]]], points[edges[j[close]]])
 
 
-def _near_struts_of_nodes(network: StrutGraph, covers: NodeCovers) -> Iterator[tuple[int, int, float]]:
-    """Nodes that may meet the straight part of a strut that does not end there: both numbers, distance."""
+def _crossing_struts(network: StrutGraph, covers: NodeCovers) -> Iterator[Doubt]:
+    """Struts without a common point that come nearer than their radii, looked into where these are straight."""
+    step = float(network.grid)
+    for i, j, distance in crossing(network):
+        pair, about = [i, j], int(network.edges[i, 0])
+        ways, widths, straight = network.vectors[pair] * step, network.widths[pair], covers.axes(pair)
+        one, other = near = np.concatenate(nearest_points(straight[:1], straight[1:]))
+        along = ((near - network.points[network.edges[pair, 0]]) * ways).sum(axis=1) / (ways**2).sum(axis=1)
+        radii = widths[:, 0] + along * (widths[:, 1] - widths[:, 0])
+        inwards = straight.mean(axis=1) - near
+        inwards /= np.maximum(np.linalg.norm(inwards, axis=1, keepdims=True), 1e-300)
+        pulled = near + inwards * (radii[::-1, None] - np.linalg.norm(one - other)) / 2
+        points = np.stack([one + (other - one) * radii[0] / radii.sum(), *pulled]) - network.points[about]
+        solids = covers.strut(i, about), covers.strut(j, about)
+        yield (i, j), distance, about, common_point(points / step, *solids) or False
+
+
+def _struts_of_nodes(network: StrutGraph, covers: NodeCovers) -> Iterator[Doubt]:
+    """Nodes that may meet the straight part of a strut that does not end there."""
     edges, points, reach = network.edges, network.points, covers.reach
     used, slack = np.flatnonzero(reach), network.slack
     far = float(network.lengths.max() / 2 + reach.max() + network.thickness.max())
@@ -127,23 +148,27 @@ def _near_struts_of_nodes(network: StrutGraph, covers: NodeCovers) -> Iterator[t
         node, other = used[here[apart]], strut[apart]
         distance = segment_distances(np.stack([points[node]] * 2, axis=1), covers.axes(other))
         close = distance < reach[node] + network.thickness[other] + slack
-        close[close] = ~covers.struts_apart(node[close], other[close])
-        yield from _listed(node, other, distance, close)
+        yield from _left(node[close], other[close], distance[close], covers.struts_apart)
 
 
-def _near_nodes(network: StrutGraph, covers: NodeCovers) -> Iterator[tuple[int, int, float]]:
-    """Nodes that may meet: both numbers, distance."""
+def _near_nodes(network: StrutGraph, covers: NodeCovers) -> Iterator[Doubt]:
+    """Nodes that may meet."""
     points, reach, slack = network.points, covers.reach, network.slack
     used = np.flatnonzero(reach)
     for first, second in _near(points[used], points[used], 2 * float(reach.max()) + slack):
         node, other = used[first[first < second]], used[second[first < second]]
         distance = np.linalg.norm(points[node] - points[other], axis=1)
         close = distance < reach[node] + reach[other] + slack
-        close[close] = ~covers.nodes_apart(node[close], other[close])
-        yield from _listed(node, other, distance, close)
+        yield from _left(node[close], other[close], distance[close], covers.nodes_apart)
 
 
-def _enclosed(network: StrutGraph, covers: NodeCovers) -> Iterator[list[int]]:
+def _left(first: Integers, second: Integers, distance: Floats, prove: Any) -> Iterator[Doubt]:
+    """The pairs that are not proved to be apart."""
+    rows = zip(first.tolist(), second.tolist(), distance.tolist(), prove(first, second), strict=True)
+    yield from (((i, j), far, i, found) for i, j, far, found in rows if found is not True)
+
+
+def _enclosed(network: StrutGraph, covers: NodeCovers) -> Iterator[Doubt]:
     """The points of each piece all of which are in balls around nodes of others."""
     if network.pieces < 2:
         return
@@ -154,36 +179,8 @@ def _enclosed(network: StrutGraph, covers: NodeCovers) -> Iterator[list[int]]:
         inside = np.linalg.norm(points[point] - points[other], axis=1) < reach[other] + slack
         free[point[inside & (of[point] != of[other])]] = False
     for piece in np.setdiff1d(of[used], of[free]).tolist():
-        yield used[of[used] == piece].tolist()
-
-
-def _listed(first: Integers, second: Integers, distance: Floats, close: Any) -> Iterator[tuple[int, int, float]]:
-    return zip(first[close].tolist(), second[close].tolist(), distance[close].tolist(), strict=True)
-
-
-def _common(network: StrutGraph, covers: NodeCovers, first: int, second: int) -> Floats | None:
-    """A point inside of the straight parts of two struts, with room for rounding; None where none was found."""
-    pair = [first, second]
-    start, way = network.points[network.edges[pair, 0]], network.vectors[pair] * float(network.grid)
-    widths, tops = network.widths[pair], np.stack([covers.ends[pair, 0], 1 - covers.ends[pair, 1]], axis=1)
-    straight = covers.axes(pair)
-    one, other = near = np.concatenate(nearest_points(straight[:1], straight[1:]))
-
-    def along_and_radii(points: Floats) -> tuple[Floats, Floats]:
-        along = np.einsum("ni,ni->n", points - start, way) / np.einsum("ni,ni->n", way, way)
-        return along, widths[:, 0] + along * (widths[:, 1] - widths[:, 0])
-
-    radii = along_and_radii(near)[1]
-    inwards = straight.mean(axis=1) - near
-    inwards /= np.maximum(np.linalg.norm(inwards, axis=1, keepdims=True), 1e-300)
-    pulled = near + inwards * (radii[::-1, None] - np.linalg.norm(one - other)) / 2
-    for point in (one + (other - one) * radii[0] / radii.sum(), *pulled):
-        along, thick = along_and_radii(point)
-        off = np.linalg.norm(point - start - along[:, None] * way, axis=1)
-        room = np.min([along - tops[:, 0], tops[:, 1] - along], axis=0) * network.lengths[pair]
-        if (np.minimum(room, thick - off) > network.slack).all():
-            return np.asarray(point)
-    return None
+        ids = tuple(used[of[used] == piece].tolist())
+        yield ids, 0.0, ids[0], False
 
 
 def segment_distances(first: Floats, second: Floats) -> Floats:

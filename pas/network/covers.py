@@ -6,7 +6,8 @@ across the way from one point to the other, or as the sides of a wall are (`pas.
 and an axis; that is decided once for all pairs that are placed alike.
 
 Guaranteed of the surfaces in the regions of their blends, with room for rounding.  What is apart by less than some
-250th of a node's size may stay undecided.
+250th of a node's size may stay undecided.  Of what meets a point inside of both is looked for where tetrahedra are left
+open, and decided exactly (`pas.network.overlaps`).
 """
 
 from __future__ import annotations
@@ -18,15 +19,17 @@ from typing import Any
 
 import numpy as np
 
+from pas.algebra.affine import Affine
 from pas.algebra.lengths import unit
-from pas.algebra.rational import to_floats
-from pas.arrays import Bools, Floats, Integers
+from pas.algebra.rational import Vector, exact, rational, to_floats, vector
+from pas.arrays import Floats, Integers
 from pas.bernstein.forms import corner_points, nearby_forms
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.bernstein.simplices import Simplices
 from pas.certify.thickness import parted, slices
 from pas.network.classes import Kinds, ranked, turn
 from pas.network.graph import StrutGraph
+from pas.network.overlaps import NodeSolid, StrutSolid, common_point
 from pas.pipeline.result import Blend
 from pas.verdicts import Status
 
@@ -37,6 +40,10 @@ LIMITS = Limits(depth=36, cells=8192)
 """To parts of 2^-12 of a cell's size; surfaces that cross leave more and more open."""
 
 
+Found = Vector | bool
+"""True where things are proved to be apart, a point inside of both, about the first one's in steps, or False."""
+
+
 class NodeCovers:
     """What holds the nodes of a network: `blends` has those of its classes by their keys, in steps of the grid.
 
@@ -45,7 +52,7 @@ class NodeCovers:
 
     def __init__(self, network: StrutGraph, kinds: Kinds, blends: Mapping[Any, Blend]) -> None:
         self.network, self.kinds, self.blends = network, kinds, blends
-        self._known: dict[tuple[int, ...], bool] = {}
+        self._known: dict[tuple[int, ...], Found] = {}
 
     @cached_property
     def _first(self) -> dict[Any, tuple[Simplices, Floats]]:
@@ -96,11 +103,26 @@ class NodeCovers:
         here, there = (self.ends[struts, end, None] for end in (0, 1))
         return np.stack([first + here * (second - first), second - there * (second - first)], axis=1)
 
-    def nodes_apart(self, first: Integers, second: Integers) -> Bools:
-        """Of which pairs of nodes (M,) it is proved that their surfaces do not meet."""
+    def node(self, number: int, about: int) -> NodeSolid:
+        """The inside of a node that has a blend, about some point."""
+        kind, places = self.kinds.kinds[self.kinds.of[number]], self.network.places
+        first = self.kinds.kinds[self.kinds.classes[kind.form.key][0]]
+        place = Affine(turn(first, kind), vector((places[number] - places[about]).tolist()))
+        return NodeSolid(self.blends[kind.form.key].surface, place)
+
+    def strut(self, number: int, about: int) -> StrutSolid:
+        """The inside of what is straight of a strut, about some point; its ends are rounded inwards."""
+        network = self.network
+        start = network.places[network.edges[number, 0]] - network.places[about]
+        here, there = (exact(np.nextafter(end, 1.0)) for end in self.ends[number])
+        radii = tuple(rational(network.radii[size] / network.grid) for size in network.sizes[number])
+        return StrutSolid(vector(start.tolist()), vector(network.vectors[number].tolist()), (here, 1 - there), radii)
+
+    def nodes_apart(self, first: Integers, second: Integers) -> list[Found]:
+        """What is found of pairs of nodes (M,): whether their surfaces do not meet."""
         places, of = self.network.places, self.kinds.of
 
-        def prove(i: int) -> bool:
+        def prove(i: int) -> Found:
             one, other = self.held(first[i]), self.held(second[i])
             if one is None or other is None:
                 return False
@@ -108,18 +130,19 @@ class NodeCovers:
             between = (other[1] @ way).min() + way @ way - (one[1] @ way).max()
             if between > self.network.slack * np.linalg.norm(way):  # by a plane across the way from one to the other
                 return True
-            return self._parted(one[0], replace(other[0], corners=other[0].corners + way), 0.0, way)
+            solids = self.node(first[i], first[i]), self.node(second[i], first[i])
+            return self._parted(one[0], replace(other[0], corners=other[0].corners + way), 0.0, way, *solids)
 
         return self._each([of[first], of[second], *(places[second] - places[first]).T], prove)
 
-    def struts_apart(self, nodes: Integers, struts: Integers) -> Bools:
-        """Of which nodes and struts (M,) it is proved that they do not meet, where the struts are straight."""
+    def struts_apart(self, nodes: Integers, struts: Integers) -> list[Found]:
+        """What is found of nodes and struts (M,): whether they do not meet, where the struts are straight."""
         network, of = self.network, self.kinds.of
         links = network.edges[struts]
         ways = network.places[links] - network.places[nodes][:, None]
         columns = [of[nodes], *ways.reshape(-1, 6).T, *of[links].T, *self.kinds.slots[struts].T]
 
-        def prove(i: int) -> bool:
+        def prove(i: int) -> Found:
             if (held := self.held(nodes[i])) is None:
                 return False
             cells, _ = held
@@ -127,22 +150,26 @@ class NodeCovers:
             segment = Simplices.of([np.zeros((1, cells.table.shape[1]))], axis[:, [0, 0, 1, 1]])
             ((start, end),) = axis
             way = np.cross(end - start, np.cross(start, end))  # from the point straight to the axis
-            return self._parted(cells, segment, float(network.thickness[struts[i]]), way)
+            solids = self.node(nodes[i], nodes[i]), self.strut(struts[i], nodes[i])
+            return self._parted(cells, segment, float(network.thickness[struts[i]]), way, *solids)
 
         return self._each(columns, prove)
 
-    def _each(self, columns: Any, prove: Callable[[int], bool]) -> Bools:
-        """What is proved of each row of some columns, once of equal ones."""
+    def _each(self, columns: Any, prove: Callable[[int], Found]) -> list[Found]:
+        """What is found of each row of some columns, once of equal ones."""
         of, firsts = ranked(columns)
         rows = list(zip(*(column[firsts].tolist() for column in columns), strict=True))
         for row, i in zip(rows, firsts.tolist(), strict=True):
             if row not in self._known:
                 self._known[row] = prove(i)
-        return np.array([self._known[row] for row in rows], dtype=bool)[of]
+        return [self._known[rows[n]] for n in of.tolist()]
 
-    def _parted(self, one: Simplices, other: Simplices, distance: float, way: Floats) -> bool:
+    def _parted(self, one: Simplices, other: Simplices, distance: float, way: Floats, *solids: Any) -> Found:
         ways = np.stack([way, *np.eye(3)])
-        return parted(one, other, distance, self.network.slack, LIMITS, ways)[0].status is Status.PROVED
+        found = parted(one, other, distance, self.network.slack, LIMITS, ways)[0]
+        if found.status is Status.PROVED:
+            return True
+        return common_point(found.open.corners.mean(axis=1) / float(self.network.grid), *solids) or False
 
 
 def _held(cells: Simplices, ways: Floats, far: float) -> tuple[Simplices, Floats]:

@@ -24,7 +24,7 @@ from typing import Any
 
 from pas.algebra.affine import Affine
 from pas.algebra.inputs import shown
-from pas.algebra.rational import Vector, VectorLike, cross, dot, minus, plain, texts, three, vector
+from pas.algebra.rational import Vector, VectorLike, cross, dot, listed, minus, plain, texts, three, vector
 from pas.errors import GeometryError
 from pas.partition.cells import Partition
 
@@ -169,7 +169,7 @@ def _check_inside(corners: Sequence[Vector], point: Vector) -> None:
             raise GeometryError("the four corners of the tetrahedron lie in one plane")
         if dot(normal, minus(point, a)) / height <= 0:
             raise GeometryError(
-                f"the centre of a split must lie inside its tetrahedron; ({', '.join(map(plain, point))}) does not, "
+                f"the centre of a split must lie inside its tetrahedron; ({listed(point)}) does not, "
                 f"seen from corner {i + 1}"
             )
 

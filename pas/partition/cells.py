@@ -26,8 +26,8 @@ from pas.algebra.rational import (
     VectorLike,
     binary_exponent,
     determinant,
+    listed,
     minus,
-    plain,
     texts,
     three,
     to_float,
@@ -150,7 +150,7 @@ class Partition(CellComplex, Serialisable):
         cell = int(self.local.locate(np.array([to_floats(local)]))[0])
         if cell < 0:
             raise ValueError(
-                f"{name} lies outside the region of the partition; a point at ({', '.join(map(plain, point))}) "
+                f"{name} lies outside the region of the partition; a point at ({listed(point)}) "
                 "has no influence on the surface"
             )
         return int(self.piece_of[cell]), local

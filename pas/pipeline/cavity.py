@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq
@@ -98,10 +98,8 @@ class Cavity:
         return self._wishes(self.evenness)
 
     def _wishes(self, evenness: EvenWall | None) -> Wishes:
-        wishes = self.outer.wishes
-        energy = self.outer.plate if evenness is None else self.outer.plate + evenness
-        options: Any = {"energy": energy if evenness else wishes.energy, "limits": wishes.limits}
-        return Wishes(**options)
+        energy = self.outer.wishes.energy if evenness is None else self.outer.plate + evenness
+        return Wishes(energy=energy, limits=self.outer.wishes.limits)
 
     def plain(self, found: B) -> B:
         """An inner blend without what it was chosen by besides the outer one's energy, which files do not keep."""
@@ -155,15 +153,13 @@ class Cavity:
     def _radius(self) -> float:
         return min(contact.rim.radii[0] for contact in self.contacts)
 
-    def _beyond(self, evenness: EvenWall, center: Vector) -> float:
-        """How much deeper than the wall is thick a point is, in smallest inner radii."""
-        point = np.array([to_floats(center)])
-        return float(evenness.depth(point)[0][0] - evenness.thickness(point)[0][0]) / self._radius
-
     @property
     def _deep_enough(self) -> bool:
         center = self.outer.surface.partition.center
-        return self.evenness is None or center is None or self._beyond(self.evenness, center) >= SHALLOW
+        if self.evenness is None or center is None:
+            return True
+        depth, thickness = _at(self.evenness, center)
+        return (depth - thickness) / self._radius >= SHALLOW
 
     def _deeper(self) -> Iterator[Partition]:
         """The first region around a centre further in; none where no layout fits."""
@@ -191,17 +187,14 @@ class Cavity:
         for number in range(int(np.linalg.norm(off, axis=1).min() / radius * FINE)):
             shift = number * radius / FINE * towards / length / to_float(step)
             x, y, z = (c + fmpq(round(float(v))) * step for c, v in zip(center, shift, strict=True))
-            served = min(1.0, self._room(evenness, (x, y, z)), self._visibility((x, y, z)) / VISIBLE)
+            depth, thickness = _at(evenness, (x, y, z))
+            room = depth / (thickness + DEEP * self._radius)  # how deep it is, over how deep a centre should be
+            served = min(1.0, room, self._visibility((x, y, z)) / VISIBLE)
             if served > most:
                 most, best = served, (x, y, z)
             if served == 1.0:
                 break
         return best if best != center else None
-
-    def _room(self, evenness: EvenWall, center: Vector) -> float:
-        """How deep a point is, over how deep a centre should be."""
-        point = np.array([to_floats(center)])
-        return float(evenness.depth(point)[0][0] / (evenness.thickness(point)[0][0] + DEEP * self._radius))
 
     def _visibility(self, center: Vector) -> float:
         """How well the contacts are seen from a point: 1 from their axes, 0 where one of them turns its back."""
@@ -211,3 +204,9 @@ class Cavity:
             distance = float(np.linalg.norm(np.array(to_floats(contact.rim.center)) - point))
             seen.append(outlook(contact.surface, contact.rim, center)[0] * distance / contact.rim.radii[0])
         return min(seen)
+
+
+def _at(evenness: EvenWall, place: Vector) -> tuple[float, float]:
+    """How deep a point is, and how thick the wall is to be there."""
+    point = np.array([to_floats(place)])
+    return float(evenness.depth(point)[0][0]), float(evenness.thickness(point)[0][0])

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cached_property
 from itertools import chain
 from math import floor, log10
 from typing import Self, TypeVar, Unpack
@@ -20,7 +20,6 @@ from flint import fmpq
 
 from pas.algebra.inputs import shown, whole
 from pas.algebra.rational import binary_exponent, rational, to_fraction
-from pas.blending.solving import solve
 from pas.blending.space import Member, Space
 from pas.certify.certificate import Certificate
 from pas.errors import GeometryError, NotProvedError
@@ -127,34 +126,6 @@ class ChosenBlend(Shape):
             basis=space.given_basis,
             choice=choice,
             found_dimension=space.dimension,
-        )
-
-    @classmethod
-    def known(
-        cls,
-        surface: PiecewiseSurface,
-        dimension: int,
-        *,
-        energy: float,
-        wishes: Wishes,
-        timings: dict[str, float],
-        attempts: Sequence[Attempt],
-    ) -> Self:
-        """The blend with a surface known to be a member of its space of that dimension, which is solved when asked."""
-
-        @cache
-        def space() -> Space:
-            return solve(surface.placed, surface.degree)
-
-        return cls(
-            surface=surface,
-            find_coefficients=lambda: [rational(c) for c in space().coordinates(surface.polynomials)],
-            energy=energy,
-            timings=timings,
-            attempts=tuple(attempts),
-            wishes=wishes,
-            find_space=space,
-            found_dimension=dimension,
         )
 
     @property

@@ -134,18 +134,14 @@ def tee_of(pipes: Sequence[Pipe], order: int) -> Tee | str:
         in_line = not any(cross(run.axis, back.axis)) and dot(run.axis, back.axis) < 0
         if in_line and run.radius == back.radius > branch.radius and any(cross(run.axis, branch.axis)):
             tee = Tee.of(run, branch)
-            clips = [_distance(pipe) for pipe in (run, back) if pipe.ends]
+            sizes = ((pipe, sqrt(to_float(dot(pipe.axis, pipe.axis)))) for pipe in (run, back) if pipe.ends)
+            clips = [abs(to_float(pipe.end)) * size for pipe, size in sizes]
             if drawback := tee.drawback(order):
                 return drawback
             if min(clips, default=tee.reach) < tee.reach:
                 return f"the foot would reach {tee.reach:.4g} along the run, beyond its clip at {min(clips):.4g}"
             return tee
     return shape
-
-
-def _distance(pipe: Pipe) -> float:
-    """From the point of a pipe to its end, in the model's units."""
-    return abs(to_float(pipe.end)) * sqrt(to_float(dot(pipe.axis, pipe.axis)))
 
 
 @limited("making a foot", "a lower order")

@@ -257,7 +257,7 @@ def _same(one: Contact, other: Contact) -> bool:
     a, b = (c.surface.dense(max(one.surface.degree, other.surface.degree)) for c in (one, other))
     rounded = float(np.abs(a - b).max()) <= rounding * float(np.abs(a).max())
     tip = apex(one.clip)
-    same = one.clip.primitive() in (other.clip.primitive(), (-other.clip).primitive())
+    same = one.clip.primitive() == other.clip.primitive()
     return rounded and (same or (tip is not None and tip == apex(other.clip)))
 
 

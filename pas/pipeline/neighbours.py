@@ -31,7 +31,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
-from flint import fmpq, fmpq_mpoly, fmpq_poly
+from flint import fmpq, fmpq_poly
 
 from pas.algebra.affine import away, height, slope_at
 from pas.algebra.polynomial import GENERATORS, Polynomial
@@ -39,6 +39,7 @@ from pas.algebra.rational import Vector, cross, dot, exact, minus, moved, three,
 from pas.arrays import Floats
 from pas.bernstein.signs import alike
 from pas.certify.nesting import prove_inside
+from pas.certify.proofs import radial_derivative
 from pas.errors import GeometryError
 from pas.partition.boxes import KUHN_CELLS
 from pas.verdicts import Status
@@ -102,7 +103,7 @@ class Slab:
         square = dot(self.normal, self.normal)
         self.size = exact(float(np.sqrt(to_float(square))))  # of the normal, rounded as that of the cap is
         self.top = length * self.size / square * (1 + ROUNDED)
-        self.across = tuple(map(_shortened, two_across(self.normal)))
+        self.across = tuple(three(c / _length(way) for c in way) for way in two_across(self.normal))
         curve = join.curve()
         low, high = curve.min(axis=0), curve.max(axis=0)
         near: Vector = tuple(exact(float(c)) for c in (low + high) / 2)  # type: ignore[assignment]
@@ -174,7 +175,7 @@ class Slab:
     def is_one_piece(self, radius: fmpq) -> bool:
         """Whether it is proved that inside the cylinder there is what goes on from the clip faces, and nothing else."""
         f, cylinder = self.surface, self.cylinder(radius)
-        ways = [tuple(BEYOND * radius * c / exact(float(np.linalg.norm(to_floats(v)))) for c in v) for v in self.across]
+        ways = [tuple(BEYOND * radius * c / _length(way) for c in way) for way in self.across]
         ends = [moved(self.middle, *zip(signs, ways, strict=True)) for signs in product((-1, 1), repeat=2)]
         square = [ends[0], ends[1], ends[3], ends[2]]
         box = kuhn([square, [moved(corner, (self.top, self.normal)) for corner in square]])
@@ -191,7 +192,7 @@ class Slab:
         ]
         inner = self.join.inside_point()
         for first, second in self.join.rim():
-            edge = Polynomial.from_raw(_through(first, second, self.normal))
+            edge = Polynomial.from_raw(height(first, cross(minus(second, first), self.normal)))
             edge = edge if inner is None or edge.raw(*inner) < 0 else -edge
             claims.append(((f, (-edge, cylinder)), halves(square)))
         return all(proved(claim, simplices) for claim, simplices in claims)
@@ -200,8 +201,7 @@ class Slab:
 def is_left_once(surface: Polynomial, cone: Polynomial, floor: Sequence[Vector], roof: Sequence[Vector]) -> bool:
     """Whether it is proved that each ray from 0 in a cone, `cone <= 0`, leaves a surface once between two plane quads
     across it, four corners each in order on the same four rays, and from inside to outside."""
-    slopes = (g * surface.raw.derivative(i) for i, g in enumerate(GENERATORS))
-    rising = Polynomial.from_raw(sum(slopes, 0 * GENERATORS[0]))
+    rising = Polynomial.from_raw(radial_derivative(surface))
     claims: list[tuple[Positive, Sequence[Sequence[Vector]]]] = [
         ((cone, ()), sides(roof)),
         ((-surface, (cone,)), halves(floor)),
@@ -233,12 +233,6 @@ def kuhn(quads: Sequence[Sequence[Vector]]) -> list[tuple[Vector, ...]]:
     return [tuple(corners[v] for v in cell) for cell in KUHN_CELLS]
 
 
-def _shortened(vector: Vector) -> Vector:
-    """The vector over a rational number that is about its length."""
-    size = exact(float(np.linalg.norm(to_floats(vector))))
-    return three(c / size for c in vector)
-
-
-def _through(first: Vector, second: Vector, along: Vector) -> fmpq_mpoly:
-    """The plane through two points along a direction, as a polynomial."""
-    return height(first, cross(minus(second, first), along))
+def _length(vector: Vector) -> fmpq:
+    """A rational number that is about the length of a vector."""
+    return exact(float(np.linalg.norm(to_floats(vector))))

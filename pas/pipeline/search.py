@@ -247,7 +247,9 @@ def find(
                 session.keep(found, key)
             return found
     if search.failure is None and given is not None:
-        raise _too_low(search.attempts[-1], _lowest(placed, given), order)
+        above = range(given + 1, HIGHEST_DEGREE + 1)
+        lowest = next((n for n in above if is_regular(solve(placed, n))), None)
+        raise _too_low(search.attempts[-1], lowest, order)
     raise _given_up(search, order)
 
 
@@ -264,12 +266,6 @@ def check_wanted_degree(degree: Any) -> int | Literal["lowest"] | None:
         return check_degree(degree)
     except TypeError as error:
         raise TypeError(f'{error}; or "lowest", the lowest that is proved') from None
-
-
-def _lowest(placed: PlacedContacts, degree: int) -> int | None:
-    """The lowest degree above `degree` with a regular member, if it is not far."""
-    above = range(degree + 1, HIGHEST_DEGREE + 1)
-    return next((n for n in above if is_regular(solve(placed, n))), None)
 
 
 def _too_low(attempt: Attempt, lowest: int | None, order: int) -> NoSolutionError:
@@ -294,16 +290,13 @@ def _tried(attempts: Sequence[Attempt]) -> str:
     return "; ".join(found)
 
 
-def _ended(attempts: Sequence[Attempt]) -> str:
-    """Where a search through several degrees ended."""
-    last = max(a.degree for a in attempts)
-    beyond = f"degree={last + 1} goes on" if last < HIGHEST_DEGREE else "the highest there is"
-    return f"the search ended at degree {last} ({beyond})"
-
-
 def _given_up(search: Search[Any], order: int) -> Exception:
     attempts, failure = search.attempts, search.failure
-    ended = f"; {_ended(attempts)}" if search.degree is None else ""
+    ended = ""
+    if search.degree is None:
+        last = max(a.degree for a in attempts)
+        beyond = f"degree={last + 1} goes on" if last < HIGHEST_DEGREE else "the highest there is"
+        ended = f"; the search ended at degree {last} ({beyond})"
     tried = f"tried: {_tried(attempts)}"
     if failure is None:
         return NoSolutionError(

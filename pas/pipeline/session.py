@@ -22,6 +22,7 @@ from collections import OrderedDict
 from collections.abc import Hashable, Iterator, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import permutations
 from threading import Lock
 from typing import Self
@@ -31,7 +32,9 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.affine import ORIGIN, Affine, reflection, scaling, translation
 from pas.algebra.inputs import whole
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import UNITS, Vector, cross, dot, minus, square_root, three
+from pas.algebra.rational import UNITS, Vector, cross, dot, minus, rational, square_root, three
+from pas.blending.solving import solve
+from pas.blending.space import Space
 from pas.certify.certificate import Certificate
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
@@ -97,9 +100,19 @@ class Match:
         surface = PiecewiseSurface(partition, self.contacts, old.order, patches, old.degree)
         surface.certificate = self.certificate  # carried over, see above
 
-        found = self.found
-        return blends.known(
-            surface, found.dimension, energy=found.energy, wishes=found.wishes, timings=timings, attempts=found.attempts
+        @cache
+        def space() -> Space:
+            return solve(surface.placed, surface.degree)
+
+        return blends(
+            surface=surface,
+            find_coefficients=lambda: [rational(c) for c in space().coordinates(surface.polynomials)],
+            energy=self.found.energy,
+            timings=timings,
+            attempts=self.found.attempts,
+            wishes=self.found.wishes,
+            find_space=space,
+            found_dimension=self.found.dimension,
         )
 
     @property

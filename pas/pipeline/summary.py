@@ -11,7 +11,7 @@ from typing import Any, Unpack
 import numpy as np
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import plain
+from pas.algebra.rational import listed
 from pas.contacts.contact import Contact
 from pas.contacts.ends import unusual
 from pas.errors import GeometryError
@@ -23,15 +23,17 @@ from pas.pipeline.chosen import ChosenBlend
 
 def summary(blend: ChosenBlend) -> str:
     """A table of what was asked and what was found."""
-    surface = blend.surface
+    surface, several = blend.surface, len(blend.surface.patches) > 1
     rows = [(f"contact {i}", f"{c}{_from_center(surface, c)}") for i, c in enumerate(surface.contacts, start=1)]
     rows += [("junction", blend.reason)] if blend.reason else []
+    others = [f"{a.degree} (dimension {a.dimension})" for a in blend.attempts if a.degree != surface.degree]
+    tried = f"; tried as well: {', '.join(others)}{_told(blend)}"
     with suppress(GeometryError):  # curves that are not plane have no size to compare
         rows += [("unusual", sentence) for sentence in unusual(contact_ends(surface))]
     rows += [
         ("partition", _partition(surface)),
-        ("order", f"GC^{surface.order} at the contacts{_between(surface)}"),
-        ("degree", f"{surface.degree}{_tried(blend)}"),
+        ("order", f"GC^{surface.order} at the contacts{f', C^{surface.order} between pieces' * several}"),
+        ("degree", f"{surface.degree}{tried if others else ''}"),
         ("dimension", f"{blend.dimension}"),
         ("energy", f"{blend.energy:.6g} ({blend.plate.kind}){_told(blend)}"),
     ]
@@ -51,16 +53,12 @@ def _told(blend: ChosenBlend) -> str:
     return "" if blend.stored is None else ", as its file tells"
 
 
-def _between(surface: PiecewiseSurface) -> str:
-    return f", C^{surface.order} between pieces" if len(surface.patches) > 1 else ""
-
-
 def _partition(surface: PiecewiseSurface) -> str:
     """What the pieces are, and around which point where the program found it."""
     region = surface.partition
     if region.title == region.name or region.center is None:
         return region.title
-    return f"{region.title}, centre ({', '.join(map(plain, region.center))})"
+    return f"{region.title}, centre ({listed(region.center)})"
 
 
 def _from_center(surface: PiecewiseSurface, contact: Contact) -> str:
@@ -71,11 +69,6 @@ def _from_center(surface: PiecewiseSurface, contact: Contact) -> str:
     clip = contact.scaled.clip
     slope = float(np.linalg.norm(clip.gradient(np.zeros(3))))
     return f", {abs(float(clip.at(center))) / slope:.4g} from the centre"
-
-
-def _tried(blend: ChosenBlend) -> str:
-    others = [f"{a.degree} (dimension {a.dimension})" for a in blend.attempts if a.degree != blend.surface.degree]
-    return f"; tried as well: {', '.join(others)}{_told(blend)}" if others else ""
 
 
 def _fairness(blend: ChosenBlend) -> list[tuple[str, str]]:

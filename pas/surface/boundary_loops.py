@@ -14,7 +14,6 @@ from typing import ClassVar
 import numpy as np
 
 from pas.algebra.bracket import Jets
-from pas.algebra.evaluation import PolynomialBatch
 from pas.algebra.lengths import across
 from pas.algebra.polynomial import Polynomial
 from pas.arrays import Floats, Integers
@@ -110,13 +109,9 @@ class PlaneLoop:
     def _alone(self) -> Loops:
         return Loops([self])
 
-    @cached_property
-    def _function(self) -> PolynomialBatch:
-        return derivative_batch([self.column], (0, 1))
-
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4) of its function at points (N, 3)."""
-        return self._function(points, np.zeros(len(points), dtype=np.intp))
+        return self._alone.jets(points, np.zeros(len(points), dtype=np.intp))
 
     def at(self, points: Floats) -> Floats:
         """Where the rays from the middle through points (N, 3) near the plane meet the curve."""
@@ -159,33 +154,27 @@ class Loops:
     def __init__(self, curves: Sequence[BoundaryLoop]) -> None:
         self._openings = {number: curve for number, curve in enumerate(curves) if isinstance(curve, ConeLoop)}
         loops = [curve for curve in curves if isinstance(curve, PlaneLoop)]
-        self._place = np.cumsum([isinstance(curve, PlaneLoop) for curve in curves]) - 1
+        self._place = np.cumsum([isinstance(curve, PlaneLoop) for curve in curves], dtype=np.intp) - 1
         self._middles = np.array([loop.middle for loop in loops]).reshape(-1, 3)
         self._normals = np.array([loop.normal for loop in loops]).reshape(-1, 3)
-        self._batch = derivative_batch([loop.column for loop in loops], (0, 1))
+        self.jets = derivative_batch([loop.column for loop in loops], (0, 1))
 
     def at(self, points: Floats, numbers: Integers) -> Floats:
         """Where rays from the middles of curves of given numbers (N,) through points (N, 3) meet these."""
-        if self._openings:
-            result = np.empty_like(points)
-            flat = ~np.isin(numbers, list(self._openings))
-            result[flat] = self._on_plane_loops(points[flat], self._place[numbers[flat]])
-            for number, curve in self._openings.items():
-                result[numbers == number] = curve.at(points[numbers == number])
-            return result
-        return self._on_plane_loops(points, numbers)
-
-    def _on_plane_loops(self, points: Floats, numbers: Integers) -> Floats:
-        """Where rays from the middles of loops, of given numbers (N,) among these, through points (N, 3) meet them."""
-        middles, normals = self._middles[numbers], self._normals[numbers]
-        ways = points - middles
+        result, flat = np.empty_like(points), ~np.isin(numbers, list(self._openings))
+        places = self._place[numbers[flat]]
+        middles, normals = self._middles[places], self._normals[places]
+        ways = points[flat] - middles
         ways = ways - dots(ways, normals)[:, None] * normals
 
         def jets(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
-            found = self._batch(middles[rows] + shares[:, None] * ways[rows], numbers[rows])
+            found = self.jets(middles[rows] + shares[:, None] * ways[rows], places[rows])
             return found[:, 0], dots(found[:, 1:], ways[rows])
 
-        return np.asarray(middles + _settled(jets, np.ones(len(points)))[:, None] * ways)
+        result[flat] = middles + _settled(jets, np.ones(len(ways)))[:, None] * ways
+        for number, curve in self._openings.items():
+            result[numbers == number] = curve.at(points[numbers == number])
+        return result
 
 
 def _settled(jets: Jets, shares: Floats) -> Floats:

@@ -38,7 +38,7 @@ class Depth:
         self._origin, self._scale = np.array(to_floats(frame.origin)), to_float(frame.scale)
         rays = Directions.of(surface.placed, columns, surface.degree, samples)
         self._samples = rays.directions * rays.distances[:, None]
-        self._numbers = np.concatenate([np.full(here.stop - here.start, piece) for piece, here in rays.slices])
+        self._numbers = rays.pieces
         self._location, self._tolerance = surface.local.location, surface.evaluator.tolerance
         self._joins = surface.joins
         ends = [join.contact.surface for join in surface.joins]

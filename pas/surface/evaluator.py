@@ -26,7 +26,7 @@ from pas.limits import checkpoint
 from pas.partition.boxes import SingleCell
 from pas.partition.cells import Partition
 from pas.surface.crossings import Crossings, crossings, first_crossings
-from pas.surface.geometry import derivative_batch
+from pas.surface.geometry import derivative_batch, symmetric
 from pas.surface.rays import RayTarget
 
 BLOCK = 1 << 14
@@ -149,17 +149,9 @@ class Evaluator:
             pieces = self.partition.local.location.pieces(local, self.tolerance)
             result[here] = batch(local.T, pieces)
             inside[here] = pieces >= 0
-        self._rescale(result, orders)
+        result /= [self.scale**order for order in orders for _ in homogeneous_exponents(order, 3)]
         shape = np.shape(points)[:-1]
         return result.reshape(*shape, result.shape[1]), inside.reshape(shape)
-
-    def _rescale(self, result: Floats, orders: Sequence[int]) -> None:
-        first = 0
-        for order in orders:
-            last = first + len(homogeneous_exponents(order, 3))
-            if order and self.scale != 1:
-                result[:, first:last] /= self.scale**order
-            first = last
 
     @cached_property
     def _origin(self) -> Floats:
@@ -199,14 +191,6 @@ class Evaluator:
     def columns(self) -> list[Floats]:
         """The coefficients of the scaled patches (C(n+3, 3),), rounded."""
         return [patch.dense(max(patch.degree, 0)) for patch in self.scaled.polynomials]
-
-
-def symmetric(entries: Floats, order: int) -> Floats:
-    """All derivatives (..., 3, ..., 3) of an order, from one of each kind (..., entries)."""
-    where = {e: i for i, e in enumerate(homogeneous_exponents(order, 3))}
-    axes = np.indices((3,) * order).reshape(order, -1).T
-    places = [where[(kinds == 0).sum(), (kinds == 1).sum(), (kinds == 2).sum()] for kinds in axes]
-    return entries[..., places].reshape(*entries.shape[:-1], *(3,) * order)
 
 
 def checked(points: ArrayLike, name: str = "points") -> Floats:

@@ -9,7 +9,7 @@ All is measured on a stated number of points, and a feature between them is miss
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
 from typing import Any
@@ -41,7 +41,7 @@ RAYS = 4000
 """Rays that the surface is looked at along; some more where contact curves cross."""
 
 
-SHARP, HOLLOW, BULGE, WRONG, NARROW = 0.02, 0.5, 0.1, 0.05, 0.03
+UNITS = SHARP, HOLLOW, BULGE, WRONG, NARROW = 0.02, 0.5, 0.1, 0.05, 0.03
 """Units in which what is beyond the limits counts: of sharpness, hollowness, bulge, wrong-sign curvature and waist."""
 
 Place = tuple[float, float, float]
@@ -97,9 +97,8 @@ class Fairness:
 
     def beyond(self, limits: FairnessLimits) -> tuple[str, ...]:
         """Which measures are beyond limits: a few words each."""
-        return tuple(
-            f"{name} {value:.3g} above {most:g}" for name, value, most, _ in self._checks(limits) if value > most
-        )
+        words, checks = {"wrong_sign": "wrong-sign curvature"}, self._checks(limits)
+        return tuple(f"{words.get(n, n)} {value:.3g} above {most:g}" for n, value, most, _ in checks if value > most)
 
     def excess(self, limits: FairnessLimits) -> float:
         """How far beyond limits the measures are, in all, each over its unit; 0 within them."""
@@ -107,50 +106,34 @@ class Fairness:
 
     def inside(self, limits: FairnessLimits, times: float) -> FairnessLimits:
         """Limits that are as far inside these as what is beyond them, so many times."""
-        names = (field.name for field in fields(FairnessLimits))
-        moved = {
-            name: max(most - times * max(0.0, value - most), most / 2)
-            for name, (_, value, most, _) in zip(names, self._checks(limits), strict=True)
-        }
+        checks = self._checks(limits)
+        moved = {name: max(most - times * max(0.0, value - most), most / 2) for name, value, most, _ in checks}
         return replace(limits, **moved)
 
-    def _checks(self, limits: FairnessLimits) -> tuple[tuple[str, float, float, float], ...]:
-        check_limits(limits)
-        return (
-            ("sharpness", self.sharpness, limits.sharpness, SHARP),
-            ("hollowness", self.hollowness, limits.hollowness, HOLLOW),
-            ("bulge", self.bulge, limits.bulge, BULGE),
-            ("wrong-sign curvature", self.wrong_sign, limits.wrong_sign, WRONG),
-            ("waist", self.waist, limits.waist, NARROW),
-        )
+    def _checks(self, limits: FairnessLimits) -> Iterator[tuple[str, float, float, float]]:
+        """Of each measure that is limited its name, value, limit and unit."""
+        for (name, most), unit in zip(vars(check_limits(limits)).items(), UNITS, strict=True):
+            yield name, getattr(self, name), most, unit
 
     def lines(self) -> list[tuple[str, str]]:
         """The measures in words, each with its name."""
         low, high = self.gradients
+        turns = {0: "nowhere", 1: "once"}.get(self.inflections, f"{self.inflections} times")
+        hollow, waist = "none: no arc fits between two neighbours", "no run"
+        if self.arc:
+            hollow = f"{self.hollowness:.3f} of the largest arc that fits, at {shown_point(self.hollowest)}"
+        if self.waist:
+            waist = f"{self.waist:.3f} of the radius of the run, at {shown_point(self.waisted)}"
         return [
             ("sharpness", f"{self.sharpness:.3f} of the sharpest neighbour, at {shown_point(self.sharpest)}"),
-            ("hollowness", self._hollow),
+            ("hollowness", hollow),
             ("bulge", f"{self.bulge:.3f} of the largest radius beyond the hull of the contacts"),
-            ("wrong sign", f"{self.wrong_sign:.3f} over the largest radius; sections turn {self._turns}"),
-            ("waist", self._waist),
+            ("wrong sign", f"{self.wrong_sign:.3f} over the largest radius; sections turn {turns}"),
+            ("waist", waist),
             ("variation", f"{self.variation:.4g}, bending {self.bending:.4g}, area {self.area:.4g}"),
             ("|grad f|", f"{low:.2f} to {high:.2f} of its median"),
             ("measured", f"at {self.points} points"),
         ]
-
-    @property
-    def _turns(self) -> str:
-        return {0: "nowhere", 1: "once"}.get(self.inflections, f"{self.inflections} times")
-
-    @property
-    def _hollow(self) -> str:
-        if not self.arc:
-            return "none: no arc fits between two neighbours"
-        return f"{self.hollowness:.3f} of the largest arc that fits, at {shown_point(self.hollowest)}"
-
-    @property
-    def _waist(self) -> str:
-        return f"{self.waist:.3f} of the radius of the run, at {shown_point(self.waisted)}" if self.waist else "no run"
 
     def __str__(self) -> str:
         return "\n".join(f"{name:<13} {value}" for name, value in self.lines())

@@ -174,16 +174,11 @@ def _out_of_plate(plate: Neighbour, pipe: Neighbour) -> float:
     away = pipe.mean - plate.mean - up * plate.normal
     axis = pipe.mean  # seen straight through the plate from the centre
     lean = float(np.arccos(np.clip(axis @ plate.normal / np.linalg.norm(axis), -1, 1)))
-    foot = away - up * np.tan(lean) * _across(axis, plate.normal)
+    part = axis - (axis @ plate.normal) * plate.normal
+    length = float(np.linalg.norm(part))
+    foot = away - (up * np.tan(lean) * (part / length) if length > 1e-12 else 0.0)
     least = float(np.linalg.norm(plate.curve - plate.mean, axis=1).min())
     tangent = min(
         least - float(np.linalg.norm(foot)) - pipe.radius / np.cos(lean), up / np.cos(lean) - pipe.radius * np.tan(lean)
     )
     return tangent * float(np.tan((np.pi / 2 - lean) / 2))
-
-
-def _across(axis: Floats, normal: Floats) -> Floats:
-    """The unit vector of the part of an axis across a normal; 0 where there is none."""
-    part = axis - (axis @ normal) * normal
-    length = float(np.linalg.norm(part))
-    return part / length if length > 1e-12 else part * 0

@@ -20,8 +20,8 @@ from pas.bernstein.forms import b_form, nearby_forms, on_simplex
 from pas.contacts.joins import Join
 from pas.partition.cells import Partition
 from pas.partition.complex import OuterFace
-from pas.surface.evaluator import Evaluator, symmetric
-from pas.surface.geometry import Geometry
+from pas.surface.evaluator import Evaluator
+from pas.surface.geometry import Geometry, symmetric
 from pas.surface.placed import InPlace, PlacedContacts
 
 

@@ -13,7 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, product
+from math import perm, prod
 
 import numpy as np
 
@@ -24,18 +25,22 @@ from pas.arrays import Floats, Integers
 JETS = tuple(e for d in range(4) for e in homogeneous_exponents(d, 3))
 """The derivatives of f that are used, by exponents: value, gradient, Hessian, third order; 20 in all."""
 
-_PLACE = {e: i for i, e in enumerate(JETS)}
 ORDERS = np.array([sum(e) for e in JETS])
 
 
-def _place(*axes: int) -> int:
-    return _PLACE[axes.count(0), axes.count(1), axes.count(2)]
+def _places(order: int) -> Integers:
+    """Where in a jet the derivatives (3, ..., 3) of an order along axes stand."""
+    axes = product(range(3), repeat=order)
+    return np.reshape([JETS.index((a.count(0), a.count(1), a.count(2))) for a in axes], (3,) * order)
 
 
-FIRST = np.array([_place(i) for i in range(3)])
-SECOND = np.array([[_place(i, j) for j in range(3)] for i in range(3)])
-THIRD = np.array([[[_place(i, j, k) for k in range(3)] for j in range(3)] for i in range(3)])
+FIRST, SECOND, THIRD = map(_places, range(1, 4))
 """Where the entries of gradient, Hessian and third derivatives stand in a jet."""
+
+
+def symmetric(entries: Floats, order: int) -> Floats:
+    """All derivatives (..., 3, ..., 3) of an order, from one of each kind (..., entries)."""
+    return entries[..., _places(order) - JETS.index((order, 0, 0))]
 
 
 def derivative_batch(columns: Sequence[Floats], orders: Sequence[int]) -> PolynomialBatch:
@@ -145,12 +150,9 @@ def derivatives(degree: int) -> tuple[Integers, Floats]:
     """For each jet entry and monomial: the monomial that its derivative is a multiple of, and the factor."""
     where, table = positions(degree), exponents(degree)
     indices, factors = np.zeros((len(JETS), len(table)), dtype=np.intp), np.zeros((len(JETS), len(table)))
-    for row, jet in enumerate(JETS):
-        for column, e in enumerate(table):
-            lower = tuple(p - q for p, q in zip(e, jet, strict=True))
-            if min(lower) >= 0:
-                indices[row, column] = where[lower]
-                factors[row, column] = np.prod([float(p - k) for p, q in zip(e, jet, strict=True) for k in range(q)])
+    for (row, jet), (column, e) in product(enumerate(JETS), enumerate(table)):
+        factors[row, column] = prod(map(perm, e, jet))  # 0 where an exponent of the derivative is larger
+        indices[row, column] = where.get(tuple(p - q for p, q in zip(e, jet, strict=True)), 0)
     return indices, factors
 
 

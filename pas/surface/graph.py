@@ -21,7 +21,7 @@ from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import cross, dots
+from pas.mesh.rows import counted_on, cross, dots
 from pas.mesh.shading import unit_rows
 from pas.mesh.sheet import open_mesh, remeshed
 from pas.mesh.topology import Edges, connected
@@ -175,11 +175,12 @@ def hull(field: RadialField, level: int, around: int) -> tuple[Floats, Integers]
         free = np.concatenate([*_collars(field, rings, spacing), units])
         free = free[_clear(free, rings, spacing)]
         points = np.concatenate([*rings, free, poles])
-        triangles = _delaunay(points)
-        missing = _missing(triangles, [len(r) for r in rings], len(points))
-        if not any(m.any() for m in missing):
-            return _trimmed(field, points, triangles, rings, len(poles))
-        rings = [_halved(c, r, m) for c, r, m in zip(field.rims, rings, missing, strict=True)]
+        triangles, rim = _delaunay(points), _rim_keys(rings, len(points))
+        missing = ~np.isin(rim, np.unique(_keys(triangles, triangles[:, [1, 2, 0]], len(points))))
+        if not missing.any():
+            return _trimmed(field, points, triangles, rim, len(poles))
+        chosen = np.split(missing, np.cumsum([len(ring) for ring in rings])[:-1])
+        rings = [_halved(c, r, m) for c, r, m in zip(field.rims, rings, chosen, strict=True)]
     raise ArithmeticError("the rings are too close to one another for a triangulation of directions")
 
 
@@ -202,8 +203,6 @@ def _collars(field: RadialField, rings: list[Floats], spacing: float) -> list[Fl
 
 def _clear(units: Floats, rings: list[Floats], spacing: float) -> np.ndarray:
     """Which of some directions are not too close to rings, nor to those before, for how far they are from rings."""
-    if not rings:
-        return np.ones(len(units), dtype=bool)
     edge = unit_rows(np.concatenate(rings))
     angle = np.arccos(np.clip((units @ edge.T).max(axis=1), -1, 1))
     near = np.minimum(CLEAR * spacing, 0.5 * angle)
@@ -227,15 +226,11 @@ def _delaunay(points: Floats) -> Integers:
     return triangles[np.lexsort(triangles.T)]
 
 
-def _missing(triangles: Integers, counts: list[int], size: int) -> list[np.ndarray]:
-    """For each ring which of its edges, from each point to the next, no triangle has."""
-    keys = np.unique(_keys(triangles.ravel(), triangles[:, [1, 2, 0]].ravel(), size))
-    result, start = [], 0
-    for number in counts:
-        here = start + np.arange(number)
-        result.append(~np.isin(_keys(here, np.roll(here, -1), size), keys))
-        start += number
-    return result
+def _rim_keys(rings: list[Floats], size: int) -> Integers:
+    """What stands for the edges of all rings, from each point to the next."""
+    counts = [len(ring) for ring in rings]
+    after = counted_on([np.roll(np.arange(count), -1) for count in counts], counts)
+    return _keys(np.arange(len(after)), after, size)
 
 
 def _keys(a: Integers, b: Integers, size: int) -> Integers:
@@ -249,23 +244,18 @@ def _halved(curve: BoundaryLoop, ring: Floats, chosen: np.ndarray) -> Floats:
 
 
 def _trimmed(
-    field: RadialField, points: Floats, triangles: Integers, rings: list[Floats], poles: int
+    field: RadialField, points: Floats, triangles: Integers, rim: Integers, poles: int
 ) -> tuple[Floats, Integers]:
-    """Without the discs in the rings, the points on the surface."""
-    size, rim = len(points), sum(map(len, rings))
+    """Without the discs in the rings, which have a pole each, the points on the surface."""
+    size = len(points)
     edges = Edges(triangles, size)
-    ends, start = [np.empty(0, dtype=np.intp)], 0
-    for ring in rings:
-        here = start + np.arange(len(ring))
-        ends.append(_keys(here, np.roll(here, -1), size))
-        start += len(ring)
-    open_ = ~np.isin(_keys(edges.inner[:, 0], edges.inner[:, 1], size), np.concatenate(ends))
+    open_ = ~np.isin(_keys(edges.inner[:, 0], edges.inner[:, 1], size), rim)
     parts = connected(edges.owners[open_], len(triangles))
     inside = np.unique(parts[(triangles >= size - poles).any(axis=1)])
     kept = triangles[~np.isin(parts, inside)]
     points = points[: size - poles].copy()
-    points[rim:] = field.met(points[rim:])
+    points[len(rim) :] = field.met(points[len(rim) :])
     used = np.unique(kept)
-    if len(used) != len(points) or len(np.unique(parts)) != len(rings) + 1 or not seen(points, kept).all():
+    if len(used) != len(points) or len(np.unique(parts)) != poles + 1 or not seen(points, kept).all():
         raise ArithmeticError("the rings do not bound one part of the directions")
     return points, kept

@@ -65,7 +65,8 @@ class Subdivision:
         self.field, self.parts = field, 1
         kept = _kept(field.forms)
         cells, self.forms = field.cells[kept], field.forms[kept]
-        self.keys, self.points = _weights(len(field.vertices))[cells], field.vertices[cells]
+        weights = np.random.default_rng(0).integers(1 << 62, size=len(field.vertices)) | 1
+        self.keys, self.points = weights[cells], field.vertices[cells]
 
     def halve(self) -> None:
         """Cut each tetrahedron into eight."""
@@ -132,12 +133,6 @@ class Subdivision:
         joined = joined.reshape(-1, 4)
         negative = (values < 0)[joined]
         return Lattice(points, values, joined[any_of(negative) & any_of(~negative)])
-
-
-@cache
-def _weights(count: int) -> Integers:
-    """Odd numbers (count,), drawn once: vertices' keys."""
-    return np.random.default_rng(0).integers(1 << 62, size=count) | 1
 
 
 def _kept(forms: Floats) -> Bools:

@@ -19,7 +19,6 @@ from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.mesh.sheet import followed
-from pas.partition.complex import OuterFace
 from pas.surface.bisection import bisected
 from pas.surface.fairness import fairness
 from pas.surface.function import PiecewisePolynomial
@@ -99,7 +98,7 @@ class Mesher:
                     return bisected(field, tolerance / field.scale, settings)
         try:
             with np.errstate(all="ignore"):  # what is not finite is folded, and refused
-                return triangulate(self.beginnings, tolerance / self.cell_field.scale, most, aim)
+                return triangulate(self.beginnings, tolerance / self.cell_field.scale, settings)
         except FoldedError as error:
             raise MeshError(f"{error}{_sharpest(self.surface)}") from None
 
@@ -109,18 +108,14 @@ def around_centre(surface: PiecewisePolynomial) -> bool:
 
     Where there are none, the middles of these must be outside.
     """
+    ends = ((face.piece, surface.local.corners(face.vertices)) for face in surface.local.outer_faces)
+    middles = ((surface.patches[piece], [sum(c) / 3 for c in zip(*corners, strict=True)]) for piece, corners in ends)
     return (
         surface.partition.center is not None
         and all(patch.at((0, 0, 0)) < 0 for patch in surface.patches)
         and all(join.confined for join in surface.joins)
-        and (len(surface.joins) > 0 or all(_outside(surface, face) for face in surface.local.outer_faces))
+        and (len(surface.joins) > 0 or all(patch.at(middle) > 0 for patch, middle in middles))
     )
-
-
-def _outside(surface: PiecewisePolynomial, face: OuterFace) -> bool:
-    """Whether the middle of an outer face is."""
-    corners = [surface.local.vertices[v] for v in face.vertices]
-    return surface.patches[face.piece].at([sum(c) / 3 for c in zip(*corners, strict=True)]) > 0
 
 
 def _sharpest(surface: PiecewisePolynomial) -> str:

@@ -118,8 +118,13 @@ class RayTarget:
     @cached_property
     def barycentric(self) -> fmpq_mat:
         """The barycentric coordinates on the C cells (4C, 4), exact: a row the constant and the factors of x, y, z."""
-        rows = [row for cell in range(len(self.local.cells)) for row in _barycentric(self.local, cell)]
-        return fmpq_mat(len(rows), 4, [value for row in rows for value in row])
+        values = list[fmpq]()  # of each cell's planes: each coordinate is 1 at the corner that is not on its plane
+        for number, cell in enumerate(self.local.cells):
+            for plane, corner in zip(self.local.planes(number), sorted(cell, reverse=True), strict=True):
+                constant, *slope = plane.row(1)
+                height = constant + dot(slope, self.local.vertices[corner])
+                values += [value / height for value in (constant, *slope)]
+        return fmpq_mat(len(values) // 4, 4, values)
 
     @cached_property
     def maps(self) -> Floats:
@@ -130,14 +135,16 @@ class RayTarget:
     @cached_property
     def widths(self) -> Floats:
         """By how much the maps may be off, (4, C)."""
-        widths = ROUNDINGS * UNIT_ROUNDOFF * np.abs(self.maps).sum(axis=1)
-        return np.asarray(widths)
+        return np.asarray(ROUNDINGS * UNIT_ROUNDOFF * np.abs(self.maps).sum(axis=1))
 
     @cached_property
     def clear(self) -> Floats:
-        """How close to 0, in the maximum norm, the polynomial of each cell has no zero, (C,)."""
-        found = np.array([_clear(patch.dense(self.degree)) for patch in self.patches])
-        return np.asarray(found[np.array(self.local.piece_of, dtype=np.intp)])
+        """How close to 0, in the maximum norm, at most 1, the polynomial of each cell has no zero, (C,): where its
+        constant outweighs its other terms."""
+        sizes = np.abs([patch.dense(self.degree) for patch in self.patches])
+        constant, rest = sizes[:, 0], np.maximum(sizes[:, 1:].sum(axis=1), TINY)
+        found = np.where(constant > TINY, (1 - RELATIVE) * constant / np.maximum(constant, rest), 0.0)
+        return np.asarray(found[self.local.piece_of])
 
     def in_doubles(self, rays: LocalRays, first: bool, room: int = 0) -> tuple[Found, Bools]:
         """The crossings of rays that are not doubtful, ray by ray, and on which of these (N,) doubles decide nothing.
@@ -180,22 +187,6 @@ class RayTarget:
         cells = (self.maps, self.widths, self.clear, piece_of)
         polynomials = (coefficients, sizes, np.ascontiguousarray(jets.transpose(0, 2, 1)))
         return np.array([growth, self.reach, self.farthest]), *cells, *polynomials, nodes, to_bernstein, largest
-
-
-def _barycentric(partition: Partition, cell: int) -> list[list[fmpq]]:
-    """The four coordinates of a cell: each is 0 on a face and 1 at the corner that is not on it."""
-    rows = []
-    for plane, corner in zip(partition.planes(cell), sorted(partition.cells[cell], reverse=True), strict=True):
-        constant, *slope = plane.row(1)
-        height = constant + dot(slope, partition.vertices[corner])
-        rows.append([value / height for value in (constant, *slope)])
-    return rows
-
-
-def _clear(coefficients: Floats) -> float:
-    """Up to which size of coordinates, at most 1, the constant of a polynomial outweighs its other terms."""
-    constant, rest = abs(float(coefficients[0])), float(np.abs(coefficients[1:]).sum())
-    return (1 - RELATIVE) * constant / max(constant, rest) if constant > TINY else 0.0
 
 
 @cache

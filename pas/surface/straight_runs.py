@@ -106,8 +106,7 @@ class StraightRun:
         for points beyond the ends."""
         across, along = self._across(points - self.middle)
         far = np.linalg.norm(across, axis=1)
-        share = np.clip((along + self.reach[1]) / sum(self.reach), 0, 1)
-        eased = share * share * (3 - 2 * share)
+        eased = _eased((along + self.reach[1]) / sum(self.reach))
         distance = far - (self.radii[1] + (self.radii[0] - self.radii[1]) * eased)
         inside = (along > -self.reach[1]) & (along < self.reach[0])
         cosines = (across @ self.branches.T) / np.maximum(far, 1e-12)[:, None]
@@ -199,8 +198,10 @@ def straight_runs(neighbours: Sequence[Neighbour]) -> tuple[StraightRun, ...]:
             pairs.append((i, j))
     widths = [tubes[i].radius + tubes[j].radius for i, j in pairs]
     pairs = [pair for pair, width in zip(pairs, widths, strict=True) if width >= through * max(widths)]
-    if not pairs and len(neighbours) == 3 and all(_alike(a, b) for a, b in combinations(tubes.values(), 2)):
-        pairs = list(combinations(tubes, 2))
+    if not pairs and len(neighbours) == 3:
+        each = list(combinations(tubes.values(), 2))
+        alike = all(abs(a.radius - b.radius) <= ROUND * a.radius and _continue(a, b, STAR) for a, b in each)
+        pairs = list(combinations(tubes, 2)) if alike else []
     means = {number: one.mean for number, one in enumerate(neighbours)}
     return tuple(_run(i, j, tubes, [m for k, m in means.items() if k not in (i, j)]) for i, j in pairs)
 
@@ -230,11 +231,6 @@ def _continue(a: StraightEnd, b: StraightEnd, most: float) -> bool:
     if _on_one_line(a, b):
         return True
     return turn < most and all(float(np.linalg.norm(one.foot)) <= APART * one.radius for one in (a, b))
-
-
-def _alike(a: StraightEnd, b: StraightEnd) -> bool:
-    """Whether two tubes are branches of one star around the centre: of equal radii, at equal angles."""
-    return abs(a.radius - b.radius) <= ROUND * a.radius and _continue(a, b, STAR)
 
 
 def _on_one_line(a: StraightEnd, b: StraightEnd) -> bool:

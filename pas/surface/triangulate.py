@@ -24,7 +24,6 @@ from pas.mesh.field import VISIBLE
 from pas.mesh.grading import Settings
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.quality import AIM
 from pas.mesh.shading import unit_rows, uprightness
 from pas.mesh.sheet import BadMeshError, open_mesh, remeshed
 from pas.mesh.topology import Edges, euler_characteristic, is_manifold, piece_count
@@ -49,22 +48,20 @@ MORE = 0.4
 be a little coarser than those of a star, which rays have to see all of."""
 
 
-def triangulate(beginnings: Beginnings, tolerance: float, most: int | None = None, aim: float = AIM) -> Mesh:
+def triangulate(beginnings: Beginnings, tolerance: float, settings: Settings) -> Mesh:
     """A mesh in the user's coordinates whose distance from the surface is at most `tolerance`, measured.
 
     Raises `MeshError` where there is no surface, where no good mesh of it is found, or where the tolerance needs more
-    than `most` triangles.
+    triangles than the settings allow.
     """
-    why, settings = "", Settings(aim=aim, more=MORE)
-    settings = settings if most is None else replace(settings, most=most)
-    field = beginnings.field
-    for first, trouble in beginnings:
+    why, settings, field = "", replace(settings, more=MORE), beginnings.field
+    for first, singular in beginnings:
         try:
             if isinstance(first, ArithmeticError):
                 raise first
             return remeshed(field, first, tolerance, settings)
         except ArithmeticError as error:
-            why = f"no good mesh was found: {error}{trouble or _grazed(field, error)}"
+            why = f"no good mesh was found: {error}{_trouble(field, error, singular)}"
     if not why:
         raise MeshError("there is no surface in the region: the function does not change sign")
     raise FoldedError(why)
@@ -74,8 +71,8 @@ class FoldedError(MeshError):
     """No good mesh was found, at any tolerance."""
 
 
-Beginning = tuple[Labelled | ArithmeticError, str]
-"""The first mesh on a lattice, or why there is none; and where the surface may be singular, in words."""
+Beginning = tuple[Labelled | ArithmeticError, Floats]
+"""The first mesh on a lattice, or why there is none; and where the surface may be singular, a point or none (K, 3)."""
 
 
 class Beginnings:
@@ -107,7 +104,11 @@ class Beginnings:
                 plain = len(bent) <= BENT * len(cells.forms) and (not hidden or len(cells.forms) > searched)
                 grid = cells.lattice if plain or self._ended else None
                 if grid is not None and len(grid.tetrahedra):
-                    self._found.append(_beginning(self.field, grid, bent))
+                    try:
+                        first: Labelled | ArithmeticError = _first(self.field, grid)
+                    except ArithmeticError as error:
+                        first = error.with_traceback(None)
+                    self._found.append((first, bent[:1]))
                     self._parts = 2 * cells.parts
                     return
             if not self._ended:
@@ -115,20 +116,10 @@ class Beginnings:
         self._ended = True
 
 
-def _beginning(field: LocalField, grid: Lattice, bent: Floats) -> Beginning:
-    try:
-        return _first(field, grid), _singular(field, bent)
-    except ArithmeticError as error:
-        return error.with_traceback(None), _singular(field, bent)
-
-
-def _singular(field: LocalField, bent: Floats) -> str:
-    """Where the trouble may come from."""
-    return f"; the surface may be singular, or very thin, near {_place(field, bent[0])}" if len(bent) else ""
-
-
-def _grazed(field: LocalField, error: ArithmeticError) -> str:
+def _trouble(field: LocalField, error: ArithmeticError, singular: Floats) -> str:
     """Where a mesh was bad, and what may help."""
+    if len(singular):
+        return f"; the surface may be singular, or very thin, near {_place(field, singular[0])}"
     if not isinstance(error, BadMeshError):
         return ""
     return f" near {_place(field, error.place)}; walls of the region that the surface does not graze there may help"
