@@ -151,7 +151,7 @@ class FitSettings:
     sets: int = 12
     """Programmes for one trial until it is known where limits are passed; most need 2 to 4."""
 
-    damping: float = 1e-4
+    damping: float = 2e-4
     least: float = 1e-9
     """The first damping and the least; a way does not end where the damping is more than the first, and hides what
     there is to gain."""

@@ -100,9 +100,7 @@ class MemberProgramme:
             text = f"the constraints {', '.join(conflict)} contradict one another in degree {degree}"
         return InfeasibleError(text, conflict)
 
-    def step(
-        self, hessian: Floats, slope: Floats, rows: Inequalities, at: Floats, near: Floats
-    ) -> Floats | None:
+    def step(self, hessian: Floats, slope: Floats, rows: Inequalities, at: Floats, near: Floats) -> Floats | None:
         """The step d from a member of least `1/2 d^T H d + g^T d` under the constraints and rows, and `near` another;
         None where there is none."""
         equations, rows = self.equations, self.points.unit + rows
