@@ -9,7 +9,7 @@ mesh and its certificate, triangles and the share of them with an angle below fi
 triangles, slivers and volume of the union whose cylinders and balls are as near to round ones as that mesh is to its
 surface.  All of one run.  With `--foam`: how many of so many nodes, drawn in groups over a foam of ten thousand after
 repair, are proved and fair, a line for each with the shares so far.  With `--whole`: a smaller foam as one mesh, looked
-at by two libraries; what a folder keeps of it is not made again.
+at by two libraries, beside that union; what a folder keeps of it is not made again.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from pas import network
 from pas.errors import PasError
 from pas.network import nodes
 from pas.pipeline.blend import blend
+from pas.settings import MeshSettings
 
 CASES = {"cubic": (10, "1/5"), "BCC": (8, "1/8"), "octet": (6, "7/100"), "Kelvin": (5, "1/16"), "diamond": (5, "1/12")}
 SLIVER, GROUP = 5.0, 10
@@ -56,6 +57,14 @@ def union(net: network.Network, deviation: float) -> manifold3d.Manifold:
         length = float(np.linalg.norm(second - first))
         parts.append(manifold3d.Manifold.cylinder(length, radius, radius, sides).transform(frame))
     return manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
+
+
+def joined(part: network.NetworkPart) -> tuple[np.ndarray, np.ndarray]:
+    """Points and triangles of the bodies that files have, each in one of its places."""
+    bodies = [body for body, _ in part.bodies(MeshSettings())]
+    starts = np.cumsum([0, *(len(body.points) for body in bodies)])
+    triangles = [body.triangles + start for body, start in zip(bodies, starts[:-1], strict=True)]
+    return np.concatenate([body.points for body in bodies]), np.concatenate(triangles)
 
 
 def around(net: network.Network, count: int) -> tuple[network.Network, list[int]]:
@@ -113,6 +122,15 @@ def whole(cells: int, cache: str, degree: str | None) -> None:
         f"{len(mesh.triangles)} triangles, watertight {closed.is_watertight}, genus {part.genus}, by euler number "
         f"{1 - closed.euler_number // 2}, by manifold3d {solid.genus()} ({solid.status()}); "
         f"{slivers(mesh.points, mesh.triangles):.1%} slivers",
+        flush=True,
+    )
+    other = union(net, part.pieces().deviation)
+    found = other.to_mesh()
+    points, triangles = np.asarray(found.vert_properties)[:, :3], np.asarray(found.tri_verts)
+    print(
+        f"cylinders and balls: {len(triangles)} triangles, {slivers(points, triangles):.1%} slivers, volume "
+        f"{other.volume():.4g}; here {part.volume:.4g}; bodies of files: "
+        f"{slivers(*joined(part)):.1%} of {len(joined(part)[1])}",
         flush=True,
     )
     print(part.certificate, mesh.certificate, sep="\n")

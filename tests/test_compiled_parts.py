@@ -75,10 +75,10 @@ def test_tetrahedra_are_cut_where_zeros_may_be():
     assert 0 < len(places) < len(cells.keys)
     volumes = np.abs(np.linalg.det(cells.points[:, 1:] - cells.points[:, :1]))
     assert volumes.min() == pytest.approx(whole / 8**3)
-    lattice = cells.lattice
-    corners = lattice.values[lattice.tetrahedra]
+    points, values, tetrahedra = cells.lattice
+    corners = values[tetrahedra]
     assert (corners.min(axis=1) < 0).all() and (corners.max(axis=1) > 0).all()
-    assert lattice.values == pytest.approx(surface.mesher.cell_field.values(lattice.points), abs=1e-12)
+    assert values == pytest.approx(surface.mesher.cell_field.values(points), abs=1e-12)
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3, 5])

@@ -13,7 +13,7 @@ from flint import fmpq_mat
 import pas
 from pas.fairing.wishes import Wishes
 from pas.pipeline.search import Search
-from pas.pipeline.session import USUAL, Anchor, key_of, open_session, similarities
+from pas.pipeline.session import USUAL, key_of, open_session, similarities
 
 CORNER = [pas.Pipe((1, 0, 0), "1/2", 1), pas.Pipe((0, 1, 0), "1/3", 1), pas.Pipe((0, 0, 1), "1/4", 1)]
 ELBOW = [pas.Pipe((1, 0, 0), 1, 2), pas.Pipe((0, 1, 0), "3/4", 2)]
@@ -223,9 +223,9 @@ def test_several_threads_may_ask(session):
 
 @pytest.mark.parametrize("contacts", [CORNER, ELBOW, [pas.Pipe((0, 0, 1), 1, 2), pas.Pipe((0, 0, -1), 2, 2)]])
 def test_similarities_are_exact(contacts):
-    before = [Anchor.of(c.contact) for c in contacts]
+    before = [c.contact.rim for c in contacts]
     moved = [c.rotate((1, 3, -2), 77).translate((1, 2, 3)) for c in contacts]
-    found = list(similarities(before, [Anchor.of(c.contact) for c in reversed(moved)]))
+    found = list(similarities(before, [c.contact.rim for c in reversed(moved)]))
     assert found
     for map_, scale in found:
         matrix = fmpq_mat([list(row) for row in map_.matrix])
@@ -234,4 +234,4 @@ def test_similarities_are_exact(contacts):
     axes = [(c.axis[0] - c.axis[1], c.axis[0] + c.axis[1], c.axis[2]) for c in contacts]
     root2 = [pas.Pipe(axis, c.radius, c.clip) for axis, c in zip(axes, contacts, strict=True)]
     if contacts is ELBOW:  # a scale of the root of 2 in the plane of the elbow
-        assert not list(similarities(before, [Anchor.of(c.contact) for c in root2]))
+        assert not list(similarities(before, [c.contact.rim for c in root2]))

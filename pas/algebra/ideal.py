@@ -49,7 +49,6 @@ class Ideal(Exchanged):
 
     @property
     def rows(self) -> Rows:
-        """The generators, as tuples of one polynomial."""
         return tuple((g,) for g in self.generators)
 
     @classmethod

@@ -184,11 +184,14 @@ def check_tolerance(tolerance: Any, size: float | None = None) -> float:
     return value
 
 
-def points_of(points: ArrayLike) -> Floats:
-    """Points (..., 3) as an array.  Raises `ValueError` for another shape."""
-    array = np.asarray(points, dtype=float)
+def points_of(points: ArrayLike, name: str = "points") -> Floats:
+    """Points (..., 3) as an array.  Raises `ValueError` for what are none."""
+    try:
+        array = np.asarray(points, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be numbers of shape (..., 3), not {shown(points)}") from None
     if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"points must have shape (..., 3), not {array.shape}")
+        raise ValueError(f"{name} must have shape (..., 3), not {array.shape}")
     return array
 
 

@@ -31,7 +31,6 @@ class Syzygies(tuple[Syzygy, ...], Exported):
 
     @property
     def rows(self) -> Rows:
-        """The syzygies."""
         return tuple(self)
 
 
@@ -93,7 +92,6 @@ class Submodule(Exchanged):
 
     @property
     def rows(self) -> Rows:
-        """The generators."""
         return self.generators
 
     @property

@@ -23,7 +23,7 @@ from flint import fmpq, fmpz
 from pas.algebra.inputs import LONGEST_NUMBER, MOST_DIGITS, short, shown
 
 if TYPE_CHECKING:
-    import numpy as np
+    from pas.arrays import AnyArray
 
 NUMBER = re.compile(
     r"(?P<sign>[+-]?)(?=[.0-9])(?P<whole>[0-9]*)(?:/(?P<below>[0-9]+)|(?:\.(?P<decimals>[0-9]*))?"
@@ -39,7 +39,7 @@ Vector = tuple[fmpq, fmpq, fmpq]
 Exact: TypeAlias = int | float | str | Fraction | fmpq | SupportsFloat
 """What is taken for an exact number, as the head of this module says."""
 
-VectorLike: TypeAlias = "Sequence[Exact] | np.ndarray"
+VectorLike: TypeAlias = "Sequence[Exact] | AnyArray"
 """What is taken for three exact numbers: a sequence of them, or an array of shape (3,)."""
 
 

@@ -82,10 +82,12 @@ def _normal(number: int, contact: Contact) -> Vector:
 
 def _center(contacts: Sequence[Contact], pipes: Sequence[Circular | None]) -> Vector:
     """The point on all axes, or for surfaces without one, at which the gradients vanish."""
-    rows = []
+    rows, zero = list[list[fmpq]](), fmpq(0)
     for number, (contact, pipe) in enumerate(zip_longest(contacts, pipes), start=1):
         if pipe is not None:
-            rows += _on_axis(pipe)
+            # on the axis, `axis x (p - point) = 0`
+            (a, b, c), (u, v, w) = pipe.axis, cross(pipe.axis, pipe.point)
+            rows += [[zero, -c, b, u], [c, zero, -a, v], [-b, a, zero, w]]
             continue
         if contact.surface.degree != 2:
             raise GeometryError(
@@ -99,13 +101,6 @@ def _center(contacts: Sequence[Contact], pipes: Sequence[Circular | None]) -> Ve
     if len(found[1]) < 3:
         raise GeometryError("the surfaces have more than one common centre; give the partition")
     return three(found[0])
-
-
-def _on_axis(pipe: Circular) -> list[list[fmpq]]:
-    """Three equations, `axis x (p - point) = 0`, as rows of four."""
-    (a, b, c), (u, v, w) = pipe.axis, cross(pipe.axis, pipe.point)
-    zero = fmpq(0)
-    return [[zero, -c, b, u], [c, zero, -a, v], [-b, a, zero, w]]
 
 
 def _apart(pipes: Sequence[Circular | None]) -> str:

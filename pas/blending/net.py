@@ -252,7 +252,8 @@ def splines(layout: Layout, order: int, degree: int) -> Tables:
         values = [found[points[domain_point(piece[0], index)]] for index in homogeneous_exponents(degree, 3)]
         rays = [tuple(map(fmpq, layout.rays[v])) for v in piece[0]]
         patches.append(in_monomials(values, dimension, bernstein_polynomials(rays, degree), places))
-    return _integral(patches)
+    common = lcm(*(int(v.q) for patch in patches for v in patch.entries()))
+    return _shortened([(patch * common).numer_denom()[0] for patch in patches])
 
 
 def _rows(layout: Layout, points: dict[Point, int], order: int, degree: int) -> Iterator[Row]:
@@ -295,14 +296,8 @@ def _images(form: NormalForm, degree: int) -> fmpz_mat:
     return table
 
 
-def _integral(patches: list[fmpq_mat]) -> Tables:
-    """Members with the shortest whole coefficients: one factor for all pieces of each."""
-    common = lcm(*(int(v.q) for patch in patches for v in patch.entries()))
-    return _shortened([(patch * common).numer_denom()[0] for patch in patches])
-
-
 def _shortened(tables: list[fmpz_mat]) -> Tables:
-    """The members with their contents divided out."""
+    """The members with the shortest whole coefficients: one factor for all pieces of each."""
     rows = [table.tolist() for table in tables]
     contents = [gcd(*(int(v) for row in rows for v in row[i])) or 1 for i in range(tables[0].nrows())]
     return tuple(

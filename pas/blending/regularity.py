@@ -61,7 +61,6 @@ def _some_beyond(space: Space, join: Join, form: NormalForm) -> bool:
 
 
 def _terms(row: Iterable[fmpq], degree: int) -> Iterator[tuple[Exponents, fmpq]]:
-    """The terms of a row of coefficients."""
     return ((e, c) for e, c in zip(exponents(degree), row, strict=True) if c != 0)
 
 
@@ -136,27 +135,19 @@ def _share(part: Space, dimension: int) -> str:
 def trivial_part(space: Space) -> TrivialPart:
     """The trivial members of a space."""
     singular = tuple(space.subspace(vanishing_alpha(space, i)) for i in range(len(space.contacts)))
-    single = len(space.patches) == 1
-    return TrivialPart(
-        space, singular, _products(space) if single else None, None if single else _same_everywhere(space)
-    )
-
-
-def _products(space: Space) -> Space:
-    """The span of products of one generator of each contact ideal, times anything, in degree."""
-    factors = [(c.surface, c.clip ** (space.order + 1)) for c in space.contacts]
-    whole = [prod(chosen, start=Polynomial(1)) for chosen in product(*factors)]
+    first, *others = space.patches
+    if others:
+        differences = (row for other in others for row in (first - other).transpose().tolist())
+        equal = [{j: value for j, value in enumerate(row) if value != 0} for row in differences]
+        return TrivialPart(space, singular, None, space.subspace(nullspace(equal, space.dimension)))
+    # the span of products of one generator of each contact ideal, times anything
+    chosen = product(*((c.surface, c.clip ** (space.order + 1)) for c in space.contacts))
+    whole = (prod(factors, start=Polynomial(1)) for factors in chosen)
     shifts = ((p, shift) for p in whole for shift in exponents(space.degree - p.degree))
     rows = [(p * Polynomial({shift: 1})).row(space.degree) for p, shift in shifts]
     reduced, rank = fmpq_mat(len(rows), count(space.degree), [v for row in rows for v in row]).rref()
-    return space.restricted([(Polynomial.from_row(row, space.degree),) for row in reduced.tolist()[:rank]])
-
-
-def _same_everywhere(space: Space) -> Space:
-    first, *others = space.patches
-    differences = (row for other in others for row in (first - other).transpose().tolist())
-    rows = [{j: value for j, value in enumerate(row) if value != 0} for row in differences]
-    return space.subspace(nullspace(rows, space.dimension))
+    products = [(Polynomial.from_row(row, space.degree),) for row in reduced.tolist()[:rank]]
+    return TrivialPart(space, singular, space.restricted(products), None)
 
 
 @dataclass(frozen=True, eq=False)

@@ -94,7 +94,6 @@ class Space(InPlace, Exported):
 
     @property
     def rows(self) -> Rows:
-        """The basis: what is written for other programs."""
         return self.basis
 
     def member(self, coefficients: Sequence[Exact]) -> PiecewiseSurface:

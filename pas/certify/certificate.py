@@ -49,24 +49,17 @@ class Certificate(Verdicts):
 
     def to_record(self) -> dict[str, Any]:
         """A JSON-ready form; `further` only where there is something."""
-        record = {
-            "contacts": [v.to_record() for v in self.contacts],
-            "faces": [v.to_record() for v in self.faces],
-            "one_sheet": self.one_sheet.to_record(),
-            "enclosed": self.enclosed.to_record(),
-        }
-        return record | ({"further": [v.to_record() for v in self.further]} if self.further else {})
+        told = {name: found for name, found in vars(self).items() if name != "further" or found}
+        return {n: f.to_record() if isinstance(f, Verdict) else [v.to_record() for v in f] for n, f in told.items()}
 
     @classmethod
     def from_record(cls, record: dict[str, Any]) -> Certificate:
         """The certificate that `to_record` wrote."""
-        return cls(
-            tuple(Verdict.from_record(v) for v in record["contacts"]),
-            tuple(Verdict.from_record(v) for v in record["faces"]),
-            Verdict.from_record(record["one_sheet"]),
-            Verdict.from_record(record["enclosed"]),
-            tuple(Verdict.from_record(v) for v in record.get("further", ())),
+        contacts, faces, further = (
+            tuple(map(Verdict.from_record, record.get(key, ()))) for key in ("contacts", "faces", "further")
         )
+        one_sheet, enclosed = (Verdict.from_record(record[key]) for key in ("one_sheet", "enclosed"))
+        return cls(contacts, faces, one_sheet, enclosed, further)
 
 
 @dataclass(frozen=True)
@@ -93,6 +86,14 @@ class Proposition:
             None if place is None else self.surface.partition.frame.place(place),
             measure,
         )
+
+    def unmet(self, achieved: int, place: Floats | None, measure: int = 0) -> Verdict:
+        """The verdict that a patch is met with a lower order only (-1 for none), at a place (3,) if one is found."""
+        ideal = f"f is not in <f_i, h_i^{self.surface.order + 1}>"
+        if place is None:
+            return self.undecided(f"{ideal}, and no point of the curve was found where it matters")
+        met = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
+        return self.refuted(f"the patch {met}: {ideal}", place, measure)
 
     def failed(self, signs: SignResult, reason: str) -> Verdict | None:
         """The verdict of a proof of signs that did not succeed, None where it did; `reason` says what is wrong where it

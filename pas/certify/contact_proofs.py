@@ -56,8 +56,11 @@ def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
         return opening_verdict(claim, join)
     if not join.faces:
         return free_verdict(claim, join)
-    if (verdict := _unmet(claim, join)) is not None:
-        return verdict
+    for met in incidences(surface, join, surface.order):
+        if met.division.order < surface.order:
+            if (found := unmet(join, met)) is None:
+                return claim.unmet(met.division.order, None)
+            return claim.unmet(met.division.order, found.witness, found.examined)
     for signs, reason, _ in _flaws(join):
         return claim.undecided(reason) if signs is None else claim.settled(signs, reason, "")
     positive = alpha_signs(surface, join, on_curve=True)
@@ -68,23 +71,6 @@ def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
         return free_verdict(claim, join)
     reason = f"in <f, h^{surface.order + 1}> exactly all along the curve, alpha > 0 there"
     return claim.proved(reason, positive.examined)
-
-
-def _unmet(claim: Proposition, join: Join) -> Verdict | None:
-    """That the patch is no member of the contact's ideal at some point of the curve in the clip faces, if it is not."""
-    k = claim.surface.order
-    for met in incidences(claim.surface, join, k):
-        achieved = met.division.order
-        if achieved == k:
-            continue
-        found = unmet(join, met)
-        if found is None:
-            return claim.undecided(
-                f"f is not in <f_i, h_i^{k + 1}>, and no point of the curve was found where it matters"
-            )
-        how = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
-        return claim.failed(found, f"the patch {how}: f is not in <f_i, h_i^{k + 1}>")
-    return None
 
 
 def clip_sided(join: Join) -> SignResult:
@@ -170,15 +156,6 @@ def cofactor(patch: Polynomial, contact: Contact, order: int) -> Polynomial | No
     return Polynomial.from_raw(divmod(patch.raw - power * beta, f)[0])
 
 
-def side_signs(join: Join) -> SignResult:
-    """Branch and bound for q > 0 on the far edges of the region's sides, from which q > 0 on all of them follows."""
-    edges = [
-        next(edge for edge in combinations(corners, 2) if join.partition.center not in edge)
-        for corners in (join.partition.corners(side.vertices) for side in join.partition.sides)
-    ]
-    return positive_on(edges, alike(join.contact.clip.raw, edges))
-
-
 def _inside_cone(join: Join, other: Join) -> bool:
     """Whether q < 0 is proved on the curve of another contact in its clip faces."""
     result = on_faces(-join.contact.clip.raw, other, other.faces, other.contact.surface.raw)
@@ -194,7 +171,10 @@ def opening_verdict(claim: Proposition, join: Join) -> Verdict:
     for number, other in enumerate(surface.joins, start=1):
         if other is not join and not _inside_cone(join, other):
             return claim.undecided(f"the curve of contact {number} is not proved to be inside the clip")
-    if side_signs(join).status is not Status.PROVED:
+    sides = [join.partition.corners(side.vertices) for side in join.partition.sides]
+    # from what holds on their far edges it follows on all of them
+    edges = [next(e for e in combinations(side, 2) if join.partition.center not in e) for side in sides]
+    if positive_on(edges, alike(join.contact.clip.raw, edges)).status is not Status.PROVED:
         return claim.undecided("the clip is not proved to be positive on the sides of the region")
     if not any(join.contact.clip.raw(*vertex) < 0 for vertex in join.partition.vertices):
         return claim.undecided("no point inside the clip was found in the region")

@@ -53,7 +53,8 @@ def free_verdict(claim: Proposition, join: Join) -> Verdict:
     patch, curve = surface.patches[0], RegionCurve(f, d, join.partition)
     achieved, obstacle = contact_order(patch, f, d, k)
     if obstacle is not None:
-        return _unmet(claim, curve, achieved, obstacle)
+        found = next((e for e in curve.enclosures(obstacle * obstacle) if e.sign(obstacle.raw)), None)
+        return claim.unmet(achieved, None if found is None else found.middle)
     exactly = f"in <f, h^{k + 1}> exactly"
     if not join.partition.cells:
         return claim.undecided(f"{exactly}; alpha is not examined, since there is no region")
@@ -73,15 +74,6 @@ def free_verdict(claim: Proposition, join: Join) -> Verdict:
         reason = f"{exactly}; but the curve is inside the region, too, where {d} = 0: one side of it only is in use"
         return claim.undecided(reason)
     return claim.proved(f"{exactly}, alpha > 0 on the curve, which is closed inside the region")
-
-
-def _unmet(claim: Proposition, curve: RegionCurve, achieved: int, obstacle: Polynomial) -> Verdict:
-    power = claim.surface.order + 1
-    met = "does not meet the contact at all" if achieved < 0 else f"meets it with GC^{achieved} only"
-    found = next((e for e in curve.enclosures(obstacle * obstacle) if e.sign(obstacle.raw)), None)
-    if found is not None:
-        return claim.refuted(f"the patch {met}: f is not in <f_i, h_i^{power}>", found.middle)
-    return claim.undecided(f"f is not in <f_i, h_i^{power}>, and no point of the curve was found where it matters")
 
 
 def contact_order(patch: Polynomial, f: Polynomial, d: Polynomial, highest: int) -> tuple[int, Polynomial | None]:
@@ -171,8 +163,14 @@ class RegionCurve:
     @property
     def points(self) -> Floats:
         """Points (m, 3) on the curve and in the region, up to rounding, by Newton's method."""
+        if self.partition.cells:
+            corners = self.partition.points[np.array(self.partition.cells)]
+        else:  # those of cubes around the origin
+            corners = np.multiply.outer([1.0, 8.0, 64.0], list(product((-1.0, 1.0), repeat=3)))
+        parts = 4  # of a cell's edge: a curve that is missed leaves the claim undecided
+        weights = np.array(homogeneous_exponents(parts, corners.shape[1])) / parts
+        points = np.unique((weights @ corners).reshape(-1, 3), axis=0)
         f, d = scaled(self.f), scaled(self.d)
-        points = self._starts()
         reach = 4 * float(np.abs(points).max())
         for _ in range(24):  # the number of right digits doubles with each
             along_f, along_d, regular = dual(f.gradient(points), d.gradient(points))
@@ -182,15 +180,6 @@ class RegionCurve:
         points = points[np.linalg.norm(step, axis=1) < 1e-10]
         inside = self.partition.locate(points) >= 0 if self.partition.cells else np.full(len(points), True)
         return points[inside]
-
-    def _starts(self) -> Floats:
-        if self.partition.cells:
-            corners = self.partition.points[np.array(self.partition.cells)]
-        else:  # those of cubes around the origin
-            corners = np.multiply.outer([1.0, 8.0, 64.0], list(product((-1.0, 1.0), repeat=3)))
-        parts = 4  # of a cell's edge: a curve that is missed leaves the claim undecided
-        weights = np.array(homogeneous_exponents(parts, corners.shape[1])) / parts
-        return np.unique((weights @ corners).reshape(-1, 3), axis=0)
 
     def _holds(self, corners: tuple[Vector, ...]) -> bool:
         """Whether the hull of some points is proved to be in the region.

@@ -23,11 +23,11 @@ from itertools import combinations
 import numpy as np
 
 from pas.algebra.lengths import across, angle_between
-from pas.arrays import Floats, Integers
+from pas.arrays import Bools, Floats, Integers
 from pas.certify.certificate import Certificate
 from pas.certify.local_mesh import OFF, FramedMesh
 from pas.kernels.library import compiled
-from pas.mesh.rows import cross, dots, norms
+from pas.mesh.rows import cross, dots, norms, spans
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import Edges
 from pas.surface.boundary_loops import BoundaryLoop
@@ -60,17 +60,17 @@ def certify_graph(mesh: FramedMesh, edges: Edges, promised: Callable[[], Certifi
     off = np.array([ring.off(points[rim]) for ring in rings])
     far = np.flatnonzero(off.min(axis=0) > OFF)
     if len(far):
-        place = mesh.local.point(mesh.points[rim[far[0]]])
+        place = mesh.local.frame.place(mesh.points[rim[far[0]]])
         return Verdict(Status.REFUTED, BORDER, "the mesh ends beside the curves", place), _open("it does not end there")
     owner = np.full(len(points), -1)
     owner[rim] = off.argmin(axis=0)
     said = f"every inner edge has two triangles; with {len(rim)} edges in {len(loops)} loops, to rounding"
     chain = Verdict(Status.PROVED, BORDER, said)
-    volume, error = volumes(points[mesh.triangles])
-    turned = np.flatnonzero(volume <= error)
+    volume, lengths = spans(points[mesh.triangles])
+    turned = np.flatnonzero(volume <= SURE * lengths)
     if len(turned):
         reason = f"{len(turned)} triangles are not seen from the centre with their outside away"
-        return chain, _open(reason, mesh.local.point(mesh.points[mesh.triangles[turned[0], 0]]))
+        return chain, _open(reason, mesh.local.frame.place(mesh.points[mesh.triangles[turned[0], 0]]))
     certificate = promised()
     if not all(verdict.proved for verdict in (*certificate.faces, certificate.one_sheet, certificate.enclosed)):
         return chain, _open("the surface is not proved to be a graph over directions")
@@ -83,7 +83,9 @@ def certify_graph(mesh: FramedMesh, edges: Edges, promised: Callable[[], Certifi
     times, known = crossed(points, mesh.triangles, np.zeros(3), ends)
     for number in np.flatnonzero(~known | (times != 0))[:1].tolist():
         which = "away from the opening" if rings[number].opening else "out through one of the ends"
-        return chain, _open(f"a ray {which} may cross the mesh", mesh.local.point(ends[number] + mesh.local.center))
+        return chain, _open(
+            f"a ray {which} may cross the mesh", mesh.local.frame.place(ends[number] + mesh.local.center)
+        )
     reason = f"all {len(volume)} triangles are seen once from the centre, as the surface is; {len(loops)} loops"
     return chain, Verdict(Status.PROVED, CLAIM, reason, measure=len(volume))
 
@@ -134,7 +136,7 @@ def _spread(loop: Floats, ring: BoundaryLoop) -> float:
     return max(angle_between(point, ring.middle) for point in loop)
 
 
-def crossed(points: Floats, triangles: Integers, origin: Floats, ends: Floats) -> tuple[Integers, np.ndarray]:
+def crossed(points: Floats, triangles: Integers, origin: Floats, ends: Floats) -> tuple[Integers, Bools]:
     """How often segments from `origin` (3,) to `ends` (E, 3) leave through triangles more than they enter.
 
     Also for which ends (E,) that is known.  A segment from 0 to p crosses a triangle a, b, d where det(p, a, b),
@@ -148,10 +150,3 @@ def crossed(points: Floats, triangles: Integers, origin: Floats, ends: Floats) -
     given = (len(triangles), triangles, points, origin, len(ways), ways, towards, grazing, SURE)
     compiled().call("pas_crossed", *given, times, known)
     return times, known
-
-
-def volumes(corners: Floats) -> tuple[Floats, Floats]:
-    """The determinants (T,) of triangles (T, 3, 3), positive where they are seen from 0 with their outside away, and by
-    how much each may be off."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    return dots(a, cross(b, c)), SURE * np.sqrt(dots(a, a) * dots(b, b) * dots(c, c))

@@ -98,20 +98,14 @@ def incidences(surface: PiecewisePolynomial, join: Join, order: int) -> Iterator
             yield _incidence(surface.patches[piece], join, plane, piece, order)
 
 
-def alpha_signs(
-    surface: PiecewisePolynomial,
-    join: Join,
-    *,
-    on_curve: bool,
-    beside: Sequence[Join] = (),
-) -> SignResult:
-    """Branch and bound for alpha > 0 on the clip faces (or on the curve), where `patch = alpha f_i`.
+def alpha_signs(surface: PiecewisePolynomial, join: Join, *, on_curve: bool) -> SignResult:
+    """Branch and bound for alpha > 0 on the curve, where `patch = alpha f_i`, or all over the clip faces.
 
-    Contacts `beside` it whose curves lie in the same faces have their surfaces divided out of alpha:
+    There other contacts whose curves lie in the same faces have their surfaces divided out of alpha:
     what is left is positive where the patch is negative inside one of the curves alone.  Raises
     `ValueError` where the patch does not vanish on the contact's curve.
     """
-    faces, values = [], []
+    faces, values, beside = [], [], () if on_curve else surface.joins
     for met in incidences(surface, join, 0):
         if met.division.alpha is None:
             raise ValueError("alpha is defined where the contact is met only")

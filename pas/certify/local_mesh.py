@@ -21,7 +21,7 @@ from pas.algebra.affine import Frame
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import exact_vector, to_float, to_floats
 from pas.algebra.scaling import Scaled, scaled
-from pas.arrays import Floats, Integers
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.forms import LARGEST_ERROR, SMALLEST, UNIT_ROUNDOFF, b_form, on_simplex, polar_forms
 from pas.bernstein.search import Fate, Fates, Limits, Searched, search
 from pas.bernstein.simplices import Simplices
@@ -29,7 +29,6 @@ from pas.certify.proofs import face_verdict
 from pas.certify.triangle_forms import TriangleForms, on_corners
 from pas.mesh.rows import cross, dots
 from pas.surface.function import PiecewisePolynomial
-from pas.verdicts import Point
 
 ON_WALL = 1e-12
 """In local units: how far points of the boundary may be off a wall, by rounding."""
@@ -74,10 +73,6 @@ class FramedSurface:
     def makers(self) -> list[TriangleForms]:
         """What makes the forms of each patch on triangles in the enlarged region."""
         return [TriangleForms(patch, self.degree, self.reach) for patch in self.patches]
-
-    def point(self, place: Floats) -> Point:
-        """The user's coordinates of a place (3,)."""
-        return self.frame.place(place)
 
     def jets(self, points: Floats) -> tuple[Floats, Floats]:
         """Values (N,) and gradients (3, N) at points (N, 3), all by one positive factor; NaN outside of the region."""
@@ -139,7 +134,7 @@ class FramedSurface:
         """How far beyond the walls the surface is followed."""
         return 0.0 if self.center is None else min((self.larger - 1) * self.room, BEYOND)
 
-    def placed(self, points: Floats) -> tuple[np.ndarray, list[Integers]]:
+    def placed(self, points: Floats) -> tuple[Bools, list[Integers]]:
         """Which points (N, 3) are in the region, but for rounding, and, of each plane of outer faces, which are on
         one of these, in order."""
         heights = self.planes[:, :3] @ points.T - self.planes[:, 3:]
@@ -176,7 +171,7 @@ class FramedSurface:
                 found[piece].append(start + np.flatnonzero(~apart[list(cells)].all(axis=0)))
         return [np.concatenate(rows) if rows else np.empty(0, dtype=np.intp) for rows in found]
 
-    def _parted(self, cells: Integers, corners: Floats) -> np.ndarray:
+    def _parted(self, cells: Integers, corners: Floats) -> Bools:
         """Which triangles (K, 3, 3) relative to the centre are parted from cells (K,) by a plane through it and a side.
 
         Corners of the cell, and so all of it, are seen from the centre behind the plane by an angle whose sine is s at
@@ -206,8 +201,6 @@ class FramedSurface:
     @cached_property
     def meets_smoothly(self) -> bool:
         """Whether the pieces are proved to meet with continuous gradients."""
-        if len(self.patches) == 1:
-            return True
         faces = range(len(self.cells.interior_faces))
         return not faces or (self.function.order > 0 and all(face_verdict(self.function, i).proved for i in faces))
 
@@ -251,25 +244,21 @@ class FramedMesh:
         self.local, self.triangles = local, triangles
         self.points = (points - local.origin) / local.scale
         self.corners = np.take(self.points, triangles, axis=0)
-        self.normals, self.loose = unit_normals(self.corners)
-
-
-def unit_normals(corners: Floats) -> tuple[Floats, Floats]:
-    """Unit normals (T, 3) of triangles, and by how much each may be turned, by rounding or by putting corners that are
-    off a wall by rounding onto it."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    first, second, third = b - a, c - b, a - c
-    across = cross(first, -third)
-    area = np.maximum(np.sqrt(dots(across, across)), 1e-300)
-    longest = np.maximum(np.maximum(dots(first, first), dots(second, second)), dots(third, third))
-    return across / area[:, None], ROUNDINGS * UNIT_ROUNDOFF * longest / area + 8 * ON_WALL * np.sqrt(longest) / area
+        a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
+        first, second, third = b - a, c - b, a - c
+        across = cross(first, -third)
+        area = np.maximum(np.sqrt(dots(across, across)), 1e-300)
+        longest = np.maximum(np.maximum(dots(first, first), dots(second, second)), dots(third, third))
+        self.normals = across / area[:, None]
+        # by rounding, or by putting corners that are off a wall by rounding onto it
+        self.loose = ROUNDINGS * UNIT_ROUNDOFF * longest / area + 8 * ON_WALL * np.sqrt(longest) / area
 
 
 LIMITS = Limits(depth=150, cells=6000)
 """Of what is critical on more simplices than these, such as along a curve, nothing can be counted."""
 
 
-Free = Callable[[Floats, Floats], np.ndarray]
+Free = Callable[[Floats, Floats], Bools]
 """Says which simplices (N, d + 1, 3), on which the polynomial's size is at least (N,), are free of what must not be
 in them."""
 

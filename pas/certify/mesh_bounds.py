@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pas.arrays import Floats, Integers
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.certify.local_mesh import ROUNDINGS, FramedMesh, FramedSurface
@@ -27,20 +27,12 @@ CLEAR = 1e-9
 
 
 @dataclass(frozen=True)
-class TriangleBounds:
-    """Of each triangle: an upper bound of |f| and a lower one of the derivative of f along its normal, (T,)."""
-
-    most: Floats
-    least: Floats
-
-
-@dataclass(frozen=True)
 class Parts(Cells):
     """Parts (P, 3, 3) of triangles, their numbers (P,), and which corners (P, 3) are marked, such as those on walls."""
 
     corners: Floats
     owner: Integers
-    marks: np.ndarray
+    marks: Bools
 
     @classmethod
     def of(cls, corners: Floats) -> Parts:
@@ -54,7 +46,7 @@ class Parts(Cells):
         return parts if marks.all() else parts.select(marks.any(axis=1))
 
 
-def apart(simplices: Floats, corners: Floats, normals: Floats) -> np.ndarray:
+def apart(simplices: Floats, corners: Floats, normals: Floats) -> Bools:
     """Which simplices (K, d + 1, 3) are parted from triangles (K, 3, 3) with unit normals (K, 3), each from one, by its
     plane or one through a side of it.
 
@@ -74,14 +66,15 @@ def apart(simplices: Floats, corners: Floats, normals: Floats) -> np.ndarray:
     return found
 
 
-def bounds(mesh: FramedMesh) -> TriangleBounds:
-    """The bounds on all triangles, each for all pieces that it may touch.
+def bounds(mesh: FramedMesh) -> tuple[Floats, Floats]:
+    """Of all triangles an upper bound of |f| and a lower one of the derivative of f along the normal, (T,), each for
+    all pieces that it may touch.
 
     Triangles in several pieces are cut into parts where the polynomial of one goes wrong in another.
     """
     normals, loose = mesh.normals, mesh.loose
     if len(mesh.local.makers) == 1:
-        return TriangleBounds(*_bounded(mesh.local, mesh.corners, normals, loose)[:2])
+        return _bounded(mesh.local, mesh.corners, normals, loose)[:2]
     most, least, usual = np.zeros(len(normals)), np.full(len(normals), np.inf), np.inf
 
     def judge(parts: Parts, depth: int) -> Fates:
@@ -96,12 +89,10 @@ def bounds(mesh: FramedMesh) -> TriangleBounds:
 
     left = search(Parts.of(mesh.corners), judge, Parts.quarters, ALL, "bounding f on triangles").open.owner
     most[left], least[left] = np.inf, -np.inf
-    return TriangleBounds(most, least)
+    return most, least
 
 
-def _bounded(
-    local: FramedSurface, corners: Floats, normals: Floats, loose: Floats
-) -> tuple[Floats, Floats, np.ndarray]:
+def _bounded(local: FramedSurface, corners: Floats, normals: Floats, loose: Floats) -> tuple[Floats, Floats, Bools]:
     """Of triangles (T, 3, 3) upper bounds of |f|, lower ones of derivatives along normals that are off by `loose`, and
     which may touch several pieces, (T,)."""
     most, least = np.zeros(len(corners)), np.full(len(corners), np.inf)
@@ -130,7 +121,7 @@ def _slack(sizes: Floats, error: float, loose: Floats) -> Floats:
     return np.asarray(3 * error + loose * (sizes + 3 * error))
 
 
-def along_walls(mesh: FramedMesh, borders: list[tuple[Floats, np.ndarray]]) -> tuple[Floats, Integers]:
+def along_walls(mesh: FramedMesh, borders: list[tuple[Floats, Bools]]) -> tuple[Floats, Integers]:
     """How steeply f rises across triangles along walls or edges, where the mesh ends on them: the least of each, (K,),
     and the triangles (K,).
 
@@ -162,7 +153,7 @@ def along_walls(mesh: FramedMesh, borders: list[tuple[Floats, np.ndarray]]) -> t
     return least[order], owner[part[order]]
 
 
-def _on_sides(local: FramedSurface, parts: Parts, along: Floats, loose: Floats) -> tuple[Floats, np.ndarray]:
+def _on_sides(local: FramedSurface, parts: Parts, along: Floats, loose: Floats) -> tuple[Floats, Bools]:
     """The least derivatives (T,) along given directions (T, 3), off by `loose`, on the sides or corners of triangles
     that are marked; and which triangles may touch several pieces."""
     least, touched = np.full(len(parts), np.inf), local.touched(parts.corners)
@@ -177,7 +168,7 @@ def _on_sides(local: FramedSurface, parts: Parts, along: Floats, loose: Floats) 
     return least, _times(touched, len(parts)) > 1
 
 
-def farthest(mesh: FramedMesh, bounds: TriangleBounds) -> Floats | None:
+def farthest(mesh: FramedMesh, most: Floats, least: Floats) -> Floats | None:
     """How far triangles (T,) are from the zeros at most, in local units, infinite where that is not known.
 
     A triangle, or each of its parts, is moved to one side until f < 0 on it, to the other until f > 0: between one of
@@ -192,9 +183,9 @@ def farthest(mesh: FramedMesh, bounds: TriangleBounds) -> Floats | None:
     most_share, factors = 0.995, (1.05, 1.25, 1.5, 2.0, 3.0, 6.0, 30.0)
     values, gradients = local.jets(mesh.corners.mean(axis=1))
     with np.errstate(all="ignore"):
-        least = np.min(np.where(bounds.least > 0, bounds.most / bounds.least, local.beyond))
+        nearest = np.min(np.where(least > 0, most / least, local.beyond))
         near = np.nan_to_num(np.abs(values) / norms(gradients.T))
-    usual = max(float(np.quantile(near, most_share)), float(least))
+    usual = max(float(np.quantile(near, most_share)), float(nearest))
     way, left = np.zeros(len(near)), np.arange(len(near))
     for away in sorted({min(times * usual, local.beyond) for times in factors}):
         way[left] = away
@@ -235,7 +226,7 @@ def _times(rows: list[Integers], count: int) -> Integers:
     return np.bincount(np.concatenate(rows), minlength=count)
 
 
-def _signs(local: FramedSurface, corners: Floats, ways: Floats, sign: int) -> np.ndarray:
+def _signs(local: FramedSurface, corners: Floats, ways: Floats, sign: int) -> Bools:
     """On which triangles (T, 3, 3), moved along ways (T, 3) in the enlarged region, f surely has a sign."""
     corners = corners + ways[:, None]
     touched = local.touched(corners, local.larger)

@@ -30,13 +30,13 @@ from itertools import combinations
 
 import numpy as np
 
-from pas.arrays import Floats, Integers
+from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.search import Searched
 from pas.bernstein.simplices import Simplices
 from pas.certify.certificate import Certificate
 from pas.certify.graph_proofs import CLAIM, certify_graph, crossed
 from pas.certify.local_mesh import OFF, ON_WALL, FramedMesh, FramedSurface, critical_parts
-from pas.certify.mesh_bounds import TriangleBounds, along_walls, apart, bounds, farthest
+from pas.certify.mesh_bounds import along_walls, apart, bounds, farthest
 from pas.mesh.topology import Edges, same_places
 from pas.verdicts import Findings, Point, Status, Verdict
 
@@ -69,22 +69,22 @@ def certify_mesh(
     mesh = FramedMesh(local, points, triangles)
     if np.abs(mesh.points).max() > mesh.local.reach:
         return MeshCertificate((Verdict(Status.REFUTED, BORDER, "a vertex is outside the region"),))
-    found = bounds(mesh)
+    most, least = bounds(mesh)
     if any(join.opening for join in local.function.joins):
-        near, distance = _distance(mesh, found, closed=False)
+        near, distance = _distance(mesh, most, least, closed=False)
         verdicts = (*certify_graph(mesh, edges, promised), _vertices(mesh), near)
         places = tuple(v.witness for v in verdicts if v.witness is not None)
         return MeshCertificate(verdicts, partly_measured=True, distance=distance, places=places)
     chain, borders = _border(mesh, edges)
     if chain.proved:
-        topology, places = _topology(mesh, found, borders)
+        topology, places = _topology(mesh, most, least, borders)
         if not topology.proved and local.function.joins and local.center is not None:
             _, seen = certify_graph(mesh, edges, promised)
             topology, places = (seen, ()) if seen.proved else (topology, places)
     else:
         topology = Verdict(Status.UNDECIDED, CLAIM, "the mesh does not end on the walls")
         places = () if chain.witness is None else (chain.witness,)
-    near, distance = _distance(mesh, found, closed=not len(edges.rim))
+    near, distance = _distance(mesh, most, least, closed=not len(edges.rim))
     verdicts = (chain, _vertices(mesh), topology, near)
     return MeshCertificate(verdicts, partly_measured=True, distance=distance, places=places)
 
@@ -97,16 +97,16 @@ def _vertices(mesh: FramedMesh) -> Verdict:
         off = np.where(values == 0, 0.0, np.abs(values) / np.sqrt((gradients * gradients).sum(axis=0)))
     if np.isnan(off).any():
         place = mesh.points[int(np.isnan(off).argmax())]
-        return Verdict(Status.FAILS_MEASURED, claim, "one is outside the region", local.point(place))
+        return Verdict(Status.FAILS_MEASURED, claim, "one is outside the region", local.frame.place(place))
     worst = int(off.argmax())
     if off[worst] <= OFF:
         reason = f"|f| / |grad f| is at most {off[worst] * local.scale:.1g} at all {len(off)} of them"
         return Verdict(Status.HOLDS_MEASURED, claim, reason)
     reason = f"|f| / |grad f| is {off[worst] * local.scale:.2g} at one"
-    return Verdict(Status.FAILS_MEASURED, claim, reason, local.point(mesh.points[worst]))
+    return Verdict(Status.FAILS_MEASURED, claim, reason, local.frame.place(mesh.points[worst]))
 
 
-def _border(mesh: FramedMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats, np.ndarray]]]:
+def _border(mesh: FramedMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats, Bools]]]:
     """Whether the mesh is in the region and ends on its walls, and with what directions and vertices of which walls."""
     claim, local, points = BORDER, mesh.local, mesh.points
     middles, wall = points[edges.rim].mean(axis=1), np.full(len(edges.rim), -1)
@@ -114,7 +114,7 @@ def _border(mesh: FramedMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats,
     used = np.flatnonzero(np.bincount(mesh.triangles.ravel(), minlength=len(points)))
     if not inside[used].all():
         place = points[used[~inside[used]][0]]
-        return Verdict(Status.REFUTED, claim, "a vertex is outside the region", local.point(place)), []
+        return Verdict(Status.REFUTED, claim, "a vertex is outside the region", local.frame.place(place)), []
     touches = np.zeros(len(points), dtype=bool)
     for number, rows in enumerate(on):
         first = np.searchsorted(rows, len(points))
@@ -122,16 +122,16 @@ def _border(mesh: FramedMesh, edges: Edges) -> tuple[Verdict, list[tuple[Floats,
         wall[rows[first:] - len(points)] = number
     if (wall < 0).any():
         place = middles[wall < 0][0]
-        return Verdict(Status.REFUTED, claim, "the mesh ends inside the region", local.point(place)), []
+        return Verdict(Status.REFUTED, claim, "the mesh ends inside the region", local.frame.place(place)), []
     touches[edges.rim] = False
     if touches[used].any():
         place = points[used[touches[used]][0]]
-        return Verdict(Status.UNDECIDED, claim, "the mesh touches a wall from inside", local.point(place)), []
+        return Verdict(Status.UNDECIDED, claim, "the mesh touches a wall from inside", local.frame.place(place)), []
     how = f"with {len(edges.rim)} edges on the walls" if len(edges.rim) else "closed"
     return Verdict(Status.PROVED, claim, f"every inner edge has two triangles; {how}"), _borders(mesh, edges, wall)
 
 
-def _borders(mesh: FramedMesh, edges: Edges, wall: Integers) -> list[tuple[Floats, np.ndarray]]:
+def _borders(mesh: FramedMesh, edges: Edges, wall: Integers) -> list[tuple[Floats, Bools]]:
     """For each wall its normal and the vertices of edges on it; the same for pairs of walls with common vertices."""
     on, local = {}, mesh.local
     for number in np.unique(wall).tolist():
@@ -146,44 +146,41 @@ def _borders(mesh: FramedMesh, edges: Edges, wall: Integers) -> list[tuple[Float
 
 
 def _topology(
-    mesh: FramedMesh, found: TriangleBounds, borders: list[tuple[Floats, np.ndarray]]
+    mesh: FramedMesh, most: Floats, least: Floats, borders: list[tuple[Floats, Bools]]
 ) -> tuple[Verdict, tuple[Point, ...]]:
     local = mesh.local
-
-    def undecided(reason: str, places: Floats) -> tuple[Verdict, tuple[Point, ...]]:
-        at = tuple(local.point(place) for place in _spread(places))
-        return Verdict(Status.UNDECIDED, CLAIM, reason, at[0] if at else None), at
-
     if local.center is None:
-        return undecided("the region has no centre from which to count", np.empty((0, 3)))
+        return _undecided(local, "the region has no centre from which to count", np.empty((0, 3)))
     if not local.meets_smoothly:
-        return undecided("the pieces are not proved to meet with continuous gradients", np.empty((0, 3)))
-    flat = ~(found.least > 0)
+        return _undecided(local, "the pieces are not proved to meet with continuous gradients", np.empty((0, 3)))
+    flat = ~(least > 0)
     if flat.any():
         places = mesh.corners[flat].mean(axis=1)
-        return undecided(f"{int(flat.sum())} triangles may be turned from the gradient", places)
+        return _undecided(local, f"{int(flat.sum())} triangles may be turned from the gradient", places)
     steep, numbers = along_walls(mesh, borders)
     if not (steep > 0).all():
         places = mesh.corners[numbers[~(steep > 0)]].mean(axis=1)
-        return undecided("the surface may be tangential to a wall", places)
+        return _undecided(local, "the surface may be tangential to a wall", places)
     parts = local.isolated
     if not any(len(part.open) for part in parts):
-        parts = _critical(mesh, found.most * (1 + 1e-9))  # more than the rounding of what it is compared with
+        parts = _critical(mesh, most * (1 + 1e-9))  # more than the rounding of what it is compared with
     left = np.concatenate([part.open.corners.mean(axis=1) for part in parts])
     if len(left):
-        return undecided("the surface may be singular, or closer to itself than to the mesh", left)
+        return _undecided(local, "the surface may be singular, or closer to itself than to the mesh", left)
     return _counted(mesh, parts)
 
 
-def _spread(places: Floats, most: int = 8) -> Floats:
-    """Some of many places, far from one another, the first first."""
-    chosen: list[Floats] = []
-    far = np.full(len(places), np.inf)
+def _undecided(
+    local: FramedSurface, reason: str, places: Floats, examined: int = 0
+) -> tuple[Verdict, tuple[Point, ...]]:
+    """The verdict that it is open whether the topology is right, with some of many places (N, 3), far apart."""
+    most = 8  # places that are told
+    chosen, far = list[Point](), np.full(len(places), np.inf)
     while len(chosen) < most and len(places) and (not chosen or far.max() > 1e-2):
-        here = int(far.argmax())
-        chosen.append(places[here])
-        far = np.minimum(far, np.sqrt(((places - places[here]) ** 2).sum(axis=1)))
-    return np.array(chosen).reshape(-1, 3)
+        here = places[int(far.argmax())]
+        chosen.append(local.frame.place(here))
+        far = np.minimum(far, np.sqrt(((places - here) ** 2).sum(axis=1)))
+    return Verdict(Status.UNDECIDED, CLAIM, reason, chosen[0] if chosen else None, examined), tuple(chosen)
 
 
 def _critical(mesh: FramedMesh, most: Floats) -> list[Searched[Simplices]]:
@@ -199,7 +196,7 @@ def _critical(mesh: FramedMesh, most: Floats) -> list[Searched[Simplices]]:
             rows = rows[(starts[axis, rows] <= high[axis]) & (ends[axis, rows] >= low[axis])]
         return rows
 
-    def free(least: Floats, simplices: Floats) -> np.ndarray:
+    def free(least: Floats, simplices: Floats) -> Bools:
         result = np.asarray((least > 0) & (least * size > largest))
         near = np.flatnonzero((least > 0) & ~result)
         if len(near) * len(mesh.corners) <= 4_000_000:  # a second's work; others are cut first
@@ -260,18 +257,16 @@ def _counted(mesh: FramedMesh, parts: list[Searched[Simplices]]) -> tuple[Verdic
         if known.all():
             break
     if not known.all():
-        places = tuple(local.point(place) for place in _spread(ends[~known]))
-        return Verdict(Status.UNDECIDED, CLAIM, "crossings could not be counted for sure", places[0]), places
+        return _undecided(local, "crossings could not be counted for sure", ends[~known])
     excess = times + inside  # the same for all where the mesh is the surface
     wrong = np.flatnonzero(excess != excess[:1])  # as for the largest part, which small ones may outnumber
     if len(wrong):
-        places = tuple(local.point(place) for place in _spread(ends[wrong]))
         # no refutation: coarse meshes pass by places next to the surface whose changes cancel one another
         reason = (
             f"{len(wrong)} of {len(groups)} places at which f rests are on the wrong side: a component is missing or "
             "too many, or the mesh is too coarse there"
         )
-        return Verdict(Status.UNDECIDED, CLAIM, reason, places[0], examined), places
+        return _undecided(local, reason, ends[wrong], examined)
     reason = (
         f"f rises across all {len(mesh.triangles)} triangles, and {len(groups)} parts that hold all its critical "
         f"points are on the right side of the mesh; {examined} simplices"
@@ -279,18 +274,18 @@ def _counted(mesh: FramedMesh, parts: list[Searched[Simplices]]) -> tuple[Verdic
     return Verdict(Status.PROVED, CLAIM, reason, measure=examined), ()
 
 
-def _distance(mesh: FramedMesh, found: TriangleBounds, closed: bool) -> tuple[Verdict, float | None]:
+def _distance(mesh: FramedMesh, most: Floats, least: Floats, closed: bool) -> tuple[Verdict, float | None]:
     """The largest distance of the mesh's points from the zeros, here or just beyond the walls."""
-    local, way = mesh.local, farthest(mesh, found)
+    local, way = mesh.local, farthest(mesh, most, least)
     if way is None or not np.isfinite(way).all():
         place, reason = None, "the gradient may vanish too near to a triangle"
         if way is not None:
             worst = np.flatnonzero(~np.isfinite(way))[0]
-            place = local.point(mesh.corners[worst].mean(axis=0))
-            if found.least[worst] > 0:
+            place = local.frame.place(mesh.corners[worst].mean(axis=0))
+            if least[worst] > 0:
                 reason = "the triangles there are too large to bound it: try a smaller tolerance"
         return Verdict(Status.UNDECIDED, "a distance from the surface", reason, place), None
-    most = float(way.max()) * local.scale
+    far = float(way.max()) * local.scale
     beyond = "" if closed else ", in pieces that go on beyond the walls"
     reason = f"f < 0 and f > 0 so near to all points of triangles, along normals or rays from the centre{beyond}"
-    return Verdict(Status.PROVED, f"within {most:.3g} of the surface", reason), most
+    return Verdict(Status.PROVED, f"within {far:.3g} of the surface", reason), far

@@ -30,10 +30,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from flint import fmpq_mpoly
+from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, exact_vector, to_floats
+from pas.algebra.rational import Vector, exact_vector, to_float, to_floats
 from pas.arrays import Floats
 from pas.bernstein.forms import corner_points, nearby_forms, on_simplex
 from pas.bernstein.signs import SignResult, positive_on, prove_positive
@@ -77,11 +77,9 @@ def face_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
     while power <= k and not difference.is_zero():
         quotient, remainder = divmod(difference, plane)
         if not remainder.is_zero():
-            jump = on_simplex(difference, surface.local.corners(face.vertices))
-            point = _nonzero_point(jump, surface.local.corners(face.vertices))
             reached = "not continuous" if power == 0 else f"C^{power - 1} only"
             reason = f"{reached}: pi^{power + 1} does not divide the difference"
-            return claim.refuted(reason, np.array(point))
+            return claim.refuted(reason, _largest_at(difference, surface.local.corners(face.vertices)))
         difference, power = quotient, power + 1
     return claim.proved(f"pi^{k + 1} divides the difference exactly")
 
@@ -135,7 +133,7 @@ def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
             continue
         if any(met.division.order < 0 for met in incidences(surface, join, 0)):
             return claim.undecided(f"contact {number} is not met on its clip face")
-        result = alpha_signs(surface, join, on_curve=False, beside=surface.joins)
+        result = alpha_signs(surface, join, on_curve=False)
         failed = claim.failed(result, f"alpha is not positive on the clip face of contact {number}")
         if failed is not None:
             return failed
@@ -162,13 +160,11 @@ def radial_derivative(patch: Polynomial) -> fmpq_mpoly:
     return sum((g * patch.raw.derivative(i) for i, g in enumerate(GENERATORS)), GENERATORS[0] * 0)
 
 
-def _nonzero_point(restricted: fmpq_mpoly, corners: Sequence[Vector]) -> tuple[float, ...]:
-    """The lattice point of a face at which a polynomial on it is largest in absolute value."""
-    n = max(int(restricted.total_degree()), 1)
-    best = max(
-        ((i, j) for i in range(n + 1) for j in range(n + 1 - i)),
-        key=lambda ij: abs(Polynomial.from_raw(restricted).at((f"{ij[0]}/{n}", f"{ij[1]}/{n}", 0))),
-    )
+def _largest_at(polynomial: fmpq_mpoly, corners: Sequence[Vector]) -> Floats:
+    """The lattice point (3,) of a face at which a polynomial is largest in absolute value."""
+    on_face = on_simplex(polynomial, corners)
+    n = max(int(on_face.total_degree()), 1)
+    places = ((fmpq(i, n), fmpq(j, n)) for i in range(n + 1) for j in range(n + 1 - i))
+    u, v = map(to_float, max(places, key=lambda place: abs(on_face(*place, fmpq(0)))))
     a, b, c = (np.array(to_floats(p)) for p in corners)
-    u, v = best[0] / n, best[1] / n
-    return tuple(((1 - u - v) * a + u * b + v * c).tolist())
+    return np.asarray((1 - u - v) * a + u * b + v * c)

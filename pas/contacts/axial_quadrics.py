@@ -156,7 +156,6 @@ class EllipticPipe(Endless):
         return self.ended(self.squares(self.semiaxes) - 1)
 
     def width(self, clip: float) -> float:
-        """The longer semi-axis, at every clip."""
         return longest(self.semiaxes)
 
     def __str__(self) -> str:
@@ -200,7 +199,6 @@ class Hyperboloid(Endless):
         return self.ended(self.squares(self.semiaxes) - (self.along * (1 / self.conjugate)) ** 2 - 1)
 
     def width(self, clip: float) -> float:
-        """The longer semi-axis of the ellipse at a clip."""
         return longest(self.semiaxes) * hypot(1, clip / to_float(self.conjugate))
 
     def __str__(self) -> str:

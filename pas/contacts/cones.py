@@ -137,7 +137,6 @@ class Opening(Movable):
 
     @cached_property
     def contact(self) -> Contact:
-        """The surface and the cone as polynomials."""
         along = height(self.point, self.axis)
         square = sum((c * c for c in away(self.point)), 0 * along)
         clip = square * dot(self.axis, self.axis) - (1 + self.slope**2) * along * along

@@ -36,7 +36,9 @@ class Endless(Axial):
         and not "auto"."""
         clip = numbers.pop("clip")
         super().settle(axis, point, semiaxes, **numbers)
-        object.__setattr__(self, "clip", AUTO if _is_auto(clip) else rational(clip, "clip"))
+        if isinstance(clip, str) and clip.strip().isalpha() and clip != AUTO:
+            raise ValueError(f'clip must be an exact number or "auto", not {shown(clip)}')
+        object.__setattr__(self, "clip", AUTO if isinstance(clip, str) and clip == AUTO else rational(clip, "clip"))
 
     @property
     def ends(self) -> bool:
@@ -70,12 +72,6 @@ class Endless(Axial):
         return {"clip": clip}
 
 
-def _is_auto(clip: Any) -> bool:
-    if isinstance(clip, str) and clip.strip().isalpha() and clip != AUTO:
-        raise ValueError(f'clip must be an exact number or "auto", not {shown(clip)}')
-    return isinstance(clip, str) and clip == AUTO
-
-
 class Circular(Endless):
     """Where `|w|^2 - u^2 |axis|^2 - (radius + slope (u - clip))^2` is zero, `w = x - point`, `u = w . axis / |axis|^2`.
 
@@ -98,7 +94,6 @@ class Circular(Endless):
         return self.ended(self.square - self.along**2 * dot(self.axis, self.axis) - radius * radius)
 
     def width(self, clip: float) -> float:
-        """The radius of the circle at a clip."""
         return to_float(self.radius) + to_float(self.slope) * (clip - to_float(self._known_at))
 
     @property
@@ -135,8 +130,7 @@ class Pipe(Circular):
 
     @property
     def clip_scale(self) -> fmpq:
-        """See `Circular.clip_scale`: `w . axis - clip |axis|^2` is what project files have."""
-        return dot(self.axis, self.axis)
+        return dot(self.axis, self.axis)  # `w . axis - clip |axis|^2` is what project files have
 
     def __str__(self) -> str:
         return f"pipe of radius {plain(self.radius)} {self.position}, {self.ending}"

@@ -18,7 +18,7 @@ import numpy as np
 from pas.algebra.bracket import zeros_of_columns
 from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector
+from pas.algebra.rational import Vector, dot, three
 from pas.arrays import Floats, Integers
 from pas.bernstein.signs import SignResult, apart_on
 from pas.contacts.cones import first_met, nappe, nappe_rays
@@ -184,14 +184,11 @@ class Join:
     def inside_point(self) -> Vector | None:
         """An exact point of a clip face where the surface is negative, if a lattice has one."""
         for face in self.faces:
-            a, b, c = self.partition.corners(face.vertices)
-            for i in range(CURVE_LATTICE + 1):
-                for j in range(CURVE_LATTICE + 1 - i):
-                    u, v = i, j
-                    w = CURVE_LATTICE - i - j
-                    x, y, z = ((u * p + v * q + w * r) / CURVE_LATTICE for p, q, r in zip(a, b, c, strict=True))
-                    if self.contact.surface.at((x, y, z)) < 0:
-                        return x, y, z
+            corners = self.partition.corners(face.vertices)
+            for weights in reversed(homogeneous_exponents(CURVE_LATTICE, 3)):
+                point = three(dot(weights, values) / CURVE_LATTICE for values in zip(*corners, strict=True))
+                if self.contact.surface.at(point) < 0:
+                    return point
         return None
 
 
@@ -257,8 +254,11 @@ def _zeros_on_triangle(surface: Polynomial, corners: Floats, subdivisions: int) 
     crossed = negative[pairs[:, 0]] != negative[pairs[:, 1]]
     first, second = pairs[crossed].T
     first, second = np.where(negative[first], first, second), np.where(negative[first], second, first)
-    shares = zeros_of_columns(_along_edges(surface, points[first], points[second]))
-    zeros = points[first] + shares[:, None] * (points[second] - points[first])
+    start, way = points[first], points[second] - points[first]
+    places = np.arange(surface.degree + 1) / max(surface.degree, 1)
+    values = np.array([surface(start + place * way) for place in places])
+    shares = zeros_of_columns(np.linalg.solve(np.vander(places, increasing=True), values))  # by the shares of edges
+    zeros = start + shares[:, None] * way
     inverse = np.linalg.pinv(np.vstack([corners.T, np.ones(3)]))
     barycentric = np.concatenate([zeros, np.ones((len(zeros), 1))], axis=1) @ inverse.T
     number = np.cumsum(crossed) - 1
@@ -267,10 +267,3 @@ def _zeros_on_triangle(surface: Polynomial, corners: Floats, subdivisions: int) 
     pieces = np.abs(barycentric[ends[:, 0]] - barycentric[ends[:, 1]]).sum(axis=1)
     lengths = np.bincount(ends.ravel(), weights=np.repeat(pieces / 2, 2), minlength=len(zeros)).astype(float)
     return zeros, lengths
-
-
-def _along_edges(surface: Polynomial, first: Floats, second: Floats) -> Floats:
-    """The coefficients (n + 1, m) of a polynomial along m edges, in the shares of their lengths."""
-    shares = np.arange(surface.degree + 1) / max(surface.degree, 1)
-    values = [surface(first + share * (second - first)) for share in shares]
-    return np.asarray(np.linalg.solve(np.vander(shares, increasing=True), np.array(values)))

@@ -59,7 +59,6 @@ class Plate(Axial):
 
     @cached_property
     def contact(self) -> Contact:
-        """The plane and the cylinder across it as polynomials."""
         length2, along = dot(self.axis, self.axis), self.along
         if self.radius is not None:
             cylinder = self.square - along * along * length2 - self.radius**2

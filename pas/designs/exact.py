@@ -5,7 +5,7 @@ Whatever a maker wrote becomes a `Fraction`, a `Polynomial` or points of these; 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from fractions import Fraction
 from typing import Any
@@ -96,7 +96,9 @@ def closest(
 
     Without `by_gradient` the distance is `|f(p)| / |f|`, |f| the length of the coefficients.
     """
-    member = _rounded(space, space.least_squares(points, by_gradient=by_gradient).coefficients)
+    found = space.least_squares(points, by_gradient=by_gradient).coefficients
+    # of ten digits: any member with rational coefficients keeps its joints
+    member = space.member([f"{float(c):.9e}" for c in found]).polynomials[0]
     return -member if member.at(inside) > 0 else member
 
 
@@ -108,8 +110,3 @@ def nearest(space: SolutionSpace, given: Polynomial) -> Polynomial:
     gram = fmpq_mat([row[:-1] for row in products[:-1]])
     found = gram.solve(fmpq_mat([[row[-1]] for row in products[:-1]])).entries()
     return space.member(found).polynomials[0]
-
-
-def _rounded(space: SolutionSpace, coefficients: Iterable[Any]) -> Polynomial:
-    """The member with coefficients of ten digits: any with rational coefficients keeps its joints."""
-    return space.member([f"{float(c):.9e}" for c in coefficients]).polynomials[0]

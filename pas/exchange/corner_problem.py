@@ -91,7 +91,6 @@ class CornerProblem(Problem):
         return super().changed(**changes, wishes=wishes)
 
     def solve(self) -> Blend:
-        """The blend; raises what `pas.blend` raises."""
         return blend(self.contacts, self.order, self.degree, **self.options)
 
 

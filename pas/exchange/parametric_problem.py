@@ -194,7 +194,6 @@ class ParametricProblem(Problem):
         return "a parametric blend has the degree that its data give it"
 
     def solve(self) -> ParametricBlend:
-        """The blend on the problem's domain; raises what its method raises."""
         made = self.blend()
         return made if self.domain is None else replace(made, surface=made.surface.with_domain(self.domain))
 
@@ -285,7 +284,6 @@ class GeneratrixProblem(Problem):
         return f"a blend of the method {self.method!r} has contact of order 1"
 
     def solve(self) -> GeneratrixBlend:
-        """The blend; raises what `generatrix_blend` raises."""
         return generatrix_blend(*self.boundaries, self.shape, self.align, self.unit)
 
     blend = solve

@@ -170,7 +170,6 @@ class Picture:
 
 
 def _direction(value: Any, name: str) -> View | str:
-    """A direction, or the name of one."""
     if isinstance(value, str) and "," not in value:
         if value not in VIEWS:
             raise ValueError(f"there is no {name} {value!r}{meant(value, VIEWS) or '; there are ' + ', '.join(VIEWS)}")

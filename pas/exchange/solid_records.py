@@ -152,7 +152,6 @@ def _moved(moved: Function, matrix: Any, shift: Any) -> Moved:
 
 
 def _bounded(inside: ParametricSurface) -> SurfaceDistance:
-    """The distance from a surface that bounds a body."""
     return SurfaceDistance(inside, inside.mesh())
 
 

@@ -29,12 +29,13 @@ from pas.errors import GeometryError, library, optional
 from pas.exchange.files import target
 from pas.exchange.formats import Content, Request
 from pas.exchange.parts import Piece, face_names, parts_of
-from pas.exchange.write import write
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import counted_on
 from pas.mesh.topology import is_closed_manifold
+from pas.registry import loaded
 from pas.settings import MeshSettings
+from pas.shape import VERBS
 from pas.solid.assembly import Assembly
 from pas.solid.solid import Solid
 
@@ -123,7 +124,7 @@ class VolumeMesh:
         `region`, -1 where a cell has none.  Raises `ValueError` for another suffix.
         """
         target(path, (".vtu", ".msh"), "tetrahedra")
-        return write(self, path)
+        return Path(loaded(VERBS["write"])(self, path))
 
 
 @limited("filling a solid with tetrahedra", "a coarser tolerance or a larger edge_length")

@@ -28,27 +28,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias, Unpack
+from typing import Any, TypeAlias, Unpack
 
 from pas.algebra.inputs import check_flag
 from pas.exchange.files import replacing, target
 from pas.exchange.formats import FORMATS, Request, suffixes_of
 from pas.exchange.parts import require_closed
+from pas.exchange.volume import VolumeMesh
 from pas.limits import WorkLimits, checkpoint, limited, note
 from pas.parametric.maps import DomainLike
 from pas.settings import MeshSettings
 from pas.shape import Shape
 
-
-class Filled(Protocol):
-    """Tetrahedra, as a `pas.VolumeMesh` has them."""
-
-    @property
-    def tetrahedra(self) -> Any:
-        """Numbers of points (M, 4)."""
-
-
-Writable: TypeAlias = "Shape | Filled | Sequence[Shape]"
+Writable: TypeAlias = "Shape | VolumeMesh | Sequence[Shape]"
 """What can be written, each in the formats that hold such."""
 
 

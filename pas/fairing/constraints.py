@@ -260,17 +260,15 @@ class RayLattice:
         a share of what margins ask."""
         guard, found = self.guard, Inequalities.none(self.guard.basis.size)
         for piece, ends in self.ends.items():
-            rays, shares, slopes = crossed(self._profiles(piece, member), self._shares, margins.band * guard.reach)
+            # coefficients of the member as a polynomial in the share of each ray of a piece: (n + 1, N)
+            terms = self._degrees * (member @ guard.basis.coefficients[piece])
+            profiles = np.asarray(terms @ self._monomials[piece])
+            rays, shares, slopes = crossed(profiles, self._shares, margins.band * guard.reach)
             asked = margins.sheet * guard.reach * np.linalg.norm(ends, axis=1)[rays] / guard.radius
             flat = slopes < share * asked
             points = ends[rays[flat]] * shares[flat, None]
             found += Inequalities(guard.basis.radial(piece, points), (shares * asked)[flat])
         return found
-
-    def _profiles(self, piece: int, member: Floats) -> Floats:
-        """The coefficients of the member as a polynomial in the share of each ray of a piece: (n + 1, N)."""
-        terms = self._degrees * (member @ self.guard.basis.coefficients[piece])
-        return np.asarray(terms @ self._monomials[piece])
 
 
 def crossed(profiles: Floats, shares: Floats, band: float) -> tuple[Integers, Floats, Floats]:

@@ -127,7 +127,6 @@ def _leaves_inside(join: Join, face: OuterFace, partition: Partition, point: Vec
 
 
 def _holds(face: OuterFace, partition: Partition, point: Vector) -> bool:
-    """Whether a point lies on a face."""
     if face.plane.raw(*point) != 0:
         return False
     arms = [minus(corner, point) for corner in partition.corners(face.vertices)]

@@ -49,7 +49,9 @@ class MemberProgramme:
         self.space, self.wishes, self.basis = space, wishes, space.basis
         self.energy = as_energy(wishes.energy)
         self._asked = ExactRows(wishes, space.partition, space.degree, self._on)
-        self.exact = self._exact_equations()
+        m, table = self.basis.size, self._asked.equations(self.basis.transform)
+        self.exact = _reduce(table, m) if table else (fmpq_mat(0, m + 1), [])
+        """The exact equations in reduced form with their pivots; None where they contradict."""
 
     def optimum(self, rows: Inequalities) -> Floats | None:
         """The working coefficients of the least quadratic form (for an energy of the surface that of the thin plate)
@@ -267,12 +269,6 @@ class MemberProgramme:
             for values in self._asked.values(kind):
                 rows += Inequalities(sign * to_doubles(fmpq_mat([values])), np.array([self._margin]))
         return rows
-
-    def _exact_equations(self) -> tuple[fmpq_mat, list[int]] | None:
-        """The exact equations in reduced form with their pivots; None where they contradict."""
-        m = self.basis.size
-        table = self._asked.equations(self.basis.transform)
-        return _reduce(table, m) if table else (fmpq_mat(0, m + 1), [])
 
     def _on(self, functional: Functional) -> list[fmpq]:
         """Exact values of a functional on the working basis."""

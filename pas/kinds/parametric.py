@@ -166,13 +166,9 @@ def _check_rounded(patch: RationalPatch, exact: ExactControl) -> None:
     """Raises `ValueError` unless the doubles of a patch are those nearest to its fractions."""
     if exact.points.shape != patch.points.shape or exact.weights.shape != patch.weights.shape:
         raise ValueError("the exact control points and weights must be as many as the rounded ones")
-    pairs = {
-        "points": (exact.points, patch.points),
-        "weights": (exact.weights, patch.weights),
-        "rectangle": (exact.rectangle, np.array(patch.domain)),
-    }
-    for name, (fractions, doubles) in pairs.items():
-        if not np.array_equal(fractions.astype(float), doubles):
+    for name in _EXACT.needs:
+        doubles = np.array(patch.domain) if name == "rectangle" else getattr(patch, name)
+        if not np.array_equal(getattr(exact, name).astype(float), doubles):
             ends = "ends of the knots" if name == "rectangle" else name
             raise ValueError(f"exact.{name} must be what the {ends} are rounded from, and they are others")
 

@@ -57,10 +57,10 @@ SURFACE = Kind(
     curved=True,
 )
 
+_VERDICTS = list_of(VERDICT)
 _CERTIFICATE = read_by(
     Table(
-        {"contacts": list_of(VERDICT), "faces": list_of(VERDICT), "one_sheet": VERDICT, "enclosed": VERDICT},
-        {"further": list_of(VERDICT)},
+        {"contacts": _VERDICTS, "faces": _VERDICTS, "one_sheet": VERDICT, "enclosed": VERDICT}, {"further": _VERDICTS}
     ),
     Certificate.from_record,
     Certificate.to_record,

@@ -144,7 +144,7 @@ def room(layout: Layout, piece: int, disc: Disc) -> float:
     return float(np.arcsin(np.clip(sines.min(), -1, 1)))
 
 
-def sides(rays: Sequence[Ray]) -> Floats:
+def sides(rays: Sequence[Ray] | Floats) -> Floats:
     """The unit normals (N, 3), inwards, of the planes of a piece's sides."""
     around = np.array(rays, dtype=float)
     return unit(np.cross(around, np.roll(around, -1, axis=0)))

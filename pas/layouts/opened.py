@@ -28,7 +28,7 @@ from pas.contacts.endless import Endless
 from pas.contacts.rims import Rim
 from pas.errors import GeometryError
 from pas.layouts.clips import is_free
-from pas.layouts.discs import Disc, power_of_two, rim_of, rounded
+from pas.layouts.discs import Disc, power_of_two, rim_of, rounded, sides
 from pas.layouts.nodes import check_outlook
 from pas.layouts.region import Corners, around_clip
 from pas.partition.cells import OpenRegion
@@ -216,8 +216,9 @@ def open_cone(
     steps = np.diff(np.append(angles, angles[0] + 2 * pi))
     around = np.cos(angles)[:, None] * axes[1] + np.sin(angles)[:, None] * axes[2]
     polygon = unit(axes[0] + LARGER / cos(float(steps.max()) / 2) * around)
+    inwards = sides(polygon)
     for disc in discs:
-        if not _within(disc.points, polygon):
+        if not (unit(disc.points) @ inwards.T).min() > 0:
             raise GeometryError(
                 f"the curve of contact {disc.number} is not seen through that of contact {number} from "
                 f"({listed(center)}), below; make the opening wider, or the pipe shorter"
@@ -243,8 +244,8 @@ def open_cone(
         for (_, held), first, last in zip(ends, places, [*places[1:], places[0] + len(outer)], strict=True):
             ring = [outer[i % len(outer)] for i in range(first, last + 1)]
             pieces.append(_with_face(held, [top, *ring]) if held else [(top, a, b) for a, b in pairwise(ring)])
-    sides = f" and {len(pieces)} sectors" if len(pieces) > 1 else ""
-    return OpenRegion.of_triangles(pieces, center, f"open cone of {len(outer)} sides{sides}")
+    sectors = f" and {len(pieces)} sectors" if len(pieces) > 1 else ""
+    return OpenRegion.of_triangles(pieces, center, f"open cone of {len(outer)} sides{sectors}")
 
 
 def _with_face(disc: Disc, rim: Sequence[Vector]) -> list[Corners]:
@@ -302,9 +303,3 @@ def _top(axis: Floats, others: Sequence[Polynomial], far: float, least: float) -
 
 def _rounded(corner: Floats) -> Vector:
     return rounded(corner, power_of_two(float(np.linalg.norm(corner)) / ROUND))
-
-
-def _within(points: Floats, polygon: Floats) -> bool:
-    """Whether directions (N, 3) are inside the cone around a polygon, counterclockwise."""
-    across = unit(np.cross(polygon, np.roll(polygon, -1, axis=0)))
-    return bool((unit(points) @ across.T).min() > 0)

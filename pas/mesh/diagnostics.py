@@ -122,7 +122,7 @@ class _Place:
         pairs = [*combinations(self.near, 2)]
         for (a, b), point in zip(pairs, self._parallel(pairs), strict=True):
             if point is not None and {a, b} <= {*self._deciding(point, [a, b])}:
-                touching = self._distance(point, a) <= ZERO * self.extent
+                touching = self._distances(point, [a])[0] <= ZERO * self.extent
                 kind = self._tangency(point, a, b) if touching else "close"
                 if kind:
                     yield kind, self._names([a, b]), point
@@ -289,9 +289,6 @@ class _Place:
     def _jets(self, points: Floats, columns: Integers) -> Floats:
         """Values and gradients (N, 4) of functions (N,) at points (N, 3)."""
         return self.field.jets(points, 2 * columns)
-
-    def _distance(self, point: Floats, column: int) -> float:
-        return float(self._distances(point, [column])[0])
 
     def _distances(self, points: Floats, columns: Sequence[int] | Integers) -> Floats:
         """Of points (N, 3), or of one, from the surfaces of functions (N,), to first order."""

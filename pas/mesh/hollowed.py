@@ -24,7 +24,7 @@ from itertools import combinations, pairwise, permutations
 
 import numpy as np
 
-from pas.arrays import Floats, Integers
+from pas.arrays import AnyArray, Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.crossings import crossings
 from pas.mesh.face_ground import inner_points
@@ -85,7 +85,8 @@ def _cross(first: Labelled, second: Labelled) -> bool:
 
 def together(field: FaceField, shells: Sequence[FaceField], meshes: Sequence[Labelled]) -> Labelled:
     """The mesh of a boundary from those of its surfaces, without the pieces of these that bound nothing."""
-    points, triangles, labels, pinned, start = [], [], [], [], 0
+    points, triangles, labels, pinned = (list[AnyArray]() for _ in range(4))
+    start = 0
     for shell, mesh in zip(shells, meshes, strict=True):
         kept = _bounding(field, shell, mesh)
         used, numbers = np.unique(mesh.triangles[kept], return_inverse=True)
@@ -97,7 +98,7 @@ def together(field: FaceField, shells: Sequence[FaceField], meshes: Sequence[Lab
     return Labelled.of(*map(np.concatenate, (points, triangles, labels, pinned)))
 
 
-def _bounding(field: FaceField, shell: FaceField, mesh: Labelled) -> np.ndarray:
+def _bounding(field: FaceField, shell: FaceField, mesh: Labelled) -> Bools:
     """Which triangles (T,) are on pieces that bound the set: it changes across most triangles of each."""
     middles, mostly = mesh.points[mesh.triangles].mean(axis=1), 0.5  # share of a piece's triangles that must do
     at = newton(middles, shell, mesh.labels[:, None], mesh.sizes[mesh.triangles].max(axis=1))
@@ -173,16 +174,14 @@ class Doubled:
         triangles = np.concatenate([sides, within[:, ::-1], np.array(self.triangles, dtype=np.intp).reshape(-1, 3)])
         labels = np.concatenate([wall.outer[own], wall.inner[own], np.array(self.labels, dtype=np.intp)])
         points = np.concatenate([*self._points, np.array(self._extra).reshape(-1, 3)])
-        pinned = np.concatenate([mesh.topology.pinned, list(self._split())]).astype(np.intp)
+        # images of pinned vertices, and of those that have several: curves may turn sharply there
+        known = set(mesh.topology.pinned.tolist())
+        split = {row for vertex, own in self._found.items() if len(own) > 1 or vertex in known for row, *_ in own}
+        pinned = np.concatenate([mesh.topology.pinned, list(split)]).astype(np.intp)
         used, numbers = np.unique(triangles, return_inverse=True)
         result = Labelled.of(points[used], numbers.reshape(-1, 3), labels, np.flatnonzero(np.isin(used, pinned)))
         inner = np.flatnonzero(used >= size)
         return project(result, field, np.full(len(used), wall.thickness), inner)
-
-    def _split(self) -> set[int]:
-        """The images of vertices that have several, and of pinned ones: curves may turn sharply there."""
-        pinned = set(self.mesh.topology.pinned.tolist())
-        return {row for vertex, own in self._found.items() if len(own) > 1 or vertex in pinned for row, *_ in own}
 
     def _placing(self, vertex: int, label: int) -> frozenset[int]:
         """The labels around a vertex that place its image for one of them.
@@ -226,7 +225,7 @@ class Doubled:
             result.append((row, placing, move))
         return result
 
-    def _bridge(self, kept: np.ndarray, within: np.ndarray) -> None:
+    def _bridge(self, kept: Bools, within: Integers) -> None:
         """Add the bands on open faces, and what is between images of one vertex."""
         t, labels = self.mesh.triangles, self.mesh.labels
         image = np.full(t.shape, -1, dtype=np.intp)

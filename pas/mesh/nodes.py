@@ -266,7 +266,7 @@ def _system(field: FaceField, points: Floats, pairs: Integers, scale: Floats, si
     return value, matrix
 
 
-def _touch(field: FaceField, points: Floats, pairs: Integers, close: float) -> np.ndarray:
+def _touch(field: FaceField, points: Floats, pairs: Integers, close: float) -> Bools:
     """Whether both surfaces pass through points (N, 3) with one normal."""
     result = np.asarray(np.isfinite(points).all(axis=1))
     here, functions = points[result], pairs[result]

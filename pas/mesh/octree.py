@@ -164,10 +164,10 @@ class Octree:
         compiled().call("pas_tetrahedra_taken", *found.tolist(), corners)
         checkpoint()
         numbers, inverse = numbered(corners.ravel())
-        return self.origin + _coordinates(numbers) * (self.size / 2**self.levels), inverse.reshape(-1, 4)
+        nodes = np.stack([numbers // (_SPAN * _SPAN), numbers // _SPAN % _SPAN, numbers % _SPAN], axis=1)
+        return self.origin + nodes * (self.size / 2**self.levels), inverse.reshape(-1, 4)
 
     def _halve(self, level: int, cubes: Integers) -> Integers:
-        """The eighths of cubes of one level."""
         if level == len(self._halved):
             self._halved.append(np.empty((0, 3), dtype=np.intp))
         self._halved[level] = np.concatenate([self._halved[level], cubes])
@@ -183,7 +183,6 @@ class Octree:
         return cubes[crossed]
 
     def _add(self, level: int, cubes: Integers) -> None:
-        """Cubes of one level as leaves."""
         if len(cubes) > MOST_CUBES:
             self.crowded = True
             return
@@ -218,8 +217,3 @@ class Octree:
         """Which samples in cubes are in the set (N, SAMPLES^3)."""
         points = (centers[:, None] + half * _SAMPLES).reshape(-1, 3)
         return self.field.inside(self.field.signs(points)).reshape(-1, len(_SAMPLES))
-
-
-def _coordinates(numbers: Integers) -> Integers:
-    """Those (N, 3) of the nodes with given numbers."""
-    return np.stack([numbers // (_SPAN * _SPAN), numbers // _SPAN % _SPAN, numbers % _SPAN], axis=1)

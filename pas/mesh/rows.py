@@ -26,6 +26,13 @@ def cross(u: Floats, v: Floats) -> Floats:
     return np.stack([y * c - z * b, z * a - x * c, x * b - y * a], axis=1)
 
 
+def spans(corners: Floats) -> tuple[Floats, Floats]:
+    """The determinants (T,) of triangles (T, 3, 3), positive where they are seen from 0 with their outside away, and
+    the products of the corners' distances from 0, (T,)."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    return dots(a, cross(b, c)), np.asarray(np.sqrt(dots(a, a) * dots(b, b) * dots(c, c)))
+
+
 def any_of(table: Bools) -> Bools:
     """In which rows (N,) of a table (N, k) something is true."""
     result = table[:, 0].copy()

@@ -57,8 +57,8 @@ class HollowPieces(PlacedPieces):
             made.append(replace(outer, points=points, triangles=triangles, normals=normals, deviation=off))
         return made
 
-    def halves(self, kind: int, arm: int, cut: float) -> list[tuple[Integers, Floats, Integers, Floats]]:
+    def halves(self, kind: int, arm: int, cut: float) -> list[tuple[Integers, Floats, Integers, Floats, int]]:
         """The strips of an arm outside and inside, see `PlacedPieces.halves`."""
-        ((ring, there, found, outward),) = self.inner.halves(kind, arm, cut)
-        inside = len(self.outer.nodes[kind].points) + ring, there, found[:, ::-1], -outward[:, ::-1]
+        ((ring, there, found, outward, last),) = self.inner.halves(kind, arm, cut)
+        inside = len(self.outer.nodes[kind].points) + ring, there, found[:, ::-1], -outward[:, ::-1], last
         return [*self.outer.halves(kind, arm, cut), inside]

@@ -11,22 +11,19 @@ import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import acos, ceil, cos, pi, tau
+from math import acos, ceil, cos, pi
 from typing import Any
 
 import numpy as np
 
-from pas.algebra.lengths import across, unit
+from pas.algebra.lengths import unit
 from pas.algebra.rational import to_floats
 from pas.arrays import Floats, Integers, Numbers
 from pas.errors import MeshError
 from pas.network.classes import Kinds, NodeKind, ranked, turn
 from pas.network.graph import StrutGraph
-from pas.network.rings import angles_around, lid, parts_of, rings_of, strip
+from pas.network.rings import FEWEST, Span, angles_around, circle, lid, places_of, rings_of, strip
 from pas.pipeline.result import Blend
-
-FEWEST = 8
-"""Vertices of the ring at an end of a strut."""
 
 FEW = 1 / 4
 """Of the triangles of nodes: so many more are laid on struts, at most, for the sake of their angles."""
@@ -134,12 +131,8 @@ class PlacedPieces:
 
     def _ring(self, kind: NodeKind) -> NodePiece:
         """A ring where a strut goes straight on; a flat end where there is no other."""
-        radius = self._width(kind, 0)
-        count = max(FEWEST, ceil(pi / acos(max(0.0, 1 - min(self.tolerance / radius, 1.0)))))
-        axis = unit(kind.vectors[0])
-        first, second = across(axis)
-        angles = tau * np.arange(count) / count
-        points = radius * (np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second)
+        radius, axis = self._width(kind, 0), unit(kind.vectors[0])
+        points = radius * circle(axis, count := self._fewest(radius))
         ring = np.arange(count)
         if len(kind.arms) > 1:
             return NodePiece(points, np.zeros((0, 3), np.int64), np.zeros((0, 3, 3)), (ring, ring), 0.0)
@@ -147,30 +140,58 @@ class PlacedPieces:
         return NodePiece(points, fan, np.broadcast_to(-axis, (len(fan), 3, 3)), (ring,), 0.0)
 
     @cached_property
-    def struts(self) -> list[StrutPiece]:
-        """The piece of each kind of strut, cut into rings where all of these together add few triangles."""
+    def _strips(self) -> tuple[bool, float, list[StrutPiece]]:
+        """The piece of each kind of strut, and how they are cut, so that all rings together add few triangles.
+
+        Rings are as round as those of nodes if these are few, else as the tolerance asks, and then all struts are cut
+        whose rings take fewer triangles than a bound.
+        """
         edges, kinds, slots = self.network.edges, self.kinds.of, self.kinds.slots
         rows = kinds[edges[:, 0]], slots[:, 0], kinds[edges[:, 1]], slots[:, 1]
         of, firsts = ranked(rows)
-        different = np.stack([row[firsts] for row in rows], axis=1)
+        different = np.stack([row[firsts] for row in rows], axis=1).tolist()
         order = np.argsort(of, kind="stable").astype(np.int32)
         groups = np.split(order, np.cumsum(np.bincount(of))[:-1]) if len(of) else []
         step = float(self.network.grid)
         vectors = [self.network.vectors[numbers[0]] * step for numbers in groups]
-        circles = [(self._circle(a, i), self._circle(b, j)) for a, i, b, j in different.tolist()]
-        parts = [parts_of(*pair, vector) for pair, vector in zip(circles, vectors, strict=True)]
-        again = [2 * len(pair[0]) * (n - 1) for pair, n in zip(circles, parts, strict=True)]
-        sizes = [len(node.triangles) for node in self.nodes]
-        few = np.dot(again, np.bincount(of, minlength=len(again))) <= FEW * np.dot(sizes, self.kinds.counts)
+        spans = [
+            (self._circle(a, i), self._circle(b, j), v) for (a, i, b, j), v in zip(different, vectors, strict=True)
+        ]
+        few = FEW * np.dot([len(node.triangles) for node in self.nodes], self.kinds.counts)
+        for coarse in (False, True):
+            cuts = [self._cut(span, coarse) for span in spans]
+            costs = np.array([2.0 * count * len(places) for count, places in cuts])
+            cheapest = np.argsort(costs)
+            sums = np.cumsum((costs * list(map(len, groups)))[cheapest])
+            bound = float(costs[cheapest][sums > few].min(initial=np.inf))
+            if bound == np.inf:
+                break
+        cuts = [self._cut(span, coarse, bound) for span in spans]
         found = []
-        for (a, i, b, j), numbers, vector, pair, n in zip(
-            different.tolist(), groups, vectors, circles, parts, strict=True
-        ):
+        for (a, i, b, j), numbers, span, cut in zip(different, groups, spans, cuts, strict=True):
             rise = self._width(self.kinds.kinds[a], i, 1.0) - self._width(self.kinds.kinds[a], i)
-            points, triangles, normals, widest = strip(*pair, vector, rise, n if few else 1)
+            points, triangles, normals, widest = strip(*span, rise, *cut)
             off = float(self.network.thickness[numbers[0]]) * (1 - cos(widest / 2))
-            found.append(StrutPiece((a, b), (i, j), vector, points, triangles, normals, off, numbers))
-        return found
+            found.append(StrutPiece((a, b), (i, j), span[2], points, triangles, normals, off, numbers))
+        return coarse, bound, found
+
+    @property
+    def struts(self) -> list[StrutPiece]:
+        """The piece of each kind of strut."""
+        return self._strips[2]
+
+    def _fewest(self, radius: float) -> int:
+        """The vertices that a ring must have to be within the tolerance."""
+        return max(FEWEST, ceil(pi / acos(max(0.0, 1 - min(self.tolerance / radius, 1.0)))))
+
+    def _cut(self, span: Span, coarse: bool, bound: float = np.inf) -> tuple[int, Floats]:
+        """The vertices of rings between two, and their places, if those of a whole strut take fewer triangles."""
+        axis, given = unit(span[2]), [ring for ring in span[:2] if len(ring)]
+        count = self._fewest(float(np.linalg.norm(np.cross(np.concatenate(given), axis), axis=1).max()))
+        if not coarse:
+            count = max(count, min(map(len, given)))
+        places, end = places_of(*span, count), np.ones(2 - len(given))
+        return count, places if 2 * count * (len(places) - len(end)) * (1 + len(end)) < bound else end
 
     def _circle(self, kind: int, slot: int) -> Floats:
         """The points on the circle of an arm."""
@@ -281,28 +302,29 @@ class PlacedPieces:
         points, triangles, normals = [piece.points], [piece.triangles], [piece.normals]
         for arm, axis in enumerate(unit(self.kinds.kinds[kind].vectors)):
             rings = []
-            for ring, there, found, outward in self.halves(kind, arm, float(cuts[arm])):
-                rings.append(count + np.arange(len(there)))
+            for ring, there, found, outward, last in self.halves(kind, arm, float(cuts[arm])):
+                own = count + np.arange(len(there))
+                rings.append(own[-last:])
                 points.append(there)
-                triangles.append(np.concatenate([ring, rings[-1]])[found])
+                triangles.append(np.concatenate([ring, own])[found])
                 normals.append(outward)
                 count += len(there)
             triangles.append(lid(np.concatenate(points), rings, axis))
             normals.append(np.broadcast_to(axis, (len(triangles[-1]), 3, 3)))
         return np.concatenate(points), np.concatenate(triangles), np.concatenate(normals)
 
-    def halves(self, kind: int, arm: int, cut: float) -> list[tuple[Integers, Floats, Integers, Floats]]:
+    def halves(self, kind: int, arm: int, cut: float) -> list[tuple[Integers, Floats, Integers, Floats, int]]:
         """The strip from each ring of an arm to some part of its vector: the ring's vertices counterclockwise about the
-        arm, the points there in their order, the triangles over both and the normals at their corners."""
+        arm, the points of rings there, the last one at the end, the triangles over both, the normals at their corners,
+        and how many points the last ring has."""
         one, piece = self.kinds.kinds[kind], self.nodes[kind]
         vector, ring = one.vectors[arm] * float(self.network.grid), piece.rings[arm]
         axis, rise = unit(vector), self._width(one, arm, 1.0) - self._width(one, arm)
         own = ring[np.argsort(angles_around(piece.points[ring], axis))]
-        first = piece.points[own]
-        wider = self._width(one, arm, cut) / self._width(one, arm, self.kinds.ends[kind, arm])
-        second = (first - (first @ axis)[:, None] * axis) * wider
-        _, found, outward, _ = strip(first, second, cut * vector, cut * rise)
-        return [(own, second + cut * vector, found, outward)]
+        span = piece.points[own], np.zeros((0, 3)), cut * vector
+        count, places = self._cut(span, *self._strips[:2])
+        points, found, outward, _ = strip(*span, cut * rise, count, places)
+        return [(own, points, found, outward, count)]
 
 
 def _volume(corners: Floats, places: Floats) -> float:

@@ -3,7 +3,7 @@
 A strip merges the vertices of two rings by their angles around the strut.  A triangle of it has two neighbours of one
 ring, and one of the other between them or between which they are, so that its corners are no farther apart, in angle,
 than neighbours of one ring; it is r (1 - cos(angle / 2)) from the cylinder or cone at most, with its largest radius r.
-A strip may have rings in between, which are the first one moved along: so angles of its triangles are not small.
+A strip may have even rings in between, so that few angles of its triangles are small, and end in one of these.
 """
 
 from __future__ import annotations
@@ -18,8 +18,15 @@ import numpy as np
 from pas.algebra.lengths import across, unit
 from pas.arrays import Floats, Integers
 
+FEWEST = 8
+"""Vertices of a ring."""
+
 LEAST_ANGLE = 6.0
 """Degrees under which a ring's shortest side is seen from the next ring: those who see it aslant have 5 left."""
+
+
+Span = tuple[Floats, Floats, Floats]
+"""A ring around the beginning of a vector, one around its end, which may have no points, and the vector."""
 
 
 def rings_of(points: Floats, boundary: Integers, arms: Any) -> tuple[Integers, ...]:
@@ -50,36 +57,65 @@ def outwards(points: Floats, axis: Floats, slope: float) -> Floats:
     return unit(unit(points - (points @ axis)[:, None] * axis) - slope * axis)
 
 
-def parts_of(first: Floats, second: Floats, vector: Floats) -> int:
-    """Into how many parts a strip between rings around the ends of a vector is cut so that no angle is small."""
-    axis = unit(vector)
-    gaps = [_gaps(angles_around(ring, axis)).min() for ring in (first, second)]
-    radius = min(np.linalg.norm(np.cross(ring, axis), axis=1).min() for ring in (first, second))
-    length = float(((second + vector) @ axis).mean() - (first @ axis).mean())
-    return max(1, ceil(length * tan(radians(LEAST_ANGLE)) / (2 * radius * sin(min(*gaps, pi) / 2))))
+def circle(axis: Floats, count: int, start: float = 0.0) -> Floats:
+    """So many points (count, 3), evenly at the distance 1 around a unit vector, and the angle of the first."""
+    angles = start + tau * np.arange(count)[:, None] / count
+    first, second = across(axis)
+    return np.asarray(np.cos(angles) * first + np.sin(angles) * second)
+
+
+def places_of(first: Floats, second: Floats, vector: Floats, count: int) -> Floats:
+    """Where even rings of so many vertices stand between rings around the ends of a vector, in parts of the way.
+
+    The last is 1 where the second ring has no points, and is to be even.
+
+    Sides of even rings are seen from the next one under `LEAST_ANGLE` or more, and so is the shortest side of the first
+    ring from the next one, and of the second from the last, unless these were nearer than a side of theirs is long.
+    """
+    axis, end, (_, length) = unit(vector), np.ones(int(not len(second))), _span(first, second, vector)
+    radius = min(float(np.linalg.norm(np.cross(ring, axis), axis=1).min(initial=np.inf)) for ring in (first, second))
+    gaps = [float(_gaps(angles_around(ring, axis)).min()) if len(ring) else tau / count for ring in (first, second)]
+    side, *sides = (2 * radius * sin(min(gap, pi) / 2) for gap in (tau / count, *gaps))
+    far, *seen = (one / tan(radians(LEAST_ANGLE)) for one in (side, *sides))
+    begin, last = (max(side, min(far, one)) for one in seen)
+    if length <= min(seen):
+        return end
+    if begin + last >= length:
+        return np.append(begin / (begin + last), end)
+    return np.append(np.linspace(begin, length - last, 1 + ceil((length - begin - last) / far)) / length, end)
 
 
 def strip(
-    first: Floats, second: Floats, vector: Floats, rise: float = 0.0, parts: int = 1
+    first: Floats, second: Floats, vector: Floats, rise: float = 0.0, count: int = FEWEST, places: Any = ()
 ) -> tuple[Floats, Integers, Floats, float]:
-    """Points about the first end (N, 3) of the rings between so many parts, and the triangles between rings around the
-    ends of a vector, over the first ring's vertices, then the second's, then these.
+    """Points about the first end (N, 3) of even rings of so many vertices at `places` (see `places_of`), and the
+    triangles between rings around the ends of a vector, over the first ring's vertices, then the second's, then these.
 
     With the normals at their corners of the cone, whose radius grows by `rise` along the vector, and the widest angle
     between neighbours of a ring.
     """
+    start, span = _span(first, second, vector)
     length = float(np.linalg.norm(vector))
-    axis, slope, count = vector / length, rise / length, len(first) + len(second)
+    axis, slope, known = vector / length, rise / length, len(first) + len(second)
     angles = [angles_around(ring, axis) for ring in (first, second)]
-    beside = first - (first @ axis)[:, None] * axis
-    far = float(((second + vector) @ axis).mean() - (first @ axis).mean()) * np.arange(1, parts) / parts
-    wider = 1 + far[:, None] * slope / np.linalg.norm(beside, axis=1)
-    between = (first - beside) + far[:, None, None] * axis + wider[:, :, None] * beside
-    rings = [np.arange(len(first)), *count + np.arange(between.size // 3).reshape(parts - 1, len(first))]
-    found = [np.concatenate([a, b])[_zipped(angles[0], angles[0])] for a, b in pairwise(rings)]
-    found.append(np.concatenate([rings[-1], np.arange(len(first), count)])[_zipped(*angles)])
-    triangles, points = np.concatenate(found), np.concatenate([first, second, *between])
-    return points[count:], triangles, outwards(points, axis, slope)[triangles], float(max(map(max, map(_gaps, angles))))
+    even = circle(axis, count, float(angles[0][0]))
+    radius = float(np.linalg.norm(first[0] - start * axis))
+    between = np.array([(start + part * span) * axis + (radius + slope * part * span) * even for part in places])
+    rings = [np.arange(len(first)), *known + np.arange(between.size // 3).reshape(-1, count)]
+    around = [angles[0], *[angles_around(even, axis)] * len(between)]
+    if len(second):
+        rings, around = [*rings, np.arange(len(first), known)], [*around, angles[1]]
+    pairs = pairwise(zip(rings, around, strict=True))
+    triangles = np.concatenate([np.concatenate([a, b])[_zipped(u, v)] for (a, u), (b, v) in pairs])
+    points = np.concatenate([first, second, between.reshape(-1, 3)])
+    return points[known:], triangles, outwards(points, axis, slope)[triangles], max(_gaps(a).max() for a in around)
+
+
+def _span(first: Floats, second: Floats, vector: Floats) -> tuple[float, float]:
+    """How far along a vector a ring around its beginning is, and from there to that around its end, or the end."""
+    axis = unit(vector)
+    start = float(np.mean(first @ axis))
+    return start, float(np.mean((second + vector if len(second) else vector) @ axis)) - start
 
 
 def lid(points: Floats, rings: Sequence[Integers], axis: Floats) -> Integers:

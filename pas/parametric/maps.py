@@ -31,7 +31,7 @@ from pas.algebra.lengths import scaled, unit
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, VectorLike, plain, rational, to_float, to_floats, to_fraction, vector
 from pas.algebra.rational_function import PARAMETERS, RationalFunction, total
-from pas.arrays import Floats
+from pas.arrays import AnyArray, Floats
 from pas.limits import checkpoint
 from pas.parametric.series import Components, composed
 
@@ -230,9 +230,7 @@ class ParametricMap:
         """f(x(t, h), y(t, h), z(t, h)), exactly: the zero function iff the surface lies on f = 0."""
         return composed(Polynomial(polynomial), self.components)
 
-    def moved(
-        self, matrix: Sequence[Sequence[Exact]] | np.ndarray | None = None, offset: VectorLike = (0, 0, 0)
-    ) -> Self:
+    def moved(self, matrix: Sequence[Sequence[Exact]] | AnyArray | None = None, offset: VectorLike = (0, 0, 0)) -> Self:
         """The image under p -> matrix p + offset; rational numbers keep an exact surface exact."""
         rows = [vector(r, f"matrix[{i}]") for i, r in enumerate(np.eye(3, dtype=int) if matrix is None else matrix)]
         if len(rows) != 3:

@@ -29,7 +29,7 @@ from pas.algebra.expressions import Names
 from pas.algebra.inputs import short
 from pas.algebra.rational import plain, rational, three, to_float, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE, PARAMETERS, RationalFunction
-from pas.arrays import Floats
+from pas.arrays import AnyArray, Floats
 from pas.errors import GeometryError
 from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
@@ -48,9 +48,9 @@ Knots = tuple[Floats, Floats]
 class ExactControl:
     """Control points (m+1, n+1, 3), weights (m+1, n+1) and the rectangle's ends (2, 2) as arrays of fractions."""
 
-    points: np.ndarray
-    weights: np.ndarray
-    rectangle: np.ndarray
+    points: AnyArray
+    weights: AnyArray
+    rectangle: AnyArray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -120,7 +120,7 @@ class RationalPatch(Shape):
         return (float(u[0]), float(u[-1])), (float(v[0]), float(v[-1]))
 
     @property
-    def control_points(self) -> np.ndarray:
+    def control_points(self) -> AnyArray:
         """The control points (r, s, 3): fractions where they are exact, else doubles."""
         return self.points if self.exact is None else self.exact.points
 

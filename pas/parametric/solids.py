@@ -115,11 +115,9 @@ class SurfaceDistance(Distance, Parametrized):
         return np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1)
 
     def places(self, points: Floats) -> Floats:
-        """The parameters (N, 2) of feet."""
         return self.feet(points).parameters
 
     def at(self, places: Floats) -> Floats:
-        """The points (N, 3) with parameters (N, 2)."""
         return self.surface(self._within(places))
 
     def jets(self, points: Floats) -> Floats:
@@ -142,7 +140,6 @@ class SurfaceDistance(Distance, Parametrized):
         return np.concatenate([value[:, None], gradient], axis=1)
 
     def decided_within(self, centers: Floats, radii: Floats) -> tuple[Bools, Bools]:
-        """Whether it is certainly <= 0, and certainly > 0, in balls of given centres (N, 3) and radii (N,)."""
         feet = self.feet(centers)
         value, least = self._jets(centers, feet)[:, 0], self.least(centers, feet)
         return (value <= 0) & (radii <= least), (value > 0) & (radii < least)
@@ -223,7 +220,6 @@ class FlatEnd(Distance):
         return self.distance.edges[self.number]
 
     def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4)."""
         edge, gap = self.edge, self.distance.gap
         heights = edge.heights(points)
         near = np.isfinite(cKDTree(edge.loop).query(points, distance_upper_bound=NEAR * gap)[0])  # of AROUND points

@@ -191,7 +191,6 @@ class Region(Partition):
         return type(self)([map_.exact(v) for v in self.vertices], self.cells, center, self.pieces, title)
 
     def to_record(self) -> dict[str, Any]:
-        """The partition as a table of plain data, exact numbers as texts."""
         return super().to_record() | {"kind": self.name}
 
 

@@ -161,7 +161,7 @@ class CellComplex:
         product = maps[:, :, :3].reshape(-1, 3) @ np.asarray(points).T
         return product.reshape(len(maps), 4, -1) + maps[:, :, 3:]
 
-    def locate(self, points: Floats, tolerance: float = 1e-12) -> np.ndarray:
+    def locate(self, points: Floats, tolerance: float = 1e-12) -> Integers:
         """The index of the cell that holds each of `points` (N, 3), -1 outside the region.
 
         A point further than `tolerance` (barycentric) outside every cell counts as outside.

@@ -84,8 +84,8 @@ class AroundOpening:
         widest one through points that are a thickness inside along normals of the opening, but never narrower."""
         parts = fmpq(1, 64)  # of the width and the axis, in which these are rounded where they are not exact
         axis = self.axis if self.flat else rounded(to_floats(self.axis), parts)
-        slopes, up = self.contact.surface.gradient(self._curve), np.array(to_floats(axis))
-        deep = self._curve - to_float(thickness) * slopes / np.linalg.norm(slopes, axis=1)[:, None]
+        slopes, up = self.contact.surface.gradient(self.curve), np.array(to_floats(axis))
+        deep = self.curve - to_float(thickness) * slopes / np.linalg.norm(slopes, axis=1)[:, None]
         raised = Straight(-self.contact.clip, np.array([*up, 0.0]))(deep, 1.0)
         shares = 1 + (raised - deep) @ up / ((deep - to_floats(self.center)) @ up)
         wide = round(float(shares.min() + shares.max()) / (2 * to_float(parts))) * parts
@@ -101,13 +101,9 @@ class AroundOpening:
         """Whether it is in a plate."""
         return self.contact.surface.degree == 1
 
-    @property
-    def _height(self) -> Polynomial:
-        return Polynomial.from_raw(height(self.center, self.axis))
-
     def at(self, level: fmpq) -> Polynomial:
         """The plane at a height, positive below."""
-        return Polynomial(level) - self._height
+        return Polynomial.from_raw(level - height(self.center, self.axis))
 
     def back(self, reach: fmpq) -> Polynomial:
         """The plane that is `reach` below the opening, but no nearer to the centre than to it; half way with 0."""
@@ -155,7 +151,7 @@ class AroundOpening:
             strips = (*around.strips, SolidStrip(f"{name} end", edge, Straight(back, pole)))
         else:
             strips = (SolidStrip(f"{name} end", clip, Straight(back, self._center)),)
-        return Chain(self.contact, self._clip, self._curve, strips, End(back, down), f"{name} back")
+        return Chain(self.contact, self._clip, self.curve, strips, End(back, down), f"{name} back")
 
     def walled(self, name: str, works: fmpq, edge: Polynomial, floor: Polynomial | None = None) -> Chain:
         """What bounds one side of a wall from the opening on: its surface up to an edge, if that `works` for more than
@@ -171,7 +167,7 @@ class AroundOpening:
             rays = Outwards(self.join.contact.surface, self._frame, axis, self._frame.localise(edge))
             strips = (SolidStrip(name, self.contact.surface, rays),)
         end = End(scaled(edge) if works > 0 else clip.surface, clip.axis)
-        return Chain(self.contact, clip, self._curve, strips, end, f"{name} end", floor)
+        return Chain(self.contact, clip, self.curve, strips, end, f"{name} end", floor)
 
     @property
     def _center(self) -> Floats:
@@ -182,7 +178,8 @@ class AroundOpening:
         return Frame(self.center, self.scale)
 
     @property
-    def _curve(self) -> Floats:
+    def curve(self) -> Floats:
+        """Points (N, 3) spread along the opening."""
         return self._frame.global_points(self.join.curve())
 
     @property
@@ -211,7 +208,7 @@ class AroundOpening:
 
     def edge(self, reach: fmpq) -> Polynomial:
         """What ends the piece around the opening at a distance of `reach`, positive outside."""
-        share, onto = self._height.raw / dot(self.axis, self.axis), []
+        share, onto = height(self.center, self.axis) / dot(self.axis, self.axis), []
         for g, a, c, m in zip(GENERATORS, self.axis, self.center, self.middle, strict=True):
             foot = m if self.flat else c + share * a
             point = g - (share - self.low / dot(self.axis, self.axis)) * a if self.flat else g
@@ -240,7 +237,7 @@ class AroundOpening:
 
     def inside(self, edge: Polynomial) -> bool:
         """Whether its curve is inside an edge."""
-        return bool((scaled(edge)(self._curve) < 0).all())
+        return bool((scaled(edge)(self.curve) < 0).all())
 
     def holds(self, edge: Polynomial) -> bool:
         """Whether an edge, a cone with the same apex, is inside its own."""

@@ -35,7 +35,6 @@ from pas.partition.cells import Partition, Region
 from pas.partition.layout import Layout
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.chosen import B, ChosenBlend
-from pas.pipeline.search import excess
 from pas.surface.depth import Depth
 
 Trial: TypeAlias = "tuple[int | None, Partition | Layout]"
@@ -95,21 +94,18 @@ class Cavity:
 
         The outer one's points are not in the inner one.
         """
-        return self._wishes(self.evenness)
-
-    def _wishes(self, evenness: EvenWall | None) -> Wishes:
-        energy = self.outer.wishes.energy if evenness is None else self.outer.plate + evenness
+        energy = self.outer.wishes.energy if self.evenness is None else self.outer.plate + self.evenness
         return Wishes(energy=energy, limits=self.outer.wishes.limits)
 
     def plain(self, found: B) -> B:
         """An inner blend without what it was chosen by besides the outer one's energy, which files do not keep."""
-        choice = found.choice
+        choice, wishes = found.choice, self.wishes.changed(energy=self.outer.wishes.energy)
         if self.evenness is None or choice is None:
             return found
-        solver = FitSolver(found.space.prepared, self._wishes(None).settled(found.surface.placed))
+        solver = FitSolver(found.space.prepared, wishes.settled(found.surface.placed))
         seen = solver.iterate(to_doubles(choice.working)[0], choice.rows)
         energy = found.energy if seen is None else solver.rounded(seen, choice.share).energy
-        return replace(found, energy=energy, wishes=self._wishes(None), choice=replace(choice, energy=energy))
+        return replace(found, energy=energy, wishes=wishes, choice=replace(choice, energy=energy))
 
     def unevenness(self, inner: PiecewiseSurface) -> float:
         """By what factor the wall's thickness is beyond `EVEN`, at some thousand points: 1 for an even wall."""
@@ -130,24 +126,14 @@ class Cavity:
 
     def trials(self) -> Iterator[Trial]:
         """What to try, the likeliest first: the outer degree on each region, and the next; the outer layout with walls
-        nearer by."""
+        nearer by; and where nothing of that is proved, all degrees on each region."""
         own, degree = self.outer.surface.partition, self.outer.surface.degree
         yield from ((degree, region) for region in self._regions)
         if degree < HIGHEST_DEGREE:
             yield degree + 1, self._regions[0]
         if isinstance(own, Region) and not own.open and own.layout is not None:
             yield degree, own.layout
-
-    def last_trials(self) -> Iterator[Trial]:
-        """What to try where all these have nothing that is proved."""
         yield from ((None, region) for region in self._regions)
-
-    def serves(self, inner: ChosenBlend) -> bool:
-        """Whether an inner blend that is proved and whose wall is even is fair enough to look for no other.
-
-        Beside outer sides that are not fair, as some of cones and spheres are, none was found that is.
-        """
-        return not excess(inner) or excess(self.outer) > 0
 
     @cached_property
     def _radius(self) -> float:

@@ -27,7 +27,6 @@ from pas.algebra.scaling import scaled
 from pas.arrays import Floats
 from pas.contacts.contact import Contact
 from pas.contacts.endless import Pipe
-from pas.contacts.joins import Join
 from pas.errors import GeometryError
 from pas.limits import WorkLimits, limited
 from pas.piecewise import PiecewiseSurface
@@ -46,7 +45,7 @@ from pas.solid.tree import Atom, combined
 
 @dataclass(frozen=True, eq=False)
 class OpenedRun:
-    """The opening of a foot: `join` is that with the run, contact number `place` of the `surface`."""
+    """The opening of a foot: contact number `place` of the `surface` is that with the run."""
 
     surface: PiecewiseSurface
     place: int
@@ -61,38 +60,31 @@ class OpenedRun:
         return cls(surface, found[0])
 
     @property
-    def join(self) -> Join:
-        """With the run, in local coordinates."""
-        return self.surface.joins[self.place]
-
-    @property
     def contact(self) -> Contact:
         """With the run: its polynomial and the cone."""
         return self.surface.contacts[self.place]
 
-    @property
-    def points(self) -> Floats:
-        """Points (N, 3) spread along the opening."""
-        return self.surface.partition.frame.global_points(self.join.curve())
+    @cached_property
+    def opening(self) -> AroundOpening:
+        """As it is seen along its axis."""
+        return AroundOpening.of(self.surface, self.place)
 
     def room(self, reach: fmpq) -> Solid:
         """What the foot takes the place of in the run, though it may lie deeper: the cone above the foot's back."""
-        back = AroundOpening.of(self.surface, self.place).back(reach)
-        return Solid(combined(False, Atom(self.contact.clip, ""), Atom(back, "")))
+        return Solid(combined(False, Atom(self.contact.clip, ""), Atom(self.opening.back(reach), "")))
 
     def side(self, name: str, branch: str, reach: fmpq) -> Side | None:
         """What bounds the foot: its surface up to the opening, and its branch; None where that is none of `strips`."""
         other = 1 - self.place
-        plane, opening = clip_plane(self.surface, other), AroundOpening.of(self.surface, self.place)
-        chains = [chain_beyond(self.surface, other, branch, plane, reach)]
-        chains.insert(self.place, opening.walled(name, NOTHING, self.contact.clip))
+        chains = [chain_beyond(self.surface, other, branch, clip_plane(self.surface, other), reach)]
+        chains.insert(self.place, self.opening.walled(name, NOTHING, self.contact.clip))
         known = tuple(chain for chain in chains if chain is not None and chain.sound)
         return Side(self.surface, name, known) if len(known) == 2 else None
 
     def holds(self, points: Floats) -> bool:
         """Whether any of the points (N, 3) is in the cone, on the opening's side of its apex."""
-        local = self.surface.partition.frame.local_points(points)
-        return bool(((self.join.contact.clip(local) <= 0) & (local @ self.join.nappe[0] > 0)).any())
+        local, join = self.surface.partition.frame.local_points(points), self.opening.join
+        return bool(((join.contact.clip(local) <= 0) & (local @ join.nappe[0] > 0)).any())
 
 
 @limited("uniting a run with its feet", "fewer feet")
@@ -169,7 +161,7 @@ class HeaderSide:
                     f"{plain(start)} and {plain(end)}"
                 )
         for (i, a), (j, b) in combinations(enumerate(self.openings, start=1), 2):
-            if a.holds(b.points) or b.holds(a.points):
+            if a.holds(b.opening.curve) or b.holds(a.opening.curve):
                 raise GeometryError(
                     f"the openings of feet {i} and {j} meet; move the branches apart along the run or around it, or "
                     "give them less slope or radius, or join them by pas.node"
@@ -184,7 +176,7 @@ class HeaderSide:
     def _extents(self) -> list[tuple[float, float]]:
         """Where each opening begins and ends along the run."""
         axis, point = np.array(to_floats(self.run.axis)), np.array(to_floats(self.run.point))
-        places = [(opened.points - point) @ axis / (axis @ axis) for opened in self.openings]
+        places = [(opened.opening.curve - point) @ axis / (axis @ axis) for opened in self.openings]
         return [(float(some.min()), float(some.max())) for some in places]
 
     def _planes(self, low: fmpq, high: fmpq) -> tuple[Polynomial, Polynomial]:

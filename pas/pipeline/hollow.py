@@ -17,7 +17,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import chain
 from typing import Generic, TypeAlias, Unpack
 
 import numpy as np
@@ -177,7 +176,9 @@ class HollowBlend(Shape, Generic[B]):
             if pair[0] is None or pair[1] is None:
                 raise MeshError(f"one of the two sheets does not end in end {number}")
             made.ended(end, f"end {number}", pair[0], pair[1])
-        return WallMesh.of(made.mesh, sheets, ends)
+        whole = made.mesh
+        known = whole.points, whole.triangles, whole.faces, whole.names, whole.normals
+        return WallMesh(*known, deviation=whole.deviation, sheets=sheets, ends=ends)
 
     @property
     def _tolerance(self) -> float:
@@ -269,9 +270,8 @@ def _best(outer: B, cavity: Cavity) -> HollowBlend[B]:
     best: HollowBlend[B] | None = None
     least: Rank | None = None
     failure: Exception | None = None
-    trials = chain(((trial, False) for trial in cavity.trials()), ((trial, True) for trial in cavity.last_trials()))
-    for (degree, partition), last in trials:
-        if last and least is not None and not least[0]:
+    for degree, partition in cavity.trials():
+        if degree is None and least is not None and not least[0]:
             break
         try:
             found = find(type(outer), cavity.contacts, outer.surface.order, degree, partition, cavity.wishes, Stages())
@@ -282,7 +282,8 @@ def _best(outer: B, cavity: Cavity) -> HollowBlend[B]:
         rank = not made.certificate.proved, cavity.unevenness(found.surface), excess(made.inner)
         if least is None or rank < least:
             best, least = made, rank
-        if (rank[:2] == (False, 1.0) and cavity.serves(made.inner)) or made.crossing:
+        # Beside outer sides that are not fair, as some of cones and spheres are, no inner one was found that is.
+        if (rank[:2] == (False, 1.0) and (not rank[2] or excess(outer) > 0)) or made.crossing:
             break
     if best is None:
         raise NotProvedError(f"no inner surface was found: {failure}; a thinner wall may have one", None) from failure

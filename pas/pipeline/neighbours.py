@@ -36,7 +36,7 @@ from flint import fmpq, fmpq_poly
 from pas.algebra.affine import away, height, slope_at
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, cross, dot, exact, minus, moved, three, to_float, to_floats, two_across
-from pas.arrays import Floats
+from pas.arrays import Bools, Floats
 from pas.bernstein.signs import alike
 from pas.certify.nesting import prove_inside
 from pas.certify.proofs import radial_derivative
@@ -157,7 +157,7 @@ class Slab:
         room = 1.5
         return exact(min(room * max(far, self.reach), (far + near) / 2))
 
-    def _in_faces(self, points: Floats) -> np.ndarray:
+    def _in_faces(self, points: Floats) -> Bools:
         """Which points (N, 3) of the plane are in the clip faces."""
         inside = np.zeros(len(points), dtype=bool)
         for face in self.join.faces:

@@ -72,10 +72,6 @@ class PipeFace:
             return None
         return cls(face, surface, point, way, radius, value < 0)
 
-    def passes(self, point: Vector) -> bool:
-        """Whether its axis does."""
-        return not any(cross(minus(point, self.point), self.way))
-
 
 @dataclass(frozen=True, eq=False)
 class PipeArm:
@@ -131,7 +127,8 @@ class PipeNode:
         if one is None or center is None or not isinstance(level, Node) or level.union == one.is_bore:
             return None
         found = (PipeFace.of(name, some) for name, some in polynomials.items() if name != one.face)
-        near = [one, *(tube for tube in found if tube and tube.is_bore == one.is_bore and tube.passes(center))]
+        alike = (tube for tube in found if tube and tube.is_bore == one.is_bore)
+        near = [one, *(tube for tube in alike if not any(cross(minus(center, tube.point), tube.way)))]
         parts = tuple(part for part in level.parts if _has(part, near))
         node = cls(solid, level, parts, tuple(near), center, order, title_of(solid, order, face))
         mesh, joined = node.pipes.mesh(), [one]

@@ -37,6 +37,7 @@ from pas.blending.solving import solve
 from pas.blending.space import Space
 from pas.certify.certificate import Certificate
 from pas.contacts.contact import Contact
+from pas.contacts.rims import Rim
 from pas.errors import GeometryError
 from pas.fairing.energies.curvature_variation import CurvatureVariation
 from pas.fairing.wishes import MeanAlpha, Wishes
@@ -52,7 +53,7 @@ class Found:
     """What is kept of a blend; nothing of it that could be changed is handed out."""
 
     surface: PiecewiseSurface
-    anchors: tuple[Anchor, ...]
+    rims: tuple[Rim, ...]
     certificate: Certificate
     dimension: int
     energy: float
@@ -64,14 +65,21 @@ class Found:
         """That of a proved blend; raises `GeometryError` where a contact has no plane curve."""
         s = blend.surface
         own = PiecewiseSurface(s.partition.moved(Affine(UNITS, ORIGIN)), s.contacts, s.order, s.patches, s.degree)
-        found = tuple(map(Anchor.of, s.contacts))
-        return cls(own, found, s.certificate, blend.dimension, blend.energy, blend.attempts, blend.wishes)
+        return cls(
+            own,
+            tuple(c.rim for c in s.contacts),
+            s.certificate,
+            blend.dimension,
+            blend.energy,
+            blend.attempts,
+            blend.wishes,
+        )
 
-    def matched(self, contacts: Sequence[Contact], given: Sequence[Anchor]) -> Match | None:
-        """How contacts with their anchors are those of this blend; None where no exact similarity is found."""
-        places = {anchor.point for anchor in given}
-        for map_, scale in similarities(self.anchors, given):
-            if {map_.exact(anchor.point) for anchor in self.anchors} != places:
+    def matched(self, contacts: Sequence[Contact], given: Sequence[Rim]) -> Match | None:
+        """How contacts with their rims are those of this blend; None where no exact similarity is found."""
+        places = {rim.center for rim in given}
+        for map_, scale in similarities(self.rims, given):
+            if {map_.exact(rim.center) for rim in self.rims} != places:
                 continue
             ours = [(map_.polynomial(c.surface), map_.polynomial(c.clip)) for c in self.surface.contacts]
             numbers = [n for contact in contacts if (n := _counterpart(contact, ours)) is not None]
@@ -175,7 +183,7 @@ class Session:
         with self._lock:
             candidates = [(name, found) for name, found in reversed(self._kept.items()) if name[0] == key]
         try:
-            given = tuple(map(Anchor.of, contacts))
+            given = [contact.rim for contact in contacts]
         except GeometryError:
             return None
         for name, found in candidates:
@@ -230,23 +238,11 @@ def keep_blends(most: int = USUAL) -> None:
     _OPEN.set((Session(most),) if whole(most, "most", 0, MOST) else ())
 
 
-@dataclass(frozen=True)
-class Anchor:
-    """A point and a direction that move with a contact: the centre of its curve and the normal of its plane."""
+def similarities(before: Sequence[Rim], after: Sequence[Rim]) -> Iterator[tuple[Affine, fmpq]]:
+    """Exact similarities with their scales that may take centres and normals of some rims to those of others, in
+    whatever order.
 
-    point: Vector
-    normal: Vector
-
-    @classmethod
-    def of(cls, contact: Contact) -> Anchor:
-        """That of a contact; raises `GeometryError` where it has no plane curve."""
-        return cls(contact.rim.center, contact.rim.normal)
-
-
-def similarities(before: Sequence[Anchor], after: Sequence[Anchor]) -> Iterator[tuple[Affine, fmpq]]:
-    """Exact similarities with their scales that may take some anchors to others, in whatever order.
-
-    As many anchors as span the space, or the plane that all lie in, are tried in all places.  Where all are on one
+    As many rims as span the space, or the plane that all lie in, are tried in all places.  Where all are on one
     line, a reflection takes the one line to the other.
     """
     if len(before) != len(after):
@@ -256,15 +252,15 @@ def similarities(before: Sequence[Anchor], after: Sequence[Anchor]) -> Iterator[
     base = before[: sizes[ranks.index(max(ranks))]]
     for chosen in permutations(after, len(base)):
         for map_, scale in linear_maps(_vectors(base), _vectors(chosen)):
-            yield translation(minus(chosen[0].point, map_.exact(base[0].point))).after(map_), scale
+            yield translation(minus(chosen[0].center, map_.exact(base[0].center))).after(map_), scale
 
 
-def _vectors(anchors: Sequence[Anchor]) -> list[Vector]:
-    """Vectors that move with anchors: differences of points, and the first of these along the normals."""
-    first, *others = anchors
-    ways = [minus(other.point, first.point) for other in others]
-    shares = (dot(ways[0], a.normal) / dot(a.normal, a.normal) for a in anchors)
-    return [*ways, *(three(share * c for c in a.normal) for share, a in zip(shares, anchors, strict=True))]
+def _vectors(rims: Sequence[Rim]) -> list[Vector]:
+    """Vectors that move with rims: differences of centres, and the first of these along the normals."""
+    first, *others = rims
+    ways = [minus(other.center, first.center) for other in others]
+    shares = (dot(ways[0], rim.normal) / dot(rim.normal, rim.normal) for rim in rims)
+    return [*ways, *(three(share * c for c in rim.normal) for share, rim in zip(shares, rims, strict=True))]
 
 
 def linear_maps(before: list[Vector], after: list[Vector]) -> list[tuple[Affine, fmpq]]:

@@ -37,12 +37,6 @@ class WallMesh(Mesh):
     sheets: tuple[PiecewiseSurface, ...] = ()
     ends: Sequence[End] = field(default=())
 
-    @classmethod
-    def of(cls, mesh: Mesh, sheets: tuple[PiecewiseSurface, PiecewiseSurface], ends: Sequence[End]) -> WallMesh:
-        """A mesh with what it is the mesh of."""
-        parts = (mesh.points, mesh.triangles, mesh.faces, mesh.names, mesh.normals)
-        return cls(*parts, deviation=mesh.deviation, sheets=sheets, ends=ends)
-
     @cached_property
     def certificate(self) -> Findings:
         """Whether it is closed, both sheets are their surfaces, and rings are between them at the ends."""

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.algebra.brief import brief, listed
 from pas.algebra.inputs import shown
-from pas.arrays import Floats
+from pas.arrays import Bools, Floats
 from pas.limits import WorkLimits, in_parts, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
@@ -66,7 +66,6 @@ class Part(AffineShape["Part"], Shape):
 
     @property
     def bounding_box(self) -> Floats:
-        """That of its solid or mesh (2, 3)."""
         return self.shape.bounding_box
 
     def _moved(self, map_: Affine) -> Part:
@@ -133,7 +132,7 @@ class Assembly(AffineShape["Assembly"], Shape):
         }
         return Assembly(MappingProxyType(parts))
 
-    def contains(self, points: ArrayLike) -> np.ndarray:
+    def contains(self, points: ArrayLike) -> Bools:
         """Whether points (..., 3) are in some part that is a solid, shape (...)."""
         solids = [p.shape for p in self.parts.values() if isinstance(p.shape, Solid)]
         return np.any([s.contains(points) for s in solids], axis=0)
@@ -145,7 +144,6 @@ class Assembly(AffineShape["Assembly"], Shape):
 
     @property
     def bounding_box(self) -> Floats:
-        """Two corners (2, 3) of the smallest box with sides along the axes, up to the parts' default tolerances."""
         return hull([p.bounding_box for p in self.parts.values()])
 
     def _moved(self, map_: Affine) -> Assembly:

@@ -263,15 +263,10 @@ class Prism(SweptBody):
                     f"{self.height:.6g}; take a smaller height or taper"
                 )
             tops.append(top)
-        if (
-            flat(tops) is None
-            or min(cross(p, np.roll(p, -1, axis=0)).sum() * s for p, s in zip(tops, self._signs, strict=True)) <= 0
-        ):
+        areas = [cross(p, np.roll(p, -1, axis=0)).sum() for p in tops]
+        signs = [1 if loop.is_counterclockwise else -1 for loop in self.loops]
+        if flat(tops) is None or min(area * sign for area, sign in zip(areas, signs, strict=True)) <= 0:
             raise GeometryError("the taper is too much: sides meet below the top; take a smaller height or taper")
-
-    @property
-    def _signs(self) -> list[int]:
-        return [1 if loop.is_counterclockwise else -1 for loop in self.loops]
 
 
 def inwards(loop: Loop, points: Floats, counts: list[int]) -> list[Floats]:

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from pas.algebra.affine import Affine, numbered, reflection, rotation, scaling, translation, translations, turns
 from pas.algebra.inputs import points_of, shown
 from pas.algebra.rational import Exact, rational
-from pas.arrays import Floats
+from pas.arrays import Bools, Floats
 from pas.errors import GeometryError, missing
 from pas.solid.edges import Loop, PlaneEdge, Point, apart
 from pas.solid.extrusion import Lean, extruded
@@ -180,7 +180,7 @@ class Profile:
     def _formula(self) -> Tree:
         return self._tree(lambda loop, _: Lean(fmpq(0)).tree(loop), False)
 
-    def contains(self, points: ArrayLike) -> np.ndarray:
+    def contains(self, points: ArrayLike) -> Bools:
         """Whether points (..., 2) are inside, shape (...)."""
         flat = np.asarray(points, dtype=float)
         space = points_of(np.concatenate([flat, np.zeros((*flat.shape[:-1], 1))], axis=-1))

@@ -172,7 +172,10 @@ class FaceDistance(Distance):
         places, outward = self._foot(labels, points[rows], starts)
         square = ((places - points[rows]) ** 2).sum(axis=1)
         if labels.shape[1] < 3:
-            hidden = self._buried(places, labels[:, 0]) if labels.shape[1] == 1 else self._covered(places, outward)
+            if labels.shape[1] == 1:
+                hidden = self._buried(places, labels[:, 0])
+            else:  # the solid is above the curve on which a groove lies: it does not go there
+                hidden = self._field.inside(self._field.signs(places + BESIDE * unit_rows(outward)))
             square[hidden] = np.inf
         return rows, square, places, outward
 
@@ -204,10 +207,6 @@ class FaceDistance(Distance):
         step = BESIDE * _normals(self._field, points, label)
         signs = [self._field.signs(points + side * step) for side in (-1, 1)]
         return np.asarray(self._field.inside(signs[0]) & self._field.inside(signs[1]))
-
-    def _covered(self, points: Floats, normals: Floats) -> Bools:
-        """Whether the solid is above points of the curve on which a groove lies: the groove does not go there."""
-        return np.asarray(self._field.inside(self._field.signs(points + BESIDE * unit_rows(normals))))
 
 
 def _corners(mesh: Labelled, field: SolidField, labels: set[int]) -> list[_Target]:

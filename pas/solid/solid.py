@@ -22,7 +22,7 @@ from pas.algebra.brief import listed
 from pas.algebra.inputs import check_names, check_tolerance, points_of
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, rational, to_float
-from pas.arrays import Floats
+from pas.arrays import Bools, Floats
 from pas.errors import GeometryError, meant
 from pas.limits import WorkLimits, limited
 from pas.mesh.closed import triangulate_faces
@@ -218,7 +218,7 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
     def _field_of(self, tree: Tree) -> SolidField:
         return SolidField(tree, self._around, orders(self.joints), np.array(self.special_points).reshape(-1, 3))
 
-    def contains(self, points: ArrayLike) -> np.ndarray:
+    def contains(self, points: ArrayLike) -> Bools:
         """Whether points (..., 3) are inside, shape (...).
 
         Points on a face count as inside, on one that a difference left as outside.

@@ -250,15 +250,12 @@ class TubeEnd(Distance):
         # another strand of the tube may pass this end; the plane cuts only its own
         far = 2 * self.tube.radius
         near = np.flatnonzero(np.linalg.norm(points - self._point, axis=1) < far)
-        near = near[np.abs(self._along(self.tube.nearest(points[near])[0])) < far]
+        parameters = self.tube.nearest(points[near])[0]
+        near = near[np.abs(np.interp(parameters, self.tube.parameters, self._lengths)) < far]  # along the curve
         result = np.concatenate([np.zeros((len(points), 1)), np.broadcast_to(self._outwards, points.shape)], axis=1)
         result[:, 0] = -self.tube.radius
         result[near, 0] = (points[near] - self._point) @ self._outwards
         return result
-
-    def _along(self, t: Floats) -> Floats:
-        """The length of the curve between this end and parameters t (N,)."""
-        return np.interp(t, self.tube.parameters, self._lengths)
 
     @cached_property
     def _lengths(self) -> Floats:

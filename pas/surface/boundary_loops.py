@@ -16,7 +16,7 @@ import numpy as np
 from pas.algebra.bracket import Jets
 from pas.algebra.lengths import across
 from pas.algebra.polynomial import Polynomial
-from pas.arrays import Floats, Integers
+from pas.arrays import Bools, Floats, Integers
 from pas.contacts.cones import first_met, nappe_rays
 from pas.contacts.joins import Join
 from pas.mesh.rows import dots
@@ -86,7 +86,7 @@ class ConeLoop:
             total += np.abs(p(points)) / np.maximum(np.sqrt(dots(slope, slope)), 1e-300)
         return total
 
-    def inside(self, units: Floats) -> np.ndarray:
+    def inside(self, units: Floats) -> Bools:
         """Which rays (N, 3) from 0 pass through the curve."""
         return np.asarray((self.clip(units) <= 0) & (units @ self.normal > 0))
 
@@ -134,7 +134,7 @@ class PlaneLoop:
         """How far points (N, 3) are from the curve, out of its plane or in it, to first order."""
         return self.distances(points) + np.abs((points - self.middle) @ self.normal)
 
-    def inside(self, units: Floats) -> np.ndarray:
+    def inside(self, units: Floats) -> Bools:
         """Which rays (N, 3) from 0 pass through the curve."""
         offset = float(self.middle @ self.normal)
         along = units @ self.normal

@@ -21,7 +21,6 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.bracket import zeros_of_columns
-from pas.algebra.evaluation import PolynomialBatch
 from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.rows import quarters
@@ -76,7 +75,7 @@ class Directions:
         pieces = np.array([face.piece for face in local.outer_faces], dtype=np.intp)
         for _ in range(even):
             triangles, pieces = _quartered(triangles, pieces)
-        member, found = _Member.of(columns, degree), list[tuple[Any, ...]]()
+        member, found = _Member(columns, degree), list[tuple[Any, ...]]()
         limit = 0.0
         for level in range(even, deepest + 1):
             checkpoint("sending rays")
@@ -120,7 +119,7 @@ class Directions:
         it is in use."""
         used = np.flatnonzero(placed.in_use(units))
         ends, pieces = _ends(placed.local, units[used])
-        distances, _ = _Member.of(columns, degree).met(ends, pieces)
+        distances, _ = _Member(columns, degree).met(ends, pieces)
         met = np.flatnonzero(distances > 0)
         order, slices = _by_piece(pieces[met], len(columns))
         met = met[order]
@@ -162,18 +161,12 @@ def _quartered(triangles: Floats, pieces: Integers) -> tuple[Floats, Integers]:
     return quarters(triangles).swapaxes(0, 1).reshape(-1, 3, 3), np.tile(pieces, 4)
 
 
-@dataclass(frozen=True)
 class _Member:
     """A piecewise polynomial: its values and gradients, and its coefficients along rays from the centre."""
 
-    values: PolynomialBatch
-    gradients: PolynomialBatch
-    profiles: PolynomialBatch
-
-    @classmethod
-    def of(cls, columns: Sequence[Floats], degree: int) -> _Member:
-        values, gradients = (derivative_batch(columns, (order,)) for order in (0, 1))
-        return cls(values, gradients, profile_batch(columns, degree))
+    def __init__(self, columns: Sequence[Floats], degree: int) -> None:
+        self.values, self.gradients = (derivative_batch(columns, (order,)) for order in (0, 1))
+        self.profiles = profile_batch(columns, degree)
 
     def met(self, ends: Floats, pieces: Integers) -> tuple[Floats, Floats]:
         """Where rays to given ends meet it, 0 for those that end inside, and the area for a unit of solid angle."""
@@ -209,12 +202,7 @@ def circle(first: Floats, second: Floats) -> Floats:
 
 def runs(there: Bools) -> list[Integers]:
     """Runs of True round a circle (n,), as index arrays."""
-    if there.all():
-        return [np.arange(len(there))]
-    if not there.any():
-        return []
-    start = int(np.flatnonzero(~there)[0])
-    order = (np.arange(len(there)) + start) % len(there)
+    order = (np.arange(len(there)) + (~there).argmax()) % len(there)
     breaks = np.flatnonzero(np.diff(there[order].astype(int)))
     parts = np.split(order, breaks + 1)
     return [part for part in parts if there[part[0]]]

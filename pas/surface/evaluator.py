@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pas.algebra.evaluation import PolynomialBatch
-from pas.algebra.inputs import shown
+from pas.algebra.inputs import points_of, shown
 from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import to_float, to_floats
@@ -77,6 +77,7 @@ class Evaluator:
         self.patches: tuple[Polynomial, ...] = tuple(patches)
         self.scaled = Scaled.of(self.patches)
         self.degree = max(0, *(patch.degree for patch in self.patches))
+        self._batches: dict[tuple[int, ...], PolynomialBatch] = {}
 
     def __repr__(self) -> str:
         pieces = "1 piece" if len(self.patches) == 1 else f"{len(self.patches)} pieces"
@@ -183,11 +184,6 @@ class Evaluator:
         return self._batches[orders]
 
     @cached_property
-    def _batches(self) -> dict[tuple[int, ...], PolynomialBatch]:
-        """Those that were asked for, by orders."""
-        return {}
-
-    @cached_property
     def columns(self) -> list[Floats]:
         """The coefficients of the scaled patches (C(n+3, 3),), rounded."""
         return [patch.dense(max(patch.degree, 0)) for patch in self.scaled.polynomials]
@@ -195,12 +191,7 @@ class Evaluator:
 
 def checked(points: ArrayLike, name: str = "points") -> Floats:
     """Finite points (..., 3), at least one.  Raises `ValueError` otherwise."""
-    try:
-        array = np.asarray(points, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must be numbers of shape (..., 3), not {shown(points)}") from None
-    if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"{name} must have shape (..., 3), not {array.shape}")
+    array = points_of(points, name)
     if array.size == 0:
         raise ValueError(f"{name} must hold at least one, not none: their shape is {array.shape}")
     finite = np.isfinite(array)

@@ -15,7 +15,7 @@ from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_fraction, vector
 from pas.algebra.scaling import Scaled
-from pas.arrays import Floats
+from pas.arrays import Bools, Floats
 from pas.bernstein.forms import b_form, nearby_forms, on_simplex
 from pas.contacts.joins import Join
 from pas.partition.cells import Partition
@@ -131,7 +131,7 @@ class PiecewisePolynomial(InPlace):
         principal = Geometry(jets.reshape(-1, jets.shape[-1])).principal.reshape(*jets.shape[:-1], 2)
         return np.stack([principal.mean(axis=-1), principal.prod(axis=-1)], axis=-1)
 
-    def contains(self, points: ArrayLike) -> np.ndarray:
+    def contains(self, points: ArrayLike) -> Bools:
         """Whether `points` (..., 3) are in the region and inside or on the surface, shape (...)."""
         return np.asarray(self(points) <= 0)
 

@@ -21,7 +21,7 @@ from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import counted_on, cross, dots
+from pas.mesh.rows import counted_on, cross, dots, spans
 from pas.mesh.shading import unit_rows
 from pas.mesh.sheet import open_mesh, remeshed
 from pas.mesh.topology import Edges, connected
@@ -149,10 +149,8 @@ def _icosahedral(level: int) -> Integers:
 
 def seen(points: Floats, triangles: Integers) -> Bools:
     """Which triangles (T,) are seen from 0 with their outside away."""
-    a, b, c = (points[triangles[:, i]] for i in range(3))
-    volume = dots(a, cross(b, c))
-    lengths = np.sqrt(dots(a, a) * dots(b, b) * dots(c, c))
-    return np.asarray(volume > SEEN * SEEN * lengths)
+    volumes, lengths = spans(points[triangles])
+    return np.asarray(volumes > SEEN * SEEN * lengths)
 
 
 def hull(field: RadialField, level: int, around: int) -> tuple[Floats, Integers]:
@@ -201,7 +199,7 @@ def _collars(field: RadialField, rings: list[Floats], spacing: float) -> list[Fl
     return result
 
 
-def _clear(units: Floats, rings: list[Floats], spacing: float) -> np.ndarray:
+def _clear(units: Floats, rings: list[Floats], spacing: float) -> Bools:
     """Which of some directions are not too close to rings, nor to those before, for how far they are from rings."""
     edge = unit_rows(np.concatenate(rings))
     angle = np.arccos(np.clip((units @ edge.T).max(axis=1), -1, 1))
@@ -237,7 +235,7 @@ def _keys(a: Integers, b: Integers, size: int) -> Integers:
     return np.minimum(a, b) * size + np.maximum(a, b)
 
 
-def _halved(curve: BoundaryLoop, ring: Floats, chosen: np.ndarray) -> Floats:
+def _halved(curve: BoundaryLoop, ring: Floats, chosen: Bools) -> Floats:
     middles = curve.at((ring + np.roll(ring, -1, axis=0)) / 2)
     both = np.stack([ring, middles], axis=1).reshape(-1, 3)
     return both[np.stack([np.ones(len(ring), dtype=bool), chosen], axis=1).ravel()]

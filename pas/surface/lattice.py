@@ -45,15 +45,6 @@ class _Tetrahedra(Cells):
     points: Floats
 
 
-@dataclass(frozen=True)
-class Lattice:
-    """Nodes (N, 3) with values (N,), and the small tetrahedra (T, 4) the surface passes through."""
-
-    points: Floats
-    values: Floats
-    tetrahedra: Integers
-
-
 class Subdivision:
     """The tetrahedra that may hold zeros, as they are cut again and again.
 
@@ -123,8 +114,8 @@ class Subdivision:
         return found.status is Status.REFUTED
 
     @property
-    def lattice(self) -> Lattice:
-        """The tetrahedra across which the sign changes, with shared nodes."""
+    def lattice(self) -> tuple[Floats, Floats, Integers]:
+        """Nodes (N, 3) with values (N,), and the tetrahedra (T, 4) across which the sign changes."""
         corners = self.points.reshape(-1, 3)
         first, joined = first_with(self.keys.ravel() & MOST, corners)
         points = corners[first]
@@ -132,7 +123,7 @@ class Subdivision:
         values = np.where(values == 0, TINY, values)
         joined = joined.reshape(-1, 4)
         negative = (values < 0)[joined]
-        return Lattice(points, values, joined[any_of(negative) & any_of(~negative)])
+        return points, values, joined[any_of(negative) & any_of(~negative)]
 
 
 def _kept(forms: Floats) -> Bools:

@@ -70,35 +70,31 @@ class Mesher:
         """
         return quality.best_of(partial(self._triangles, tolerance, most, aim) for aim in quality.aims)
 
+    @np.errstate(all="ignore")  # what is not finite is no graph, or folded, and refused
     def moved(self, points: Floats, triangles: Integers, tolerance: float) -> Mesh:
         """The mesh of points (N, 3) and triangles (T, 3) near the surface moved onto it, within a tolerance, measured.
 
         It is faster than to begin anew.  Raises `ArithmeticError` where that folds triangles or leaves some too far.
         """
-        with np.errstate(all="ignore"):  # what is not finite is folded, and refused
-            local = self.surface.partition.frame.local_points(points)
-            field = self.radial_field
-            if field is not None:
-                try:
-                    rim = rim_numbers(field, local, triangles)
-                    require_once(field, local[rim < 0])
-                    return followed(field, local, triangles, rim, tolerance / field.scale)
-                except ArithmeticError:  # no graph over directions
-                    pass
-            cells = self.cell_field
-            return followed(cells, local, triangles, wall_numbers(cells, local, triangles), tolerance / cells.scale)
+        local, field = self.surface.partition.frame.local_points(points), self.radial_field
+        if field is not None:
+            with suppress(ArithmeticError):  # no graph over directions
+                rim = rim_numbers(field, local, triangles)
+                require_once(field, local[rim < 0])
+                return followed(field, local, triangles, rim, tolerance / field.scale)
+        cells = self.cell_field
+        return followed(cells, local, triangles, wall_numbers(cells, local, triangles), tolerance / cells.scale)
 
+    @np.errstate(all="ignore")  # what is not finite is no graph, or folded, and refused
     def _triangles(self, tolerance: float, most: int | None, aim: float) -> Mesh:
         field, settings = self.radial_field, Settings(aim=aim, most=LARGEST if most is None else most)
-        with np.errstate(all="ignore"):  # what is not finite is no graph
-            if field is not None and self.first is not None:
-                with suppress(ArithmeticError):
-                    return star(field, self.first, tolerance / field.scale, settings)
-                with suppress(ArithmeticError):
-                    return bisected(field, tolerance / field.scale, settings)
+        if field is not None and self.first is not None:
+            with suppress(ArithmeticError):
+                return star(field, self.first, tolerance / field.scale, settings)
+            with suppress(ArithmeticError):
+                return bisected(field, tolerance / field.scale, settings)
         try:
-            with np.errstate(all="ignore"):  # what is not finite is folded, and refused
-                return triangulate(self.beginnings, tolerance / self.cell_field.scale, settings)
+            return triangulate(self.beginnings, tolerance / self.cell_field.scale, settings)
         except FoldedError as error:
             raise MeshError(f"{error}{_sharpest(self.surface)}") from None
 

@@ -6,6 +6,7 @@ The piece of a ray is that of the outer face it leaves the region through, so no
 from __future__ import annotations
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from pas.algebra.bracket import jets_of_columns, sign_change
 from pas.arrays import Bools, Floats, Integers
@@ -134,8 +135,5 @@ class RadialField(LocalSurface):
         samples = 32  # places along a ray where the sign of f is looked at
         profiles, leave = self.profiles(points)
         shares = np.outer(np.linspace(0.0, 1.0, samples + 1), leave)
-        values = np.zeros_like(shares)
-        for coefficients in profiles[::-1]:
-            values = values * shares + coefficients
-        inside = values < 0
+        inside = polyval(shares, profiles, tensor=False) < 0
         return bool((inside[:-1] >= inside[1:]).all() and inside[0].all() and not inside[-1].any())

@@ -227,10 +227,8 @@ def _tube(one: Neighbour) -> StraightEnd | None:
 
 def _continue(a: StraightEnd, b: StraightEnd, most: float) -> bool:
     """Whether two tubes continue one another: they turn little, and lie on one line or meet in the centre."""
-    turn = float(a.axis @ b.axis)
-    if _on_one_line(a, b):
-        return True
-    return turn < most and all(float(np.linalg.norm(one.foot)) <= APART * one.radius for one in (a, b))
+    central = all(float(np.linalg.norm(one.foot)) <= APART * one.radius for one in (a, b))
+    return _on_one_line(a, b) or (central and float(a.axis @ b.axis) < most)
 
 
 def _on_one_line(a: StraightEnd, b: StraightEnd) -> bool:

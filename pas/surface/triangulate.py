@@ -27,7 +27,7 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.shading import unit_rows, uprightness
 from pas.mesh.sheet import BadMeshError, open_mesh, remeshed
 from pas.mesh.topology import Edges, euler_characteristic, is_manifold, piece_count
-from pas.surface.lattice import Lattice, Subdivision
+from pas.surface.lattice import Subdivision
 from pas.surface.local_field import LocalField
 
 LEAST, FINEST = 2, 8
@@ -103,9 +103,9 @@ class Beginnings:
                 searched = 20_000
                 plain = len(bent) <= BENT * len(cells.forms) and (not hidden or len(cells.forms) > searched)
                 grid = cells.lattice if plain or self._ended else None
-                if grid is not None and len(grid.tetrahedra):
+                if grid is not None and len(grid[2]):
                     try:
-                        first: Labelled | ArithmeticError = _first(self.field, grid)
+                        first: Labelled | ArithmeticError = _first(self.field, *grid)
                     except ArithmeticError as error:
                         first = error.with_traceback(None)
                     self._found.append((first, bent[:1]))
@@ -130,13 +130,13 @@ def _place(field: LocalField, point: Floats) -> str:
     return shown_point(0.0 if abs(v) < VISIBLE * field.scale else v for v in field.world(point))
 
 
-def _first(field: LocalField, grid: Lattice) -> Labelled:
-    negative = grid.values < 0
-    ends, triangles = crossings(negative, grid.tetrahedra)
+def _first(field: LocalField, nodes: Floats, values: Floats, tetrahedra: Integers) -> Labelled:
+    negative = values < 0
+    ends, triangles = crossings(negative, tetrahedra)
     a, b = ends.T
-    share = grid.values[a] / (grid.values[a] - grid.values[b])
-    crossed = grid.points[a] + share[:, None] * (grid.points[b] - grid.points[a])
-    plain = oriented(grid.points, negative, ends, crossed, triangles)
+    share = values[a] / (values[a] - values[b])
+    crossed = nodes[a] + share[:, None] * (nodes[b] - nodes[a])
+    plain = oriented(nodes, negative, ends, crossed, triangles)
     wanted = _topology(plain)
     for snap in SNAPS:
         checkpoint("contouring")

@@ -163,7 +163,6 @@ class Cyclide(Parametrized):
         return np.stack([u, np.arctan2(self.b * z / behind, (self.a - share) / self.m)], axis=1)
 
     def at(self, places: Floats) -> Floats:
-        """Its points (N, 3)."""
         a, b, c, m = self.a, self.b, self.c, self.m
         (p, q), (s, t) = np.cos(places).T, np.sin(places).T
         found = m * (c - a * p * q) + b * b * p, b * s * (a - m * q), b * t * (c * p - m)

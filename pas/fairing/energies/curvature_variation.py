@@ -54,7 +54,6 @@ class CurvatureVariation(Energy):
             object.__setattr__(self, name, amount(getattr(self, name), name))
 
     def residuals(self, points: SurfacePoints, sizes: Sizes) -> Floats:
-        """What is squared and integrated over the surface, (N, 6 + number of runs)."""
         tension, gauge = self._roots(sizes)
         bent = sizes.radius * TIMES * points.variation
         gauged = gauge * np.log(points.gradients)
@@ -62,7 +61,6 @@ class CurvatureVariation(Energy):
         return np.concatenate([bent, gauged[:, None], stretched, self._off_runs(points.points, sizes)], axis=1)
 
     def slopes(self, points: SurfacePoints, sizes: Sizes) -> Floats:
-        """The derivatives of the residuals (N, 6 + number of runs, 14)."""
         slopes = np.zeros((len(points), 6 + len(sizes.runs), QUANTITIES))
         for i in range(4):
             slopes[:, i, 10 + i] = sizes.radius * TIMES[i]

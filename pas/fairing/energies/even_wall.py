@@ -66,13 +66,11 @@ class EvenWall(Energy):
         return self.depth(points)[0] / self.thickness(points)[0]
 
     def residuals(self, points: SurfacePoints, sizes: Sizes) -> Floats:
-        """What is squared and integrated over the surface, (N, 2)."""
         off = self.shares(points.points) - 1
         beyond = sqrt(PRESS) * (off - np.clip(off, -NEAR, NEAR))
         return sqrt(self.weight) / sizes.radius * np.stack([off, beyond], axis=1)
 
     def slopes(self, points: SurfacePoints, sizes: Sizes) -> Floats:
-        """The derivatives of the residuals (N, 2, 14)."""
         depths, normals = self.depth(points.points)
         wanted, gradients = self.thickness(points.points)
         slopes = np.zeros((len(points), 2, QUANTITIES))

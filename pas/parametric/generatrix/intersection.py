@@ -29,7 +29,7 @@ from pas.algebra.inputs import shown, shown_point
 from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, to_floats
-from pas.arrays import Floats
+from pas.arrays import AnyArray, Floats
 from pas.certify.free_curves import dual
 from pas.errors import GeometryError
 from pas.parametric.generatrix.boundary import Boundary, part
@@ -281,7 +281,7 @@ def _is_point(branch: QuadricBranch) -> bool:
     return bool(np.abs(points[1:] @ points[0]).min() > 1 - 1e-12)
 
 
-def _trigonometric(coefficients: np.ndarray, angle: Floats) -> Floats:
+def _trigonometric(coefficients: AnyArray, angle: Floats) -> Floats:
     """The real value of sum_k c_k e^(i(k - n/2)a), n the greatest k."""
     n = len(coefficients) - 1
     value = np.polynomial.polynomial.polyval(np.exp(1j * angle), coefficients)

@@ -26,11 +26,11 @@ from itertools import pairwise
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
 
-from pas.algebra.affine import quadratic_form
+from pas.algebra.affine import quadratic_form, slope_at
 from pas.algebra.brief import brief
 from pas.algebra.inputs import short
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Vector, square_root, to_floats, to_fraction
+from pas.algebra.rational import Vector, square_root, three, to_floats, to_fraction
 from pas.algebra.roots import between, real_roots
 from pas.arrays import Floats
 from pas.parametric.hermite import taylor_basis
@@ -143,20 +143,18 @@ def inertia(matrix: fmpq_mat) -> Inertia:
     return positive, int(matrix.rank()) - positive
 
 
-def read_plane(plane: PolynomialLike, name: str = "the plane") -> tuple[Vector, fmpq]:
+def read_plane(plane: PolynomialLike) -> tuple[Vector, fmpq]:
     """Normal n and offset d of the plane n . x = d given by a polynomial of degree one, such as "z - 1".
 
     The greatest entry of the normal is within `REACH`.
     """
     polynomial = Polynomial(plane)
     if polynomial.degree != 1:
-        raise ValueError(f"{name} must be a polynomial of degree 1 such as 'z - 1', not {short(str(polynomial))}")
-    c = polynomial.raw.to_dict()
-    normal = [c.get(e, fmpq(0)) for e in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
+        raise ValueError(f"the plane must be a polynomial of degree 1 such as 'z - 1', not {short(str(polynomial))}")
+    normal = slope_at(polynomial)
     greatest = max(map(abs, normal))
     scale = 1 if REACH[0] <= to_fraction(greatest) <= REACH[1] else greatest
-    x, y, z = (n / scale for n in normal)
-    return (x, y, z), -c.get((0, 0, 0), fmpq(0)) / scale
+    return three(n / scale for n in normal), -polynomial.raw(0, 0, 0) / scale
 
 
 def to_array(matrix: fmpq_mat) -> Floats:

@@ -21,8 +21,9 @@ from flint import fmpq, fmpq_mat
 from pas.algebra.inputs import short, shown, shown_point
 from pas.algebra.lengths import exponent
 from pas.algebra.polynomial import PolynomialLike
-from pas.algebra.rational import Exact, Vector, dot, exact, to_float, to_floats, two_across
+from pas.algebra.rational import Exact, Vector, dot, exact, three, to_float, to_floats, two_across
 from pas.arrays import Floats
+from pas.contacts.rims import PlaneChart
 from pas.errors import GeometryError
 from pas.parametric.generatrix.boundary import Boundary, ContactBounds, part
 from pas.parametric.generatrix.paths import on_unit_interval
@@ -65,28 +66,10 @@ ROUNDED = 1.001
 """For the rounding of the bounds themselves."""
 
 
-@dataclass(frozen=True)
-class _Plane:
-    """A rational orthogonal basis u, v (not unit vectors) of a plane n . x = d, and a point of it."""
-
-    normal: Vector
-    offset: fmpq
-    point: Vector
-    basis: tuple[Vector, Vector]
-
-    @classmethod
-    def of(cls, normal: Vector, offset: fmpq) -> _Plane:
-        square = dot(normal, normal)
-        x, y, z = (offset / square * c for c in normal)
-        return cls(normal, offset, (x, y, z), two_across(normal))
-
-    def place(self, a: fmpq, b: fmpq) -> tuple[fmpq, ...]:
-        return tuple(p + a * x + b * y for p, x, y in zip(self.point, *self.basis, strict=True))
-
-    def vector(self, a: Any, b: Any) -> Floats:
-        """a u + b v, rounded."""
-        u, v = (np.array(to_floats(w)) for w in self.basis)
-        return np.asarray(float(a) * u + float(b) * v)
+def _vector(plane: PlaneChart, a: Any, b: Any) -> Floats:
+    """a u + b v, u and v being the axes of a plane, rounded."""
+    u, v = np.array(to_floats(plane.first)), np.array(to_floats(plane.second))
+    return np.asarray(float(a) * u + float(b) * v)
 
 
 def plane_section(
@@ -188,10 +171,10 @@ def _smaller_half_axis(first: Sequence[fmpq], second: Sequence[fmpq]) -> float:
 
 def conic_section(quadric: Quadric, normal: Vector, offset: fmpq) -> Conic:
     """The conic; raises `GeometryError` for sections that are no regular curve."""
-    plane = _Plane.of(normal, offset)
+    point = three(offset / dot(normal, normal) * c for c in normal)
+    plane = PlaneChart(normal, point, *two_across(normal))
     q = quadric.matrix
-    columns = [[*v, fmpq(0)] for v in plane.basis] + [[*plane.point, fmpq(1)]]
-    lift = fmpq_mat(columns)
+    lift = fmpq_mat([[*plane.first, fmpq(0)], [*plane.second, fmpq(0)], [*plane.origin, fmpq(1)]])
     form = lift * q * lift.transpose()
     small = form[0, 0] * form[1, 1] - form[0, 1] ** 2
     _refuse_degenerate(quadric, plane, form, small)
@@ -200,9 +183,10 @@ def conic_section(quadric: Quadric, normal: Vector, offset: fmpq) -> Conic:
     return _central(plane, form, small)
 
 
-def _refuse_degenerate(quadric: Quadric, plane: _Plane, form: fmpq_mat, small: fmpq) -> None:
+def _refuse_degenerate(quadric: Quadric, plane: PlaneChart, form: fmpq_mat, small: fmpq) -> None:
     """Raise for the sections that are empty, points or lines: by the ranks and signs of the two determinants."""
-    where = f"the plane {plane_text(plane.normal, plane.offset)} and {short(str(quadric.polynomial))} = 0"
+    text = plane_text(plane.normal, dot(plane.normal, plane.origin))
+    where = f"the plane {text} and {short(str(quadric.polynomial))} = 0"
     rank = int(form.rank())
     corner = form[0, 0] if form[0, 0] != 0 else form[1, 1]
     if rank == 3 and not (small > 0 and corner * form.det() > 0):
@@ -210,7 +194,7 @@ def _refuse_degenerate(quadric: Quadric, plane: _Plane, form: fmpq_mat, small: f
     if rank == 3:
         raise GeometryError(f"{where} do not meet: the section is empty (complex); move the plane")
     if small != 0:
-        place = shown_point(plane.place(*_center(form, small)), 6)
+        place = shown_point(plane.point(*_center(form, small)), 6)
         what = "one point" if small > 0 else "two straight lines that cross"
         remedy = "it touches there" if quadric.kind.value != "elliptic cone" else "it passes through the apex"
         raise GeometryError(f"{where} meet in {what} at {place}; {remedy}: move the plane")
@@ -233,17 +217,17 @@ def _center(form: fmpq_mat, small: fmpq) -> tuple[fmpq, fmpq]:
     return a, b
 
 
-def _central(plane: _Plane, form: fmpq_mat, small: fmpq) -> Conic:
+def _central(plane: PlaneChart, form: fmpq_mat, small: fmpq) -> Conic:
     """Ellipse or hyperbola: half-axes from the eigenvalues in unit coordinates."""
     center = _center(form, small)
     greatest = max(abs(form[i, j]) for i in (0, 1) for j in (0, 1))
     value = to_float(form.det() / small / greatest)
-    lengths = [to_float(dot(v, v)) ** 0.5 for v in plane.basis]
+    lengths = [to_float(dot(v, v)) ** 0.5 for v in (plane.first, plane.second)]
     unit = np.array([[to_float(form[i, j] / greatest) / (lengths[i] * lengths[j]) for j in (0, 1)] for i in (0, 1)])
     eigenvalues, vectors = np.linalg.eigh(unit)
     with np.errstate(all="ignore"):
-        axes = [plane.vector(*(vectors[:, i] / lengths)) * np.abs(value / eigenvalues[i]) ** 0.5 for i in (0, 1)]
-    origin = np.array(to_floats(plane.place(*center)))
+        axes = [_vector(plane, *(vectors[:, i] / lengths)) * np.abs(value / eigenvalues[i]) ** 0.5 for i in (0, 1)]
+    origin = np.array(to_floats(plane.point(*center)))
     sizes = [float(np.abs(axis).max()) for axis in axes]
     if not (min(sizes) >= 1e-150 and max(sizes) <= 1e150):  # whose squares are still doubles
         raise GeometryError(
@@ -256,18 +240,18 @@ def _central(plane: _Plane, form: fmpq_mat, small: fmpq) -> Conic:
     return Conic(ConicKind.HYPERBOLA, origin, axes[across], axes[1 - across])
 
 
-def _parabola(plane: _Plane, form: fmpq_mat) -> Conic:
+def _parabola(plane: PlaneChart, form: fmpq_mat) -> Conic:
     """With z the direction of the axis (the null vector) and w perpendicular to it: the vertex and u^2."""
     row = 0 if form[0, 0] != 0 else 1
     z = (-form[row, 1], form[row, 0])
-    gram = [dot(v, v) for v in plane.basis]
+    gram = [dot(v, v) for v in (plane.first, plane.second)]
     w = (-z[1] * gram[1], z[0] * gram[0])
     bend = sum((w[i] * w[j] * form[i, j] for i in (0, 1) for j in (0, 1)), fmpq(0))
     along, aside = (v[0] * form[0, 2] + v[1] * form[1, 2] for v in (z, w))
     start = -aside / bend
     height = -(start * start * bend + 2 * start * aside + form[2, 2]) / (2 * along)
-    origin = plane.place(start * w[0] + height * z[0], start * w[1] + height * z[1])
+    origin = plane.point(start * w[0] + height * z[0], start * w[1] + height * z[1])
     square = w[0] * w[0] * gram[0] + w[1] * w[1] * gram[1]
-    second = plane.vector(*(to_float(-bend / (2 * along) / square * c) for c in z))
-    first = plane.vector(*map(to_float, w)) / to_float(square) ** 0.5
+    second = _vector(plane, *(to_float(-bend / (2 * along) / square * c) for c in z))
+    first = _vector(plane, *map(to_float, w)) / to_float(square) ** 0.5
     return Conic(ConicKind.PARABOLA, np.array(to_floats(origin)), first, second)

@@ -76,7 +76,6 @@ class GeneratrixCertificate(Verdicts):
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:
-        """All verdicts in that order."""
         return (*self.contacts, self.sense, self.regular, self.simple)
 
 
