@@ -1,7 +1,8 @@
 """Convex quadratic programmes, in doubles or exactly: minimise `1/2 q^T H q + g^T q`, `E q = e` and `A q >= b`.
 
 DAQP, a dual active-set method (Arnstrom, Bemporad and Axehill 2022), solves these dense, small programmes in a
-fraction of a millisecond.  An answer is returned only if it satisfies the Karush-Kuhn-Tucker conditions: the
+fraction of a millisecond, stated in unknowns in which H is the unit matrix, so that no condition of H spoils them.  An
+answer is returned only if it satisfies the Karush-Kuhn-Tucker conditions: the
 constraints, and a gradient that is a combination of those that are active, with multipliers of the right sign (found
 anew by nonnegative least squares, whatever the solver says).
 

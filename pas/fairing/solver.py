@@ -9,7 +9,8 @@ r are the residuals of the energy along rays, c the measures of fairness and l t
 the energy.  The condition of one sheet is linear in q at each point, but its points move with the surface: so it is
 asked where the last member failed it, and the programme is solved again (constraint generation; Hettich and Kortanek
 1993).  Each step minimises the linearised residuals and measures, of which those count that are beyond their limits at
-its end, with a damping (Levenberg 1944, Marquardt 1963), which follows the gain ratio (Nielsen 1999).
+its end, with a damping (Levenberg 1944, Marquardt 1963) of changes of f and its second derivatives, whatever the basis,
+which follows the gain ratio (Nielsen 1999).
 
 Each step follows from the member before it by an optimum that is unique and by comparisons in which no rounding can
 decide: no order of points, no witness of a proof, no choice among the worst.
