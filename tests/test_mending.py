@@ -15,7 +15,7 @@ from pas.mesh.quality import smallest_angles
 from pas.mesh.remesher import Remesher
 from pas.mesh.sheet import SurfaceGround, open_mesh
 from pas.mesh.topology import is_manifold
-from pas.surface import triangulate
+from pas.surface import meshing
 
 
 def ring():
@@ -133,9 +133,9 @@ def test_vertices_at_walls_stay(text, monkeypatch):
 
     class Eager(Settings):
         def __init__(self, **given):
-            super().__init__(good=0.6, **given)
+            super().__init__(**{**given, "good": 0.6})
 
-    monkeypatch.setattr(triangulate, "Settings", Eager)
+    monkeypatch.setattr(meshing, "Settings", Eager)
     mesh = pas.Polynomial(text).surface((-1,) * 3, (1,) * 3).mesh(2e-4)
     assert np.array_equal(mesh.points[np.unique(mesh.boundary)], plain.points[np.unique(plain.boundary)])
     assert not np.array_equal(mesh.points, plain.points)

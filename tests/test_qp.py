@@ -68,7 +68,7 @@ def test_wrong_answers_are_not_let_through(monkeypatch):
     assert checked(problem, np.array([0.7, 0.3])).outcome is Outcome.FAILED  # violates
     assert checked(problem, np.array([0.9, 0.1])).outcome is Outcome.FAILED  # not optimal
     assert checked(problem, np.array([0.8, 0.2])).outcome is Outcome.SOLVED
-    monkeypatch.setattr(qp, "_daqp", lambda p, chosen: (np.array([0.9, 0.1]), 1))
+    monkeypatch.setattr(qp, "_daqp", lambda *_: (np.array([0.9, 0.1]), 1))
     assert solve(problem).outcome is Outcome.FAILED
 
 

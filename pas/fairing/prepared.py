@@ -16,7 +16,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.arrays import Floats
 from pas.fairing.basis import WorkingBasis
 from pas.fairing.constraints import Inequalities, Margins, RayLattice, SampledConstraints
-from pas.fairing.energy import Energy
+from pas.fairing.energy import Energy, as_energy
 from pas.piecewise import PiecewiseSurface
 from pas.surface.placed import PlacedContacts
 
@@ -64,6 +64,17 @@ class PreparedSpace:
         self.rays.cache_clear()
         if "guard" in vars(self):
             self.guard.edges.cache_clear()
+
+    @cached_property
+    def thin_plate(self) -> Floats:
+        """The quadratic form that choices begin with; see `form`."""
+        return self.form(as_energy(None))
+
+    @cached_property
+    def norm(self) -> Floats:
+        """The squares of values and of second derivatives over the region, in local units, as a quadratic form (m, m):
+        in its metric steps are damped, whichever basis was found."""
+        return self.basis.gram + self.basis.scale * self.thin_plate
 
     @cached_property
     def coefficient_gram(self) -> Floats:
@@ -140,7 +151,7 @@ class FitSettings:
     sets: int = 12
     """Programmes for one trial until it is known where limits are passed; most need 2 to 4."""
 
-    damping: float = 1e-4
+    damping: float = 2e-4
     least: float = 1e-9
     """The first damping and the least; a way does not end where the damping is more than the first, and hides what
     there is to gain."""
@@ -155,8 +166,8 @@ class FitSettings:
     enough: float = 3e-4
     """A step that lowers Phi by a smaller share is the last one."""
 
-    several: int = 8
-    fall: float = 0.03
+    several: int = 4
+    fall: float = 0.01
     """So many steps that together lower Phi by a smaller share than this are the last ones: in a poor minimum the
     damping grows and hides that there is nothing to gain."""
 

@@ -102,10 +102,14 @@ class MemberProgramme:
             text = f"the constraints {', '.join(conflict)} contradict one another in degree {degree}"
         return InfeasibleError(text, conflict)
 
-    def step(self, hessian: Floats, linear: Floats, rows: Inequalities, near: Floats) -> Floats | None:
-        """The unknowns of least `1/2 q^T H q + g^T q` under the constraints and rows, and `near` others; None where
-        there are none."""
-        return self._solved(self._programme(self.equations, self.points.unit + rows, hessian, linear), near)
+    def step(self, hessian: Floats, slope: Floats, rows: Inequalities, at: Floats, near: Floats) -> Floats | None:
+        """The step d from a member of least `1/2 d^T H d + g^T d` under the constraints and rows, and `near` another;
+        None where there is none."""
+        equations, rows = self.equations, self.points.unit + rows
+        left = equations[:, -1:] - equations[:, :-1] @ at[:, None]
+        from_here = Inequalities(rows.rows, rows.at_least - rows.rows @ at)
+        equations = np.concatenate([equations[:, :-1], left], axis=1)
+        return self._solved(self._programme(equations, from_here, hessian, slope), near)
 
     @property
     def quadratic(self) -> bool:
@@ -247,7 +251,7 @@ class MemberProgramme:
     @cached_property
     def _hessian(self) -> Floats:
         """What is minimised to begin with."""
-        return (self.space.form(as_energy(None)) if self.energy.on_surface else self._form) + self._near
+        return (self.space.thin_plate if self.energy.on_surface else self._form) + self._near
 
     @cached_property
     def _near(self) -> Floats:

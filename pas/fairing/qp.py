@@ -1,7 +1,8 @@
 """Convex quadratic programmes, in doubles or exactly: minimise `1/2 q^T H q + g^T q`, `E q = e` and `A q >= b`.
 
 DAQP, a dual active-set method (Arnstrom, Bemporad and Axehill 2022), solves these dense, small programmes in a
-fraction of a millisecond.  An answer is returned only if it satisfies the Karush-Kuhn-Tucker conditions: the
+fraction of a millisecond, stated in unknowns in which H is the unit matrix, so that no condition of H spoils them.  An
+answer is returned only if it satisfies the Karush-Kuhn-Tucker conditions: the
 constraints, and a gradient that is a combination of those that are active, with multipliers of the right sign (found
 anew by nonnegative least squares, whatever the solver says).
 
@@ -18,6 +19,7 @@ from enum import Enum
 
 import numpy as np
 from flint import fmpq, fmpq_mat
+from scipy.linalg import LinAlgError, cholesky, solve_triangular
 from scipy.optimize import nnls
 
 from pas.algebra.matrices import leads, solved
@@ -94,13 +96,13 @@ def solve(programme: Programme, near: Floats | None = None) -> QuadraticSolution
 
     The optimum under some of the rows that meets the others too is that under all of them.
     """
-    m = len(programme.linear)
+    m, root = len(programme.linear), _root(programme.hessian)
     chosen = np.zeros(len(programme.rows), dtype=bool)
     if near is not None and len(programme.rows) > m:
         left = programme.rows @ near - programme.at_least
         chosen = left <= np.partition(left, m)[m]
     while True:
-        q, flag = _daqp(programme, chosen)
+        q, flag = _daqp(programme, chosen, root)
         if flag in (-1, -6):
             return QuadraticSolution(Outcome.INFEASIBLE, np.zeros(m))
         failed = flag <= 0 or not np.isfinite(q).all()
@@ -119,18 +121,34 @@ def solve(programme: Programme, near: Floats | None = None) -> QuadraticSolution
         chosen |= more
 
 
-def _daqp(programme: Programme, chosen: Bools) -> tuple[Floats, int]:
-    """The optimum under some of the rows, and how DAQP ended."""
+def _root(hessian: Floats) -> Floats | None:
+    """The lower triangle L (m, m) with L L^T = H; None where H is singular, but for rounding."""
+    try:
+        return np.asarray(cholesky(hessian, lower=True, check_finite=False))
+    except LinAlgError:
+        return None
+
+
+def _daqp(programme: Programme, chosen: Bools, root: Floats | None) -> tuple[Floats, int]:
+    """The optimum under some of the rows, and how DAQP ended.
+
+    It is asked for L^T q, whose Hessian is the unit matrix: by itself it takes pivots of 1e-11 for zeros.
+    """
     import daqp
 
-    rows = np.ascontiguousarray(np.concatenate([programme.equalities, programme.rows[chosen]]))
+    rows = np.concatenate([programme.equalities, programme.rows[chosen]])
     lower = np.concatenate([programme.equal_to, programme.at_least[chosen]])
     upper = np.concatenate([programme.equal_to, np.full(int(chosen.sum()), 1e30)])
     sense = np.zeros(len(rows), dtype=np.int32)
     equality = 5  # DAQP's mark of an equality row
     sense[: len(programme.equalities)] = equality
-    hessian = np.ascontiguousarray(programme.hessian)
-    q, _, flag, _ = daqp.solve(hessian, programme.linear.copy(), rows, upper, lower, sense, primal_tol=TOLERANCE)
+    hessian, linear = np.ascontiguousarray(programme.hessian), programme.linear.copy()
+    if root is not None:
+        hessian, linear = np.eye(len(linear)), solve_triangular(root, linear, lower=True, check_finite=False)
+        rows = solve_triangular(root, rows.T, lower=True, check_finite=False).T
+    rows = np.ascontiguousarray(rows)
+    q, _, flag, _ = daqp.solve(hessian, linear, rows, upper, lower, sense, primal_tol=TOLERANCE)
+    q = np.asarray(q) if root is None else solve_triangular(root, q, lower=True, trans=1, check_finite=False)
     return np.asarray(q), int(flag)
 
 

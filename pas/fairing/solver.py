@@ -9,7 +9,8 @@ r are the residuals of the energy along rays, c the measures of fairness and l t
 the energy.  The condition of one sheet is linear in q at each point, but its points move with the surface: so it is
 asked where the last member failed it, and the programme is solved again (constraint generation; Hettich and Kortanek
 1993).  Each step minimises the linearised residuals and measures, of which those count that are beyond their limits at
-its end, with a damping (Levenberg 1944, Marquardt 1963), which follows the gain ratio (Nielsen 1999).
+its end, with a damping (Levenberg 1944, Marquardt 1963) of changes of f and its second derivatives, whatever the basis,
+which follows the gain ratio (Nielsen 1999).
 
 Each step follows from the member before it by an optimum that is unique and by comparisons in which no rounding can
 decide: no order of points, no witness of a proof, no choice among the worst.
@@ -222,8 +223,8 @@ class FitSolver:
         most = now if self.programme.holds(at.member) else np.inf
         met = most == now and not len(at.rows.missed(at.member, 1 - self.settings.met))
         model = self.model(at)
-        gram = self.space.basis.gram  # changes of f over the region are damped, whichever basis was found
-        unit = np.trace(np.linalg.solve(gram, model.matrices()[0])) / len(gram) * gram
+        norm = self.space.norm
+        unit = np.trace(np.linalg.solve(norm, model.matrices()[0])) / len(norm) * norm
         rows, damping, cuts = at.rows, at.damping, 0
         for _ in range(s.trials):
             try:
@@ -258,19 +259,19 @@ class FitSolver:
     def least(self, at: Iterate, model: LocalModel, damping: Floats, rows: Inequalities) -> tuple[Floats | None, float]:
         """The member of least linearised Phi with a matrix added that damps, under inequalities, and by how much that
         is less; which limits are passed there is found by Newton's method (Qi and Sun 1993)."""
-        passed, new, step = model.values > 0, at.member, np.zeros(len(at.member))
+        passed, step = model.values > 0, np.zeros(len(at.member))
         for _ in range(self.settings.sets):
             matrix, slope = model.matrices(passed)
-            found = self.programme.step(matrix + damping, slope - (matrix + damping) @ at.member, rows, new)
+            found = self.programme.step(matrix + damping, slope, rows, at.member, step)
             if found is None:
                 return None, 0.0
-            new, step = found, found - at.member
+            step = found
             before, passed = passed, model.values + model.rows @ step > 0
             if (before == passed).all():
                 break
         over = (np.maximum(values, 0) for values in (model.values, model.values + model.rows @ step))
         was, now = (float(values @ values) for values in over)
-        return new, was - now - float(2 * model.slope @ step + step @ model.normal @ step)
+        return at.member + step, was - now - float(2 * model.slope @ step + step @ model.normal @ step)
 
     def phi(self, member: Floats, value: ObjectiveValue | None) -> float:
         """What is minimised."""
