@@ -83,10 +83,26 @@ def test_moves_leave_few_slender_triangles(good):
     before, triangles = found.sines, found.triangles.copy()
     assert (before < good).mean() > 0.04
     assert remesher.mended(found) > 0
+    found.fresh[:] = True  # sines of other triangles are not worked out anew
     assert (found.sines < good).sum() < 0.3 * (before < good).sum()
     assert found.sines.min() >= min(before.min(), good)
     assert np.array_equal(found.triangles, triangles)
     assert field.distances(found.points).max() < 1e-10
+
+
+def test_only_triangles_that_may_have_changed_are_measured_again():
+    surface = pas.Polynomial("x^2 + y^2 + z^2 - 1").surface((-2,) * 3, (2,) * 3)
+    mesh = surface.mesh(1e-2)
+    found = HalfEdges(
+        open_mesh(surface.mesher.cell_field, mesh.points, mesh.triangles, np.full(len(mesh.points), -1)),
+        np.zeros(1, dtype=np.int8),
+    )
+    whole = found.sines
+    found.fresh[:] = False
+    assert np.isinf(found.sines).all()
+    found.fresh[0] = True
+    about = (mesh.triangles == 0).any(axis=1)
+    assert np.array_equal(found.sines, np.where(about, whole, np.inf))
 
 
 def test_what_would_be_too_far_stays():

@@ -114,12 +114,12 @@ int pas_mesh_settle(Mesh *m, const double *to, const double *normals, const doub
     return state;
 }
 
-/* The sines (T) of triangles' smallest angles. */
+/* The sines (T) of the smallest angles of triangles with a fresh corner, infinite of others. */
 int pas_mesh_sines(const Mesh *m, double *sines)
 {
     for (whole t = 0; t < m->triangles; t++) {
         const whole *v = m->corners + 3 * t;
-        sines[t] = sine(m, v[0], v[1], v[2]);
+        sines[t] = m->fresh[v[0]] | m->fresh[v[1]] | m->fresh[v[2]] ? sine(m, v[0], v[1], v[2]) : INFINITY;
     }
     return 0;
 }

@@ -115,7 +115,7 @@ class HalfEdges:
             needed = (self.count(array.of) + more[array.of]) * array.times
             old = self.arrays.get(name)
             if old is None or len(old) < needed:
-                room = needed if old is None else needed + needed // 2
+                room = needed + needed // 2  # of which what is not needed costs nothing
                 new: AnyArray = np.empty((room, 3) if array.columns == 3 else room, dtype=array.kind)
                 if old is not None:
                     new[: len(old)] = old
@@ -182,7 +182,7 @@ class HalfEdges:
 
     @property
     def sines(self) -> Floats:
-        """The sines (T,) of triangles' smallest angles."""
+        """The sines (T,) of the smallest angles of triangles with a fresh corner; infinite of others."""
         return self._filled("pas_mesh_sines", len(self.labels))
 
     def lengths(self, halves: Integers) -> Floats:

@@ -21,6 +21,7 @@ from pas.limits import checkpoint
 from pas.mesh.grading import Grading
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.refusals import FaceMesh
+from pas.mesh.rows import any_of, largest_of
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ class Remesher(Grading):
     def _fewest_parts(self, mesh: HalfEdges, inside: Floats, along: Floats) -> int:
         """Into how many parts to cut edges, so that few triangles come out after the rest is halved."""
         bent = self.ground.faces[mesh.labels] == 0
-        off = np.maximum(inside, along.reshape(-1, 3).max(axis=1))[bent] / self.tolerance
+        off = np.maximum(inside, largest_of(along.reshape(-1, 3)))[bent] / self.tolerance
         least = self.parts if self.ground.knows_bends else 1  # else edges may be shorter than they need be
         squares = np.arange(least, 2 * self.parts + 1)[:, None] ** 2  # by which distances fall and numbers grow
         costs = np.where(off <= squares, squares, 2 * np.maximum(off, squares)).sum(axis=1)
@@ -89,7 +90,7 @@ class Remesher(Grading):
         if before is not None:
             old, known_inside, known_along = before
             count = len(old)
-            stale[:count] = (mesh.triangles[:count] != old).any(axis=1)
+            stale[:count] = any_of(mesh.triangles[:count] != old)
             inside[:count], along[: 3 * count] = known_inside, known_along
         rows = np.flatnonzero(stale)
         halves = (3 * rows[:, None] + np.arange(3)).ravel()
@@ -123,14 +124,14 @@ class Remesher(Grading):
             if len(mesh.labels) + 2 * len(halves) > self.settings.most:
                 return Failure("too many triangles", mesh.points[0], worst, len(mesh.labels), True)
             before = self._halved(mesh, halves, step, inside, along)
-        far = int(np.argmax(np.maximum(inside, along.reshape(-1, 3).max(axis=1))))
+        far = int(np.argmax(np.maximum(inside, largest_of(along.reshape(-1, 3)))))
         size = float(mesh.lengths(np.arange(len(mesh.corners))).max())
         return Failure("the tolerance was not reached", self._middle(mesh, far), worst, len(mesh.labels), size=size)
 
     def _far(self, mesh: HalfEdges, inside: Floats, along: Floats) -> Integers:
         """The half edges to halve, the longest first: those too far, and the longest of triangles too far inside."""
         far = along > self.tolerance
-        rows = np.flatnonzero((inside > self.tolerance) & ~far.reshape(-1, 3).any(axis=1))
+        rows = np.flatnonzero((inside > self.tolerance) & ~any_of(far.reshape(-1, 3)))
         sides = 3 * rows[:, None] + np.arange(3)
         far[3 * rows + mesh.lengths(sides.ravel()).reshape(-1, 3).argmax(axis=1)] = True
         halves = np.flatnonzero(far)
@@ -146,7 +147,7 @@ class Remesher(Grading):
         mesh.fresh[:] = False
         self._split(mesh, halves)
         if step < 2 or (self.ruled and step < 12):  # a flip may leave an edge that is too far again
-            mesh.fresh[mesh.triangles[(mesh.triangles >= size).any(axis=1)]] = True
+            mesh.fresh[mesh.triangles[any_of(mesh.triangles >= size)]] = True
             mesh.flip(self.tolerance, only_fresh=True)
         return old, inside, along
 
@@ -172,6 +173,9 @@ class Remesher(Grading):
             sines = mesh.sines
             rows = np.flatnonzero((sines < good) & bent)
             corners = mesh.triangles[rows[np.argsort(sines[rows], kind="stable")]].ravel()
+            slender = np.zeros(len(mesh.points), dtype=bool)
+            slender[corners] = True
+            mesh.fresh &= slender  # others are looked at again where a neighbour has moved
             vertices, places = mesh.better(good, corners[free[corners]])
             if not len(vertices):
                 break
@@ -189,7 +193,7 @@ class Remesher(Grading):
     def _free(mesh: HalfEdges) -> Bools:
         """The vertices (V,) inside faces, not beside the boundary, so that no move takes one out of the region."""
         result, edge = mesh.kinds == VertexKind.INSIDE, mesh.rim_of >= 0
-        result[mesh.triangles[edge[mesh.triangles].any(axis=1)]] = False
+        result[mesh.triangles[any_of(edge[mesh.triangles])]] = False
         return result
 
     def _off(self, mesh: HalfEdges, vertices: Integers, places: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""Arrays with a few columns and many rows: their types, and what is worked out of them faster than by numpy's sums."""
+"""Arrays with a few columns and many rows: what is worked out of them faster than by numpy's sums."""
 
 from __future__ import annotations
 
@@ -38,6 +38,14 @@ def any_of(table: Bools) -> Bools:
     result = table[:, 0].copy()
     for column in table.T[1:]:
         result |= column
+    return result
+
+
+def largest_of(table: Floats) -> Floats:
+    """The largest entries (N,) of the rows of a table (N, k)."""
+    result = table[:, 0].copy()
+    for column in table.T[1:]:
+        np.maximum(result, column, out=result)
     return result
 
 

@@ -14,6 +14,7 @@ from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.refusals import FaceMesh, too_many
 from pas.mesh.remesher import Failure, Remesher
+from pas.mesh.rows import largest_of
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import Edges
 
@@ -145,4 +146,4 @@ class SurfaceGround:
         """The largest distance of triangles' centres and the middles of their sides."""
         middles = ((corners + corners[:, [1, 2, 0]]) / 2).reshape(-1, 3)
         found = self.field.distances(np.concatenate([corners.mean(axis=1), middles]))
-        return np.maximum(found[: len(corners)], found[len(corners) :].reshape(-1, 3).max(axis=1))
+        return np.maximum(found[: len(corners)], largest_of(found[len(corners) :].reshape(-1, 3)))

@@ -14,7 +14,7 @@ import numpy as np
 
 from pas.algebra.rational import to_fraction
 from pas.arrays import Bools, Floats, Integers
-from pas.mesh.rows import cross, dots, norms
+from pas.mesh.rows import cross, dots, largest_of, norms
 from pas.partition.complex import OuterFace
 from pas.surface.boundary_loops import BoundaryLoop
 from pas.surface.function import PiecewisePolynomial
@@ -100,7 +100,8 @@ class LocalSurface(ABC):
 
     def _bent(self, points: Floats) -> tuple[Floats, Floats, Floats]:
         """Values (N,), and what `bending` tells."""
-        f, gx, gy, gz, xx, xy, xz, yy, yz, zz = self._bends(points, self.pieces(points)).T
+        jets = self._bends(points, self.pieces(points))
+        f, gx, gy, gz, xx, xy, xz, yy, yz, zz = jets.T
         lengths = np.maximum(np.sqrt(gx * gx + gy * gy + gz * gz), TINY)
         nx, ny, nz = gx / lengths, gy / lengths, gz / lengths
         x, y, z = xx * nx + xy * ny + xz * nz, xy * nx + yy * ny + yz * nz, xz * nx + yz * ny + zz * nz
@@ -109,7 +110,7 @@ class LocalSurface(ABC):
         squares = xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)
         squares = squares + (along * along - 2 * (x * x + y * y + z * z))
         bends = np.abs(trace) + np.sqrt(np.maximum(2 * squares - trace * trace, 0.0))
-        return f, np.stack([gx, gy, gz], axis=1), bends / (2 * lengths)
+        return f, jets[:, 1:4], bends / (2 * lengths)
 
     def closed(self, points: Floats) -> tuple[Floats, Floats]:
         """Points very near the surface moved onto it along gradients, (N, 3), and the gradients (N, 3) there."""
@@ -118,7 +119,7 @@ class LocalSurface(ABC):
             jets = self.jets(result[rows])
             ways, gradients[rows] = _steps(jets), jets[:, 1:]
             result[rows] += ways
-            rows = rows[np.abs(ways).max(axis=1) > CLOSE]
+            rows = rows[largest_of(np.abs(ways)) > CLOSE]
             if not len(rows):
                 break
         return result, gradients
@@ -127,8 +128,7 @@ class LocalSurface(ABC):
 def _steps(jets: Floats) -> Floats:
     """Newton's steps (N, 3) along gradients, by values and gradients (N, 4)."""
     f, x, y, z = jets.T
-    shares = -f / np.maximum(x * x + y * y + z * z, TINY)
-    return np.stack([shares * x, shares * y, shares * z], axis=1)
+    return np.asarray((-f / np.maximum(x * x + y * y + z * z, TINY) * jets.T[1:]).T)
 
 
 class LocalField(LocalSurface):
