@@ -347,7 +347,7 @@ def test_no_random_move_is_called_proved_that_the_independent_checker_does_not_p
 
     made, _ = session
     random, counts = np.random.default_rng(17), {True: 0, False: 0}
-    for _ in range(500):
+    for _ in range(800):
         near = [repr(round(c, 3)) for c in random.uniform(-0.9, 0.9, 3).tolist()]
         tension, weight = random.uniform(0, 30), 10 ** random.uniform(1, 5)
         shape = {"points": {"near": [near], "near_weight": repr(weight)}, "tension": repr(tension)}
