@@ -80,12 +80,12 @@ def test_moves_leave_few_slender_triangles(good):
     rough = field.near(local + 0.012 * np.random.default_rng(2).normal(size=local.shape))
     remesher = Remesher(SurfaceGround(field), 1.0, Settings(good=good))
     found = remesher.begun(open_mesh(field, rough, mesh.triangles, np.full(len(rough), -1)))
-    before, triangles = found.sines, found.triangles.copy()
+    before, triangles = found.fresh_sines, found.triangles.copy()
     assert (before < good).mean() > 0.04
     assert remesher.mended(found) > 0
     found.fresh[:] = True  # sines of other triangles are not worked out anew
-    assert (found.sines < good).sum() < 0.3 * (before < good).sum()
-    assert found.sines.min() >= min(before.min(), good)
+    assert (found.fresh_sines < good).sum() < 0.3 * (before < good).sum()
+    assert found.fresh_sines.min() >= min(before.min(), good)
     assert np.array_equal(found.triangles, triangles)
     assert field.distances(found.points).max() < 1e-10
 
@@ -97,12 +97,12 @@ def test_only_triangles_that_may_have_changed_are_measured_again():
         open_mesh(surface.mesher.cell_field, mesh.points, mesh.triangles, np.full(len(mesh.points), -1)),
         np.zeros(1, dtype=np.int8),
     )
-    whole = found.sines
+    whole = found.fresh_sines
     found.fresh[:] = False
-    assert np.isinf(found.sines).all()
+    assert np.isinf(found.fresh_sines).all()
     found.fresh[0] = True
     about = (mesh.triangles == 0).any(axis=1)
-    assert np.array_equal(found.sines, np.where(about, whole, np.inf))
+    assert np.array_equal(found.fresh_sines, np.where(about, whole, np.inf))
 
 
 def test_what_would_be_too_far_stays():
@@ -112,7 +112,7 @@ def test_what_would_be_too_far_stays():
     rough = field.near(local + 0.012 * np.random.default_rng(2).normal(size=local.shape))
     remesher = Remesher(SurfaceGround(field), 1e-9, Settings())
     found = remesher.begun(open_mesh(field, rough, mesh.triangles, np.full(len(rough), -1)))
-    assert (found.sines < 0.5).any()
+    assert (found.fresh_sines < 0.5).any()
     assert remesher.mended(found) == 0.0
     assert np.array_equal(found.points, rough)
 

@@ -26,6 +26,7 @@ CASES = [
     (programme(np.eye(2), [0, 0], [[1, 1]], [1], [[1, 0]], [0.8]), [0.8, 0.2]),
     (programme(np.diag([2, 1]), [-2, -4], (), (), [[-1, 0], [0, -1]], [-0.5, -3]), [0.5, 3]),
     (programme(np.diag([1, 0]), [0, 1], (), (), [[0, 1]], [-2]), [0, -2]),
+    (programme(np.diag([1, 1e-12, 1e-12]), [-1, -1e-12, 1e-12], (), (), [[0, 1, 1]], [-5]), [1, 1, -1]),
 ]
 
 
@@ -34,6 +35,30 @@ def test_optima(problem, optimum):
     solution = solve(problem)
     assert solution.outcome is Outcome.SOLVED
     assert solution.unknowns == pytest.approx(optimum, abs=1e-5)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_hessian_of_condition_1e13_is_solved(seed):
+    rng = np.random.default_rng(seed)
+    turn = np.linalg.qr(rng.normal(size=(24, 24)))[0]
+    hessian, rows, optimum = (
+        (turn * np.geomspace(1, 1e-13, 24)) @ turn.T,
+        rng.normal(size=(200, 24)),
+        rng.normal(size=24),
+    )
+    active = np.arange(200) < 5
+    linear = rows[active].T @ rng.uniform(1e-8, 1e-7, 5) - hessian @ optimum
+    problem = programme(hessian, linear, (), (), rows, rows @ optimum - np.where(active, 0, rng.uniform(0.1, 1, 200)))
+    solution = solve(problem)
+    assert solution.outcome is Outcome.SOLVED
+    assert rows[active] @ solution.unknowns == pytest.approx(rows[active] @ optimum, abs=1e-6)
+
+
+def test_a_hessian_that_rounding_alone_makes_definite_is_singular():
+    nearly = np.array([[1, 1], [1, 1 + 2.0**-52]])
+    assert np.linalg.cholesky(nearly)[1, 1] > 0
+    assert qp._root(nearly) is None
+    assert qp._root(nearly + np.diag([0, 1e-13])) is not None
 
 
 def test_where_the_search_for_active_rows_starts_does_not_change_the_optimum():

@@ -1,10 +1,10 @@
 """Convex quadratic programmes, in doubles or exactly: minimise `1/2 q^T H q + g^T q`, `E q = e` and `A q >= b`.
 
 DAQP, a dual active-set method (Arnstrom, Bemporad and Axehill 2022), solves these dense, small programmes in a
-fraction of a millisecond, stated in unknowns in which H is the unit matrix, so that no condition of H spoils them.  An
-answer is returned only if it satisfies the Karush-Kuhn-Tucker conditions: the
-constraints, and a gradient that is a combination of those that are active, with multipliers of the right sign (found
-anew by nonnegative least squares, whatever the solver says).
+fraction of a millisecond, in unknowns in which H, unless it is singular, is the unit matrix: else pivots of 1e-11 count
+as zeros.  An answer is returned only if it satisfies the Karush-Kuhn-Tucker conditions: the constraints, and a gradient
+that is a combination of those that are active, with multipliers of the right sign (found anew by nonnegative least
+squares, whatever the solver says).
 
 With rational data and g = 0 (`solve_exactly`) the constraints that are active at the optimum are guessed by that solver
 and put right by an active-set iteration; the unknowns and multipliers then solve the Karush-Kuhn-Tucker equations over
@@ -124,16 +124,15 @@ def solve(programme: Programme, near: Floats | None = None) -> QuadraticSolution
 def _root(hessian: Floats) -> Floats | None:
     """The lower triangle L (m, m) with L L^T = H; None where H is singular, but for rounding."""
     try:
-        return np.asarray(cholesky(hessian, lower=True, check_finite=False))
+        root = np.asarray(cholesky(hessian, lower=True, check_finite=False))
     except LinAlgError:
         return None
+    rounding = len(root) * np.finfo(float).eps * np.diag(hessian)
+    return root if (np.diag(root) ** 2 > rounding).all() else None
 
 
 def _daqp(programme: Programme, chosen: Bools, root: Floats | None) -> tuple[Floats, int]:
-    """The optimum under some of the rows, and how DAQP ended.
-
-    It is asked for L^T q, whose Hessian is the unit matrix: by itself it takes pivots of 1e-11 for zeros.
-    """
+    """The optimum under some of the rows, and how DAQP ended; it is asked for L^T q by the `root` L of the Hessian."""
     import daqp
 
     rows = np.concatenate([programme.equalities, programme.rows[chosen]])

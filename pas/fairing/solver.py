@@ -223,8 +223,8 @@ class FitSolver:
         most = now if self.programme.holds(at.member) else np.inf
         met = most == now and not len(at.rows.missed(at.member, 1 - self.settings.met))
         model = self.model(at)
-        norm = self.space.norm
-        unit = np.trace(np.linalg.solve(norm, model.matrices()[0])) / len(norm) * norm
+        gram = self.space.sobolev_gram
+        unit = np.trace(np.linalg.solve(gram, model.matrices()[0])) / len(gram) * gram
         rows, damping, cuts = at.rows, at.damping, 0
         for _ in range(s.trials):
             try:

@@ -181,7 +181,7 @@ class HalfEdges:
         return self._filled("pas_mesh_cosines", len(self.labels))
 
     @property
-    def sines(self) -> Floats:
+    def fresh_sines(self) -> Floats:
         """The sines (T,) of the smallest angles of triangles with a fresh corner; infinite of others."""
         return self._filled("pas_mesh_sines", len(self.labels))
 

@@ -170,7 +170,7 @@ class Remesher(Grading):
         mesh.fresh[:], worst, good = True, 0.0, self.settings.good
         free, bent = self._free(mesh), self.ground.faces[mesh.labels] == 0
         for _ in range(self.ROUNDS):
-            sines = mesh.sines
+            sines = mesh.fresh_sines
             rows = np.flatnonzero((sines < good) & bent)
             corners = mesh.triangles[rows[np.argsort(sines[rows], kind="stable")]].ravel()
             slender = np.zeros(len(mesh.points), dtype=bool)

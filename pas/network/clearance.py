@@ -71,8 +71,14 @@ def clearance(network: StrutGraph, covers: NodeCovers) -> tuple[Verdict, tuple[N
 
 def _doubts(network: StrutGraph, covers: NodeCovers) -> Iterator[tuple[Status, Floats, NetworkProblem]]:
     """What meets, or may meet: which of both, where, and what."""
-    finders = _crossing_struts, _struts_of_nodes, _near_nodes, _enclosed
-    for (kind, (names, doubtful)), find in zip(WORDS.items(), finders, strict=True):
+    finders = {
+        "near struts": _crossing_struts,
+        "node and strut": _struts_of_nodes,
+        "nodes": _near_nodes,
+        "enclosed": _enclosed,
+    }
+    for kind, find in finders.items():
+        names, doubtful = WORDS[kind]
         for ids, distance, about, common in find(network, covers):
             status, place, said = Status.UNDECIDED, network.points[about], doubtful
             if not isinstance(common, bool):
