@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from pas.arrays import Floats
-from pas.errors import GeometryError
+from pas.errors import GeometryError, MeshError
 from pas.mesh.cleaning import FOLD, cleaned
 from pas.mesh.diagnostics import Diagnosis, diagnosis
 from pas.mesh.faces import BoundaryCrossings
@@ -22,7 +22,6 @@ from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.octree import DEEPEST, MOST_CUBES, NOWHERE, OPEN, QUIET, Octree
 from pas.mesh.projection import cosines, least_norm, placing
-from pas.mesh.refusals import Refusal
 from pas.mesh.rows import norms
 
 PARTS, HALVINGS, COMPARED = 25, 9, 3
@@ -40,7 +39,7 @@ PATIENCE, UNCLEAR = 3, 1000
 """Lattices that show no less trouble than the first of them, and cubes in which the boundary is not clear, after which
 a reason is looked for why it does not come out."""
 
-CROWDED = Refusal(f"the solid is empty or too thin for its size: its lattice needs more than {MOST_CUBES} cubes")
+CROWDED = f"the solid is empty or too thin for its size: its lattice needs more than {MOST_CUBES} cubes"
 
 
 def first_lattice(field: FaceField) -> Octree:
@@ -48,14 +47,12 @@ def first_lattice(field: FaceField) -> Octree:
     return Octree(field, extent_of(field) / PARTS)
 
 
-def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None) -> Labelled | Refusal:
+def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None) -> Labelled:
     """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do.
 
-    The `octree` to begin with is that of `first_lattice`, if it is known.
+    The `octree` to begin with is that of `first_lattice`, if it is known.  Raises `MeshError` where none does.
     """
     start = _cleared(field, first_lattice(field) if octree is None else octree)
-    if isinstance(start, Refusal):
-        return start
     ahead, failures, reason = [_Lattice(field, start)], list[tuple[int, int]](), ""
     for _ in range(HALVINGS):
         found = _shown(ahead, tolerance)
@@ -65,9 +62,7 @@ def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None)
         if len(places):
             failures.append((first.count, len(places)))
             room = 3 * start.count + 30_000  # cubes that all lattices in which the boundary does not come out may have
-            ending = _given_up(field, first, failures, room, found)
-            if ending is not None:
-                return ending
+            _check_hope(field, first, failures, room, found)
         if not any(len(one.crossings.edges) for one in ahead):
             ahead = [ahead[-1].refined(least=QUIET)]
         elif len(places) or len(ahead) == 1:
@@ -75,16 +70,17 @@ def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None)
         else:
             ahead = ahead[1:]
     if not reason:
-        return Refusal(f"the solid is empty, or thinner everywhere than {ahead[-1].octree.finest}")
+        raise MeshError(f"the solid is empty, or thinner everywhere than {ahead[-1].octree.finest}")
     trouble = diagnosis(field, places, ahead[0].octree.spacing)
-    return Refusal(_sentence(trouble, ahead[-1].octree, reason))
+    raise MeshError(_sentence(trouble, ahead[-1].octree, reason))
 
 
-def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
+def _cleared(field: FaceField, octree: Octree) -> Octree:
     """A lattice, refined until something of the set is seen, and the boundary is clear in most of its cubes.
 
     Or until no smaller share is clear in a finer one, if that is small: along a curve on which two faces are nearly
-    tangent it grows from lattice to lattice.  Raises `GeometryError` where there is nothing.
+    tangent it grows from lattice to lattice.  Raises `GeometryError` where there is nothing, and
+    `MeshError` where it is not seen.
     """
     while not octree.crowded and not octree.is_seen:
         if not octree.count:
@@ -93,20 +89,22 @@ def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
         most_unseen = 30_000
         if octree.count > most_unseen or octree.levels == DEEPEST:
             where = f"with a lattice of {octree.finest} nothing of it is seen"
-            return Refusal(f"the solid is empty or too thin for its size: {where}")
+            raise MeshError(f"the solid is empty or too thin for its size: {where}")
         octree = octree.refined(least=QUIET)
     while not octree.crowded and octree.open_share > MANY and octree.levels < DEEPEST:
         places = octree.open_places
         found = diagnosis(field, places, octree.spacing) if len(places) > UNCLEAR else None
         if found is not None and found.stays:
-            return Refusal(_sentence(found, octree))
+            raise MeshError(_sentence(found, octree))
         finer = octree.refined()
         # Along curves there are twice as many in the next lattice, and on surfaces that come close four times as many.
         fewer, more = 0.7 * len(octree.open_places), 3 * len(octree.open_places)
         if not finer.crowded and octree.open_share < THIN and fewer <= len(finer.open_places) <= more:
             break
         octree = finer
-    return CROWDED if octree.crowded else octree
+    if octree.crowded:
+        raise MeshError(CROWDED)
+    return octree
 
 
 @dataclass(frozen=True)
@@ -133,20 +131,18 @@ class _Failed:
     places: Floats = field_of(default_factory=lambda: NOWHERE)
 
 
-def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | Refusal | _Failed:
+def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | _Failed:
     """The mesh of the first of some lattices, to which finer ones are added until there are enough to compare it."""
     field, first = ahead[0].field, ahead[0]
     if first.octree.crowded:
-        return CROWDED
+        raise MeshError(CROWDED)
     raw = first.crossings.mesh()
-    if isinstance(raw, Refusal):
-        return raw
     if not isinstance(raw, Labelled):
         return _Failed(f"near {place_of(field, raw[0])} too many faces meet", raw)
     while len(ahead) < COMPARED and ahead[-1].octree.open_share > 0:
         ahead.append(ahead[-1].refined())
     if ahead[-1].octree.crowded:
-        return CROWDED
+        raise MeshError(CROWDED)
     others = [other.crossings for other in ahead[1:]]
     if any(first.crossings.shape != other.shape for other in others):
         return _Failed("its pieces or holes are too small")
@@ -159,21 +155,15 @@ def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | Refusal | _Fai
     return _Failed(reason, places) if reason else mesh
 
 
-def _given_up(
-    field: FaceField, octree: Octree, failures: list[tuple[int, int]], most: int, last: _Failed
-) -> Refusal | None:
-    """Why no finer lattice is looked at: those that failed had more cubes than `most`, or no less places than before.
-
-    Of each of them the cubes and places are given.
-    """
+def _check_hope(field: FaceField, octree: Octree, failures: list[tuple[int, int]], most: int, last: _Failed) -> None:
+    """Raise `MeshError` where no finer lattice is looked at: those that failed, of which the cubes and places are
+    given, had more cubes than `most`, or no less places than before."""
     cubes, places = zip(*failures, strict=True)
     spent = sum(cubes) > most
-    if not spent and (len(failures) < PATIENCE or 2 * places[-1] <= places[-PATIENCE]):
-        return None
-    found = diagnosis(field, last.places, octree.spacing)
-    if not spent and (found is None or not found.stays):
-        return None
-    return Refusal(_sentence(found, octree, last.reason))
+    if spent or (len(failures) >= PATIENCE and 2 * places[-1] > places[-PATIENCE]):
+        found = diagnosis(field, last.places, octree.spacing)
+        if spent or (found is not None and found.stays):
+            raise MeshError(_sentence(found, octree, last.reason))
 
 
 def _sentence(found: Diagnosis | None, octree: Octree, reason: str = "") -> str:

@@ -19,6 +19,11 @@ def norms(vectors: Floats) -> Floats:
     return np.asarray(np.sqrt(dots(vectors, vectors)))
 
 
+def off_zero(values: Floats, gradients: Floats) -> Floats:
+    """How far points are from zeros of functions with values (N,) and gradients (N, 3) there, to first order, (N,)."""
+    return np.asarray(np.abs(values) / np.maximum(norms(gradients), 1e-300))
+
+
 def cross(u: Floats, v: Floats) -> Floats:
     """Vector products of rows (N, 3); several times faster than `np.cross`."""
     x, y, z = u.T

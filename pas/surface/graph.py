@@ -21,7 +21,7 @@ from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import counted_on, cross, dots, spans
+from pas.mesh.rows import cross, dots, spans
 from pas.mesh.shading import unit_rows
 from pas.mesh.sheet import open_mesh, remeshed
 from pas.mesh.topology import Edges, connected
@@ -139,14 +139,6 @@ def icosphere(level: int) -> tuple[Floats, float]:
     return units @ TURN.T, 1.107 / 2**level
 
 
-@cache
-def _icosahedral(level: int) -> Integers:
-    """Delaunay's triangles (T, 3) of those vertices, not to be written to."""
-    triangles = _delaunay(icosphere(level)[0])
-    triangles.setflags(write=False)
-    return triangles
-
-
 def seen(points: Floats, triangles: Integers) -> Bools:
     """Which triangles (T,) are seen from 0 with their outside away."""
     volumes, lengths = spans(points[triangles])
@@ -159,11 +151,6 @@ def hull(field: RadialField, level: int, around: int) -> tuple[Floats, Integers]
     Raises `ArithmeticError` where these directions do not do.
     """
     units, spacing = icosphere(level)
-    if not field.rims:
-        points, triangles = field.met(units), _icosahedral(level)
-        if not seen(points, triangles).all():
-            raise ArithmeticError("the surface is not seen once from the centre")
-        return points, triangles
     rings = [ring.round(around) for ring in field.rims]
     for ring in field.rims:
         units = units[ring.inside(units) == ring.opening]
@@ -201,8 +188,8 @@ def _collars(field: RadialField, rings: list[Floats], spacing: float) -> list[Fl
 
 def _clear(units: Floats, rings: list[Floats], spacing: float) -> Bools:
     """Which of some directions are not too close to rings, nor to those before, for how far they are from rings."""
-    edge = unit_rows(np.concatenate(rings))
-    angle = np.arccos(np.clip((units @ edge.T).max(axis=1), -1, 1))
+    edge = unit_rows(np.concatenate([np.empty((0, 3)), *rings]))
+    angle = np.arccos(np.clip((units @ edge.T).max(axis=1, initial=-1.0), -1, 1))
     near = np.minimum(CLEAR * spacing, 0.5 * angle)
     clear = angle > 1e-6
     apart = np.arccos(np.clip(units @ units.T, -1, 1))
@@ -226,8 +213,9 @@ def _delaunay(points: Floats) -> Integers:
 
 def _rim_keys(rings: list[Floats], size: int) -> Integers:
     """What stands for the edges of all rings, from each point to the next."""
-    counts = [len(ring) for ring in rings]
-    after = counted_on([np.roll(np.arange(count), -1) for count in counts], counts)
+    starts = np.cumsum([0, *map(len, rings)])
+    after = np.arange(1, starts[-1] + 1)
+    after[starts[1:] - 1] = starts[:-1]
     return _keys(np.arange(len(after)), after, size)
 
 

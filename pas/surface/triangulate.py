@@ -24,8 +24,9 @@ from pas.mesh.field import VISIBLE
 from pas.mesh.grading import Settings
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
+from pas.mesh.refusals import BadMeshError
 from pas.mesh.shading import unit_rows, uprightness
-from pas.mesh.sheet import BadMeshError, open_mesh, remeshed
+from pas.mesh.sheet import open_mesh, remeshed
 from pas.mesh.topology import Edges, euler_characteristic, is_manifold, piece_count
 from pas.surface.lattice import Subdivision
 from pas.surface.local_field import LocalField
