@@ -216,7 +216,7 @@ class Grading:
         labels = np.stack([np.where(other < 0, own, np.minimum(own, other)), np.maximum(own, other)], axis=1)
         labels[other == own, 1] = labels[other < 0, 1] = -1
         middles, lengths = mesh.middles(NONE, halves)[1], mesh.lengths(halves)
-        places = self.ground.placed(middles, labels, np.where(twins < 0, -1 - twins, -1), lengths)
+        places = self.ground.placed(middles, labels, mesh.rims_of(halves), lengths)
         if careful:
             normals = self.ground.looked(places, own)[0]
             ends = mesh.normals[mesh.wedge_of[halves]], mesh.normals[mesh.wedge_of[following(halves)]]

@@ -31,6 +31,12 @@ def cross(u: Floats, v: Floats) -> Floats:
     return np.stack([y * c - z * b, z * a - x * c, x * b - y * a], axis=1)
 
 
+def area_vectors(corners: Floats) -> Floats:
+    """Vectors (T, 3) at right angles to triangles of corners (T, 3, 3), outwards, as long as twice their areas."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    return cross(b - a, c - a)
+
+
 def spans(corners: Floats) -> tuple[Floats, Floats]:
     """The determinants (T,) of triangles (T, 3, 3), positive where they are seen from 0 with their outside away, and
     the products of the corners' distances from 0, (T,)."""

@@ -11,7 +11,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.arrays import Floats, Integers
 from pas.contacts.contact import Contact
 from pas.mesh.mesh import Mesh
-from pas.mesh.rows import off_zero
+from pas.mesh.rows import area_vectors, off_zero
 from pas.mesh.topology import chains
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.form import connectivity
@@ -54,8 +54,7 @@ def _mesh(rows: list[Floats], closed: bool) -> Mesh | None:
         return None
     points, normals = (np.stack(parts, axis=1).reshape(-1, 3) for parts in zip(*rows, strict=True))
     triangles = connectivity((rows[0].shape[1], len(rows)), closed, False).copy()
-    p = points[triangles]
-    turned = (np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) * normals[triangles[:, 0]]).sum(axis=1) < 0
+    turned = (area_vectors(points[triangles]) * normals[triangles[:, 0]]).sum(axis=1) < 0
     triangles[turned] = triangles[turned][:, [0, 2, 1]]
     return Mesh.smooth(points, triangles, normals)
 

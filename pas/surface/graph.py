@@ -17,14 +17,12 @@ from scipy.spatial import ConvexHull, QhullError
 
 from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.labelled import Labelled
-from pas.mesh.mesh import Mesh
 from pas.mesh.rows import cross, dots, spans
 from pas.mesh.shading import unit_rows
-from pas.mesh.sheet import open_mesh, remeshed
-from pas.mesh.topology import Edges, connected
+from pas.mesh.sheet import open_mesh
+from pas.mesh.topology import Edges, connected, edge_table
 from pas.surface.boundary_loops import BoundaryLoop
 from pas.surface.radial_field import RadialField
 
@@ -49,15 +47,6 @@ SEEN = 1e-9
 
 TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 """A rotation that puts no direction of the icosahedron into a plane of symmetry of common models."""
-
-
-def star(field: RadialField, first: Labelled, tolerance: float, settings: Settings) -> Mesh:
-    """A mesh in the user's coordinates within a tolerance, measured, made of the first.
-
-    Raises `ArithmeticError` where the surface is no graph over directions, as far as its rays show, and `MeshError`
-    where there would be too many triangles.
-    """
-    return remeshed(field, first, tolerance, settings, lambda points: require_once(field, points))
 
 
 def require_once(field: RadialField, points: Floats) -> None:
@@ -133,8 +122,7 @@ def icosphere(level: int) -> tuple[Floats, float]:
     corners = [(0, s, t * golden) for s in (-1, 1) for t in (-1, 1)]
     units = unit_rows(np.array([np.roll(c, k) for c in corners for k in range(3)], dtype=float))
     for _ in range(level):
-        faces = ConvexHull(units).simplices
-        pairs = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), 1), axis=0)
+        pairs = edge_table(ConvexHull(units).simplices.astype(np.intp))[0]
         units = np.concatenate([units, unit_rows(units[pairs].sum(axis=1))])
     return units @ TURN.T, 1.107 / 2**level
 
