@@ -12,9 +12,9 @@ from pas.mesh.halfedges import HalfEdges, VertexKind, following
 from pas.mesh.labelled import Labelled
 from pas.mesh.quality import smallest_angles
 from pas.mesh.remesher import Remesher
-from pas.mesh.sheet import open_mesh
 from pas.mesh.topology import Edges, euler_characteristic, fans_of, is_manifold
 from pas.surface.graph import rim_numbers
+from pas.surface.sheet import open_mesh
 
 TORUS = "(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"
 BENT = np.zeros(2, dtype=np.int8)

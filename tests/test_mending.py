@@ -13,9 +13,9 @@ from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.quality import smallest_angles
 from pas.mesh.remesher import Remesher
-from pas.mesh.sheet import open_mesh
 from pas.mesh.topology import is_manifold
 from pas.surface import meshing
+from pas.surface.sheet import open_mesh
 
 
 def ring():

@@ -15,12 +15,12 @@ from conftest import EQUAL, UNEQUAL, solved
 import pas
 from pas.mesh.grading import Settings
 from pas.mesh.quality import smallest_angles, soundness
-from pas.mesh.sheet import remeshed
 from pas.mesh.topology import Edges
 from pas.surface import meshing
 from pas.surface.bisection import bisected
 from pas.surface.graph import require_once, seen
 from pas.surface.local_field import LocalField
+from pas.surface.sheet import remeshed
 from pas.surface.triangulate import Beginnings, triangulate
 
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))

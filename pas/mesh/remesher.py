@@ -112,7 +112,7 @@ class Remesher(Grading):
                 raise self._too_many(len(mesh.labels), worst)
             before = self._halved(mesh, halves, step, inside, along)
         far = int(np.argmax(np.maximum(inside, largest_of(along.reshape(-1, 3)))))
-        raise self._bad("the tolerance was not reached", mesh, far, worst)
+        raise self.bad("the tolerance was not reached", mesh, far, worst)
 
     def _far(self, mesh: HalfEdges, inside: Floats, along: Floats) -> Integers:
         """The half edges to halve, the longest first: those too far, and the longest of triangles too far inside."""
@@ -142,11 +142,11 @@ class Remesher(Grading):
             worst = max(worst, self.mended(mesh))
         cosines = mesh.cosines
         if not cosines.min() >= self.settings.folded:
-            raise self._bad("some triangles are folded", mesh, int(np.argmin(cosines)), worst)
+            raise self.bad("some triangles are folded", mesh, int(np.argmin(cosines)), worst)
         return FaceMesh(mesh.value, worst)
 
     @staticmethod
-    def _bad(why: str, mesh: HalfEdges, row: int, reached: float) -> BadMeshError:
+    def bad(why: str, mesh: HalfEdges, row: int, reached: float = np.inf) -> BadMeshError:
         """What is wrong in the middle of a triangle."""
         longest = float(mesh.lengths(np.arange(len(mesh.corners))).max())
         return BadMeshError(why, mesh.points[mesh.triangles[row]].mean(axis=0), reached, len(mesh.labels), longest)

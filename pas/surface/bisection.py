@@ -22,9 +22,9 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.refusals import BadMeshError, FaceMesh, too_many
 from pas.mesh.rows import cross, norms
 from pas.mesh.shading import unit_rows
-from pas.mesh.sheet import in_world
 from pas.surface.graph import AROUND, delaunay, require_once
 from pas.surface.radial_field import RadialField
+from pas.surface.sheet import in_world
 
 
 def bisected(field: RadialField, tolerance: float, settings: Settings) -> Mesh:

@@ -21,10 +21,10 @@ from pas.mesh.halfedges import HalfEdges
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import cross, dots, spans
 from pas.mesh.shading import unit_rows
-from pas.mesh.sheet import open_mesh
 from pas.mesh.topology import Edges, connected, edge_table
 from pas.surface.boundary_loops import BoundaryLoop
 from pas.surface.radial_field import RadialField
+from pas.surface.sheet import open_mesh
 
 LEVELS = 3
 """Halvings of the icosahedron at most: directions are taken from the first that do."""

@@ -1,115 +1,18 @@
-"""Surfaces in their local coordinates, as meshers ask for them: projections, gradients, curvatures; and for the mesher
-of cells forms on these, Newton's method, and the walls of the region."""
+"""A surface for the mesher of cells: forms on these, Newton's method, and the walls of the region."""
 
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
 from functools import cached_property
 from itertools import combinations
 
 import numpy as np
 
-from pas.algebra.rational import to_fraction
 from pas.arrays import Bools, Floats, Integers
-from pas.mesh.rows import cross, dots, largest_of, norms, off_zero
-from pas.mesh.sheet import SheetField
+from pas.mesh.rows import cross, dots, norms, off_zero
 from pas.partition.complex import OuterFace
 from pas.surface.function import PiecewisePolynomial
-
-CLOSE = 1e-11
-"""The last step along a gradient, in local units, that is worth another."""
-
-TINY = 1e-300
-"""The length of a gradient at least."""
-
-INSIDE = 1e-11
-"""How far outside the region a point may be by rounding: in local units, barycentric coordinates, or over the way to
-where its ray leaves."""
-
-
-class LocalSurface(SheetField):
-    """A piecewise surface at points (N, 3) in its local coordinates, scaled."""
-
-    def __init__(self, surface: PiecewisePolynomial) -> None:
-        local, self.degree, self.evaluator = surface.local, max(surface.degree, 1), surface.evaluator
-        self.frame = surface.partition.frame
-        self.scale = float(to_fraction(self.frame.scale))
-        self.reach = float(np.sqrt((local.points**2).sum(axis=1).max()))
-        self._value, self._jets, self._bends = (self.evaluator.batch(*range(n)) for n in (1, 2, 3))
-
-    @abstractmethod
-    def pieces(self, points: Floats) -> Integers:
-        """The numbers of the pieces (N,) whose polynomials count at points."""
-
-    def world(self, points: Floats) -> Floats:
-        return self.frame.global_points(points)
-
-    def values(self, points: Floats) -> Floats:
-        """The values (N,)."""
-        return self._value(points, self.pieces(points))[:, 0]
-
-    def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4)."""
-        return self._jets(points, self.pieces(points))
-
-    def gradients(self, points: Floats) -> Floats:
-        return self.jets(points)[:, 1:]
-
-    def distances(self, points: Floats) -> Floats:
-        jets = self.jets(points)
-        return off_zero(jets[:, 0], jets[:, 1:])
-
-    @abstractmethod
-    def near(self, points: Floats) -> Floats:
-        """Points (N, 3) of the surface near points inside or outside it."""
-
-    def nearer(self, points: Floats, still: Bools) -> tuple[Floats, Floats, Floats]:
-        """By a step along the gradient, or as `near` does where the next one would be more than a tenth of it."""
-        left = 0.1  # a larger share means that a point was not near the surface
-        ways = _steps(self.jets(points))
-        moved = np.where(still[:, None], points, points + ways)
-        values, gradients, bends = self._bent(moved)
-        allowed = (left**2 * dots(ways, ways) + CLOSE**2) * dots(gradients, gradients)
-        lost = ~still & ~(values * values <= allowed)
-        if lost.any():
-            moved[lost] = self.near(points[lost])
-            gradients[lost], bends[lost] = self.bending(moved[lost])
-        return moved, gradients, bends
-
-    def bending(self, points: Floats) -> tuple[Floats, Floats]:
-        return self._bent(points)[1:]
-
-    def _bent(self, points: Floats) -> tuple[Floats, Floats, Floats]:
-        """Values (N,), and what `bending` tells."""
-        jets = self._bends(points, self.pieces(points))
-        f, gx, gy, gz, xx, xy, xz, yy, yz, zz = jets.T
-        lengths = np.maximum(np.sqrt(gx * gx + gy * gy + gz * gz), TINY)
-        nx, ny, nz = gx / lengths, gy / lengths, gz / lengths
-        x, y, z = xx * nx + xy * ny + xz * nz, xy * nx + yy * ny + yz * nz, xz * nx + yz * ny + zz * nz
-        along = nx * x + ny * y + nz * z
-        trace = xx + yy + zz - along
-        squares = xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)
-        squares = squares + (along * along - 2 * (x * x + y * y + z * z))
-        bends = np.abs(trace) + np.sqrt(np.maximum(2 * squares - trace * trace, 0.0))
-        return f, jets[:, 1:4], bends / (2 * lengths)
-
-    def closed(self, points: Floats) -> tuple[Floats, Floats]:
-        result, gradients, rows = np.array(points), np.empty((len(points), 3)), np.arange(len(points))
-        for _ in range(6):  # from very near the surface two or three do
-            jets = self.jets(result[rows])
-            ways, gradients[rows] = _steps(jets), jets[:, 1:]
-            result[rows] += ways
-            rows = rows[largest_of(np.abs(ways)) > CLOSE]
-            if not len(rows):
-                break
-        return result, gradients
-
-
-def _steps(jets: Floats) -> Floats:
-    """Newton's steps (N, 3) along gradients, by values and gradients (N, 4)."""
-    f, x, y, z = jets.T
-    return np.asarray((-f / np.maximum(x * x + y * y + z * z, TINY) * jets.T[1:]).T)
+from pas.surface.sheet import INSIDE, TINY, LocalSurface, gradient_steps
 
 
 class LocalField(LocalSurface):
@@ -248,7 +151,7 @@ class LocalField(LocalSurface):
         for _ in range(20):
             jets = self.jets(result[rows])
             jets[:, 1:] = _free(jets[:, 1:], across[rows])
-            ways = _steps(jets)
+            ways = gradient_steps(jets)
             lengths = norms(ways)
             result[rows] += ways * np.minimum(farthest / np.maximum(lengths, TINY), 1.0)[:, None]
             rows = rows[lengths > settled]

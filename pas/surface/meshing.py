@@ -16,12 +16,12 @@ from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.sheet import followed, remeshed
 from pas.surface.bisection import bisected
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.graph import first, require_once, rim_numbers
 from pas.surface.local_field import LocalField
 from pas.surface.radial_field import RadialField
+from pas.surface.sheet import followed, remeshed
 from pas.surface.triangulate import Beginnings, triangulate, wall_numbers
 
 

@@ -17,7 +17,7 @@ from pas.mesh.rows import dots
 from pas.surface.boundary_loops import BoundaryLoop, Loops
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import profile_batch
-from pas.surface.local_field import INSIDE, LocalSurface
+from pas.surface.sheet import INSIDE, LocalSurface
 
 AROUND = np.array([0.0, *1.5 ** np.arange(6.0)])
 """Shares of rays from the skeleton between which their meeting with the surface is looked for, from 1 on outwards."""

@@ -1,4 +1,4 @@
-"""One surface as the ground of an open mesh: its boundary curves are those of the field."""
+"""A surface in its local coordinates as the ground of an open mesh, whose boundary curves are the surface's."""
 
 from __future__ import annotations
 
@@ -7,29 +7,49 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pas.algebra.rational import to_fraction
 from pas.arrays import Bools, Floats, Integers
 from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.refusals import BadMeshError, FaceMesh
+from pas.mesh.refusals import FaceMesh
 from pas.mesh.remesher import Remesher
-from pas.mesh.rows import largest_of
+from pas.mesh.rows import dots, largest_of, off_zero
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import Edges
+from pas.surface.function import PiecewisePolynomial
+
+CLOSE = 1e-11
+"""The last step along a gradient, in local units, that is worth another."""
+
+TINY = 1e-300
+"""The length of a gradient at least."""
+
+INSIDE = 1e-11
+"""How far outside the region a point may be by rounding: in local units, barycentric coordinates, or over the way to
+where its ray leaves."""
 
 
-class SheetField(ABC):
-    """A surface near which points are, as a ground; see `pas.mesh.grading.Ground`."""
+class LocalSurface(ABC):
+    """A piecewise surface at points (N, 3) in its local coordinates, scaled, as a ground of the remesher.
 
-    reach: float
-    scale: float
+    See `pas.mesh.grading.Ground`.
+    """
+
     faces = np.zeros(1, dtype=np.int8)
     knows_bends = True
 
+    def __init__(self, surface: PiecewisePolynomial) -> None:
+        local, self.degree, self.evaluator = surface.local, max(surface.degree, 1), surface.evaluator
+        self.frame = surface.partition.frame
+        self.scale = float(to_fraction(self.frame.scale))
+        self.reach = float(np.sqrt((local.points**2).sum(axis=1).max()))
+        self._value, self._jets, self._bends = (self.evaluator.batch(*range(n)) for n in (1, 2, 3))
+
     @abstractmethod
-    def world(self, points: Floats) -> Floats:
-        """The user's coordinates of points (..., 3)."""
+    def pieces(self, points: Floats) -> Integers:
+        """The numbers of the pieces (N,) whose polynomials count at points."""
 
     @property
     @abstractmethod
@@ -55,27 +75,76 @@ class SheetField(ABC):
         """Distances (N,) of points (N, 3) from boundary curves of given numbers (N,), to first order."""
 
     @abstractmethod
-    def nearer(self, points: Floats, still: Bools) -> tuple[Floats, Floats, Floats]:
-        """Points (N, 3) near the surface, drawn towards it until it is much nearer; what `bending` says of them.
+    def near(self, points: Floats) -> Floats:
+        """Points (N, 3) of the surface near points inside or outside it."""
 
-        Those that are `still` (N,) stay.
-        """
+    def world(self, points: Floats) -> Floats:
+        """The user's coordinates of points (..., 3)."""
+        return self.frame.global_points(points)
 
-    @abstractmethod
-    def closed(self, points: Floats) -> tuple[Floats, Floats]:
-        """Points (N, 3) very near the surface moved onto it, and the gradients (N, 3) there."""
+    def values(self, points: Floats) -> Floats:
+        """The values (N,)."""
+        return self._value(points, self.pieces(points))[:, 0]
 
-    @abstractmethod
+    def jets(self, points: Floats) -> Floats:
+        """Values and gradients (N, 4)."""
+        return self._jets(points, self.pieces(points))
+
     def gradients(self, points: Floats) -> Floats:
-        """The gradients (N, 3) of the function whose zeros it is at points (N, 3)."""
+        """The gradients (N, 3)."""
+        return self.jets(points)[:, 1:]
 
-    @abstractmethod
     def distances(self, points: Floats) -> Floats:
-        """Distances (N,) of points (N, 3) from it, to first order."""
+        """The distances |f| / |grad f| (N,), to first order."""
+        jets = self.jets(points)
+        return off_zero(jets[:, 0], jets[:, 1:])
 
-    @abstractmethod
+    def nearer(self, points: Floats, still: Bools) -> tuple[Floats, Floats, Floats]:
+        """Points near the surface moved towards it, but for those that are `still` (N,), and gradients and curvatures
+        there.
+
+        By a step along the gradient, or as `near` does where the next one would be more than a tenth of it.
+        """
+        left = 0.1  # a larger share means that a point was not near the surface
+        ways = gradient_steps(self.jets(points))
+        moved = np.where(still[:, None], points, points + ways)
+        values, gradients, bends = self._bent(moved)
+        allowed = (left**2 * dots(ways, ways) + CLOSE**2) * dots(gradients, gradients)
+        lost = ~still & ~(values * values <= allowed)
+        if lost.any():
+            moved[lost] = self.near(points[lost])
+            gradients[lost], bends[lost] = self.bending(moved[lost])
+        return moved, gradients, bends
+
     def bending(self, points: Floats) -> tuple[Floats, Floats]:
-        """Its gradients (N, 3) and the size of the larger principal curvature (N,) at points of the surface."""
+        """Gradients (N, 3) and the larger of the principal curvatures' sizes (N,) at points on the surface."""
+        return self._bent(points)[1:]
+
+    def _bent(self, points: Floats) -> tuple[Floats, Floats, Floats]:
+        """Values (N,), and what `bending` tells."""
+        jets = self._bends(points, self.pieces(points))
+        f, gx, gy, gz, xx, xy, xz, yy, yz, zz = jets.T
+        lengths = np.maximum(np.sqrt(gx * gx + gy * gy + gz * gz), TINY)
+        nx, ny, nz = gx / lengths, gy / lengths, gz / lengths
+        x, y, z = xx * nx + xy * ny + xz * nz, xy * nx + yy * ny + yz * nz, xz * nx + yz * ny + zz * nz
+        along = nx * x + ny * y + nz * z
+        trace = xx + yy + zz - along
+        squares = xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)
+        squares = squares + (along * along - 2 * (x * x + y * y + z * z))
+        bends = np.abs(trace) + np.sqrt(np.maximum(2 * squares - trace * trace, 0.0))
+        return f, jets[:, 1:4], bends / (2 * lengths)
+
+    def closed(self, points: Floats) -> tuple[Floats, Floats]:
+        """Points very near the surface moved onto it along gradients, (N, 3), and the gradients (N, 3) there."""
+        result, gradients, rows = np.array(points), np.empty((len(points), 3)), np.arange(len(points))
+        for _ in range(6):  # from very near the surface two or three do
+            jets = self.jets(result[rows])
+            ways, gradients[rows] = gradient_steps(jets), jets[:, 1:]
+            result[rows] += ways
+            rows = rows[largest_of(np.abs(ways)) > CLOSE]
+            if not len(rows):
+                break
+        return result, gradients
 
     def drawn(self, mesh: HalfEdges, to: Floats) -> tuple[Floats, Floats, Floats]:
         to, on = to.copy(), np.flatnonzero(mesh.kinds == VertexKind.CURVE)
@@ -123,7 +192,13 @@ class SheetField(ABC):
         return np.maximum(found[: len(corners)], largest_of(found[len(corners) :].reshape(-1, 3)))
 
 
-def open_mesh(field: SheetField, points: Floats, triangles: Integers, rim: Integers) -> Labelled:
+def gradient_steps(jets: Floats) -> Floats:
+    """Newton's steps (N, 3) along gradients, by values and gradients (N, 4)."""
+    f, x, y, z = jets.T
+    return np.asarray((-f / np.maximum(x * x + y * y + z * z, TINY) * jets.T[1:]).T)
+
+
+def open_mesh(field: LocalSurface, points: Floats, triangles: Integers, rim: Integers) -> Labelled:
     """The mesh of points (N, 3), on curves of the field of given numbers (N,) or -1, and triangles (T, 3)."""
     edges, rims = Edges(triangles, len(points)), np.full(triangles.size, -1)
     if len(edges.rim):
@@ -138,7 +213,7 @@ def open_mesh(field: SheetField, points: Floats, triangles: Integers, rim: Integ
 
 
 def remeshed(
-    field: SheetField,
+    field: LocalSurface,
     first: Labelled,
     tolerance: float,
     settings: Settings,
@@ -155,15 +230,13 @@ def remeshed(
     remesher.graded(mesh, remesher.parts, thin=accept is None)
     remesher.untangle(mesh, settings.folded)
     if not (mesh.cosines >= settings.folded).all():
-        raise BadMeshError(
-            "some triangles are folded", mesh.points[mesh.triangles[np.argmin(mesh.cosines)]].mean(axis=0)
-        )
+        raise remesher.bad("some triangles are folded", mesh, int(np.argmin(mesh.cosines)))
     if accept is not None:
         accept(mesh.points[mesh.kinds == VertexKind.INSIDE])
     return in_world(field, remesher.refined(mesh))
 
 
-def followed(field: SheetField, points: Floats, triangles: Integers, rim: Integers, tolerance: float) -> Mesh:
+def followed(field: LocalSurface, points: Floats, triangles: Integers, rim: Integers, tolerance: float) -> Mesh:
     """The mesh of points (N, 3) near the surface, or on curves of numbers (N,), moved onto it; see `remeshed`."""
     on = np.flatnonzero(rim >= 0)
     points = points.copy()
@@ -177,7 +250,7 @@ def followed(field: SheetField, points: Floats, triangles: Integers, rim: Intege
     return in_world(field, remesher.within(mesh, mend=False))
 
 
-def in_world(field: SheetField, found: FaceMesh) -> Mesh:
+def in_world(field: LocalSurface, found: FaceMesh) -> Mesh:
     """What was found in the user's coordinates; raises `ArithmeticError` where it leaves the region."""
     mesh = found.mesh
     if not field.within(mesh.points):
