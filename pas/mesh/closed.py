@@ -15,22 +15,21 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pas.arrays import Bools, Floats, Integers
-from pas.errors import MeshError
 from pas.mesh.cleaning import FOLD, cleaned
 from pas.mesh.crossings import crossings, near_pairs
 from pas.mesh.diagnostics import PLACES, diagnosis
 from pas.mesh.face_ground import FaceGround
 from pas.mesh.field import FaceField, bounds_set, extent_of, place_of
 from pas.mesh.first import THIN, first_lattice, first_mesh, unsound
-from pas.mesh.grading import Settings
+from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.hollowed import mesh_apart, mesh_hollowed, together, too_thick
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import SAME, Nodes, check_edges, contracted, flat_nodes, pinched_at
+from pas.mesh.nodes import SAME, Nodes, contracted, flat_nodes, pinched_at, where_edges_cross
 from pas.mesh.octree import Octree
 from pas.mesh.projection import distances, newton, project
 from pas.mesh.quality import Quality
-from pas.mesh.refusals import BadMeshError, FaceMesh
-from pas.mesh.remesher import Remesher
+from pas.mesh.refusals import FaceMesh, Made, Refusal, not_reached, too_many
+from pas.mesh.remesher import Failure, Remesher
 from pas.mesh.rows import norms
 from pas.mesh.topology import connected
 
@@ -49,36 +48,35 @@ def triangulate_faces(
     """
     made = None if first is None else _from_first(first, field, tolerance, quality)
     found = _bounded(field, tolerance, quality) if made is None else made
-    if first is not None:
+    if first is not None and isinstance(found, FaceMesh):
         missing = {*first.labels.tolist()} - {*found.mesh.labels.tolist()}
         lost = sorted(field.face(label) for label in missing if _begins(first, field, tolerance, label))
         if lost:
-            raise MeshError(f"the solid could not be meshed: {', '.join(lost)} did not come out; set another tolerance")
-    _check_touching(found.mesh, field, tolerance)
-    return found
+            found = Refusal(f"the solid could not be meshed: {', '.join(lost)} did not come out; set another tolerance")
+    if made is None and isinstance(found, FaceMesh):
+        found = _touching(found.mesh, field, tolerance) or found
+    return _finished(found)
 
 
-def _from_first(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> FaceMesh | None:
+def _from_first(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> Made | None:
     """The mesh of a boundary from a first one that need not be good; None where it is not of all of the boundary, or
     that is no surface."""
     joined = _joined(first, field)
     mesh = joined and cleaned(joined, field, tolerance)
     if mesh is None or unsound(mesh, field, tolerance)[0]:
         return None
-    try:
-        found = refined_faces(mesh, field, tolerance, quality)
-    except MeshError:
+    found = _refined(mesh, field, tolerance, quality)
+    if isinstance(found, Refusal) or not _bounding(found.mesh, field, tolerance):
         return None
-    return found if _bounding(found.mesh, field, tolerance) else None
+    return _touching(found.mesh, field, tolerance) or found
 
 
-def _check_touching(mesh: Labelled, field: FaceField, tolerance: float) -> None:
-    """Raise `MeshError` where pieces touch: in a vertex of one, near where one is nearest to faces of others, or where
-    edges cross."""
+def _touching(mesh: Labelled, field: FaceField, tolerance: float) -> Refusal | None:
+    """That pieces touch: in a vertex of one, near where one is nearest to faces of others, or where edges cross."""
     pieces, room = connected(mesh.topology.edges, len(mesh.points)), 4 * tolerance  # between a vertex and such a face
     owners, close = pieces[mesh.triangles[:, 0]], SAME * extent_of(field)
     if pieces.max() == 0:
-        return
+        return None
     corners, labels = mesh.points[mesh.triangles], mesh.labels
     close_by = near_pairs(np.concatenate([corners - room, corners + room], axis=1))
     close_by = close_by[owners[close_by] @ (1, -1) != 0]
@@ -93,22 +91,22 @@ def _check_touching(mesh: Labelled, field: FaceField, tolerance: float) -> None:
         around = (on[:, None] + beside).reshape(-1, 3)
         around, begins = _beginning(field, around, np.full(len(around), label), 10 * close)
         if begins.any():
-            raise pinched_at(field, around[begins][0])
+            return pinched_at(field, around[begins][0])
         feet, begins = _beginning(field, near, np.full(len(near), label), room)
         gaps = np.where(begins, norms(near - feet), np.inf)
         nearest = np.argsort(gaps)[: min(PLACES, np.isfinite(gaps).sum())]
         trouble = diagnosis(field, feet[nearest], room)
         if trouble is not None and trouble.stays:
-            raise MeshError(f"the solid could not be meshed: {trouble.sentence}")
+            return Refusal(f"the solid could not be meshed: {trouble.sentence}")
     edges, sides = mesh.topology.edge_table
     rows = np.flatnonzero((sides[:, 0] != sides[:, 1]) & np.isin(pieces[edges[:, 0]], owners[close_by]))
     if not len(rows):
-        return
+        return None
     ends = mesh.points[edges[rows]]
     pairs = near_pairs(np.concatenate([ends - room, ends + room], axis=1))
     pairs = pairs[pieces[edges[rows[pairs], 0]] @ (1, -1) != 0]
     reach = norms(np.diff(ends, axis=1)[:, 0])[pairs].min(axis=1)
-    check_edges(field, ends[pairs], sides[rows[pairs]].reshape(-1, 4), reach, room)
+    return where_edges_cross(field, ends[pairs], sides[rows[pairs]].reshape(-1, 4), reach, room)
 
 
 def _joined(mesh: Labelled, field: FaceField) -> Labelled | None:
@@ -156,60 +154,71 @@ def _beginning(field: FaceField, points: Floats, labels: Integers, reach: float)
     return placed, bounds_set(field, placed, labels)
 
 
-def _bounded(field: FaceField, tolerance: float, quality: Quality) -> FaceMesh:
+def refined_faces(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> FaceMesh:
+    """A closed mesh with the faces of a first one, otherwise as of `triangulate_faces`."""
+    return _finished(_refined(first, field, tolerance, quality))
+
+
+def _finished(found: Made) -> FaceMesh:
+    if isinstance(found, Refusal):
+        raise found.error
+    return found
+
+
+def _bounded(field: FaceField, tolerance: float, quality: Quality) -> Made:
     """The mesh of a boundary: of a shell from that of its solid where that does, of all else from lattices."""
     wall = field.wall()
     if wall is None:
         return _from_lattices(field, tolerance, quality)
-    mesh, refined = (partial(make, quality=quality) for make in (_bounded, refined_faces))
+    mesh, refined = (partial(make, quality=quality) for make in (_bounded, _refined))
     hollowed = mesh_hollowed(field, wall, tolerance, mesh, refined)
-    if hollowed is not None:
-        return hollowed
-    try:
-        return _from_lattices(field, tolerance, quality)
-    except MeshError as error:
-        reason = too_thick(_bounded(wall.solid, tolerance, quality).mesh, wall)
-        raise (MeshError(reason) if reason else error) from None
+    found = _from_lattices(field, tolerance, quality) if hollowed is None else hollowed
+    if not isinstance(found, Refusal):
+        return found
+    solid = _bounded(wall.solid, tolerance, quality)
+    reason = solid.sentence if isinstance(solid, Refusal) else too_thick(solid.mesh, wall)
+    return Refusal(reason) if reason else found
 
 
-def _from_lattices(field: FaceField, tolerance: float, quality: Quality) -> FaceMesh:
-    """The mesh of a boundary from lattices, by the first of three ways that serves; raises the first `MeshError`.
+def _from_lattices(field: FaceField, tolerance: float, quality: Quality) -> Made:
+    """The mesh of a boundary from lattices, by the first of three ways that serves, or why the first that tells fails.
 
     These are: all of it at once, surface by surface, and without functions that others imply, if what is left bounds
     the set.  Surface by surface comes first if most of the boundary is not one sheet in the first lattice.
     """
-    octree = first_lattice(field)
+    octree, mesh = first_lattice(field), partial(_made, quality=quality)
 
-    def mesh(field: FaceField, tolerance: float, octree: Octree | None = None) -> FaceMesh:
-        return refined_faces(first_mesh(field, tolerance, octree), field, tolerance, quality)
-
-    def apart() -> FaceMesh | None:
+    def apart() -> Made | None:
         shells = field.shells()
         return mesh_apart(field, shells, tolerance, mesh) if len(shells) > 1 else None
 
-    def needed() -> FaceMesh | None:
+    def needed() -> Made | None:
         rest = field.needed(tolerance / 4)
-        if rest is field:
-            return None
-        found = mesh(rest, tolerance)
+        found = None if rest is field else mesh(rest, tolerance)
+        if found is None or isinstance(found, Refusal):
+            return found
         labelled = together(field, [rest], [found.mesh])
         return FaceMesh(labelled, found.deviation) if _bounding(labelled, field, tolerance) else None
 
     whole = partial(mesh, field, tolerance, octree=octree)
-    errors = list[MeshError]()
+    refusals = list[Refusal]()
     for way in (apart, whole, needed) if octree.open_share > THIN else (whole, apart, needed):
-        try:
-            found = way()
-        except MeshError as error:
-            errors.append(error)
-            continue
-        if found is not None:
+        found = way()
+        if isinstance(found, Refusal):
+            refusals.append(found)
+        elif found is not None:
             return found
-    raise errors[0]
+    return refusals[0]
 
 
-def refined_faces(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> FaceMesh:
-    """A closed mesh with the faces of a first one, otherwise as of `triangulate_faces`."""
+def _made(field: FaceField, tolerance: float, quality: Quality, octree: Octree | None = None) -> Made:
+    """The mesh of one field with the functions that it has."""
+    first = first_mesh(field, tolerance, octree)
+    return first if isinstance(first, Refusal) else _refined(first, field, tolerance, quality)
+
+
+def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> Made:
+    """A first mesh remeshed; refused where that is not sound."""
     ground = FaceGround(field, int(first.labels.max()) + 1, long=quality is not Quality.ANGLES)
     remesher = Remesher(ground, tolerance, Settings(folded=FOLD, flat=quality.flat))
     mesh = remesher.begun(first)
@@ -220,21 +229,19 @@ def refined_faces(first: Labelled, field: FaceField, tolerance: float, quality: 
         remesher.halve_long(mesh, remesher.parts)
     remesher.graded(mesh, remesher.parts)
     remesher.untangle(mesh, UPRIGHT)
-    try:
-        found = remesher.refined(mesh)
-    except BadMeshError as error:
-        trouble = diagnosis(field, error.place[None], error.longest)
+    found = remesher.refined(mesh)
+    if isinstance(found, Failure):
+        if found.crowded:
+            return too_many(field.scale, found.triangles, LARGEST, tolerance, found.reached)
+        trouble = diagnosis(field, found.place[None], found.size)
         why = "a face may have a singular point" if trouble is None else trouble.sentence
-        raise MeshError(
-            f"the tolerance {tolerance * field.scale:g} was not reached with {error.triangles} triangles "
-            f"({error.reached * field.scale:.2g} was): {why}"
-        ) from None
+        return not_reached(field, found.triangles, tolerance, found.reached, why)
     reason, _ = unsound(found.mesh, field, tolerance)
     if reason:
-        raise MeshError(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
+        return Refusal(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
     pairs, places = crossings(found.mesh.points, found.mesh.triangles)
     if len(pairs):
         names = " and ".join(sorted({repr(field.face(label)) for label in found.mesh.labels[pairs[0]].tolist()}))
         where = f"near {place_of(field, places[0])} triangles of {names} cross, as it is no thicker there"
-        raise MeshError(f"the tolerance {tolerance * field.scale:.3g} was not reached: {where}; take a finer one")
+        return Refusal(f"the tolerance {tolerance * field.scale:.3g} was not reached: {where}; take a finer one")
     return found

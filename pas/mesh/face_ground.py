@@ -30,8 +30,7 @@ class FaceGround:
     knows_bends = False
 
     def __init__(self, field: FaceField, labels: int, long: bool = True) -> None:
-        self.field, self.scale = field, field.scale
-        self.reach = float(norms(np.ptp(field.box, axis=0)[None] / 2)[0])
+        self.field, self.reach = field, float(norms(np.ptp(field.box, axis=0)[None] / 2)[0])
         self.faces = (field.ruled(np.arange(labels)) * long).astype(np.int8)
 
     def drawn(self, mesh: HalfEdges, to: Floats) -> tuple[Floats, Floats, None]:

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from pas.arrays import Floats
-from pas.errors import GeometryError, MeshError
+from pas.errors import GeometryError
 from pas.mesh.cleaning import FOLD, cleaned
 from pas.mesh.diagnostics import Diagnosis, diagnosis
 from pas.mesh.faces import BoundaryCrossings
@@ -22,6 +22,7 @@ from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.octree import DEEPEST, MOST_CUBES, NOWHERE, OPEN, QUIET, Octree
 from pas.mesh.projection import cosines, least_norm, placing
+from pas.mesh.refusals import Refusal
 from pas.mesh.rows import norms
 
 PARTS, HALVINGS, COMPARED = 25, 9, 3
@@ -39,7 +40,7 @@ PATIENCE, UNCLEAR = 3, 1000
 """Lattices that show no less trouble than the first of them, and cubes in which the boundary is not clear, after which
 a reason is looked for why it does not come out."""
 
-CROWDED = f"the solid is empty or too thin for its size: its lattice needs more than {MOST_CUBES} cubes"
+CROWDED = Refusal(f"the solid is empty or too thin for its size: its lattice needs more than {MOST_CUBES} cubes")
 
 
 def first_lattice(field: FaceField) -> Octree:
@@ -47,12 +48,14 @@ def first_lattice(field: FaceField) -> Octree:
     return Octree(field, extent_of(field) / PARTS)
 
 
-def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None) -> Labelled:
+def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None) -> Labelled | Refusal:
     """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do.
 
-    The `octree` to begin with is that of `first_lattice`, if it is known.  Raises `MeshError` where none does.
+    The `octree` to begin with is that of `first_lattice`, if it is known.
     """
     start = _cleared(field, first_lattice(field) if octree is None else octree)
+    if isinstance(start, Refusal):
+        return start
     ahead, failures, reason = [_Lattice(field, start)], list[tuple[int, int]](), ""
     for _ in range(HALVINGS):
         found = _shown(ahead, tolerance)
@@ -62,7 +65,9 @@ def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None)
         if len(places):
             failures.append((first.count, len(places)))
             room = 3 * start.count + 30_000  # cubes that all lattices in which the boundary does not come out may have
-            _check_hope(field, first, failures, room, found)
+            ending = _given_up(field, first, failures, room, found)
+            if ending is not None:
+                return ending
         if not any(len(one.crossings.edges) for one in ahead):
             ahead = [ahead[-1].refined(least=QUIET)]
         elif len(places) or len(ahead) == 1:
@@ -70,17 +75,16 @@ def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None)
         else:
             ahead = ahead[1:]
     if not reason:
-        raise MeshError(f"the solid is empty, or thinner everywhere than {ahead[-1].octree.finest}")
+        return Refusal(f"the solid is empty, or thinner everywhere than {ahead[-1].octree.finest}")
     trouble = diagnosis(field, places, ahead[0].octree.spacing)
-    raise MeshError(_sentence(trouble, ahead[-1].octree, reason))
+    return Refusal(_sentence(trouble, ahead[-1].octree, reason))
 
 
-def _cleared(field: FaceField, octree: Octree) -> Octree:
+def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
     """A lattice, refined until something of the set is seen, and the boundary is clear in most of its cubes.
 
     Or until no smaller share is clear in a finer one, if that is small: along a curve on which two faces are nearly
-    tangent it grows from lattice to lattice.  Raises `GeometryError` where there is nothing, and
-    `MeshError` where it is not seen.
+    tangent it grows from lattice to lattice.  Raises `GeometryError` where there is nothing.
     """
     while not octree.crowded and not octree.is_seen:
         if not octree.count:
@@ -89,22 +93,20 @@ def _cleared(field: FaceField, octree: Octree) -> Octree:
         most_unseen = 30_000
         if octree.count > most_unseen or octree.levels == DEEPEST:
             where = f"with a lattice of {octree.finest} nothing of it is seen"
-            raise MeshError(f"the solid is empty or too thin for its size: {where}")
+            return Refusal(f"the solid is empty or too thin for its size: {where}")
         octree = octree.refined(least=QUIET)
     while not octree.crowded and octree.open_share > MANY and octree.levels < DEEPEST:
         places = octree.open_places
         found = diagnosis(field, places, octree.spacing) if len(places) > UNCLEAR else None
         if found is not None and found.stays:
-            raise MeshError(_sentence(found, octree))
+            return Refusal(_sentence(found, octree))
         finer = octree.refined()
         # Along curves there are twice as many in the next lattice, and on surfaces that come close four times as many.
         fewer, more = 0.7 * len(octree.open_places), 3 * len(octree.open_places)
         if not finer.crowded and octree.open_share < THIN and fewer <= len(finer.open_places) <= more:
             break
         octree = finer
-    if octree.crowded:
-        raise MeshError(CROWDED)
-    return octree
+    return CROWDED if octree.crowded else octree
 
 
 @dataclass(frozen=True)
@@ -131,18 +133,20 @@ class _Failed:
     places: Floats = field_of(default_factory=lambda: NOWHERE)
 
 
-def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | _Failed:
+def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | Refusal | _Failed:
     """The mesh of the first of some lattices, to which finer ones are added until there are enough to compare it."""
     field, first = ahead[0].field, ahead[0]
     if first.octree.crowded:
-        raise MeshError(CROWDED)
+        return CROWDED
     raw = first.crossings.mesh()
+    if isinstance(raw, Refusal):
+        return raw
     if not isinstance(raw, Labelled):
         return _Failed(f"near {place_of(field, raw[0])} too many faces meet", raw)
     while len(ahead) < COMPARED and ahead[-1].octree.open_share > 0:
         ahead.append(ahead[-1].refined())
     if ahead[-1].octree.crowded:
-        raise MeshError(CROWDED)
+        return CROWDED
     others = [other.crossings for other in ahead[1:]]
     if any(first.crossings.shape != other.shape for other in others):
         return _Failed("its pieces or holes are too small")
@@ -155,15 +159,21 @@ def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | _Failed:
     return _Failed(reason, places) if reason else mesh
 
 
-def _check_hope(field: FaceField, octree: Octree, failures: list[tuple[int, int]], most: int, last: _Failed) -> None:
-    """Raise `MeshError` where no finer lattice is looked at: those that failed, of which the cubes and places are
-    given, had more cubes than `most`, or no less places than before."""
+def _given_up(
+    field: FaceField, octree: Octree, failures: list[tuple[int, int]], most: int, last: _Failed
+) -> Refusal | None:
+    """Why no finer lattice is looked at: those that failed had more cubes than `most`, or no less places than before.
+
+    Of each of them the cubes and places are given.
+    """
     cubes, places = zip(*failures, strict=True)
     spent = sum(cubes) > most
-    if spent or (len(failures) >= PATIENCE and 2 * places[-1] > places[-PATIENCE]):
-        found = diagnosis(field, last.places, octree.spacing)
-        if spent or (found is not None and found.stays):
-            raise MeshError(_sentence(found, octree, last.reason))
+    if not spent and (len(failures) < PATIENCE or 2 * places[-1] <= places[-PATIENCE]):
+        return None
+    found = diagnosis(field, last.places, octree.spacing)
+    if not spent and (found is None or not found.stays):
+        return None
+    return Refusal(_sentence(found, octree, last.reason))
 
 
 def _sentence(found: Diagnosis | None, octree: Octree, reason: str = "") -> str:

@@ -68,9 +68,6 @@ class Ground(Protocol):
     reach: float
     """Half the diagonal of what holds it, or the distance from 0 of its furthest point."""
 
-    scale: float
-    """The user's length of one unit of the coordinates used here."""
-
     faces: NDArray[np.int8]
     """The kinds of labels (L,): 0 for bent faces, 1 for ruled ones, 2 for planes."""
 

@@ -25,7 +25,6 @@ from itertools import combinations, pairwise, permutations
 import numpy as np
 
 from pas.arrays import AnyArray, Bools, Floats, Integers
-from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.crossings import crossings
 from pas.mesh.face_ground import inner_points
@@ -34,7 +33,7 @@ from pas.mesh.first import unsound
 from pas.mesh.halfedges import following
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton, pair_normals, project, second_derivatives
-from pas.mesh.refusals import FaceMesh
+from pas.mesh.refusals import FaceMesh, Made, Refusal
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, is_closed_manifold
 
@@ -49,8 +48,8 @@ SMOOTH = 0.97
 
 
 def mesh_apart(
-    field: FaceField, shells: Sequence[FaceField], tolerance: float, mesh: Callable[[FaceField, float], FaceMesh]
-) -> FaceMesh | None:
+    field: FaceField, shells: Sequence[FaceField], tolerance: float, mesh: Callable[[FaceField, float], Made]
+) -> Made | None:
     """The mesh of all of a boundary from those of its surfaces, by `mesh(shell, tolerance)`.
 
     None where they cross, or there is no room between them.
@@ -61,6 +60,8 @@ def mesh_apart(
         aim, found = tolerance / 2**halving, list[tuple[FaceField, Labelled, float]]()
         for shell in shells:
             made = mesh(shell, aim)
+            if isinstance(made, Refusal):
+                return made
             found.append((shell, made.mesh, made.deviation))
         pairs = [(one, other) for (_, one, _), (other, _, _) in permutations(found, 2)]
         within = (other.inside(other.signs(one.points)) for one, other in pairs)
@@ -111,8 +112,8 @@ def mesh_hollowed(
     field: FaceField,
     wall: ShellWall,
     tolerance: float,
-    meshed: Callable[[FaceField, float], FaceMesh],
-    refined: Callable[[Labelled, FaceField, float], FaceMesh],
+    meshed: Callable[[FaceField, float], Made],
+    refined: Callable[[Labelled, FaceField, float], Made],
 ) -> FaceMesh | None:
     """The mesh of a shell, from that of the solid by `meshed(solid, tolerance)`, `refined`.
 
@@ -120,12 +121,14 @@ def mesh_hollowed(
     """
     checkpoint("meshing both sides of a wall")
     aim = min(tolerance, SHARE * wall.thickness)
-    try:
-        first = Doubled(meshed(wall.solid, aim).mesh, wall).projected(field)
-        if not is_closed_manifold(first.triangles) or unsound(first, field, aim)[0]:
-            return None
-        found = refined(first, field, aim)
-    except MeshError:
+    outer = meshed(wall.solid, aim)
+    if isinstance(outer, Refusal):
+        return None
+    first = Doubled(outer.mesh, wall).projected(field)
+    if not is_closed_manifold(first.triangles) or unsound(first, field, aim)[0]:
+        return None
+    found = refined(first, field, aim)
+    if isinstance(found, Refusal):
         return None
     mesh, middles = found.mesh, found.mesh.points[found.mesh.triangles].mean(axis=1)
     at = newton(middles, field, mesh.labels[:, None], np.full(len(middles), wall.thickness / 2))

@@ -1,4 +1,4 @@
-"""What meshers return, a mesh with its distance from the surface, and what they raise where there is none."""
+"""What meshers return: a mesh with its distance from the surface, or why there is none, which is raised."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pas.arrays import Floats
 from pas.errors import MeshError
 from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
@@ -49,22 +48,34 @@ class FaceMesh:
         )
 
 
-class BadMeshError(ArithmeticError):
-    """Why triangles are no good mesh, and near which point (3,) of the field; how far so many of them were from the
-    surface, and the length of their longest edge."""
+@dataclass(frozen=True)
+class Refusal:
+    """Why a mesh was not made, in a sentence."""
 
-    def __init__(
-        self, why: str, place: Floats, reached: float = np.inf, triangles: int = 0, longest: float = 0.0
-    ) -> None:
-        super().__init__(why)
-        self.place, self.reached, self.triangles, self.longest = place, reached, triangles, longest
+    sentence: str
+
+    @property
+    def error(self) -> MeshError:
+        """The error to raise."""
+        return MeshError(self.sentence)
 
 
-def too_many(scale: float, triangles: int, most: int, tolerance: float, reached: float) -> MeshError:
-    """That a tolerance needs more than `most` triangles, and what is reached with some, lengths in the user's over
-    `scale`: with those of the coarsest mesh if these are more."""
+Made = FaceMesh | Refusal
+
+
+def too_many(scale: float, triangles: int, most: int, tolerance: float, reached: float) -> Refusal:
+    """That a tolerance, in units of so much of the user's, needs more than `most` triangles, and what is reached with
+    some: with those of the coarsest mesh if these are more."""
     near = f"{reached * scale:.2g} is reached"
     some = f"{near} with {triangles}"
     if triangles > most:
         some = f"even the coarsest mesh has {triangles}, and {near} by it"
-    return MeshError(f"the tolerance {tolerance * scale:.3g} needs more than {most} triangles; {some}")
+    return Refusal(f"the tolerance {tolerance * scale:.3g} needs more than {most} triangles; {some}")
+
+
+def not_reached(field: FaceField, triangles: int, tolerance: float, reached: float, why: str) -> Refusal:
+    """That a tolerance was not reached, and why."""
+    return Refusal(
+        f"the tolerance {tolerance * field.scale:g} was not reached with {triangles} triangles "
+        f"({reached * field.scale:.2g} was): {why}"
+    )

@@ -12,34 +12,46 @@ are looked at, is measured on the result.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from pas.arrays import Bools, Floats, Integers
-from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.grading import Grading
 from pas.mesh.halfedges import HalfEdges, VertexKind
-from pas.mesh.refusals import BadMeshError, FaceMesh, too_many
+from pas.mesh.refusals import FaceMesh
 from pas.mesh.rows import any_of, largest_of
 
 
-class Remesher(Grading):
-    """What makes a mesh of a ground, within a tolerance.
+@dataclass(frozen=True)
+class Failure:
+    """Why a mesh did not come out, and a point (3,) near which; how far it was from the surface with so many triangles.
 
-    Raises `BadMeshError` where none comes out, and `MeshError` where it would have too many triangles.
-    """
+    It is `crowded` where there would be too many."""
+
+    why: str
+    place: Floats
+    reached: float = np.inf
+    triangles: int = 0
+    crowded: bool = False
+    size: float = 0.0
+    """The length of the longest edge."""
+
+
+class Remesher(Grading):
+    """What makes a mesh of a ground, within a tolerance."""
 
     REFINEMENTS, ROUNDS = 40, 8
     """Passes of halvings and of mending at most: each ends when little changes."""
 
-    def refined(self, mesh: HalfEdges) -> FaceMesh:
+    def refined(self, mesh: HalfEdges) -> FaceMesh | Failure:
         """The mesh within the tolerance of a graded one, made for `parts`."""
         fits = int(np.sqrt(self.settings.most / len(mesh.labels)))
         inside, along = self.measured(mesh)
         parts = self._fewest_parts(mesh, inside, along)
         if fits < parts:
-            squares = max(fits, 1) ** 2  # of the parts there may be
-            raise self._too_many(len(mesh.labels) * squares, float(max(inside.max(), along.max())) / squares)
+            return self._too_many(mesh, inside, along, max(fits, 1))
         if parts < self.parts:
             self.graded(mesh, parts, thin=False)
         while True:
@@ -66,9 +78,10 @@ class Remesher(Grading):
         costs = np.where(off <= squares, squares, 2 * np.maximum(off, squares)).sum(axis=1)
         return int(np.argmin(costs)) + least
 
-    def _too_many(self, triangles: int, reached: float) -> MeshError:
-        """That there would be too many triangles, and what is reached with so many."""
-        return too_many(self.ground.scale, triangles, self.settings.most, self.tolerance, reached)
+    def _too_many(self, mesh: HalfEdges, inside: Floats, along: Floats, parts: int) -> Failure:
+        """That there would be too many triangles, and what is reached with as many as there may be."""
+        reached = float(max(inside.max(), along.max())) / parts**2
+        return Failure("too many triangles", mesh.points[0], reached, len(mesh.labels) * parts**2, True)
 
     def measured(self, mesh: HalfEdges, before: tuple[Integers, Floats, Floats] | None = None) -> tuple[Floats, Floats]:
         """Distances of triangles' insides (T,) and half edges (3 T,); those of triangles `before` are known."""
@@ -91,7 +104,7 @@ class Remesher(Grading):
         along[twins[twins >= 0]] = found[twins >= 0]
         return inside, along
 
-    def within(self, mesh: HalfEdges, mend: bool = True) -> FaceMesh:
+    def within(self, mesh: HalfEdges, mend: bool = True) -> FaceMesh | Failure:
         """The mesh with edges halved until all that is measured is within the tolerance."""
         before, worst, last = None, np.inf, np.inf
         for step in range(self.REFINEMENTS):
@@ -109,10 +122,11 @@ class Remesher(Grading):
                 last = worst
             halves = self._far(mesh, inside, along)
             if len(mesh.labels) + 2 * len(halves) > self.settings.most:
-                raise self._too_many(len(mesh.labels), worst)
+                return Failure("too many triangles", mesh.points[0], worst, len(mesh.labels), True)
             before = self._halved(mesh, halves, step, inside, along)
         far = int(np.argmax(np.maximum(inside, largest_of(along.reshape(-1, 3)))))
-        raise self.bad("the tolerance was not reached", mesh, far, worst)
+        size = float(mesh.lengths(np.arange(len(mesh.corners))).max())
+        return Failure("the tolerance was not reached", self._middle(mesh, far), worst, len(mesh.labels), size=size)
 
     def _far(self, mesh: HalfEdges, inside: Floats, along: Floats) -> Integers:
         """The half edges to halve, the longest first: those too far, and the longest of triangles too far inside."""
@@ -137,19 +151,19 @@ class Remesher(Grading):
             mesh.flip(self.tolerance, only_fresh=True)
         return old, inside, along
 
-    def _finished(self, mesh: HalfEdges, worst: float, mend: bool) -> FaceMesh:
+    def _finished(self, mesh: HalfEdges, worst: float, mend: bool) -> FaceMesh | Failure:
         if mend:
             worst = max(worst, self.mended(mesh))
         cosines = mesh.cosines
         if not cosines.min() >= self.settings.folded:
-            raise self.bad("some triangles are folded", mesh, int(np.argmin(cosines)), worst)
+            size = float(mesh.lengths(np.arange(len(mesh.corners))).max())
+            place = self._middle(mesh, int(np.argmin(cosines)))
+            return Failure("some triangles are folded", place, worst, len(mesh.labels), size=size)
         return FaceMesh(mesh.value, worst)
 
     @staticmethod
-    def bad(why: str, mesh: HalfEdges, row: int, reached: float = np.inf) -> BadMeshError:
-        """What is wrong in the middle of a triangle."""
-        longest = float(mesh.lengths(np.arange(len(mesh.corners))).max())
-        return BadMeshError(why, mesh.points[mesh.triangles[row]].mean(axis=0), reached, len(mesh.labels), longest)
+    def _middle(mesh: HalfEdges, row: int) -> Floats:
+        return np.asarray(mesh.points[mesh.triangles[row]].mean(axis=0))
 
     def mended(self, mesh: HalfEdges) -> float:
         """Move vertices of slender triangles inside faces to better places; how far what changed is at most."""

@@ -19,12 +19,12 @@ from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind, following
 from pas.mesh.labelled import NONE
 from pas.mesh.mesh import Mesh
-from pas.mesh.refusals import BadMeshError, FaceMesh, too_many
+from pas.mesh.refusals import FaceMesh, too_many
 from pas.mesh.rows import cross, norms
 from pas.mesh.shading import unit_rows
 from pas.surface.graph import AROUND, delaunay, require_once
 from pas.surface.radial_field import RadialField
-from pas.surface.sheet import in_world
+from pas.surface.sheet import BadMeshError, in_world
 
 
 def bisected(field: RadialField, tolerance: float, settings: Settings) -> Mesh:
@@ -44,9 +44,9 @@ def bisected(field: RadialField, tolerance: float, settings: Settings) -> Mesh:
         halves = _chosen(mesh, rim, (off > tolerance) | (mesh.cosines < settings.folded))
         if not len(halves):
             require_once(field, mesh.points[mesh.kinds == VertexKind.INSIDE])
-            return in_world(field, FaceMesh(mesh.value, float(off.max())))
+            return in_world(field, FaceMesh(mesh.value, float(off.max())), tolerance, settings)
         if len(mesh.labels) + 2 * len(halves) > settings.most:
-            raise too_many(field.scale, len(mesh.labels), settings.most, tolerance, float(off.max()))
+            raise too_many(field.scale, len(mesh.labels), settings.most, tolerance, float(off.max())).error
         size, middles, rims = len(mesh.points), mesh.middles(NONE, halves)[1], mesh.rims_of(halves)
         mesh.split(halves)
         mesh.points[size:] = field.met(middles)

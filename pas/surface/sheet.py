@@ -13,8 +13,8 @@ from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.refusals import FaceMesh
-from pas.mesh.remesher import Remesher
+from pas.mesh.refusals import FaceMesh, too_many
+from pas.mesh.remesher import Failure, Remesher
 from pas.mesh.rows import dots, largest_of, off_zero
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import Edges
@@ -29,6 +29,14 @@ TINY = 1e-300
 INSIDE = 1e-11
 """How far outside the region a point may be by rounding: in local units, barycentric coordinates, or over the way to
 where its ray leaves."""
+
+
+class BadMeshError(ArithmeticError):
+    """Why triangles are no good mesh, and near which point (3,), in the coordinates of the surface."""
+
+    def __init__(self, why: str, place: Floats) -> None:
+        super().__init__(why)
+        self.place = place
 
 
 class LocalSurface(ABC):
@@ -230,10 +238,12 @@ def remeshed(
     remesher.graded(mesh, remesher.parts, thin=accept is None)
     remesher.untangle(mesh, settings.folded)
     if not (mesh.cosines >= settings.folded).all():
-        raise remesher.bad("some triangles are folded", mesh, int(np.argmin(mesh.cosines)))
+        raise BadMeshError(
+            "some triangles are folded", mesh.points[mesh.triangles[np.argmin(mesh.cosines)]].mean(axis=0)
+        )
     if accept is not None:
         accept(mesh.points[mesh.kinds == VertexKind.INSIDE])
-    return in_world(field, remesher.refined(mesh))
+    return in_world(field, remesher.refined(mesh), tolerance, settings)
 
 
 def followed(field: LocalSurface, points: Floats, triangles: Integers, rim: Integers, tolerance: float) -> Mesh:
@@ -247,11 +257,15 @@ def followed(field: LocalSurface, points: Floats, triangles: Integers, rim: Inte
     mesh.points[:], mesh.normals[:] = field.projected(mesh)
     if not (mesh.cosines >= remesher.settings.folded).all():
         raise ArithmeticError("some triangles are folded")
-    return in_world(field, remesher.within(mesh, mend=False))
+    return in_world(field, remesher.within(mesh, mend=False), tolerance, remesher.settings)
 
 
-def in_world(field: LocalSurface, found: FaceMesh) -> Mesh:
+def in_world(field: LocalSurface, found: FaceMesh | Failure, tolerance: float, settings: Settings) -> Mesh:
     """What was found in the user's coordinates; raises `ArithmeticError` where it leaves the region."""
+    if isinstance(found, Failure):
+        if found.crowded:
+            raise too_many(field.scale, found.triangles, settings.most, tolerance, found.reached).error
+        raise BadMeshError(found.why, found.place)
     mesh = found.mesh
     if not field.within(mesh.points):
         raise ArithmeticError("the mesh leaves the region")

@@ -24,14 +24,13 @@ from pas.mesh.field import VISIBLE
 from pas.mesh.grading import Settings
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.refusals import BadMeshError
 from pas.mesh.shading import unit_rows, uprightness
 from pas.mesh.topology import Edges, euler_characteristic, is_manifold, piece_count
 from pas.surface.fairness import fairness
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.lattice import Subdivision
 from pas.surface.local_field import LocalField
-from pas.surface.sheet import open_mesh, remeshed
+from pas.surface.sheet import BadMeshError, open_mesh, remeshed
 
 LEAST, FINEST = 2, 8
 """Halvings of the cells, at least and at most."""
