@@ -18,7 +18,6 @@ from pas.solid.edges import Loop, PlaneEdge, at, gradient, line, radius_of
 from pas.solid.faces import COARSE, Faces, SolidBoundary, SweptBody, cross, flat, jets_of
 from pas.solid.formulas import PlaneSet, formula
 from pas.solid.joints import Joint
-from pas.solid.operands import Operands
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined
 
@@ -46,7 +45,7 @@ def extruded(profile: PlaneSet, height: fmpq, taper: fmpq) -> Solid:
         body = Prism(loops=loops, height=to_float(height), lean=Lean(slope))
         body.refuse_lost_top()
     elif not slope:
-        body = Operands.of(*profile.operands(lambda part: extruded(part, height, taper)))
+        body = profile.operands(lambda part: extruded(part, height, taper))
     claims = dict.fromkeys(claim for loop in loops or profile.all_loops for claim in joints(loop, Lean(slope)))
     return Solid(tree, tuple(claims), (), body)
 

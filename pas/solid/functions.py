@@ -118,17 +118,17 @@ class Moved(Distance):
 
 
 def followed_by(tree: Tree) -> tuple[Tree, list[tuple[Distance, Followed]]] | None:
-    """The set of which a tree is a shell, and the distances from its faces, and what they follow; or None."""
-    walls = ((rest, distances_from(rest, wall)) for wall, rest in splits_of(tree))
-    return next(((rest, found) for rest, found in walls if found), None)
+    """The set of which a tree is a shell, and the distances from its faces, and what they follow; or None.
 
-
-def distances_from(tree: Tree, wall: Tree) -> list[tuple[Distance, Followed]]:
-    """The distances from faces of a set, less a thickness, whose union of inequalities a wall is; none if it is not."""
-    functions = [part.function for part in parts_of(wall, union=True) if isinstance(part, Atom) and not part.outside]
-    found = [(f, f.follows) for f in functions if isinstance(f, Distance) and f.follows is not None]
-    is_all = len(found) == len(parts_of(wall, union=True)) and all(follows.tree == tree for _, follows in found)
-    return found if is_all else []
+    The rest of what it is an intersection of is then the union of these distances, less a thickness.
+    """
+    for wall, rest in splits_of(tree):
+        parts = parts_of(wall, union=True)
+        functions = [part.function for part in parts if isinstance(part, Atom) and not part.outside]
+        found = [(f, f.follows) for f in functions if isinstance(f, Distance) and f.follows is not None]
+        if len(found) == len(parts) and all(follows.tree == rest for _, follows in found):
+            return rest, found
+    return None
 
 
 class Pieces:

@@ -25,7 +25,6 @@ from pas.solid.edges import Loop, PlaneEdge, at, line
 from pas.solid.faces import Faces, SolidBoundary, SweptBody
 from pas.solid.formulas import PlaneSet, Truth, formula, joined, negated
 from pas.solid.joints import Joint
-from pas.solid.operands import Operands
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, combined
 
@@ -44,7 +43,9 @@ def revolved(profile: PlaneSet, degrees: fmpq) -> Solid:
                     f"the profile passes the axis: its edge {edge.name!r} from {at(edge.start)} to {at(edge.end)} has "
                     f"points with negative x, which is the distance from the axis"
                 )
-    made = profile.tree(lambda loop, _: formula(loop, _surface, _wall))
+    made = profile.tree(
+        lambda loop, _: formula(loop, lambda e: _swept(e.curve, e.name), lambda e: _swept(line(e.start, e.end), ""))
+    )
     turn = rotation((0, 0, 1), degrees, (0, 0, 0)).direction((fmpq(1), fmpq(0), fmpq(0)))
     if degrees < 360:
         begin, end = Polynomial.from_raw(-Y), Polynomial.from_raw(Y * turn[0] - X * turn[1])
@@ -53,9 +54,7 @@ def revolved(profile: PlaneSet, degrees: fmpq) -> Solid:
     loops = profile.boundary
     angle = math.atan2(to_float(turn[1]), to_float(turn[0])) % (2 * math.pi) or 2 * math.pi
     body: SolidBoundary = (
-        Operands.of(*profile.operands(lambda part: revolved(part, degrees)))
-        if loops is None
-        else Turned(loops=loops, angle=angle)
+        profile.operands(lambda part: revolved(part, degrees)) if loops is None else Turned(loops=loops, angle=angle)
     )
     every = list(profile.all_loops if loops is None else loops)
     claims = dict.fromkeys(claim for loop in every for claim in _joints(loop))
@@ -71,15 +70,6 @@ def _passes_axis(edge: PlaneEdge, halvings: int = 12) -> bool:
     if edge.control is None or edge.control[0] >= 0:
         return False
     return halvings == 0 or any(_passes_axis(half, halvings - 1) for half in edge.halves)
-
-
-def _surface(edge: PlaneEdge) -> Truth:
-    """The set that the left, or the concave, side of an edge sweeps out."""
-    return _swept(edge.curve, edge.name)
-
-
-def _wall(edge: PlaneEdge) -> Truth:
-    return _swept(line(edge.start, edge.end), "")
 
 
 def _swept(curve: Polynomial, face: str) -> Truth:

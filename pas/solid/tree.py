@@ -152,11 +152,7 @@ def is_contradiction(tree: Tree) -> bool:
 
 def mapped(tree: Tree, change: Callable[[Atom], Tree]) -> Tree:
     """The tree with something in the place of each of its atoms."""
-
-    def branch(node: Node, parts: list[Tree]) -> Tree:
-        return Node(tuple(parts), node.union)
-
-    return folded(tree, change, branch)
+    return folded(tree, change, lambda node, parts: Node(tuple(parts), node.union))
 
 
 def atoms(tree: Tree) -> Iterator[Atom]:
