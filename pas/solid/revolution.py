@@ -140,14 +140,13 @@ class Turned(SweptBody):
         many = max(math.ceil(self.angle / step), 3)
         angles = np.linspace(0, self.angle, many + 1)
         turns = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-        rows, space, first = [], list[Floats](), 0
-        for r, z in points.tolist():
-            row = np.column_stack([r * turns, np.full(many + 1, z)])[: many if self.is_full else None]
-            row = row[:1] if r == 0 else row
-            rows.append(first + np.resize(np.arange(len(row)), many + 1))
-            space.append(row)
-            first += len(row)
+        space = [
+            np.column_stack([r * turns, np.full(many + 1, z)])[: 1 if r == 0 else many if self.is_full else None]
+            for r, z in points.tolist()
+        ]
+        ends = pairwise(np.cumsum([0, *map(len, space)]).tolist())
         made, first = Faces(np.concatenate(space)), 0
+        rows = [np.resize(np.arange(*between), many + 1) for between in ends]
         for loop, some, count in zip(self.loops, polygons, counts, strict=True):
             borders = np.cumsum([0, *count])
             for edge, (a, b) in zip(loop.edges, pairwise(borders.tolist()), strict=True):

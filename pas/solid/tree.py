@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from pas.algebra.polynomial import Polynomial
 from pas.arrays import Bools, Floats
 
 
-@runtime_checkable
 class ScalarField(Protocol):
     """A function that is no polynomial, such as a distance or a piecewise polynomial, over `2^exponent`."""
 
