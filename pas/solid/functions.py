@@ -18,7 +18,7 @@ from pas.arrays import Bools, Floats
 from pas.partition.cells import Partition
 from pas.piecewise import PiecewiseSurface
 from pas.solid.taylor import TaylorForms
-from pas.solid.tree import Atom, Function, Node, Tree, combined, complement, image, mapped, parts_of, splits_of
+from pas.solid.tree import Atom, Function, Node, Tree, combined, complement, mapped, moved, parts_of, splits_of
 
 
 @dataclass(frozen=True)
@@ -32,11 +32,7 @@ class Followed:
 
     def moved(self, map_: Affine) -> Followed:
         """The image under a similarity."""
-
-        def move(atom: Atom) -> Atom:
-            return replace(atom, function=image(atom.function, map_))
-
-        return replace(self, tree=mapped(self.tree, move), thickness=self.thickness * map_.similarity())
+        return replace(self, tree=moved(self.tree, map_), thickness=self.thickness * map_.similarity())
 
 
 class Parametrized(ABC):

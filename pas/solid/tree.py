@@ -40,11 +40,6 @@ class ScalarField(Protocol):
 Function = Polynomial | ScalarField
 
 
-def image(function: Function, map_: Affine) -> Function:
-    """The function whose zero set is the image of that of `function`; raises `ValueError` where `moved` does."""
-    return map_.polynomial(function) if isinstance(function, Polynomial) else function.moved(map_)
-
-
 @dataclass(frozen=True)
 class Atom:
     """`{f <= 0}`, or `{f >= 0}` where `outside`.
@@ -152,6 +147,13 @@ def is_contradiction(tree: Tree) -> bool:
 def mapped(tree: Tree, change: Callable[[Atom], Tree]) -> Tree:
     """The tree with something in the place of each of its atoms."""
     return folded(tree, change, lambda node, parts: Node(tuple(parts), node.union))
+
+
+def moved(tree: Tree, map_: Affine) -> Tree:
+    """The image of a set; raises `ValueError` where a function cannot follow the map."""
+    functions = dict.fromkeys(atom.function for atom in atoms(tree))
+    images = {f: map_.polynomial(f) if isinstance(f, Polynomial) else f.moved(map_) for f in functions}
+    return mapped(tree, lambda atom: replace(atom, function=images[atom.function]))
 
 
 def atoms(tree: Tree) -> Iterator[Atom]:
