@@ -19,7 +19,7 @@ from pas.algebra.inputs import points_of
 from pas.algebra.polynomial import Polynomial
 from pas.arrays import Bools
 from pas.errors import GeometryError
-from pas.solid.edges import Loop, PlaneEdge, Point, across, along, apart, line, minus, radius_of
+from pas.solid.edges import Loop, PlaneEdge, Point, across, along, apart, minus, radius_of
 from pas.solid.operands import Operands
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined, complement, folded
@@ -109,23 +109,22 @@ class PlaneSet:
     @cached_property
     def _upright(self) -> Tree:
         """The set in space above and below it."""
-        return self.tree(
-            lambda loop, _: formula(loop, lambda e: Atom(e.curve, e.name), lambda e: Atom(line(e.start, e.end), ""))
-        )
+        return self.tree(lambda loop, _: formula(loop, lambda edge: Atom(edge.curve, edge.name)))
 
 
 def _crossing(one: PlaneEdge, other: PlaneEdge) -> GeometryError:
     return GeometryError(f"edges {one.name!r} and {other.name!r} of two loops meet")
 
 
-def formula(loop: Loop, atom: Callable[[PlaneEdge], Truth], wall: Callable[[PlaneEdge], Truth]) -> Tree:
+def formula(loop: Loop, atom: Callable[[PlaneEdge], Truth], wall: Callable[[PlaneEdge], Truth] | None = None) -> Tree:
     """What is inside a loop that is counterclockwise, by inequalities.
 
     It is what is inside its chords, and caps that arcs add or take away; their triangles are apart.
 
     `atom` makes the set to the left of an edge, of an arc that on its concave side; `wall` that to the left of an arc's
-    chord.
+    chord, by default the one that `atom` makes of it.
     """
+    wall = wall or (lambda edge: atom(PlaneEdge.straight(edge.start, edge.end, "")))
     if loop.whole:
         found = atom(loop.edges[0])
     else:

@@ -21,7 +21,7 @@ from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import plain, to_float
 from pas.arrays import Floats
 from pas.errors import GeometryError
-from pas.solid.edges import Loop, PlaneEdge, at, line
+from pas.solid.edges import Loop, PlaneEdge, at
 from pas.solid.faces import Faces, SolidBoundary, SweptBody
 from pas.solid.formulas import PlaneSet, Truth, formula, joined, negated
 from pas.solid.joints import Joint
@@ -43,9 +43,7 @@ def revolved(profile: PlaneSet, degrees: fmpq) -> Solid:
                     f"the profile passes the axis: its edge {edge.name!r} from {at(edge.start)} to {at(edge.end)} has "
                     f"points with negative x, which is the distance from the axis"
                 )
-    made = profile.tree(
-        lambda loop, _: formula(loop, lambda e: _swept(e.curve, e.name), lambda e: _swept(line(e.start, e.end), ""))
-    )
+    made = profile.tree(lambda loop, _: formula(loop, lambda edge: _swept(edge.curve, edge.name)))
     turn = rotation((0, 0, 1), degrees, (0, 0, 0)).direction((fmpq(1), fmpq(0), fmpq(0)))
     if degrees < 360:
         begin, end = Polynomial.from_raw(-Y), Polynomial.from_raw(Y * turn[0] - X * turn[1])
