@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 import pas
 from pas import Ideal, Polynomial, Submodule, contact_ideal, syzygies
-from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import count_members, exponents, homogeneous_exponents, minimal
 
 X, Y, Z = sympy.symbols("x y z")

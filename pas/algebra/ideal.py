@@ -186,9 +186,7 @@ class Ideal(Exchanged):
         Found by eliminating t from the ideal with `1 - t polynomial` (Cox, Little and O'Shea 2015, section 4.4).
         """
         context = fmpz_mpoly_ctx.get(("t", *VARIABLES), Ordering.lex)
-        *lifted, product = (
-            integral(g).project_to_context(context) for g in (*self.basis, Polynomial(polynomial).raw)
-        )
+        *lifted, product = (integral(g).project_to_context(context) for g in (*self.basis, Polynomial(polynomial).raw))
         basis = groebner([*lifted, 1 - context.gens()[0] * product], context)
         kept = [g.to_dict() for g in basis if all(e[0] == 0 for e in g.to_dict())]
         return Ideal(*({tuple(map(int, e[1:])): int(c) for e, c in terms.items()} for terms in kept))

@@ -24,7 +24,6 @@ from typing import Unpack
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.brief import brief
-from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_degree, check_order
 from pas.algebra.monomials import Exponents, count, exponents
 from pas.algebra.nullspace import nullspace

@@ -239,7 +239,8 @@ def solve_along_tree(placed: PlacedContacts, degree: int) -> Products:
     for number, face in enumerate(faces):
         if number not in {used for used, _, _ in tree}:
             crossing = _difference(patches[face.second], patches[face.first])
-            rows += Ideal.from_raw(face.plane.raw ** (order + 1)).equations(((u, c.items()) for u, c in crossing), degree)
+            plane = Ideal.from_raw(face.plane.raw ** (order + 1))
+            rows += plane.equations(((u, c.items()) for u, c in crossing), degree)
     for number, pieces in enumerate(placed.carriers):
         for piece in pieces:
             if (number, piece) != (first, root):
