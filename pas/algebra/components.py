@@ -84,14 +84,9 @@ class Components:
 
     def _number(self, value: fmpq, point: RealZero) -> int:
         """Which of the points in its plane a point is."""
-        candidates = list(range(len(self._in_plane(value))))
-        for bits in accuracies():
-            balls = point.balls(bits)
-            others = {i: self._points[value][i].balls(bits) for i in candidates}
-            candidates = [i for i, b in others.items() if all(p.overlaps(q) for p, q in zip(b, balls, strict=True))]
-            if len(candidates) == 1:
-                return candidates[0]
-        raise AssertionError
+        others = self._in_plane(value)
+        near = ([i for i, other in enumerate(others) if other.overlaps(point, bits)] for bits in accuracies())
+        return next(found[0] for found in near if len(found) == 1)
 
     def _pass(self, low: fmpq, high: fmpq) -> None:
         """Join each point of a plane with the one that it goes on to in another, without a turn in between."""
@@ -136,13 +131,9 @@ class Components:
 
     def _value(self, point: RealZero) -> RealRoot:
         """The value of the sweeping form at a turning point."""
-        candidates = self._turns
-        for bits in accuracies():
-            value = point.value(self.curve.form, bits)
-            candidates = [t for t in candidates if t.ball(bits).overlaps(value)]
-            if len(candidates) == 1:
-                return candidates[0]
-        raise AssertionError
+        values = ((point.value(self.curve.form, bits), bits) for bits in accuracies())
+        near = ([t for t in self._turns if t.ball(bits).overlaps(value)] for value, bits in values)
+        return next(found[0] for found in near if len(found) == 1)
 
 
 class Shadow:

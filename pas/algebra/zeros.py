@@ -109,6 +109,10 @@ class RealZero:
                 self._balls[bits] = tuple(arb_poly(c)(at) for c in self._coordinates)
         return self._balls[bits]
 
+    def overlaps(self, other: RealZero, bits: int) -> bool:
+        """Whether both may be one point, as far as such balls tell."""
+        return all(p.overlaps(q) for p, q in zip(self.balls(bits), other.balls(bits), strict=True))
+
     def value(self, polynomial: Polynomial, bits: int) -> arb:
         """A ball that holds a polynomial's value."""
         with ctx.workprec(bits):

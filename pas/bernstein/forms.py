@@ -13,12 +13,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from math import comb, factorial, lcm, prod
+from math import comb, lcm, prod
 
 import numpy as np
 from flint import Ordering, fmpq, fmpq_mat, fmpq_mpoly, fmpq_mpoly_ctx
 
-from pas.algebra.monomials import Exponents, exponents, homogeneous_exponents, positions
+from pas.algebra.monomials import Exponents, exponents, homogeneous_exponents, multinomial, positions
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import Vector, to_floats
 from pas.algebra.scaling import scaled
@@ -62,7 +62,7 @@ def _homogeneous(degree: int, dimension: int) -> tuple[fmpq_mpoly_ctx, list[fmpq
     ring = fmpq_mpoly_ctx.get([f"b{i}" for i in range(dimension + 1)], Ordering.degrevlex)
     first, *others = ring.gens()
     indices = homogeneous_exponents(degree, dimension + 1)
-    factors = {index: fmpq(prod(map(factorial, index)), factorial(degree)) for index in indices}
+    factors = {index: fmpq(1, multinomial(index)) for index in indices}
     return ring, [sum(others, first), *others], factors
 
 
@@ -78,11 +78,7 @@ def polar_row(arguments: Sequence[Vector]) -> list[fmpq]:
     for point in arguments:
         whole *= sum((g * c for g, c in zip(GENERATORS, point, strict=True)), RING.constant(1))
     terms = whole.to_dict()
-    row = []
-    for e in exponents(degree):
-        times = factorial(degree - sum(e)) * factorial(e[0]) * factorial(e[1]) * factorial(e[2])
-        row.append(terms.get(e, fmpq(0)) * fmpq(times, factorial(degree)))
-    return row
+    return [terms.get(e, 0) * fmpq(1, multinomial((degree - sum(e), *e))) for e in exponents(degree)]
 
 
 def rounded(values: Sequence[fmpq]) -> Floats:
@@ -157,8 +153,7 @@ def polar_forms(
 @cache
 def _polar_weights(degree: int) -> Floats:
     """What coefficients are multiplied with to be values of the polar form: 1 over multinomial coefficients."""
-    parts = ((degree - sum(e), *e) for e in exponents(degree))
-    return np.array([prod(map(factorial, part)) / factorial(degree) for part in parts])
+    return np.array([1 / multinomial((degree - sum(e), *e)) for e in exponents(degree)])
 
 
 def _blossom(table: Floats, degree: int, places: Floats) -> Iterator[Floats]:

@@ -22,13 +22,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import combinations
-from math import factorial, gcd, lcm, prod
+from math import gcd, lcm, prod
 
 from flint import fmpq, fmpq_mat, fmpz_mat
 
 from pas.algebra.ideal import Ideal
 from pas.algebra.matrices import Products, whole_rows
-from pas.algebra.monomials import Exponents, count, homogeneous_exponents, positions
+from pas.algebra.monomials import Exponents, count, homogeneous_exponents, multinomial, positions
 from pas.algebra.nullspace import Solved, integral, integral_nullspace, solve_sparse
 from pas.algebra.polynomial import GENERATORS, RING
 from pas.contacts.contact import Contact
@@ -121,11 +121,6 @@ def in_monomials(
     rows, nothing = dict(zip(touched, (table * change).tolist(), strict=True)), [0] * len(places)
     whole = fmpz_mat(dimension, len(places), [v for m in range(dimension) for v in rows.get(m, nothing)])
     return fmpq_mat(whole) * fmpq(1, common)
-
-
-def multinomial(index: Exponents) -> int:
-    """The number of words with so many letters of each kind."""
-    return factorial(sum(index)) // prod(map(factorial, index))
 
 
 def _power_weights(coordinates: Sequence[fmpq], s: int) -> list[tuple[Exponents, fmpq]]:
