@@ -315,9 +315,12 @@ def _node(cell: Cell, index: tuple[int, int, int, int]) -> tuple[Fraction, ...]:
     )
 
 
-VTU: Format[Any] = Format(
-    ".vtu", Content("cells", grid_of, ("tolerance",), has_cells), lambda grid, path, _: grid.save(path), unitless=True
-)
+def write_vtu(grid: Any, path: Path, request: Request) -> None:
+    """The grid with its arrays."""
+    grid.save(path)
+
+
+VTU: Format[Any] = Format(".vtu", Content("cells", grid_of, ("tolerance",), has_cells), write_vtu, unitless=True)
 
 
 def write_msh(mesh: VolumeMesh, path: Path, request: Request) -> None:
