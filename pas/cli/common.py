@@ -90,7 +90,8 @@ def add_settings(
         elif about["kind"] is bool:
             parser.add_argument(name, action="store_true", default=None, help=text)
         else:
-            kind = {list: str, float: number}.get(about["kind"], about["kind"])
+            known: dict[type, Any] = {list: str, float: number}
+            kind = known.get(about["kind"], about["kind"])
             parser.add_argument(name, type=kind, metavar=about["metavar"], help=text)
 
 
