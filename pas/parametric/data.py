@@ -21,11 +21,11 @@ from flint import fmpq, fmpq_poly
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import MOST_SURFACES, check_order, short, shown
-from pas.algebra.rational import Exact, plain, to_float, to_fraction
+from pas.algebra.rational import Exact, plain, rational, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
 from pas.errors import GeometryError
 from pas.parametric.hermite import Expansion, distinct
-from pas.parametric.maps import ExactDomain
+from pas.parametric.maps import Ends, ExactDomain
 from pas.parametric.nets import finite_part
 from pas.parametric.series import Components, rounded_roots, taylor, univariate
 from pas.parametric.surface import ParametricSurface
@@ -135,7 +135,7 @@ class BlendingData:
             for i, (surface, value) in enumerate(zip(self.surfaces, self.values, strict=True))
             for axis, component in zip(AXES, surface.components, strict=True)
             for at in (self.values if everywhere else (value,))
-            for point in _isolated(i, axis, component, at, surface.domain[0])
+            for point in _isolated(i, axis, component, at, surface.ends[0])
         )
 
     def require_exact(self) -> None:
@@ -188,15 +188,13 @@ def _expansion(component: RationalFunction, value: fmpq, order: int) -> Expansio
     return Expansion(tuple(top / common / scale for top in tops), bottom / common / scale)
 
 
-def _isolated(
-    number: int, axis: str, component: RationalFunction, value: fmpq, domain: tuple[float, float]
-) -> list[IsolatedPoint]:
+def _isolated(number: int, axis: str, component: RationalFunction, value: fmpq, ends: Ends) -> list[IsolatedPoint]:
     above, below = (taylor(p, value, 0)[0] for p in (component.numerator, component.denominator))
     found = []
     for factor, _ in below.factor()[1]:
         kind = PointKind.BASE_POINT if above.gcd(factor).degree() > 0 else PointKind.POLE
         text = str(RationalFunction.quotient(univariate(factor, 0), ONE))
-        roots = [root for root in rounded_roots(factor) if domain[0] <= root <= domain[1]]
+        roots = rounded_roots(factor, *(None if end is None else rational(end) for end in ends))
         found += [IsolatedPoint(number, axis, root, value, text, kind) for root in roots]
     return sorted(found, key=lambda p: p.t)
 

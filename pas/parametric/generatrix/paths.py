@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
-from flint import fmpq_mpoly, fmpq_poly
+from flint import fmpq, fmpq_mpoly, fmpq_poly
 from numpy.typing import ArrayLike
 
 from pas.algebra.callables import ComponentLike, component
@@ -26,7 +26,7 @@ from pas.algebra.rational_function import GENERATORS, RationalFunction
 from pas.algebra.roots import in_one
 from pas.arrays import Floats
 from pas.errors import GeometryError
-from pas.parametric.series import Components, zeros_in_unit_interval
+from pas.parametric.series import Components, rounded_roots
 from pas.parametric.surface import ParametricSurface, one_parameter
 
 NAMES: Names = ("s", "t")
@@ -200,7 +200,7 @@ def _refuse(name: str, what: str, polynomials: Sequence[fmpq_mpoly]) -> None:
     common = fmpq_poly([0])
     for polynomial in polynomials:
         common = common.gcd(in_one(polynomial, 0))
-    zeros = [0.0] if common.is_zero() else zeros_in_unit_interval(common)
+    zeros = [0.0] if common.is_zero() else rounded_roots(common, fmpq(0), fmpq(1))
     if zeros:
         raise GeometryError(f"{name}: {what} at s = {zeros[0]:.6g}; choose another curve or interval")
 
