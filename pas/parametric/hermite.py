@@ -31,27 +31,10 @@ from pas.algebra.expressions import Names
 from pas.algebra.inputs import check_order, short, shown
 from pas.algebra.jets import Jet, along, constant, nilpotency, power, variables
 from pas.algebra.rational import Exact, plain, rational, three, to_float, to_fraction
-from pas.algebra.rational_function import ONE, RationalFunction
+from pas.algebra.rational_function import ONE, RationalFunction, total
 from pas.limits import checkpoint
 from pas.parametric.series import Components, univariate
 from pas.parametric.surface import ParametricSurface
-
-
-@dataclass(frozen=True)
-class Expansion:
-    """Taylor coefficients in h of one component: `numerators[j] / denominator` as functions of t.
-
-    The denominator is the least common one of all j (in lowest terms, monic).
-    """
-
-    numerators: tuple[fmpq_poly, ...]
-    denominator: fmpq_poly
-
-    @property
-    def functions(self) -> list[RationalFunction]:
-        """The coefficients, each in lowest terms."""
-        below = univariate(self.denominator, 0)
-        return [RationalFunction.quotient(univariate(n, 0), below) for n in self.numerators]
 
 
 def hermite_basis(values: Sequence[Exact], order: int) -> tuple[tuple[RationalFunction, ...], ...]:
@@ -92,26 +75,18 @@ def taylor_basis(values: Sequence[fmpq], number: int, order: int) -> list[fmpq_p
     node = values[number]
     step = fmpq_poly([-node, 1])
     outer = prod((fmpq_poly([-o / (node - o), 1 / (node - o)]) for o in _others(values, number)), start=fmpq_poly([1]))
-    outer = outer ** (order + 1)
     inverse = inverse_series(values, number, order)
-    basis = []
-    for j in range(order + 1):
-        cut = fmpq_poly([fmpq(0)])
-        for coefficient in reversed(inverse[: order - j + 1]):
-            cut = cut * step + coefficient
-        basis.append(outer * cut * step**j)
-    return basis
+    return [outer ** (order + 1) * inverse.truncate(order - j + 1)(step) * step**j for j in range(order + 1)]
 
 
-def inverse_series(values: Sequence[fmpq], number: int, order: int) -> list[fmpq]:
-    """Taylor coefficients at s_i of prod_{l != i} ((s_i - s_l) / (h - s_l))^(k+1)."""
+def inverse_series(values: Sequence[fmpq], number: int, order: int) -> fmpq_poly:
+    """The Taylor polynomial at s_i of prod_{l != i} ((s_i - s_l) / (h - s_l))^(k+1)."""
     node = values[number]
     series = fmpq_poly([1])
     for other in _others(values, number):
         geometric = fmpq_poly([(-1 / (node - other)) ** m for m in range(order + 1)])
         series = series.mul_low(geometric, order + 1)
-    whole = series.pow_trunc(order + 1, order + 1)
-    return [whole[j] for j in range(order + 1)]
+    return series.pow_trunc(order + 1, order + 1)
 
 
 def _others(values: Sequence[fmpq], number: int) -> list[fmpq]:
@@ -130,21 +105,18 @@ def distinct(values: Sequence[Exact]) -> tuple[fmpq, ...]:
 
 
 def exact_hermite(
-    values: Sequence[fmpq], expansions: Sequence[Sequence[Expansion]], order: int, names: Names
+    values: Sequence[fmpq], coefficients: Sequence[Sequence[Components]], order: int, names: Names
 ) -> Components:
-    """The blend in lowest terms from the expansions of the three components of each surface."""
+    """The blend in lowest terms from the Taylor coefficients of each surface at its value."""
+    rows = [c for row in coefficients for c in row]
     basis = [univariate(p, 1) for i in range(len(values)) for p in taylor_basis(values, i, order)]
+    functions = [RationalFunction.from_lowest_terms(p, ONE, names) for p in basis]
 
-    def summed(parts: Sequence[Expansion]) -> RationalFunction:
+    def summed(axis: int) -> RationalFunction:
         checkpoint("adding up the Hermite blend")
-        below = fmpq_poly([1])
-        for part in parts:
-            below = below * (part.denominator / below.gcd(part.denominator))
-        tops = [univariate(n * (below / part.denominator), 0) for part in parts for n in part.numerators]
-        above = sum((top * p for top, p in zip(tops, basis, strict=True)), ONE * 0)
-        return RationalFunction.quotient(above, univariate(below, 0), names)
+        return total([f * row[axis] for f, row in zip(functions, rows, strict=True)])
 
-    return three(summed(parts) for parts in zip(*expansions, strict=True))
+    return three(map(summed, range(3)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,8 +154,8 @@ class HermiteValues:
     @cached_property
     def _inverses(self) -> list[list[float]]:
         """For each surface the Taylor coefficients of 1 / w_i at s_i."""
-        count = range(len(self.values))
-        return [[to_float(v) for v in inverse_series(self.values, number, self.order)] for number in count]
+        found = [inverse_series(self.values, number, self.order) for number in range(len(self.values))]
+        return [[to_float(series[j]) for j in range(self.order + 1)] for series in found]
 
     def _series(self, number: int, t: Any) -> list[list[Any]]:
         """The coefficients j = 0..k of (h - s_i)^j in P_i / w_i, of each coordinate, at t."""
