@@ -162,9 +162,7 @@ class Studio:
             return
         try:
             text = await asyncio.to_thread(self.file.read_text, encoding="utf-8")
-            document = await page.final.ask("read", self.file.name, text)
-            if document["kind"] == "project":
-                await page.quick.ask("read", self.file.name, text)
+            document = await page.read(self.file.name, text)
             head = {"kind": "document", "document": document, "file": self.file.name, "kept": not changed}
             await send(Message(head))
         except (RefusedError, OSError, UnicodeDecodeError) as error:
