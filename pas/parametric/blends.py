@@ -33,7 +33,7 @@ from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.parametric.data import AXES, BlendingData, ParametricCertificate, contact_verdicts
-from pas.parametric.hermite import HermiteValues, blending_polynomial, exact_hermite
+from pas.parametric.hermite import HermiteValues, blending_polynomial, taylor_basis
 from pas.parametric.maps import DomainLike
 from pas.parametric.regularity import regularity
 from pas.parametric.series import Components, taylor, univariate
@@ -202,8 +202,16 @@ def hermite_blend(data: BlendingData, order: int, **limits: Unpack[WorkLimits]) 
     _require_data(data)
 
     def source() -> Components:
-        coefficients = [data.coefficients(i, k) for i in range(len(data.surfaces))]
-        return exact_hermite(data.values, coefficients, k, data.surfaces[0].parameters)
+        names, numbers = data.surfaces[0].parameters, range(len(data.surfaces))
+        rows = [row for i in numbers for row in data.coefficients(i, k)]
+        basis = [univariate(p, 1) for i in numbers for p in taylor_basis(data.values, i, k)]
+        functions = [RationalFunction.from_lowest_terms(p, ONE, names) for p in basis]
+
+        def summed(axis: int) -> RationalFunction:
+            checkpoint("adding up the Hermite blend")
+            return total([f * row[axis] for f, row in zip(functions, rows, strict=True)])
+
+        return three(map(summed, range(3)))
 
     return ParametricBlend(data, k, _surface(data, HermiteValues(data.surfaces, data.values, k), source))
 

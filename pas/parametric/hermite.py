@@ -27,13 +27,11 @@ import numpy as np
 from flint import fmpq, fmpq_poly
 
 from pas.algebra.evaluation import as_arrays
-from pas.algebra.expressions import Names
 from pas.algebra.inputs import check_order, short, shown
 from pas.algebra.jets import Jet, along, constant, nilpotency, power, variables
-from pas.algebra.rational import Exact, plain, rational, three, to_float, to_fraction
-from pas.algebra.rational_function import ONE, RationalFunction, total
-from pas.limits import checkpoint
-from pas.parametric.series import Components, univariate
+from pas.algebra.rational import Exact, plain, rational, to_float, to_fraction
+from pas.algebra.rational_function import ONE, RationalFunction
+from pas.parametric.series import univariate
 from pas.parametric.surface import ParametricSurface
 
 
@@ -102,21 +100,6 @@ def distinct(values: Sequence[Exact]) -> tuple[fmpq, ...]:
         if a == b:
             raise ValueError(f"values[{i}] and values[{j}] are both {short(plain(a))}; give each surface its own value")
     return exact
-
-
-def exact_hermite(
-    values: Sequence[fmpq], coefficients: Sequence[Sequence[Components]], order: int, names: Names
-) -> Components:
-    """The blend in lowest terms from the Taylor coefficients of each surface at its value."""
-    rows = [c for row in coefficients for c in row]
-    basis = [univariate(p, 1) for i in range(len(values)) for p in taylor_basis(values, i, order)]
-    functions = [RationalFunction.from_lowest_terms(p, ONE, names) for p in basis]
-
-    def summed(axis: int) -> RationalFunction:
-        checkpoint("adding up the Hermite blend")
-        return total([f * row[axis] for f, row in zip(functions, rows, strict=True)])
-
-    return three(map(summed, range(3)))
 
 
 @dataclass(frozen=True, eq=False)
