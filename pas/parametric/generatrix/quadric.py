@@ -258,14 +258,14 @@ def rulings(first: Quadric, second: Quadric, found: list[Member]) -> Rulings | N
     return Rulings(_frame(*member), member[1] == (2, 2), to_array(other.matrix))
 
 
-def _frame(matrix: fmpq_mat, inertia: Inertia) -> Floats:
+def _frame(matrix: fmpq_mat, signs: Inertia) -> Floats:
     """Vectors e_i with  sum x_i e_i  on the quadric iff x1^2 + x2^2 = x3^2 (+ x4^2), as rows."""
     q = to_array(matrix)
-    if inertia[0] < inertia[1]:
+    if signs[0] < signs[1]:
         q = -q
     values, vectors = np.linalg.eigh(q)
     order = np.argsort(-values)
-    if inertia != (2, 2):  # the one that is zero comes last
+    if signs != (2, 2):  # the one that is zero comes last
         zero = int(np.abs(values).argmin())
         order, values[zero] = np.array([*order[order != zero], zero]), 1.0
     return np.asarray(vectors[:, order].T / np.sqrt(np.abs(values[order]))[:, None])
