@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq, fmpq_mpoly, fmpq_poly
@@ -63,8 +63,9 @@ def on_unit_interval(interval: Sequence[Exact], name: str) -> tuple[tuple[float,
 def space_curve(expression: CurveLike, name: str) -> ParametricSurface:
     """A curve given by three expressions in s or one callable, as a surface that does not depend on t."""
     if callable(expression):
-        first, second, third = (_coordinate(expression, axis) for axis in range(3))
-        return ParametricSurface(first, second, third, NAMES)
+        coordinate = lambda axis: lambda s, _: np.asarray(expression(s), dtype=float)[..., axis]  # noqa: E731
+        x, y, z = map(coordinate, range(3))
+        return ParametricSurface(x, y, z, NAMES)
     if isinstance(expression, str) or not hasattr(expression, "__len__") or len(expression) != 3:
         raise TypeError(f"{name} must be three expressions in s or one callable, not {shown(expression)}")
     read = (
@@ -72,10 +73,6 @@ def space_curve(expression: CurveLike, name: str) -> ParametricSurface:
     )
     x, y, z = (made.formula if made.exact is None else made.exact for made in read)
     return ParametricSurface(x, y, z, NAMES)
-
-
-def _coordinate(function: Callable[[Any], ArrayLike], axis: int) -> Callable[[Any, Any], Any]:
-    return lambda s, _: np.asarray(function(s), dtype=float)[..., axis]
 
 
 def read_path(curve: CurveLike, interval: Sequence[Exact], name: str) -> ParametricSurface:
