@@ -162,6 +162,11 @@ def one(kind: str) -> str:
     return f"an {kind}" if kind.startswith("a") else f"a {kind}"
 
 
+def _nothing(shape: Any) -> dict[str, Any]:
+    """No facts beside the verdicts."""
+    return {}
+
+
 @dataclass(frozen=True)
 class Kind(Generic[S]):
     """What differs from one kind of shapes to the next.
@@ -185,7 +190,7 @@ class Kind(Generic[S]):
     record: Callable[[S, Verdicts | None], dict[str, Any]]
     read: Callable[[dict[str, Any]], S]
     layers: Callable[[S, Any], None]
-    facts: Callable[[S], dict[str, Any]] = lambda _: {}
+    facts: Callable[[S], dict[str, Any]] = _nothing
     mesh: Callable[[S, MeshSettings], Any] = Shape.meshed
     parts: Callable[[S], Mapping[str, Any]] | None = None
     patches: Callable[[S, Any], Sequence[Any]] | None = None
