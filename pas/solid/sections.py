@@ -97,17 +97,13 @@ def _go_on(tree: Tree, box: Floats, plane: Polynomial, curve: Polynomial, pair: 
 def _bounds(evaluator: TreeEvaluator, function: Polynomial, points: Floats) -> Bools:
     """At which points (N, 3), moved onto a face, the solid is on one side of it alone."""
     points, near = _near(points, (function,))
-    number = next(i for i, c in enumerate(evaluator.columns) if _is(c.function, function))
+    number = evaluator.column_of(function)
     signs = evaluator.signs(points)
     both = []
     for side in (True, False):
         signs[number] = side
         both.append(evaluator.inside(signs))
     return np.asarray(near & (both[0] != both[1]))
-
-
-def _is(function: object, primitive: Polynomial) -> bool:
-    return isinstance(function, Polynomial) and function.primitive() == primitive
 
 
 @dataclass(frozen=True, eq=False)
