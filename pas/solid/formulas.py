@@ -11,7 +11,8 @@ from operator import and_, or_
 from typing import Any, Protocol
 
 from pas.algebra.polynomial import Polynomial
-from pas.solid.edges import Loop, PlaneEdge, Point, across, along, minus, radius_of
+from pas.algebra.rational import dot
+from pas.solid.edges import Loop, PlaneEdge, Point, across, minus, radius_of
 from pas.solid.tree import Atom, Tree, combined, complement, folded
 
 Truth = Tree | bool
@@ -92,7 +93,7 @@ def _chain(edges: Sequence[PlaneEdge], sides: Sequence[Truth], begin: int, many:
     mine = [edges[(begin + k) % n] for k in range(many)]
     chords = [minus(edge.end, edge.start) for edge in mine]
     direction = _outermost(chords[0], chords[-1])
-    heights = [along(direction, edge.start) for edge in mine]
+    heights = [dot(direction, edge.start) for edge in mine]
     highest = max(heights[1:])
     corners = [k for k in range(1, many) if heights[k] == highest]
     k = next((k for k in corners if across(chords[k - 1], chords[k]) != 0), corners[0])
@@ -114,7 +115,7 @@ def _outermost(first: Point, last: Point) -> Point:
     """A direction in which neither the ray against `first` nor the one along `last` rises."""
     side = across(first, last)
     if side == 0:
-        return first if along(first, last) < 0 else (first[1], -first[0])
+        return first if dot(first, last) < 0 else (first[1], -first[0])
     sizes = [abs(v[0]) + abs(v[1]) for v in (first, last)]
     x, y = (first[i] / sizes[0] + last[i] / sizes[1] for i in (0, 1))
     return (y, -x) if side > 0 else (-y, x)

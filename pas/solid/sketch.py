@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from flint import fmpq
 
-from pas.algebra.rational import Exact, near, plain, positive, rational, square_root, to_float
+from pas.algebra.rational import Exact, dot, near, plain, positive, rational, square_root, to_float
 from pas.errors import GeometryError, missing
-from pas.solid.edges import Loop, PlaneEdge, Point, across, along, arc, at, minus, turn
+from pas.solid.edges import Loop, PlaneEdge, Point, across, arc, at, minus, turn
 from pas.solid.profile import Profile, plane_point
 
 
@@ -78,7 +78,7 @@ class Sketch:
             raise GeometryError(
                 f"the arc to {at(end)} would be straight: the last edge points there, or away from there"
             )
-        share = along(chord, chord) / (2 * side)
+        share = dot(chord, chord) / (2 * side)
         center = self.end[0] - share * tangent[1], self.end[1] + share * tangent[0]
         return self._with(face, lambda name: arc(self.end, end, center, side > 0, name))
 
@@ -218,14 +218,14 @@ def _circumcenter(a: Point, b: Point, c: Point) -> Point:
     """The point as far from three, not in line, as from one another."""
     u, v = minus(b, a), minus(c, a)
     d = 2 * across(u, v)
-    p, q = along(u, u) / d, along(v, v) / d
+    p, q = dot(u, u) / d, dot(v, v) / d
     return a[0] + v[1] * p - u[1] * q, a[1] + u[0] * q - v[0] * p
 
 
 def _center(start: Point, end: Point, radius: fmpq, left: bool) -> Point:
     """The centre of a circle of a radius through two points, to the left or right of the way between them."""
     chord = minus(end, start)
-    square = along(chord, chord)
+    square = dot(chord, chord)
     rest = radius * radius / square - fmpq(1, 4)
     if radius <= 0 or rest < 0:
         half = math.sqrt(to_float(square)) / 2
