@@ -12,9 +12,11 @@ from itertools import combinations, permutations
 import numpy as np
 from flint import fmpq_mpoly
 
+from pas.algebra.curve import gradient
 from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import cross
 from pas.arrays import Bools, Floats, Integers
 from pas.mesh.projection import least_norm, newton
 from pas.solid.evaluator import TreeEvaluator
@@ -73,8 +75,7 @@ def on_plane(polynomial: Polynomial, plane: Polynomial) -> fmpq_mpoly:
 def touch_along(first: Polynomial, second: Polynomial, curve: Ideal) -> bool:
     """Whether two surfaces have the same normals along a curve; where they cross their own functions say where, and a
     wall through one of the curves in which they do nothing of the others."""
-    a, b = ([f.diff(x) for x in "xyz"] for f in (first, second))
-    return all(curve.contains(a[i] * b[j] - a[j] * b[i]) for i, j in combinations(range(3), 2))
+    return all(map(curve.contains, cross(gradient(first), gradient(second))))
 
 
 def _go_on(tree: Tree, box: Floats, plane: Polynomial, curve: Polynomial, pair: tuple[Polynomial, Polynomial]) -> bool:
@@ -97,17 +98,14 @@ def _go_on(tree: Tree, box: Floats, plane: Polynomial, curve: Polynomial, pair: 
 def _bounds(evaluator: TreeEvaluator, function: Polynomial, points: Floats) -> Bools:
     """At which points (N, 3), moved onto a face, the solid is on one side of it alone."""
     points, near = _near(points, (function,))
-    number = next(i for i, c in enumerate(evaluator.columns) if _is(c.function, function))
+    known = ((i, c.function) for i, c in enumerate(evaluator.columns))
+    number = next(i for i, f in known if isinstance(f, Polynomial) and f.primitive() == function)
     signs = evaluator.signs(points)
     both = []
     for side in (True, False):
         signs[number] = side
         both.append(evaluator.inside(signs))
     return np.asarray(near & (both[0] != both[1]))
-
-
-def _is(function: object, primitive: Polynomial) -> bool:
-    return isinstance(function, Polynomial) and function.primitive() == primitive
 
 
 @dataclass(frozen=True, eq=False)
