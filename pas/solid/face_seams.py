@@ -74,7 +74,7 @@ class FaceSeam:
         first, second = (_polynomial(solid, mesh, name, np.unique(edges)) for name in names)
         faces = first, second
         points, reach = _along(mesh.points[edges])
-        points = newton(points, Levels(faces), _numbers(points, 0, 1), np.full(len(points), reach))
+        points = newton(points, Levels(faces), (0, 1), np.full(len(points), reach))
         middles, ways = mesh.points[edges].mean(axis=1), mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
         crossed = np.cross(faces[0].gradient(middles), faces[1].gradient(middles))
         above = (crossed * ways).sum(axis=1) < 0
@@ -173,10 +173,10 @@ class FaceSeam:
         for mine, its in ((0, 1), (1, 0)):
             way = self.sign * unit(self.normals[its] - self.cosines[:, None] * self.normals[mine])
             reach = np.full(len(way), radius)
-            numbers = _numbers(way, mine, 2 + its)
+            numbers = mine, 2 + its
             moved = self.points + tangents * way
             moved = newton(moved, levels, numbers, reach) if curves[mine] else moved
-            off = [distances(levels, moved, column).max() for column in numbers.T]
+            off = [distances(levels, moved, number).max() for number in numbers]
             if curves[mine] and max(off) > 1e-6 * radius:  # beyond what rounding leaves
                 return None
             found.append(moved)
@@ -191,11 +191,6 @@ def _along(edges: Floats) -> tuple[Floats, float]:
     shares = (np.arange(len(rows)) - np.repeat(np.cumsum(parts) - parts, parts) + 0.5) / parts[rows]
     middles = edges[rows, 0] + shares[:, None] * (edges[rows, 1] - edges[rows, 0])
     return np.concatenate([middles, np.unique(edges.reshape(-1, 3), axis=0)]), float((lengths / parts).max())
-
-
-def _numbers(points: Floats, *numbers: int) -> Integers:
-    """Functions by number, (N, m), which are those of each of N points."""
-    return np.tile(np.array(numbers, dtype=np.intp), (len(points), 1))
 
 
 def _polynomial(solid: Solid, mesh: Mesh, name: str, vertices: Integers) -> Polynomial:

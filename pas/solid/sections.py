@@ -122,7 +122,7 @@ class Levels:
 
 def _near(points: Floats, functions: tuple[Polynomial, ...]) -> tuple[Floats, Bools]:
     """Common zeros (N, 3) of one function or two near points (N, 3), and which are some."""
-    levels, numbers, far = Levels(functions), np.tile(np.arange(len(functions)), (len(points), 1)), np.inf
+    levels, numbers, far = Levels(functions), range(len(functions)), np.inf
     with np.errstate(all="ignore"):  # some go so far away that they overflow
         points = newton(points, levels, numbers, np.full(len(points), far), 20)
         left = lengths(least_norm(levels, numbers, points))
