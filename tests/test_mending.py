@@ -72,6 +72,13 @@ def test_of_triangles_inside_bent_faces_one_in_a_hundred_has_an_angle_below_thir
     assert is_manifold(mesh.triangles)
 
 
+def test_bodies_that_begin_as_strips_have_good_angles_where_these_are_asked():
+    """The long edges of strips are halved first: short ones are not collapsed beside them."""
+    blend = pas.node([((1, 0, 0), 1), ((0, 1, 0), 1), ((0, 0, 1), 1)], order=1)
+    angles = blend.solid().mesh(1e-2, quality="angles").smallest_angles
+    assert angles.min() > 28 and np.percentile(angles, 1) > 31
+
+
 @pytest.mark.parametrize("good", [0.5, 0.6])
 def test_moves_leave_few_slender_triangles(good):
     surface = pas.Polynomial("(x^2 + y^2 + z^2 + 8/9)^2 - 4*(x^2 + y^2)").surface((-2,) * 3, (2,) * 3)

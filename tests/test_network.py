@@ -32,6 +32,7 @@ from pas.network.classes import kinds_of, turn
 from pas.network.clearance import clearance, segment_distances
 from pas.network.covers import NodeCovers, _held
 from pas.network.nodes import placed_ends
+from pas.network.overlaps import NodeSolid
 from pas.network.part import NetworkPart
 from pas.network.problems import nearest
 from pas.settings import MeshSettings
@@ -243,6 +244,7 @@ def test_what_is_inside_of_nodes_and_struts_is_exact():
     node, strut = found.node(0, 0), found.strut(0, 0)
     held = [(node.holds(vector((x, 0, 0))), strut.holds(vector((x, 0, 0)))) for x in (at - 1, at, at + 1, 4095, 4096)]
     assert held == [(True, False), (False, False), (False, True), (False, True), (False, False)]
+    assert [node.side(vector((x, 0, 0))) for x in (at - 1, at, at + 1)] == [-1, 0, 1]
     assert [strut.holds(vector((2000, 0, z))) for z in (255, Fraction(256) - Fraction(1, 10**30), 256)] == [1, 1, 0]
 
 
@@ -286,13 +288,23 @@ def test_neighbours_are_apart_that_no_plane_across_their_strut_parts():
     assert found.certificate.proved, found.certificate
 
 
-@pytest.mark.parametrize(("x", "proved"), [(0.3, False), (1.3, True)])
-def test_a_piece_inside_of_a_node_is_seen(x, proved):
-    """Where its surface meets none."""
+@pytest.mark.parametrize(("x", "inside"), [(0.27, True), (0.28, True), (0.29, False), (0.3, False), (1.3, False)])
+def test_a_piece_inside_of_a_node_is_refuted(x, inside, monkeypatch):
+    """Where its surface meets none; exactly, beside the node as well; a point on the node's surface tells nothing."""
     points, edges = [*TEE, (-x, x, 0), (-x, x, 1 / 64)], [(0, 1), (0, 2), (0, 3), (4, 5)]
-    found = network.Network(points, edges, ["1/4"] * 3 + ["1/256"], "1/4096").blend(1, "lowest")
-    assert [problem.ids for problem in found.unproved] == ([] if proved else [(4, 5)])
-    assert found.certificate.proved is proved
+    net = network.Network(points, edges, ["1/4"] * 3 + ["1/256"], "1/4096")
+    found = net.blend(1, "lowest")
+    assert [problem.ids for problem in found.unproved] == [(4, 5)] * inside
+    assert found.certificate.verdicts[-1].status is (pas.Status.REFUTED if inside else pas.Status.PROVED)
+    blend = next(iter(found.blends.values()))
+    assert (blend.surface(4096 * np.array([-x, x, 1 / 128])) < 0 and x < 1) == inside
+    if inside:
+        assert found.certificate.verdicts[-1].witness == pytest.approx((-x, x, 1 / 128), abs=1 / 4096)
+    monkeypatch.setattr(NodeSolid, "side", lambda solid, point: 0)
+    open_ = replace(found).certificate.verdicts[-1]
+    assert (
+        open_.proved if x > 1 else open_.reason == "the piece of point 4 and another one may be one inside of the other"
+    )
 
 
 def test_a_part_without_a_blend_is_not_proved():
@@ -1020,11 +1032,13 @@ def test_the_command(wall, tmp_path, capsys):
 
 def test_what_is_not_proved_is_printed(tmp_path, capsys):
     """With the numbers of points and struts."""
-    points, edges = [*TEE, (-0.3, 0.3, 0), (-0.3, 0.3, 1 / 64)], [(0, 1), (0, 2), (0, 3), (4, 5)]
+    points, edges = [*TEE, (-0.28, 0.28, 0), (-0.28, 0.28, 1 / 64)], [(0, 1), (0, 2), (0, 3), (4, 5)]
     graph = network.Network(points, edges, ["1/4"] * 3 + ["1/256"], "1/4096").write(tmp_path / "a.npz")
     command = ["network", "build", str(graph), "--degree", "lowest", "--grid", "1/4096", "-o", str(tmp_path / "a.3mf")]
     assert main(command) == 1
-    assert "\nnot proved: the piece of point 4 may be inside of another one\n" in capsys.readouterr().out
+    assert (
+        "\nnot proved: the piece of point 4 and another one overlap at (-0.28, 0.28, 0.0078" in capsys.readouterr().out
+    )
     assert main([*command, "--json"]) == 1
     assert json.loads(capsys.readouterr().out)["unproved"][0]["ids"] == [4, 5]
 

@@ -225,6 +225,8 @@ def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quali
     # Edges over those of the first mesh, which are a quarter of what the tolerance and the room between sheets allow.
     longer = 2.5
     mesh.caps[:] = longer * first.sizes  # so that sheets that the lattice keeps apart do not touch
+    if quality is Quality.ANGLES:
+        remesher.halve_long(mesh, remesher.parts)
     remesher.graded(mesh, remesher.parts)
     remesher.untangle(mesh, UPRIGHT)
     found = remesher.refined(mesh)

@@ -130,6 +130,16 @@ class Grading:
         if self.ruled:
             self._straighten(mesh, parts)
 
+    def halve_long(self, mesh: HalfEdges, parts: float) -> None:
+        """Split edges that are longer than they may be until none is, as of strips, whose short ones stay with them."""
+        for _ in range(self.SPLITTINGS):
+            self._sizes(mesh, parts)
+            size = len(mesh.points)
+            self._split(mesh, self._longest(mesh), careful=True)
+            if len(mesh.points) == size:
+                return
+            mesh.flip(self.fine)
+
     def _sizes(self, mesh: HalfEdges, parts: float) -> None:
         if not self.ground.knows_bends:
             mesh.bend()

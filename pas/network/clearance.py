@@ -9,7 +9,7 @@ Distances are compared with room for rounding.
 
 So each connected piece has one closed surface that does not meet itself, and every point off it is as often inside of
 its nodes and struts as the surface winds around it: in one at most.  Of several pieces none is inside of another, as
-each has a point that is in no node of another one.
+of each the middle of a strut is in no node of another one, which is decided exactly.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ WORDS = {
     "near struts": ("the struts {} and {}, {} from one another,", MAY_MEET),
     "node and strut": ("the node {} and the strut {}, {} from its point,", MAY_MEET),
     "nodes": ("the nodes {} and {}, {} from one another,", MAY_MEET),
-    "enclosed": ("the piece of point {}", "may be inside of another one"),
+    "enclosed": ("the piece of point {} and another one", "may be one inside of the other"),
 }
 """What is told of each kind of doubt: of what, and what of it is not decided."""
 
@@ -175,18 +175,28 @@ def _left(first: Integers, second: Integers, distance: Floats, prove: Any) -> It
 
 
 def _enclosed(network: StrutGraph, covers: NodeCovers) -> Iterator[Doubt]:
-    """The points of each piece all of which are in balls around nodes of others."""
+    """The points of each piece none of whose struts has a middle that is outside of all nodes of others."""
     if network.pieces < 2:
         return
     points, reach, of, slack = network.points, covers.reach, network.components, network.slack
-    used, free = np.flatnonzero(network.valence), network.valence > 0
-    for here, node in _near(points[used], points[used], float(reach.max()) + slack):
-        point, other = used[here], used[node]
-        inside = np.linalg.norm(points[point] - points[other], axis=1) < reach[other] + slack
-        free[point[inside & (of[point] != of[other])]] = False
-    for piece in np.setdiff1d(of[used], of[free]).tolist():
-        ids = tuple(used[of[used] == piece].tolist())
-        yield ids, 0.0, ids[0], False
+    used, piece, middles = np.flatnonzero(reach), of[network.edges[:, 0]], covers.axes(slice(None)).mean(axis=1)
+    around: dict[int, list[int]] = {}
+    for strut, near in _near(middles, points[used], float(reach.max()) + slack):
+        node = used[near]
+        close = np.linalg.norm(middles[strut] - points[node], axis=1) < reach[node] + slack
+        close &= piece[strut] != of[node]
+        for i, j in zip(strut[close].tolist(), node[close].tolist(), strict=True):
+            around.setdefault(i, []).append(j)
+    for number in np.setdiff1d(piece, np.delete(piece, list(around))).tolist():
+        ids = tuple(np.flatnonzero(of == number).tolist())
+        for i in np.flatnonzero(piece == number).tolist():
+            about = int(network.edges[i, 0])
+            middle = covers.strut(i, about).middle
+            side = min(covers.node(j, about).side(middle) for j in around[i])
+            if side:
+                break
+        if side <= 0:
+            yield ids, 0.0, about, middle if side else False
 
 
 def segment_distances(first: Floats, second: Floats) -> Floats:

@@ -14,7 +14,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.affine import Affine
-from pas.algebra.rational import Vector, dot, exact_vector, minus, to_floats
+from pas.algebra.rational import Vector, dot, exact_vector, minus, moved, to_floats
 from pas.arrays import Floats
 from pas.surface.function import PiecewisePolynomial
 
@@ -31,12 +31,17 @@ class NodeSolid:
         jets = self.surface.jets(self.place.inverse.points(points))
         return np.asarray(-jets[:, 0] / np.maximum(np.linalg.norm(jets[:, 1:], axis=1), 1e-300))
 
-    def holds(self, point: Vector) -> bool:
-        """Whether a point is inside, exact."""
+    def side(self, point: Vector) -> int:
+        """On which side of what bounds it a point is, exact: -1 inside, 1 outside, else 0."""
         cells, at = self.surface.local, self.surface.partition.frame.local_point(self.place.inverse.exact(point))
         held = [n for n in range(len(cells.cells)) if all(plane.at(at) <= 0 for plane in cells.planes(n))]
-        within = all(face.plane.at(at) < 0 for face in cells.outer_faces if face.cell in held)
-        return bool(held) and within and all(self.surface.patches[cells.piece_of[n]].at(at) < 0 for n in held)
+        outer = [face.plane.at(at) for face in cells.outer_faces if face.cell in held]
+        values = [self.surface.patches[cells.piece_of[n]].at(at) for n in held] or [1]
+        return 1 if max(values) > 0 else -int(max(*values, *outer) < 0)
+
+    def holds(self, point: Vector) -> bool:
+        """Whether a point is inside, exact."""
+        return self.side(point) < 0
 
 
 @dataclass(frozen=True)
@@ -47,6 +52,11 @@ class StrutSolid:
     way: Vector
     ends: tuple[fmpq, ...]
     radii: tuple[fmpq, ...]
+
+    @property
+    def middle(self) -> Vector:
+        """The middle of its axis."""
+        return moved(self.start, (sum(self.ends, fmpq(0)) / 2, self.way))
 
     def depths(self, points: Floats) -> Floats:
         """About how far inside points (N, 3) are."""
