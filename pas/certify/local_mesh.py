@@ -2,10 +2,8 @@
 
 The origin is a point of doubles, so that differences from it are rounded once; polynomials, cells and their B-forms are
 worked out exactly there before they are rounded.  What depends on the surface alone is worked out once for all meshes:
-parts of simplices that hold all critical points of a polynomial, too, on each of which it has a sign.  A simplex is
-settled when the derivative along some direction in it has B-coefficients of one sign, and kept when the polynomial
-itself has and the simplex is free of what must not be in it; any other is halved (see
-`pas.bernstein.simplices.Simplices.rising`).
+parts of simplices that hold all critical points of a polynomial, too, on each of which it has a sign (how they are
+found is told in docs/theory/meshes.md, under assumption 2).
 """
 
 from __future__ import annotations
