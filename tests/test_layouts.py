@@ -11,7 +11,7 @@ import pytest
 import pas
 from pas.algebra.rational import cross, determinant, dot, rational
 from pas.blending.net import Net, splines
-from pas.blending.place import ended
+from pas.blending.place import place, placements, with_ends
 from pas.blending.solving import fewest_members
 from pas.contacts.contact import as_contact
 from pas.exchange.problem import read_problem
@@ -129,14 +129,14 @@ def directional(points, direction, exponents, times):
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", DIMENSIONS)
 def test_named_nodes_have_their_dimensions(name):
-    placed = next(ended(NODES[name], 1, "fan").places())
+    placed = place(NODES[name], 1, "fan")
     for order, degree, dimension in zip((1, 2), (4, 5), DIMENSIONS[name], strict=True):
         assert pas.solutions(NODES[name], order, degree, placed.partition).dimension == dimension
 
 
 @pytest.mark.parametrize(("name", "bounds"), [("three skew", 2), ("off centre", 2), ("elbow", 1), ("cross", 0)])
 def test_unknowns_less_equations_are_a_bound_and_sharp_where_no_equation_repeats(name, bounds):
-    placed = next(ended(NODES[name], 1, "fan").places())
+    placed = place(NODES[name], 1, "fan")
     found = [
         (fewest_members(PlacedContacts(placed.partition, placed.contacts, order), degree), dimension)
         for order, degree, dimension in zip((1, 2), (4, 5), DIMENSIONS[name], strict=True)
@@ -147,14 +147,14 @@ def test_unknowns_less_equations_are_a_bound_and_sharp_where_no_equation_repeats
 
 def test_a_third_half_plane_in_each_gap_adds_thirty():
     six = pas.solutions(NODES["three skew"], 2, 5, "fan")
-    nine = list(ended(NODES["three skew"], 2, "fan").places())[-1]
+    nine = list(placements(with_ends(NODES["three skew"], 2, "fan"), 2, "fan"))[-1]
     assert len(nine.partition.pieces) == 9
     assert (six.dimension, pas.solutions(NODES["three skew"], 2, 5, nine.partition).dimension) == (7, 37)
 
 
 def test_a_region_on_more_cells_has_the_space_of_its_layout():
     # the net of B-coefficients on all cells of the region is another construction
-    placed = next(ended(NODES["elbow"], 1, "fan").places())
+    placed = place(NODES["elbow"], 1, "fan")
     assert Net(placed, 4).solve()[0].nrows() == pas.solutions(NODES["elbow"], 1, 4, placed.partition).dimension
 
 
@@ -175,13 +175,13 @@ def test_the_layout_of_a_region_is_the_one_it_was_built_on(kind):
 def test_a_kind_that_is_asked_for_has_a_region_at_any_order_or_a_sentence(kind, order):
     for contacts in (five(), NODES["six-way"], NODES["elbow"]):
         try:
-            placed = next(ended(contacts, order, kind).places())
+            placed = place(contacts, order, kind)
         except pas.GeometryError as error:
             assert len(str(error)) > 20
         else:
-            assert placed.partition.title == next(ended(contacts, min(order, 2), kind).places()).partition.title
+            assert placed.partition.title == place(contacts, min(order, 2), kind).partition.title
     if kind == "strips":
-        assert next(ended(five(), order, kind).places()).partition.title.startswith("strips")
+        assert place(five(), order, kind).partition.title.startswith("strips")
 
 
 @pytest.mark.slow
@@ -409,7 +409,7 @@ def test_struts_have_clips_where_a_blend_has_room():
 
 
 def test_pictures_of_layouts_with_the_curves_of_contacts(tmp_path, monkeypatch):
-    placed = next(ended(NODES["three skew"], 1).places())
+    placed = place(NODES["three skew"], 1)
     layout, contacts = placed.partition.layout, placed.contacts
     with_discs = layout.picture(tmp_path / "a.png", contacts, size=(160, 120))
     without = layout.picture(tmp_path / "b.png", size=(160, 120))

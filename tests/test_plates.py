@@ -11,7 +11,7 @@ from flint import fmpq
 
 import pas
 from pas.algebra.rational import to_floats
-from pas.blending.place import ended, place
+from pas.blending.place import place, with_ends
 from pas.certify.contact_proofs import cofactor
 from pas.contacts.cones import apex
 from pas.independent.checker import check_independently
@@ -286,7 +286,7 @@ def test_clips_that_are_placed():
     upright = pas.blend([pas.Plate(Z, 2), pas.Pipe(Z, 1, "auto")], 1).surface.contacts[1]
     assert upright.clip == pas.Polynomial("z - 1")
     along = [pas.Pipe((1, 1, 0), "3/5", 2), pas.Pipe((2, 1, -1), "1/3", "auto"), pas.Plate((2, 1, -1), "3/4")]
-    assert ended(along, 2).circles[1].clip == fmpq(11, 64)  # parallel, but for rounding
+    assert with_ends(along, 2)[1].clip == fmpq(11, 64)  # parallel, but for rounding
     leaning = pas.solutions([pas.Plate(Z, 2), pas.Pipe((1, 0, 2), "1/2", "auto")], 1, 5).placed.contacts[1]
     assert leaning.clip.degree == 1
 

@@ -20,7 +20,7 @@ from pas.mesh.mesh import Mesh
 from pas.solid.assembly import assembly
 from pas.solid.functions import Distance, Moved
 from pas.solid.solid import Solid, patch
-from pas.solid.tree import Atom, Node, image
+from pas.solid.tree import Atom, Node
 
 
 def doubled() -> Solid:
@@ -272,7 +272,7 @@ def test_functions_of_classes_that_say_how_are_saved(tmp_path, monkeypatch):
 def test_moved_functions_are_saved(tmp_path, monkeypatch):
     monkeypatch.setattr("pas.exchange.solid_records._named", {})
     storable(KeptSphere)
-    moved = image(image(KeptSphere(0.5), translation((1, "1/3", 0))), rotation((1, 1, 0), 33, (1, 2, 3)))
+    moved = KeptSphere(0.5).moved(translation((1, "1/3", 0))).moved(rotation((1, 1, 0), 33, (1, 2, 3)))
     again = FUNCTION.read(json.loads(json.dumps(FUNCTION.write(moved))))
     assert isinstance(again, Moved) and isinstance(again.inner, Moved)
     assert (again.map, again.factor, again.inner.map) == (moved.map, moved.factor, moved.inner.map)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from itertools import combinations, zip_longest
+from itertools import combinations
 from math import sqrt
 
 from flint import fmpq, fmpq_mat
@@ -27,13 +27,12 @@ OTHERS = "for others give a partition, such as partition=pas.SingleCell(lower, u
 """What to do about contacts that make no corner."""
 
 
-def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Circular | None] = ()) -> SixTetrahedra:
-    """The six-tetrahedra corner whose clip planes are those of two or three contacts.
-
-    `pipes` gives the pipes and cones that the contacts came from, where they did: their axes are known.
-    """
-    if len(contacts) not in (2, 3):
-        raise GeometryError(f"the six-tetrahedra corner joins two or three pipes, not {len(contacts)}; {OTHERS}")
+def six_tetrahedra(items: Sequence[Circular | Contact]) -> SixTetrahedra:
+    """The six-tetrahedra corner whose clip planes are those of two or three contacts; of pipes and cones the axes are
+    known."""
+    if len(items) not in (2, 3):
+        raise GeometryError(f"the six-tetrahedra corner joins two or three pipes, not {len(items)}; {OTHERS}")
+    contacts = [item.contact for item in items]
     normals = [_normal(i + 1, c) for i, c in enumerate(contacts)]
     for (i, a), (j, b) in combinations(enumerate(normals, start=1), 2):
         if all(c == 0 for c in cross(a, b)):
@@ -47,7 +46,7 @@ def six_tetrahedra(contacts: Sequence[Contact], pipes: Sequence[Circular | None]
                 f"the axes of pipes {i} and {j} are not perpendicular (cosine {cosine:.3g}), as the six-tetrahedra "
                 f"corner needs; {OTHERS}"
             )
-    center = _center(contacts, pipes)
+    center = _center(items)
     legs: list[Vector] = []
     for number, (contact, normal) in enumerate(zip(contacts, normals, strict=True), start=1):
         height = contact.clip.raw(*center)
@@ -80,32 +79,33 @@ def _normal(number: int, contact: Contact) -> Vector:
     return slope_at(contact.clip)
 
 
-def _center(contacts: Sequence[Contact], pipes: Sequence[Circular | None]) -> Vector:
+def _center(items: Sequence[Circular | Contact]) -> Vector:
     """The point on all axes, or for surfaces without one, at which the gradients vanish."""
     rows, zero = list[list[fmpq]](), fmpq(0)
-    for number, (contact, pipe) in enumerate(zip_longest(contacts, pipes), start=1):
-        if pipe is not None:
+    for number, item in enumerate(items, start=1):
+        if isinstance(item, Circular):
             # on the axis, `axis x (p - point) = 0`
-            (a, b, c), (u, v, w) = pipe.axis, cross(pipe.axis, pipe.point)
+            (a, b, c), (u, v, w) = item.axis, cross(item.axis, item.point)
             rows += [[zero, -c, b, u], [c, zero, -a, v], [-b, a, zero, w]]
             continue
-        if contact.surface.degree != 2:
+        if item.surface.degree != 2:
             raise GeometryError(
-                f"surface {number} is of degree {contact.surface.degree}, so the corner's centre is not "
+                f"surface {number} is of degree {item.surface.degree}, so the corner's centre is not "
                 "known; give the partition, such as pas.SixTetrahedra(center, legs)"
             )
-        rows += center_equations(contact.surface)
+        rows += center_equations(item.surface)
     found = solved(fmpq_mat(rows))
     if found is None:
-        raise GeometryError(_apart(pipes))
+        raise GeometryError(_apart(items))
     if len(found[1]) < 3:
         raise GeometryError("the surfaces have more than one common centre; give the partition")
     return three(found[0])
 
 
-def _apart(pipes: Sequence[Circular | None]) -> str:
+def _apart(items: Sequence[Circular | Contact]) -> str:
     """Which two axes miss one another, and by how much, or that there is no common centre."""
-    for (i, a), (j, b) in combinations([(i, p) for i, p in enumerate(pipes, start=1) if p], 2):
+    pipes = [(number, item) for number, item in enumerate(items, start=1) if isinstance(item, Circular)]
+    for (i, a), (j, b) in combinations(pipes, 2):
         common = cross(a.axis, b.axis)
         gap = to_float(dot(common, minus(b.point, a.point))) / sqrt(to_float(dot(common, common)))
         if gap != 0:
@@ -113,7 +113,7 @@ def _apart(pipes: Sequence[Circular | None]) -> str:
                 f"the axes of pipes {i} and {j} miss each other by {abs(gap):.6g}; "
                 "all of them must pass through a common point"
             )
-    if len(pipes) == 3 and all(pipes):
+    if len(pipes) == 3:
         return "the axes of the three pipes do not pass through a common point"
     return "the surfaces have no common centre; give the partition, such as pas.SixTetrahedra(center, legs)"
 

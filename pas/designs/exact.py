@@ -48,10 +48,6 @@ def _points(value: Any, name: str) -> Points:
     return found
 
 
-def _polynomials(value: Any, name: str) -> tuple[Polynomial, ...]:
-    return _each(value, name, "a sequence of polynomials", Polynomial.named)
-
-
 def points(*rows: Sequence[Exact]) -> Points:
     """Points of any numbers, made exact: `points((1.5, 0.2), ("8/5", 1))`."""
     return _points(rows, "points")
@@ -60,7 +56,7 @@ def points(*rows: Sequence[Exact]) -> Points:
 READERS: dict[str, Callable[[Any, str], Any]] = {
     "Fraction": number,
     "Polynomial": Polynomial.named,
-    "tuple[Polynomial, ...]": _polynomials,
+    "tuple[Polynomial, ...]": lambda value, name: _each(value, name, "a sequence of polynomials", Polynomial.named),
     "Point": _point,
     "Points": _points,
 }

@@ -44,27 +44,24 @@ Fits = Callable[[Sequence[Contact]], bool]
 """Whether contacts with ends have room."""
 
 
-def with_clips(
-    items: Sequence[Any], order: int, wanted: Layout | str | None = None
-) -> tuple[Sequence[Any], ContactNode | None]:
-    """The contacts, those with the clip "auto" ended as near as a fair blend of this order allows, and their node.
+def with_clips(items: Sequence[Any], order: int, wanted: Layout | str | None = None) -> Sequence[Any]:
+    """The contacts, those with the clip "auto" ended as near as a fair blend of this order allows.
 
     Clips that are numbers stay and are kept apart from.  No two curves take up more than 0.6 of the angle between their
     directions, an arc of 0.6 of the wider radius fits between any two, and a layout keeps them apart: the `wanted` one
-    or kind, else full planes, or a fan of half-planes, from order 2 or four contacts on with some room.  The node,
-    which has its layouts already, is None where all clips are numbers and where no layout has room.
+    or kind, else full planes, or a fan of half-planes, from order 2 or four contacts on with some room.
 
     Warns of clips that are far out for their radii, and of radii that differ much.  Raises `GeometryError` for
     directions that are too close.
     """
     if not any(map(is_free, items)):
-        return items, None
+        return items
     known = all(isinstance(item, Hashable) and not isinstance(item, tuple) for item in items)
     ended, node = (_known_clips if known else _clipped)(tuple(items), order, wanted)
     if node is not None:
         for sentence in unusual([ContactEnd.of(item, node.center) for item in ended]):
             warn(sentence)
-    return ended, node
+    return ended
 
 
 def _clipped(

@@ -163,7 +163,7 @@ def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe | Con
         items.append(arm if clip == AUTO and kind.blended else arm.clipped(Fraction(clip, PARTS)))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # on clips that are far out, which networks share anyway
-        return list(with_clips(items, order)[0])
+        return list(with_clips(items, order))
 
 
 def blends(

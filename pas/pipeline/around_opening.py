@@ -7,26 +7,29 @@ edge is a wider cone with the same apex, which cuts what is seen from there at a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.affine import Frame, height, slope_at
+from pas.algebra.affine import height, slope_at
+from pas.algebra.lengths import unit
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import Vector, dot, exact, exact_vector, minus, moved, to_float, to_floats
+from pas.algebra.rational import dot, exact, exact_vector, minus, moved, three, to_float, to_floats
 from pas.algebra.scaling import scaled
 from pas.arrays import Floats
 from pas.contacts.cones import FARTHEST, first_met, nappe, nappe_rays
-from pas.contacts.contact import Contact
-from pas.contacts.joins import Join
+from pas.contacts.ends import ContactEnd, triple
 from pas.errors import GeometryError
 from pas.layouts.discs import rounded
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.neighbours import is_left_once
 from pas.solid.faces import End
-from pas.solid.solid import Solid
+from pas.solid.solid import Solid, patch
 from pas.solid.strips import Chain, Outwards, SolidStrip, Straight
+
+AtOpening: TypeAlias = "tuple[list[tuple[Polynomial, str]], Solid | None]"
+"""What bounds a blend at an opening, with the names of faces, and the piece of the neighbour there, if there is one."""
 
 AROUND, OUTWARDS, ALONG = 48, 12, 256
 """Rays round an opening and between it and the edge, and places on each, by which surfaces are looked through."""
@@ -46,38 +49,32 @@ FINE = 2**20
 """Parts of a unit in which an axis and heights are rounded that are given by no plane: too fine to be seen."""
 
 
-@dataclass(frozen=True, eq=False)
 class AroundOpening:
-    """The opening through contact `number` (from 1), as it is seen along its `axis`, which points outwards.
+    """The opening of a surface through contact `number` (from 0), as it is seen along its `axis`, outwards.
 
     Heights are `axis . (x - center)`, and `low` is the least one of its curve.  `middle` is that of a plate's curve,
     the centre of others, and `radius` the smallest one of the curve round the axis, in the model's units.
     """
 
-    number: int
-    contact: Contact
-    center: Vector
-    axis: Vector
-    low: fmpq
-    middle: Vector
-    radius: fmpq
-    join: Join
-    scale: fmpq
+    def __init__(self, surface: PiecewiseSurface, number: int) -> None:
+        self.surface, self.number, self.join = surface, number, surface.joins[number]
+        self.contact, self.frame = surface.contacts[number].scaled, surface.partition.frame
+        self.center = self.middle = self.frame.origin
+        if self.flat:
+            rim, plate = self.contact.rim, self.contact.surface
+            self.axis, self.low = slope_at(plate), -plate.raw(*self.center)
+            self.middle, self.radius = rim.center, exact(rim.radii[0])
+            return
+        length, *widths = np.linalg.norm(self.join.nappe, axis=1).tolist()
+        heights = self.join.curve() @ (self.join.nappe[0] / length)
+        self.low, high = (round(float(h) * FINE) * self.frame.scale / FINE for h in (heights.min(), heights.max()))
+        self.axis = three(fmpq(round(float(c) / length * FINE), FINE) for c in self.join.nappe[0])
+        self.radius = high * exact(min(widths) / length)
 
     @classmethod
-    def of(cls, surface: PiecewiseSurface, number: int) -> AroundOpening:
-        """That of a contact through which a surface's region is open."""
-        contact, center = surface.contacts[number].scaled, surface.partition.center
-        join, scale = surface.joins[number], surface.partition.frame.scale
-        assert center is not None
-        if contact.surface.degree == 1:
-            low, rim, axis = -contact.surface.raw(*center), contact.rim, slope_at(contact.surface)
-            return cls(number + 1, contact, center, axis, low, rim.center, exact(rim.radii[0]), join, scale)
-        length, *widths = np.linalg.norm(join.nappe, axis=1).tolist()
-        heights = join.curve() @ (join.nappe[0] / length)
-        low, high = (round(float(h) * FINE) * scale / FINE for h in (heights.min(), heights.max()))
-        x, y, z = (fmpq(round(float(c) / length * FINE), FINE) for c in join.nappe[0])
-        return cls(number + 1, contact, center, (x, y, z), low, center, high * exact(min(widths) / length), join, scale)
+    def of(cls, surface: PiecewiseSurface) -> AroundOpening | None:
+        """That through which a surface's region is open; None where it is closed."""
+        return next((cls(surface, number) for number, join in enumerate(surface.joins) if join.opening), None)
 
     def even(self, thickness: fmpq) -> Polynomial | None:
         """The cone of the inner side of an even wall, None where it is the same: half way between the narrowest and the
@@ -105,11 +102,8 @@ class AroundOpening:
         """The plane at a height, positive below."""
         return Polynomial.from_raw(level - height(self.center, self.axis))
 
-    def back(self, reach: fmpq) -> Polynomial:
-        """The plane that is `reach` below the opening, but no nearer to the centre than to it; half way with 0."""
-        return self.at(self._back(reach))
-
-    def _back(self, reach: fmpq) -> fmpq:
+    def level(self, reach: fmpq) -> fmpq:
+        """The height that is `reach` below the opening, but no nearer to the centre than to it; half way with 0."""
         size = exact(float(np.linalg.norm(to_floats(self.axis))))
         depth = self.low / 2
         return self.low - (min(reach * size, depth) if reach > 0 else depth)
@@ -120,53 +114,56 @@ class AroundOpening:
         Raises `GeometryError` where rays between the opening and the edge do not leave the surface at an angle, as
         samples tell.
         """
-        if self.flat:
+        if self.flat or reach == 0:
             return reach
         wanted = min(reach, self.radius / 2) if shorter else reach
         works = next((part for n in range(PARTS) if self.leave(self.wide(part := wanted / 2**n))), None)
         if works is None or (works != reach and not shorter):
             advice = "compose the solid with pas.solid.patch" if works is None else f"take {to_float(works):.4g}"
             raise GeometryError(
-                f"neighbour {self.number} does not go on as one sheet, seen from within, for {to_float(reach):.4g} "
+                f"neighbour {self.number + 1} does not go on as one sheet, seen from within, for {to_float(reach):.4g} "
                 f"around its opening; {advice} instead; of a straight run pas.header gives the whole"
             )
         return works
 
-    def ended(self, around: Solid, reach: fmpq, works: fmpq) -> Solid:
-        """The solid around the opening up to a distance that is `fitting` for `reach`.
+    def ended(self, name: str, level: fmpq, works: fmpq, endless: bool = False) -> AtOpening:
+        """What ends in the cone and at a level, with the neighbour around it: as far as `works`, or `endless`.
 
         Raises `GeometryError` where it is not proved that rays leave the surface once.
         """
-        alone = around if self.flat else self._apart(around, reach, works)
-        return alone.cap(self.edge(works), f"{around.faces[0]} end")
+        given, back = self.surface.contacts[self.number], self.at(level)
+        piece = patch(name, given.surface, given.clip).cap(back, f"{name} back") if works > 0 else None
+        if piece is not None and not endless:
+            piece = (piece if self.flat else self._apart(piece, level, works)).cap(self.edge(works), f"{name} end")
+        return [(back, f"{name} back"), (given.clip, "")], piece
 
-    def chain(self, name: str, reach: fmpq, works: fmpq) -> Chain:
-        """What bounds a solid from the opening on: with a `reach` of 0 the cone down to its flat back, else the surface
-        called `name` for a distance that `works`, the edge and the back."""
-        back, length = scaled(self.back(reach)), float(np.linalg.norm(to_floats(self.axis)))
+    def chain(self, name: str, level: fmpq, works: fmpq) -> Chain:
+        """What bounds a solid from the opening on: the surface called `name` for a distance that `works`, the edge and
+        the flat back at a level; where that is 0 the cone down to the back."""
+        back, length = scaled(self.at(level)), float(np.linalg.norm(to_floats(self.axis)))
         down, clip = -np.array(to_floats(self.axis)) / length, self.contact.clip
-        if reach > 0:
-            around, edge = self.walled(name, works, self.edge(works)), scaled(self.edge(works))
+        if works > 0:
+            around, edge = self.walled(name, self.edge(works)), scaled(self.edge(works))
             pole = np.array([*down, 0.0]) if self.flat else self._center
             strips = (*around.strips, SolidStrip(f"{name} end", edge, Straight(back, pole)))
         else:
             strips = (SolidStrip(f"{name} end", clip, Straight(back, self._center)),)
         return Chain(self.contact, self._clip, self.curve, strips, End(back, down), f"{name} back")
 
-    def walled(self, name: str, works: fmpq, edge: Polynomial, floor: Polynomial | None = None) -> Chain:
-        """What bounds one side of a wall from the opening on: its surface up to an edge, if that `works` for more than
-        0, and a ring in the edge, or in the cone of the opening, above a floor."""
+    def walled(self, name: str, edge: Polynomial | None = None, floor: Polynomial | None = None) -> Chain:
+        """What bounds one side of a wall from the opening on: its surface up to an edge, if there is one, and a ring in
+        the edge, or in the cone of the opening, above a floor."""
         clip, strips = self._clip, tuple[SolidStrip, ...]()
-        if works > 0 and self.flat:
+        if edge is not None and self.flat:
             # where the line from the centre through the middle is in the plane through the opening across the axis
             way = minus(self.middle, self.center)
             middle = np.array([*to_floats(moved(self.center, (self.low / dot(way, self.axis), way))), 1.0])
             strips = (SolidStrip(name, self.contact.surface, Straight(scaled(edge), middle, towards=False)),)
-        elif works > 0:
-            axis = np.array(to_floats(self.axis)) * to_float(self.scale)
-            rays = Outwards(self.join.contact.surface, self._frame, axis, self._frame.localise(edge))
+        elif edge is not None:
+            axis = np.array(to_floats(self.axis)) * to_float(self.frame.scale)
+            rays = Outwards(self.join.contact.surface, self.frame, axis, self.frame.localise(edge))
             strips = (SolidStrip(name, self.contact.surface, rays),)
-        end = End(scaled(edge) if works > 0 else clip.surface, clip.axis)
+        end = End(clip.surface if edge is None else scaled(edge), clip.axis)
         return Chain(self.contact, clip, self.curve, strips, end, f"{name} end", floor)
 
     @property
@@ -174,36 +171,44 @@ class AroundOpening:
         return np.array([*to_floats(self.center), 1.0])
 
     @property
-    def _frame(self) -> Frame:
-        return Frame(self.center, self.scale)
-
-    @property
     def curve(self) -> Floats:
         """Points (N, 3) spread along the opening."""
-        return self._frame.global_points(self.join.curve())
+        return self.frame.global_points(self.join.curve())
+
+    @property
+    def end(self) -> ContactEnd:
+        """Where the blend ends: seen along the axis, in the middle of the heights of the curve, which need not be
+        plane."""
+        axis, points = unit(to_floats(self.axis)), to_float(self.frame.scale) * self.join.curve()
+        origin = np.array(to_floats(self.center))
+        middle, heights = np.array(to_floats(self.middle)) - origin, points @ axis
+        middle += ((heights.min() + heights.max()) / 2 - middle @ axis) * axis
+        radii = np.linalg.norm(points - middle - ((points - middle) @ axis)[:, None] * axis, axis=1)
+        place, far = origin + middle, float(np.linalg.norm(middle))
+        return ContactEnd(triple(place), triple(-axis), (float(radii.min()), float(radii.max())), far)
 
     @property
     def _clip(self) -> End:
         """The cone, seen from its apex."""
         return End(self.contact.clip, -self.join.nappe[0] / np.linalg.norm(self.join.nappe[0]))
 
-    def _apart(self, around: Solid, reach: fmpq, works: fmpq) -> Solid:
-        """The solid around the opening below a plane above which rays do not come back; see `neighbours`."""
+    def _apart(self, around: Solid, level: fmpq, works: fmpq) -> Solid:
+        """The solid around the opening between a level and a plane above which rays do not come back (`neighbours`)."""
         length = float(np.linalg.norm(self.join.nappe[0]))
         high = HIGHER * float((self._met(self.wide(works))[1] @ self.join.nappe[0]).max()) / length**2
-        low = to_float(self._back(reach) / self.scale) / length
+        low = to_float(level / self.frame.scale) / length
         across = BEYOND * to_float(self.wide(works)) * self.join.nappe[1:]
         square = [self.join.nappe[0] + i * across[0] + j * across[1] for i, j in ((-1, -1), (-1, 1), (1, 1), (1, -1))]
         floor, roof = ([exact_vector((share * corner).tolist()) for corner in square] for share in (WITHIN * low, high))
-        cone = self.edge(works).raw.compose(*(c + self.scale * g for c, g in zip(self.center, GENERATORS, strict=True)))
-        ceiling = self.at(exact(WITHIN * high * length) * self.scale)
-        places = [[moved(self.center, (self.scale, corner)) for corner in quad] for quad in (floor, roof)]
-        between = all(self.back(reach).raw(*p) > 0 for p in places[0]) and all(ceiling.raw(*p) < 0 for p in places[1])
-        if between and is_left_once(self.join.contact.surface, Polynomial.from_raw(cone), floor, roof):
+        ceiling = self.at(exact(WITHIN * high * length) * self.frame.scale)
+        places = [[self.frame.affine.exact(corner) for corner in quad] for quad in (floor, roof)]
+        between = all(self.at(level).raw(*p) > 0 for p in places[0]) and all(ceiling.raw(*p) < 0 for p in places[1])
+        if between and is_left_once(self.join.contact.surface, self.frame.localise(self.edge(works)), floor, roof):
             return around.cap(-ceiling, "")
         raise GeometryError(
-            f"neighbour {self.number} is not proved to go on as one sheet, seen from within, for {to_float(works):.4g} "
-            "around its opening; take a shorter length, or compose the solid with pas.solid.patch"
+            f"neighbour {self.number + 1} is not proved to go on as one sheet, seen from within, for "
+            f"{to_float(works):.4g} around its opening; take a shorter length, or compose the solid with "
+            "pas.solid.patch"
         )
 
     def edge(self, reach: fmpq) -> Polynomial:
@@ -234,6 +239,10 @@ class AroundOpening:
         cosines = (slopes * rays).sum(axis=1) / np.linalg.norm(slopes, axis=1)
         beyond = np.geomspace(1, FARTHEST, ALONG)[1:, None, None] * met
         return bool(cosines.min() > GRAZING and (surface(beyond) > 0).all())
+
+    def faces(self, points: Floats) -> bool:
+        """Whether any of the points (N, 3) is in the cone, on the opening's side of its apex."""
+        return bool(self.surface.placed.in_use(self.frame.local_points(points)).any())
 
     def inside(self, edge: Polynomial) -> bool:
         """Whether its curve is inside an edge."""

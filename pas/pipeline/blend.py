@@ -92,7 +92,7 @@ def struts(items: Sequence[Strut], order: int, center: VectorLike = (0, 0, 0)) -
 
     Raises `GeometryError` for directions less than 10 degrees apart, `ValueError` and `TypeError` for wrong items.
     """
-    return list(with_clips(pipes_of(items, order, center), order)[0])
+    return list(with_clips(pipes_of(items, order, center), order))
 
 
 def pipes_of(items: Sequence[Strut], order: int, center: VectorLike) -> list[Pipe]:

@@ -9,20 +9,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, dot, exact, rational, three, to_float, to_floats
+from pas.algebra.rational import Exact, dot, exact, rational, three, to_float
 from pas.algebra.scaling import Scaled, scaled
 from pas.contacts.contact import Contact
-from pas.contacts.ends import ContactEnd, triple
+from pas.contacts.ends import ContactEnd
 from pas.errors import GeometryError
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.around_opening import AroundOpening
+from pas.pipeline.around_opening import AroundOpening, AtOpening
 from pas.pipeline.neighbours import NOTHING, separators
 from pas.solid.assembly import union
 from pas.solid.functions import Pieces, region
@@ -31,66 +30,69 @@ from pas.solid.solid import Solid, patch
 from pas.solid.strips import Chain, chain_between
 from pas.solid.tree import Atom, combined
 
-Around: TypeAlias = 'Literal["edged", "endless", "surface", "run"]'
-
 Length: TypeAlias = "Exact | Sequence[Exact] | None"
 """By how much neighbours go on: all of them, or each; None is half of the region's scale."""
 
 
 def body(
+    surface: PiecewiseSurface, length: Length = None, names: Sequence[str] | None = None, face: str = "blend"
+) -> Solid:
+    """The solid inside a surface, whose name is `face`, and its neighbours; see `Blend.solid`."""
+    titles, reaches = _names(names, len(surface.contacts)), lengths_of(length, surface)
+    opening, at_opening = AroundOpening.of(surface), None
+    if opening is not None:
+        reach = reaches[opening.number]
+        works, level = opening.fitting(reach, length is None), opening.level(reach)
+        at_opening = opening.ended(titles[opening.number], level, works)
+    solid = with_neighbours(surface, reaches, titles, face, at_opening)
+    chains = [
+        chain_beyond(surface, number, name, clip_plane(surface, number), reach)
+        if opening is None or number != opening.number
+        else opening.chain(name, level, works)
+        for number, (name, reach) in enumerate(zip(titles, reaches, strict=True))
+    ]
+    side = _side(surface, face, chains)
+    return replace(solid, sheets=None if side is None else SheetBody.of([side]))
+
+
+def with_neighbours(
     surface: PiecewiseSurface,
-    length: Length = None,
-    names: Sequence[str] | None = None,
-    face: str = "blend",
-    floor: fmpq | None = None,
-    around: Around = "edged",
+    reaches: Sequence[fmpq | None],
+    names: Sequence[str],
+    face: str,
+    at_opening: AtOpening | None = None,
     beyond: fmpq = NOTHING,
 ) -> Solid:
-    """The solid inside a surface, whose name is `face`, and its neighbours; see `Blend.solid`.
+    """The solid inside a surface, and its neighbours up to flat ends, `beyond` more than their `reaches` away.
 
-    `floor` is the height of the flat back below an opening above the region's centre, in units of the opening's axis.
-    The neighbour around it is `edged` or endless, or the surface goes on in its place as far as the region does, or the
-    walls of the opening are left to a run with which the solid is united.
-    Neighbours go on by `beyond` more than their length.
+    At an opening it is as given.  A contact with a reach of 0 is an end, one without any is left to what the solid is
+    united with.  Raises `GeometryError` for a surface that bounds no solid.
     """
     if not surface.partition.cells:
         raise GeometryError("the blend has no region, so it bounds no solid: give its cell one, as in SingleCell(box)")
     if surface.partition.sides and not any(join.opening for join in surface.joins):
         raise GeometryError("the region of the blend is open and no contact closes it, so that it bounds no solid")
-    titles = _names(names, len(surface.contacts))
-    pieces = Pieces(surface.partition, surface.polynomials)
-    inner = Solid(combined(False, Atom(pieces, face), region(surface.partition)))
-    reaches = lengths_of(length, surface)
-    solids, ends, chains = [inner], [], []
-    given = zip(titles, surface.contacts, surface.joins, reaches, strict=True)
-    for number, (name, contact, join, reach) in enumerate(given):
-        end = contact.clip if join.opening else clip_plane(surface, number)
-        ends.append(end)
-        if join.opening:
-            opening, works = AroundOpening.of(surface, number), NOTHING
-            back = opening.back(reach) if floor is None else opening.at(floor)
-            solids[0] = solids[0].cap(back, f"{name} back" if around != "run" else "")
-            solids[0] = solids[0] if around == "surface" else solids[0].cap(end, "")
-            if reach > 0 and around in ("edged", "endless"):
-                plate = patch(name, contact.surface, end).cap(back, f"{name} back")
-                works = opening.fitting(reach, length is None) if around == "edged" else reach
-                solids.append(opening.ended(plate, reach, works) if around == "edged" else plate)
-            chains.append(opening.chain(name, reach, works) if around == "edged" else None)
-            continue
-        chains.append(chain_beyond(surface, number, name, end, reach))
-        if reach + beyond > 0:
-            cap = _cap(end, reach + beyond)
+    pieces, (bounds, piece) = Atom(Pieces(surface.partition, surface.polynomials), face), at_opening or ((), None)
+    inner = Solid(combined(False, pieces, region(surface.partition)))
+    for bound, title in bounds:
+        inner = inner.cap(bound, title)
+    solids, clips = [inner], list[Polynomial]()
+    for number, (name, contact, reach) in enumerate(zip(names, surface.contacts, reaches, strict=True)):
+        is_opening = surface.joins[number].opening
+        clips.append(contact.clip if is_opening else clip_plane(surface, number))
+        if is_opening:
+            solids += [] if piece is None else [piece]
+        elif reach is not None and reach + beyond > 0:
+            cap = _cap(clips[-1], reach + beyond)
             apart = separators(surface, number, name, reach, beyond)
-            solids.append(patch(name, contact.surface, end, -cap, *apart).cap(cap, f"{name} end"))
+            solids.append(patch(name, contact.surface, clips[-1], -cap, *apart).cap(cap, f"{name} end"))
     solid = union(solids)
-    for name, contact, end, reach in zip(titles, surface.contacts, ends, reaches, strict=True):
+    for name, contact, clip, reach in zip(names, surface.contacts, clips, reaches, strict=True):
         if name in solid.faces:
-            solid = solid.joined(face, name, (contact.surface, end), surface.order)
-        elif reach == 0 and not (around == "run" and end.degree == 2):
-            solid = solid.cap(end, f"{name} end")
-    known = [chain for chain in chains if chain is not None]
-    sheets = SheetBody.of([Side(surface, face, tuple(known))]) if len(known) == len(chains) else None
-    return replace(solid, sheets=sheets)
+            solid = solid.joined(face, name, (contact.surface, clip), surface.order)
+        elif reach == 0:
+            solid = solid.cap(clip, f"{name} end")
+    return solid
 
 
 def chain_beyond(surface: PiecewiseSurface, number: int, name: str, plane: Polynomial, length: fmpq) -> Chain | None:
@@ -107,28 +109,29 @@ def hollow_body(
     The inner solid goes on beyond the caps of the outer one, so that their ends are not in one plane: around an opening
     it has no end, and its back is lower.  Where the outer one ends in the opening the inner surface goes on.
     """
-    reaches = lengths_of(length, outer)
-    titles = _names(names, len(outer.contacts))
-    given = ((n, reach) for n, (join, reach) in enumerate(zip(outer.joins, reaches, strict=True)) if join.opening)
-    mouth = next((Mouth.of(outer, inner, number, reach, length is None) for number, reach in given), None)
-    floors = (None, None) if mouth is None else (mouth.floor, mouth.within.low / 4)
-    around: Around = "endless" if mouth is not None and not mouth.ends else "surface"
-    inside, beyond = [f"{INSIDE} {t}" for t in titles], outer.partition.frame.scale / FURTHER
-    face = f"{INSIDE} blend"
-    cavity = body(inner, reaches, inside, face, floors[1], around, beyond)
-    ended = [name for name, reach in zip(inside, reaches, strict=True) if reach == 0]
-    if mouth is not None:
-        reaches[mouth.around.number - 1] = mouth.works
-        ended += [] if mouth.goes_on else [inside[mouth.around.number - 1]]
+    reaches, titles = lengths_of(length, outer), _names(names, len(outer.contacts))
+    inside = [f"{INSIDE} {t}" for t in titles]
+    ended = {name for name, reach in zip(inside, reaches, strict=True) if reach == 0}
+    opened, beyond = WallOpening.of(outer, inner, reaches, length is None), outer.partition.frame.scale / FURTHER
+    at_inner = at_outer = None
+    if opened is not None:
+        number = opened.around.number
+        at_inner = opened.cavity(inside[number])
+        ended |= set() if opened.goes_on else {inside[number]}
+    cavity = with_neighbours(inner, reaches, inside, f"{INSIDE} blend", at_inner, beyond)
+    if opened is not None:
+        reaches[number] = opened.works
+        at_outer = opened.around.ended(titles[number], opened.floor, opened.works)
     joints = tuple(joint for joint in cavity.joints if joint.second not in ended)
-    solid = body(outer, reaches, names, floor=floors[0]) - replace(cavity, joints=joints)
-    return replace(solid, sheets=_wall_sheets(outer, inner, titles, reaches, mouth))
+    solid = with_neighbours(outer, reaches, titles, "blend", at_outer) - replace(cavity, joints=joints)
+    sides = wall_sides(outer, inner, titles, reaches)
+    return replace(solid, sheets=None if sides is None else SheetBody.of(sides))
 
 
 @dataclass(frozen=True, eq=False)
-class Mouth:
+class WallOpening:
     """A wall at an opening: `around` its outer side and `within` its inner one, up to an `edge`, which is as far around
-    the outer one as `works`."""
+    the outer one as `works`, or its cone where that is 0."""
 
     around: AroundOpening
     within: AroundOpening
@@ -136,13 +139,17 @@ class Mouth:
     edge: Polynomial
 
     @classmethod
-    def of(cls, outer: PiecewiseSurface, inner: PiecewiseSurface, number: int, reach: fmpq, shorter: bool) -> Mouth:
-        """That of contact `number`; raises what `AroundOpening.fitting` raises.
+    def of(
+        cls, outer: PiecewiseSurface, inner: PiecewiseSurface, reaches: Sequence[fmpq], shorter: bool
+    ) -> WallOpening | None:
+        """That of a wall, None where it is not open; raises what `AroundOpening.fitting` raises.
 
         If it may be `shorter`, the edge of a curved surface is all around the inner side's curve or all inside of it.
         """
-        around, within = (AroundOpening.of(surface, number) for surface in (outer, inner))
-        works = around.fitting(reach, shorter) if reach > 0 else reach
+        around, within = AroundOpening.of(outer), AroundOpening.of(inner)
+        if around is None or within is None:
+            return None
+        works = around.fitting(reaches[around.number], shorter)
         found = cls(around, within, works, around.edge(works) if works > 0 else around.contact.clip)
         while shorter and not (around.flat or found.goes_on or found.ends):
             found = replace(found, works=found.works / 2, edge=around.edge(found.works / 2))
@@ -164,52 +171,64 @@ class Mouth:
         """Whether the inner surface goes on to the edge itself."""
         return self.works == 0 or (not self.around.flat and self.within.holds(self.edge))
 
-    def chains(self, name: str, inner: PiecewiseSurface) -> tuple[Chain | None, ...]:
-        """What goes on from both sides; None where the inner contact does not, or is not seen to go on so far."""
-        around, within, works = self.around, self.within, self.works
+    def cavity(self, name: str) -> AtOpening:
+        """What the inner solid has there: its surface, or all of its neighbour, above a back below that of the wall."""
+        level = self.within.low / 4
         if self.ends:
-            within, works = AroundOpening.of(inner, within.number - 1), NOTHING
-        seen = self.ends or (self.goes_on and (within.flat or within.leave(around.wide(works))))
+            return [(self.within.at(level), f"{name} back")], None
+        return self.within.ended(name, level, self.works, endless=True)
+
+    @cached_property
+    def inner(self) -> PiecewiseSurface:
+        """The inner surface up to where it ends: as a contact of itself where that is the edge."""
+        surface, number = self.within.surface, self.within.number
+        if not self.ends or surface.contacts[number].clip.primitive() == self.edge.primitive():
+            return surface
+        contacts = [*surface.contacts]
+        contacts[number] = Contact(surface.polynomials[0], self.edge)
+        return PiecewiseSurface(surface.partition, contacts, surface.order, surface.patches, surface.degree)
+
+    def chains(self, names: tuple[str, str]) -> list[Chain | None]:
+        """What goes on from both sides; None where the inner contact does not, or is not seen to go on so far."""
+        around, within = self.around, AroundOpening(self.inner, self.within.number)
+        seen = self.ends or (self.goes_on and (within.flat or within.leave(around.wide(self.works))))
         if around.center != within.center or not seen:
-            return None, None
-        walled = within.walled(f"{INSIDE} {name}", works, self.edge, scaled(around.at(self.floor)))
-        return around.walled(name, self.works, self.edge), walled
+            return [None, None]
+        edge, floor = (self.edge if self.works > 0 else None), scaled(around.at(self.floor))
+        return [around.walled(names[0], edge), within.walled(names[1], None if self.ends else edge, floor)]
 
 
-def up_to(inner: PiecewiseSurface, number: int, cone: Polynomial) -> PiecewiseSurface:
-    """An inner surface up to a cone inside that of its opening `number`, on which it is a contact of itself."""
-    contacts = [*inner.contacts]
-    if contacts[number].clip.primitive() == cone.primitive():
-        return inner
-    contacts[number] = Contact(inner.polynomials[0], cone)
-    return PiecewiseSurface(inner.partition, contacts, inner.order, inner.patches, inner.degree)
-
-
-def _wall_sheets(
-    outer: PiecewiseSurface, inner: PiecewiseSurface, names: Sequence[str], reaches: Sequence[fmpq], mouth: Mouth | None
-) -> SheetBody | None:
-    """The sheets of a wall: what goes on inside ends in the planes, edges and cones in which the outer side does."""
-    if mouth is not None and mouth.ends:
-        inner = up_to(inner, mouth.within.number - 1, mouth.edge)
-    pairs: list[tuple[Chain | None, ...]] = []
+def wall_sides(
+    outer: PiecewiseSurface, inner: PiecewiseSurface, names: Sequence[str], reaches: Sequence[fmpq]
+) -> list[Side] | None:
+    """The sides of a wall: what goes on inside ends in the planes, edges and cones in which the outer side does; None
+    where what goes on is not known."""
+    opened = WallOpening.of(outer, inner, reaches, False)
+    surfaces, pairs = (outer, inner if opened is None else opened.inner), list[list[Chain | None]]()
     for number, (name, reach) in enumerate(zip(names, reaches, strict=True)):
-        if mouth is not None and outer.joins[number].opening:
-            pairs.append(mouth.chains(name, inner))
+        titles = name, f"{INSIDE} {name}"
+        if opened is not None and number == opened.around.number:
+            pairs.append(opened.chains(titles))
             continue
-        plane, both = clip_plane(outer, number), ((outer, name), (inner, f"{INSIDE} {name}"))
-        pairs.append(tuple(chain_beyond(surface, number, title, plane, reach) for surface, title in both))
-    sides = [
-        Side(surface, face, tuple(chain for chain in chains if chain is not None))
-        for surface, face, *chains in zip((outer, inner), ("blend", f"{INSIDE} blend"), *pairs, strict=True)
-    ]
-    return SheetBody.of(sides) if all(len(side.chains) == len(names) for side in sides) else None
+        plane, sides = clip_plane(outer, number), zip(surfaces, titles, strict=True)
+        pairs.append([chain_beyond(surface, number, title, plane, reach) for surface, title in sides])
+    faces = "blend", f"{INSIDE} blend"
+    made = [_side(*side) for side in zip(surfaces, faces, zip(*pairs, strict=True), strict=True)]
+    known = [side for side in made if side is not None]
+    return known if len(known) == len(made) else None
+
+
+def _side(surface: PiecewiseSurface, face: str, chains: Sequence[Chain | None]) -> Side | None:
+    """A surface with what goes on from it; None where something that does is not known."""
+    known = tuple(chain for chain in chains if chain is not None)
+    return Side(surface, face, known) if len(known) == len(chains) else None
 
 
 def contact_ends(surface: PiecewiseSurface, length: Length = 0) -> tuple[ContactEnd, ...]:
     """Where a surface and its neighbours of a `length` end, at each contact; see `Blend.ends`."""
     reaches = lengths_of(length, surface)
     return tuple(
-        _opening_end(surface, number) if join.opening else _end(surface, number, reach)
+        AroundOpening(surface, number).end if join.opening else _end(surface, number, reach)
         for number, (join, reach) in enumerate(zip(surface.joins, reaches, strict=True))
     )
 
@@ -224,21 +243,6 @@ def _end(surface: PiecewiseSurface, number: int, reach: fmpq) -> ContactEnd:
         return ContactEnd.of(Contact(contact.surface, _cap(clip_plane(surface, number), reach), there), center)
     except GeometryError as error:
         raise GeometryError(f"contact {number + 1}, {to_float(reach):.4g} beyond its clip: {error}") from None
-
-
-def _opening_end(surface: PiecewiseSurface, number: int) -> ContactEnd:
-    """That of an opening, whose curve need not be plane: seen along its axis, in the middle of its heights."""
-    seen = AroundOpening.of(surface, number)
-    axis, size = unit(to_floats(seen.axis)), to_float(seen.scale)
-    points, origin = size * surface.joins[number].curve(), np.array(to_floats(seen.center))
-    middle = np.array(to_floats(seen.middle)) - origin
-    heights = points @ axis
-    middle += ((heights.min() + heights.max()) / 2 - middle @ axis) * axis
-    radii = np.linalg.norm(points - middle - ((points - middle) @ axis)[:, None] * axis, axis=1)
-    place, out = origin + middle, -axis
-    return ContactEnd(
-        triple(place), triple(out), (float(radii.min()), float(radii.max())), float(np.linalg.norm(middle))
-    )
 
 
 FURTHER = 64

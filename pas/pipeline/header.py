@@ -24,14 +24,13 @@ from pas.algebra.inputs import shown
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, dot, exact, plain, rational, to_float, to_floats
 from pas.algebra.scaling import scaled
-from pas.arrays import Floats
 from pas.contacts.contact import Contact
 from pas.contacts.endless import Pipe
 from pas.errors import GeometryError
 from pas.limits import WorkLimits, limited
 from pas.piecewise import PiecewiseSurface
-from pas.pipeline.around_opening import AroundOpening
-from pas.pipeline.bodies import FURTHER, INSIDE, body, chain_beyond, clip_plane, length_of
+from pas.pipeline.around_opening import AroundOpening, AtOpening
+from pas.pipeline.bodies import FURTHER, INSIDE, chain_beyond, clip_plane, length_of, with_neighbours
 from pas.pipeline.hollow import HollowBlend
 from pas.pipeline.neighbours import NOTHING
 from pas.pipeline.result import Blend
@@ -43,48 +42,13 @@ from pas.solid.strips import chain_between
 from pas.solid.tree import Atom, combined
 
 
-@dataclass(frozen=True, eq=False)
-class OpenedRun:
-    """The opening of a foot: contact number `place` of the `surface` is that with the run."""
-
-    surface: PiecewiseSurface
-    place: int
-
-    @classmethod
-    def of(cls, surface: PiecewiseSurface, run: Polynomial, number: int) -> OpenedRun:
-        """That in a run with such a polynomial; raises `GeometryError` where foot `number` has none."""
-        joins = zip(surface.joins, surface.contacts, strict=True)
-        found = [i for i, (join, contact) in enumerate(joins) if join.opening and scaled(contact.surface) == run]
-        if len(found) != 1 or len(surface.contacts) != 2:
-            raise GeometryError(f"foot {number} is no blend of one opening in this run and one branch: see pas.foot")
-        return cls(surface, found[0])
-
-    @property
-    def contact(self) -> Contact:
-        """With the run: its polynomial and the cone."""
-        return self.surface.contacts[self.place]
-
-    @cached_property
-    def opening(self) -> AroundOpening:
-        """As it is seen along its axis."""
-        return AroundOpening.of(self.surface, self.place)
-
-    def room(self, reach: fmpq) -> Solid:
-        """What the foot takes the place of in the run, though it may lie deeper: the cone above the foot's back."""
-        return Solid(combined(False, Atom(self.contact.clip, ""), Atom(self.opening.back(reach), "")))
-
-    def side(self, name: str, branch: str, reach: fmpq) -> Side | None:
-        """What bounds the foot: its surface up to the opening, and its branch; None where that is none of `strips`."""
-        other = 1 - self.place
-        chains = [chain_beyond(self.surface, other, branch, clip_plane(self.surface, other), reach)]
-        chains.insert(self.place, self.opening.walled(name, NOTHING, self.contact.clip))
-        known = tuple(chain for chain in chains if chain is not None and chain.sound)
-        return Side(self.surface, name, known) if len(known) == 2 else None
-
-    def holds(self, points: Floats) -> bool:
-        """Whether any of the points (N, 3) is in the cone, on the opening's side of its apex."""
-        local, join = self.surface.partition.frame.local_points(points), self.opening.join
-        return bool(((join.contact.clip(local) <= 0) & (local @ join.nappe[0] > 0)).any())
+def opening_in(surface: PiecewiseSurface, run: Polynomial, number: int) -> AroundOpening:
+    """The opening of a foot in a run with such a polynomial; raises `GeometryError` where foot `number` has none."""
+    joins = zip(surface.joins, surface.contacts, strict=True)
+    found = [i for i, (join, contact) in enumerate(joins) if join.opening and scaled(contact.surface) == run]
+    if len(found) != 1 or len(surface.contacts) != 2:
+        raise GeometryError(f"foot {number} is no blend of one opening in this run and one branch: see pas.foot")
+    return AroundOpening(surface, found[0])
 
 
 @limited("uniting a run with its feet", "fewer feet")
@@ -161,22 +125,22 @@ class HeaderSide:
                     f"{plain(start)} and {plain(end)}"
                 )
         for (i, a), (j, b) in combinations(enumerate(self.openings, start=1), 2):
-            if a.holds(b.opening.curve) or b.holds(a.opening.curve):
+            if a.faces(b.curve) or b.faces(a.curve):
                 raise GeometryError(
                     f"the openings of feet {i} and {j} meet; move the branches apart along the run or around it, or "
                     "give them less slope or radius, or join them by pas.node"
                 )
 
     @cached_property
-    def openings(self) -> list[OpenedRun]:
+    def openings(self) -> list[AroundOpening]:
         """That of each foot."""
-        return [OpenedRun.of(foot, self.surface, number) for number, foot in enumerate(self.feet, start=1)]
+        return [opening_in(foot, self.surface, number) for number, foot in enumerate(self.feet, start=1)]
 
     @property
     def _extents(self) -> list[tuple[float, float]]:
         """Where each opening begins and ends along the run."""
         axis, point = np.array(to_floats(self.run.axis)), np.array(to_floats(self.run.point))
-        places = [(opened.opening.curve - point) @ axis / (axis @ axis) for opened in self.openings]
+        places = [(opening.curve - point) @ axis / (axis @ axis) for opening in self.openings]
         return [(float(some.min()), float(some.max())) for some in places]
 
     def _planes(self, low: fmpq, high: fmpq) -> tuple[Polynomial, Polynomial]:
@@ -191,17 +155,21 @@ class HeaderSide:
         start, end = self._planes(self.ends[0] - further, self.ends[1] + further)
         tube = patch(name, self.surface).cap(start, f"{name} start").cap(end, f"{name} end")
         solids = []
-        for number, (opened, reach) in enumerate(zip(self.openings, self.lengths, strict=True), start=1):
-            names = [f"{self.inside}branch {number}"] * 2
-            names[opened.place] = name
-            tube -= opened.room(reach)
-            beyond = opened.surface.partition.frame.scale / FURTHER if self.inside else NOTHING
+        for number, (opening, reach) in enumerate(zip(self.openings, self.lengths, strict=True), start=1):
+            # The foot takes the place of the run in the cone above its back, though it may lie deeper.
+            clip, back = opening.surface.contacts[opening.number].clip, opening.at(opening.level(reach))
+            tube -= Solid(combined(False, Atom(clip, ""), Atom(back, "")))
+            names, reaches = [f"{self.inside}branch {number}"] * 2, list[fmpq | None]([reach, reach])
+            names[opening.number], reaches[opening.number] = name, None
+            beyond = opening.frame.scale / FURTHER if self.inside else NOTHING
+            ends: AtOpening = [(back, ""), (clip, "")], None
             face = f"{self.inside}foot {number}"
-            solids.append(body(opened.surface, reach, names, face, around="run", beyond=beyond))
+            solids.append(with_neighbours(opening.surface, reaches, names, face, ends, beyond))
         whole = union([tube, *solids])
-        for number, opened in enumerate(self.openings, start=1):
-            along = opened.contact.surface, opened.contact.clip
-            whole = whole.joined(f"{self.inside}foot {number}", name, along, opened.surface.order)
+        for number, opening in enumerate(self.openings, start=1):
+            met = opening.surface.contacts[opening.number]
+            along = met.surface, met.clip
+            whole = whole.joined(f"{self.inside}foot {number}", name, along, opening.surface.order)
         return whole
 
     @property
@@ -213,10 +181,13 @@ class HeaderSide:
             chain_between(Contact(self.surface, plane), plane, cap, (f"{self.inside}run", f"{self.inside}run {end}"))
             for plane, cap, end in zip(self._planes(*begins), self._planes(*self.ends), ("start", "end"), strict=True)
         ]
-        given = enumerate(zip(self.openings, self.lengths, strict=True), start=1)
-        feet = [o.side(f"{self.inside}foot {k}", f"{self.inside}branch {k}", reach) for k, (o, reach) in given]
-        start, end = tubes
-        known = tuple(foot for foot in feet if foot is not None)
-        if start is None or end is None or len(known) < len(feet):
+        feet, (start, end) = list[Side](), tubes
+        for number, (opening, reach) in enumerate(zip(self.openings, self.lengths, strict=True), start=1):
+            surface, other, face = opening.surface, 1 - opening.number, f"{self.inside}foot {number}"
+            branch = chain_beyond(surface, other, f"{self.inside}branch {number}", clip_plane(surface, other), reach)
+            chains = [branch, opening.walled(face)][:: 1 if other == 0 else -1]
+            known = tuple(chain for chain in chains if chain is not None and chain.sound)
+            feet += [Side(surface, face, known)] if len(known) == 2 else []
+        if start is None or end is None or len(feet) < len(self.feet):
             return None
-        return RunSide(f"{self.inside}run", (start, end), known, tuple(opened.place for opened in self.openings))
+        return RunSide(f"{self.inside}run", (start, end), tuple(feet), tuple(o.number for o in self.openings))

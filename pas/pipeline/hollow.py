@@ -24,7 +24,6 @@ from flint import fmpq
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.rational import Exact, plain, positive, rational, three, to_float
-from pas.arrays import Integers
 from pas.certify.nesting import nesting
 from pas.certify.thickness import thicker_than
 from pas.contacts.cones import apex
@@ -34,17 +33,16 @@ from pas.contacts.parallels import inner_contact
 from pas.errors import GeometryError, InfeasibleError, MeshError, NoSolutionError, NotProvedError
 from pas.limits import WorkLimits, limited
 from pas.mesh.quality import Quality
-from pas.mesh.topology import Edges
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.around_opening import AroundOpening
-from pas.pipeline.bodies import Length, contact_ends, hollow_body, lengths_of, up_to
+from pas.pipeline.bodies import INSIDE, Length, contact_ends, hollow_body, lengths_of, wall_sides
 from pas.pipeline.cavity import EVEN, Cavity
 from pas.pipeline.chosen import B, ChosenBlend, Stages
 from pas.pipeline.search import excess, find
 from pas.pipeline.wall_mesh import WallMesh
 from pas.settings import RELATIVE_TOLERANCE
 from pas.shape import Shape
-from pas.solid.faces import End, Faces
+from pas.solid.sheets import SheetBody
 from pas.solid.solid import Solid
 from pas.surface.depth import Depth
 from pas.verdicts import Findings, Status, Verdict
@@ -161,40 +159,19 @@ class HollowBlend(Shape, Generic[B]):
         `MeshError` as `PiecewiseSurface.mesh` does, and where an end is no ring.
         """
         tolerance = self._tolerance if tolerance is None else tolerance
-        outer, inner = self.sides
-        for number, join in enumerate(outer.joins):
-            inner = up_to(inner, number, outer.contacts[number].clip) if join.opening else inner
-        sheets, ends = (outer, inner), [self._end(number) for number in range(len(outer.contacts))]
-        made, loops = Faces(), list[list[Integers]]()
-        for sheet, name in zip(sheets, ("blend", "inside of blend"), strict=True):
-            mesh = sheet.mesh(tolerance, quality=quality)
-            first = made.put(replace(mesh, names=(name,)), flipped=len(loops) > 0)
-            loops.append([loop + first for loop in Edges(mesh.triangles, len(mesh.points)).loops])
-        points = made.points
-        for number, end in enumerate(ends, start=1):
-            pair = [min(some, key=lambda loop: end.off(points[loop]), default=None) for some in loops]
-            if pair[0] is None or pair[1] is None:
-                raise MeshError(f"one of the two sheets does not end in end {number}")
-            made.ended(end, f"end {number}", pair[0], pair[1])
-        whole = made.mesh
-        known = whole.points, whole.triangles, whole.faces, whole.names, whole.normals
-        return WallMesh(*known, deviation=whole.deviation, sheets=sheets, ends=ends)
+        ends = [f"end {number}" for number in range(1, 1 + len(self.outer.surface.contacts))]
+        sides = wall_sides(self.outer.surface, self.inner.surface, ends, [fmpq(0)] * len(ends))
+        whole = None if sides is None else SheetBody(tuple(sides)).mesh(tolerance, Quality.of(quality))
+        if sides is None or whole is None:
+            raise MeshError("the two sides of the wall do not end in one ring for each contact")
+        names = "blend", f"{INSIDE} blend", *ends
+        known = whole.points, whole.triangles, whole.faces, names, whole.normals, whole.parameters, whole.deviation
+        return WallMesh(*known, sheets=tuple(side.surface for side in sides), ends=[c.end for c in sides[0].chains])
 
     @property
     def _tolerance(self) -> float:
         """That of meshes where none is given, the same for both sides."""
         return RELATIVE_TOLERANCE * float(np.ptp(self.outer.surface.partition.points, axis=0).max())
-
-    def _end(self, number: int) -> End:
-        """The plane of an end, or the cone of an opening, which is seen from its apex."""
-        surface = self.outer.surface
-        join = surface.joins[number]
-        if join.opening:
-            return End(surface.contacts[number].scaled.clip, -join.nappe[0] / np.linalg.norm(join.nappe[0]))
-        rim = surface.placed.told(number).rim
-        plane = rim.plane if rim.plane.at(surface.partition.center or rim.center) <= 0 else -rim.plane
-        normal = plane.gradient(np.zeros(3))
-        return End(plane, normal / np.linalg.norm(normal))
 
     def __str__(self) -> str:
         thickness = "given inner contacts" if self.thickness is None else f"thickness {plain(self.thickness)}"
@@ -298,7 +275,7 @@ def _inner_contacts(outer: ChosenBlend, size: fmpq | None, given: Sequence[Conta
         there = [outer.surface.placed.told(number) for number in range(len(contacts))]
         found = [inner_contact(contact, size, number) for number, contact in enumerate(there, start=1)]
         for i, join in enumerate(outer.surface.joins if len(outer.surface.patches) == 1 else ()):
-            clip = AroundOpening.of(outer.surface, i).even(size) if join.opening else None
+            clip = AroundOpening(outer.surface, i).even(size) if join.opening else None
             found[i] = Contact(found[i].surface, clip or found[i].clip, found[i].near)
         return found
     found = [as_contact(item, f"inner[{i}]") for i, item in enumerate(given)]

@@ -16,7 +16,7 @@ from itertools import chain, groupby, tee
 from typing import Any, Generic, Literal, cast
 
 from pas.algebra.inputs import HIGHEST_DEGREE, check_degree
-from pas.blending.place import PartitionLike, ended
+from pas.blending.place import PartitionLike, placements, with_ends
 from pas.blending.regularity import is_regular
 from pas.blending.solving import fewest_members, solve
 from pas.blending.space import Space
@@ -211,16 +211,16 @@ def find(
     given = None if wanted is None or wanted == "lowest" else wanted
     if wished.basis is not None and given is None:
         raise ValueError("a basis needs the degree of its members: give degree as well")
-    problem = ended(contacts, order, partition)
+    ended = with_ends(contacts, order, partition)
     key = key_of(wished, order, wanted, partition) if isinstance(partition, str | None) else None
     session = None if key is None else open_session()
     if session is not None:
         with stages.stage("repeated", 0.9):
-            known = session.find(problem.contacts, key)
+            known = session.find([item.contact for item in ended], key)
         if known is not None:
             return known.blend(blends, stages.seconds)
     with stages.stage("partition", 0.03):
-        candidates = problem.places()
+        candidates = placements(ended, order, partition)
         placed = next(candidates)
         check_wishes(wished, placed)
         wished = wished.settled(placed)

@@ -64,10 +64,6 @@ class Part(AffineShape["Part"], Shape):
         """Volume, area, centre and moments of its solid, or of what its mesh encloses; see `Solid.measures`."""
         return self.shape.measures(tolerance) if isinstance(self.shape, Solid) else flat_measures(self.shape)
 
-    @property
-    def bounding_box(self) -> Floats:
-        return self.shape.bounding_box
-
     def _moved(self, map_: Affine) -> Part:
         return replace(self, shape=self.shape._moved(map_))
 
@@ -141,10 +137,6 @@ class Assembly(AffineShape["Assembly"], Shape):
     def box(self) -> Floats:
         """Two corners (2, 3) of a box that holds all parts."""
         return hull([p.shape.box for p in self.parts.values()])
-
-    @property
-    def bounding_box(self) -> Floats:
-        return hull([p.bounding_box for p in self.parts.values()])
 
     def _moved(self, map_: Affine) -> Assembly:
         return Assembly(MappingProxyType({name: part._moved(map_) for name, part in self.parts.items()}))

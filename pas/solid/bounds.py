@@ -82,6 +82,11 @@ def hull(boxes: Sequence[Floats]) -> Floats:
     return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
 
 
+def overlap(boxes: Sequence[Floats]) -> Floats:
+    """The largest box (2, 3) in all of some boxes; its corners change places where there is none."""
+    return np.stack([np.max([b[0] for b in boxes], axis=0), np.min([b[1] for b in boxes], axis=0)])
+
+
 def _within_unions(tree: Tree, start: Floats) -> Floats:
     """A box that planes leave open, brought within the boxes of unions among the conditions.
 
@@ -94,7 +99,7 @@ def _within_unions(tree: Tree, start: Floats) -> Floats:
             box = bounding_box(part)
         except GeometryError:  # empty or unbounded by itself: the whole says so
             continue
-        start = np.stack([np.maximum(start[0], box[0]), np.minimum(start[1], box[1])])
+        start = overlap([start, box])
     return start
 
 
@@ -111,8 +116,7 @@ def _linear_box(tree: Tree) -> Floats | None:
         found = [inner for p in part.parts if (inner := _linear_box(p)) is not None]
         if not found:
             return None
-        within = hull(found)
-        box = np.stack([np.maximum(box[0], within[0]), np.minimum(box[1], within[1])])
+        box = overlap([box, hull(found)])
         box = box if (box[0] <= box[1]).all() else None
     return box
 

@@ -56,16 +56,16 @@ class TreeEvaluator(CompiledTree):
         self.center, self.scale = center, scale
         # Planes through points that are doubles are one up to their rounding, unless that is far from the origin.
         self._tree, self._numbers = tree, Columns(rounded=max(map(abs, center)) < 2**8 * scale)
-        super().__init__(tree, self._column_of)
+        super().__init__(tree, self._read)
         names: list[dict[str, None]] = [{} for _ in self._numbers.functions]
         for atom in atoms(tree):
-            names[self._column_of(atom)[0]] |= {atom.face: None} if atom.face else {}
-        self._sides = {(*self._column_of(atom), atom.face) for atom in atoms(tree)}
+            names[self._read(atom)[0]] |= {atom.face: None} if atom.face else {}
+        self._sides = {(*self._read(atom), atom.face) for atom in atoms(tree)}
         self.columns = [Column(f, tuple(n)) for f, n in zip(self._numbers.functions, names, strict=True)]
         self.used = len(self.columns)
         self.columns += [Column(function, ()) for function in extra]
 
-    def _column_of(self, atom: Atom) -> tuple[int, bool]:
+    def _read(self, atom: Atom) -> tuple[int, bool]:
         """The column of an inequality, and whether that is to be > 0."""
         checkpoint()  # of some ten thousand in lattices of struts
         number, sign = self._numbers.of(atom.function)
@@ -77,7 +77,7 @@ class TreeEvaluator(CompiledTree):
         rows: dict[tuple[int, str], int] = {}
 
         def row_of(atom: Atom) -> tuple[int, bool]:
-            column, negated = self._column_of(atom)
+            column, negated = self._read(atom)
             return rows.setdefault((column, atom.face), len(rows)), negated
 
         return rows, CompiledTree(self._tree, row_of)
@@ -226,6 +226,10 @@ class TreeEvaluator(CompiledTree):
     def polynomial(self, number: int) -> Polynomial | None:
         """The polynomial of a column in local coordinates, scaled; None where it is none."""
         return self._scaled[number].polynomials[0] if number in self._scaled else None
+
+    def column_of(self, function: Function) -> int:
+        """The column of a function of the tree."""
+        return self._numbers.of(function)[0]
 
     def number(self, other: TreeEvaluator, columns: Integers) -> tuple[Integers, Bools]:
         """The columns that hold those of another evaluator, and whether with the opposite sign."""

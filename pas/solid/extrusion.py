@@ -18,7 +18,6 @@ from pas.solid.edges import Loop, PlaneEdge, at, gradient, line, radius_of
 from pas.solid.faces import COARSE, Faces, SolidBoundary, SweptBody, cross, flat, jets_of
 from pas.solid.formulas import PlaneSet, formula
 from pas.solid.joints import Joint
-from pas.solid.operands import Operands
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined
 
@@ -46,7 +45,7 @@ def extruded(profile: PlaneSet, height: fmpq, taper: fmpq) -> Solid:
         body = Prism(loops=loops, height=to_float(height), lean=Lean(slope))
         body.refuse_lost_top()
     elif not slope:
-        body = Operands.of(*profile.operands(lambda part: extruded(part, height, taper)))
+        body = profile.operands(lambda part: extruded(part, height, taper))
     claims = dict.fromkeys(claim for loop in loops or profile.all_loops for claim in joints(loop, Lean(slope)))
     return Solid(tree, tuple(claims), (), body)
 
@@ -237,8 +236,13 @@ class Prism(SweptBody):
 
     def _ways(self, loop: Loop, points: Floats, counts: list[int]) -> Floats:
         """How the points (N, 2) of a loop's polygon move as its sides move inwards by 1."""
-        ways, starts = np.concatenate(inwards(loop, points, counts)), np.cumsum([0, *counts[:-1]])
-        for number, start in enumerate(starts.tolist()):
+        *starts, last = np.cumsum([0, *counts]).tolist()
+        slopes = [
+            edge.curve.gradient(np.pad(points[begin:end], ((0, 0), (0, 1))))[:, :2] * -(edge.bow or 1)
+            for edge, (begin, end) in zip(loop.edges, pairwise([*starts, last]), strict=True)
+        ]
+        ways = np.concatenate([some / np.linalg.norm(some, axis=1)[:, None] for some in slopes])
+        for number, start in enumerate(starts):
             mine, before = loop.edges[number], loop.edges[number - 1]
             if mine.control is None and before.control is None:  # at a corner both sides move
                 pair = np.array([ways[start], ways[starts[number - 1]]])
@@ -267,15 +271,6 @@ class Prism(SweptBody):
         signs = [1 if loop.is_counterclockwise else -1 for loop in self.loops]
         if flat(tops) is None or min(area * sign for area, sign in zip(areas, signs, strict=True)) <= 0:
             raise GeometryError("the taper is too much: sides meet below the top; take a smaller height or taper")
-
-
-def inwards(loop: Loop, points: Floats, counts: list[int]) -> list[Floats]:
-    """Unit normals (N, 2) of each edge inwards at the points of a loop's polygon."""
-    normals = []
-    for edge, begin, count in zip(loop.edges, np.cumsum([0, *counts]).tolist(), counts, strict=False):
-        slopes = edge.curve.gradient(np.pad(points[begin : begin + count], ((0, 0), (0, 1))))[:, :2]
-        normals.append(-slopes / np.linalg.norm(slopes, axis=1)[:, None] * (edge.bow or 1))
-    return normals
 
 
 def square_of(edge: PlaneEdge) -> fmpq:

@@ -50,6 +50,7 @@ class SolidField:
         self._seams = Seams(self.evaluator, given, self.box)
         self.special_points = self.evaluator.local(special_points)
         self._made_of = tree, box, seams, special_points
+        self._placing: dict[tuple[int, ...], tuple[int, ...]] = {}
 
     def shells(self) -> list[SolidField]:
         """The surfaces of the boundary, if they are apart: those of hollows inside, and that of what they are in."""
@@ -72,7 +73,7 @@ class SolidField:
         outer = (2 * columns[:, None] + (np.arange(2) ^ turned[:, None])).ravel()
         inner = np.full(len(outer), -1, dtype=np.intp)
         for distance, follows in walls:
-            number = next(i for i, c in enumerate(self.evaluator.columns) if c.function is distance)
+            number = self.evaluator.column_of(distance)
             inner[np.repeat([c.face in follows.faces for c in solid.evaluator.columns[: len(columns)]], 2)] = 2 * number
         return ShellWall(solid, walls[0][1].thickness / self.scale, outer, inner)
 
@@ -169,19 +170,12 @@ class SolidField:
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         if labels not in self._placing:
-            self._placing[labels] = self._functions(labels) if len(labels) > 1 else labels
+            columns = sorted({label // 2 for label in labels})
+            seams = {pair: self._seams.between(*pair) for pair in combinations(columns, 2)}
+            joined = {column for pair, seam in seams.items() if seam for column in pair}
+            known = [c for seam in seams.values() for c in seam] + [c for c in columns if c not in joined]
+            self._placing[labels] = tuple(dict.fromkeys(2 * c for c in known)) if len(labels) > 1 else labels
         return self._placing[labels]
-
-    @cached_property
-    def _placing(self) -> dict[tuple[int, ...], tuple[int, ...]]:
-        return {}
-
-    def _functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
-        columns = sorted({label // 2 for label in labels})
-        seams = {pair: self._seams.between(*pair) for pair in combinations(columns, 2)}
-        joined = {column for pair, seam in seams.items() if seam for column in pair}
-        known = [c for seam in seams.values() for c in seam] + [c for c in columns if c not in joined]
-        return tuple(dict.fromkeys(2 * c for c in known))
 
     def face(self, label: int) -> str:
         """The name of a label's face; of an end left open by walls, its equation."""

@@ -18,7 +18,7 @@ from pas.arrays import Bools, Floats
 from pas.partition.cells import Partition
 from pas.piecewise import PiecewiseSurface
 from pas.solid.taylor import TaylorForms
-from pas.solid.tree import Atom, Function, Node, Tree, combined, complement, image, mapped, parts_of, splits_of
+from pas.solid.tree import Atom, Function, Node, Tree, combined, complement, mapped, moved, parts_of, splits_of
 
 
 @dataclass(frozen=True)
@@ -32,11 +32,7 @@ class Followed:
 
     def moved(self, map_: Affine) -> Followed:
         """The image under a similarity."""
-
-        def move(atom: Atom) -> Atom:
-            return replace(atom, function=image(atom.function, map_))
-
-        return replace(self, tree=mapped(self.tree, move), thickness=self.thickness * map_.similarity())
+        return replace(self, tree=moved(self.tree, map_), thickness=self.thickness * map_.similarity())
 
 
 class Parametrized(ABC):
@@ -118,17 +114,17 @@ class Moved(Distance):
 
 
 def followed_by(tree: Tree) -> tuple[Tree, list[tuple[Distance, Followed]]] | None:
-    """The set of which a tree is a shell, and the distances from its faces, and what they follow; or None."""
-    walls = ((rest, distances_from(rest, wall)) for wall, rest in splits_of(tree))
-    return next(((rest, found) for rest, found in walls if found), None)
+    """The set of which a tree is a shell, and the distances from its faces, and what they follow; or None.
 
-
-def distances_from(tree: Tree, wall: Tree) -> list[tuple[Distance, Followed]]:
-    """The distances from faces of a set, less a thickness, whose union of inequalities a wall is; none if it is not."""
-    functions = [part.function for part in parts_of(wall, union=True) if isinstance(part, Atom) and not part.outside]
-    found = [(f, f.follows) for f in functions if isinstance(f, Distance) and f.follows is not None]
-    is_all = len(found) == len(parts_of(wall, union=True)) and all(follows.tree == tree for _, follows in found)
-    return found if is_all else []
+    The rest of what it is an intersection of is then the union of these distances, less a thickness.
+    """
+    for wall, rest in splits_of(tree):
+        parts = parts_of(wall, union=True)
+        functions = [part.function for part in parts if isinstance(part, Atom) and not part.outside]
+        found = [(f, f.follows) for f in functions if isinstance(f, Distance) and f.follows is not None]
+        if len(found) == len(parts) and all(follows.tree == rest for _, follows in found):
+            return rest, found
+    return None
 
 
 class Pieces:

@@ -44,8 +44,12 @@ def text(words: str, size: Exact, corner: Sequence[Exact] = (0, 0), font: str | 
                     f"the font {place.stem} has no letter {letter!r}, which is number {number + 1} of the text"
                 )
             glyph = glyphs[letters[ord(letter)]]
+            contours = [
+                [tuple((x + p * unit, y + q * unit) for p, q in piece) for piece in contour]
+                for contour in _contours(glyph, glyphs, opened)
+            ]
             try:
-                parts += _letter([_placed(c, unit, (x, y)) for c in _contours(glyph, glyphs, opened)], letter)
+                parts += _letter(contours, letter)
             except GeometryError as error:
                 raise GeometryError(f"the letter {letter!r} of the font {place.stem}: {error}") from None
             x += glyph.width * unit
@@ -97,10 +101,6 @@ def _contours(glyph: Any, glyphs: Any, font: Any) -> Iterator[Contour]:
             made = [tuple((rational(Fraction(x)), rational(Fraction(y))) for x, y in piece) for piece in outline]
             if any(turn(made[0][0], made[0][-1], p) for piece in made for p in piece):  # fonts have hairlines
                 yield made
-
-
-def _placed(contour: Contour, unit: Any, corner: Point) -> Contour:
-    return [tuple((corner[0] + p[0] * unit, corner[1] + p[1] * unit) for p in piece) for piece in contour]
 
 
 def _letter(contours: Sequence[Contour], letter: str) -> list[Profile]:

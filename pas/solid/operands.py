@@ -30,6 +30,7 @@ from pas.mesh.quality import Quality
 from pas.mesh.rows import cross, dots, norms
 from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.settings import RELATIVE_TOLERANCE
+from pas.solid.bounds import hull, overlap
 from pas.solid.faces import SolidBoundary
 from pas.solid.field import SolidField
 from pas.solid.linked import LinkedBodies, RenamedBoundary, united
@@ -196,11 +197,12 @@ def _turned(operation: str, turns: list[list[int]]) -> list[int]:
 
 def _joint_box(operation: str, boxes: list[Floats | None]) -> Floats | None:
     """The box (2, 3) of what an operation makes of sets in boxes; None where these say nothing."""
-    known = np.array([box for box in boxes if box is not None]).reshape(-1, 2, 3)
-    if operation == "Subtract" or len(known) < (len(boxes) if operation == "Add" else 1):
-        return boxes[0] if operation == "Subtract" else None
-    low, high = (np.min, np.max) if operation == "Add" else (np.max, np.min)
-    return np.stack([low(known[:, 0], axis=0), high(known[:, 1], axis=0)])
+    if operation == "Subtract":
+        return boxes[0]
+    known = [box for box in boxes if box is not None]
+    if len(known) < (len(boxes) if operation == "Add" else 1):
+        return None
+    return hull(known) if operation == "Add" else overlap(known)
 
 
 def _box(part: Operand) -> Floats | None:

@@ -137,9 +137,8 @@ class PipePiece:
     def steps(self, tolerance: float) -> int:
         """Into how many parts it is cut so that chords of circles along it are within a tolerance."""
         start, middle, end = self.balls(2)[:, :4]
-        return 1 + int(
-            math.sqrt(3 * float(np.linalg.norm(middle - (start + end) / 2)) / tolerance)
-        )  # 2 outside of bends
+        sag = float(np.linalg.norm(middle - (start + end) / 2))
+        return 1 + int(math.sqrt(3 * sag / tolerance))  # 1 outside of bends
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -8,40 +8,30 @@ A profile is a set of points of the plane, in x and y, between loops of straight
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, NoReturn
 
-import numpy as np
 from flint import fmpq
-from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, numbered, reflection, rotation, scaling, translation, translations, turns
-from pas.algebra.inputs import points_of, shown
+from pas.algebra.inputs import shown
 from pas.algebra.rational import Exact, rational
-from pas.arrays import Bools, Floats
+from pas.arrays import Floats
 from pas.errors import GeometryError, missing
-from pas.solid.edges import Loop, PlaneEdge, Point, apart
-from pas.solid.extrusion import Lean, extruded
-from pas.solid.formulas import Lift, values
+from pas.solid.edges import Loop, PlaneEdge, Point
+from pas.solid.extrusion import extruded
+from pas.solid.formulas import PlaneSet
 from pas.solid.revolution import revolved
 from pas.solid.solid import Solid
-from pas.solid.tree import Tree, combined, complement
 
 
-@dataclass(frozen=True, eq=False)
-class Profile:
+@dataclass(frozen=True, eq=False, repr=False)
+class Profile(PlaneSet):
     """A set of points of the plane; made by the functions of `pas.solid`.
 
-    It is inside a `loop`, or it is made of `parts`: their union, or their intersection; `outside` says that it is the
-    complement of that.  `a | b`, `a & b` and `a - b` are union, intersection and difference.
+    `a | b`, `a & b` and `a - b` are union, intersection and difference.
     """
-
-    loop: Loop | None = None
-    parts: tuple[Profile, ...] = ()
-    union: bool = False
-    outside: bool = False
 
     def __or__(self, other: Profile) -> Profile:
         return self._with(other, union=True)
@@ -126,66 +116,6 @@ class Profile:
         """
         return revolved(self, rational(degrees, "degrees"))
 
-    def tree(self, lift: Lift) -> Tree:
-        """The set in space with its loops lifted there."""
-        return self._tree(lift, False)
-
-    def _tree(self, lift: Lift, outside: bool) -> Tree:
-        out = self.outside != outside
-        if self.loop is not None:
-            found = lift(self.loop, out)
-            return complement(found) if out else found
-        return combined(self.union != out, *(part._tree(lift, out) for part in self.parts))
-
-    @property
-    def all_loops(self) -> Iterator[Loop]:
-        """The loops of which it is made, from left to right."""
-        if self.loop is not None:
-            yield self.loop
-        for part in self.parts:
-            yield from part.all_loops
-
-    @cached_property
-    def boundary(self) -> tuple[Loop, ...] | None:
-        """The loops around it, with what is inside to their left; None where those of parts cross or touch."""
-        try:
-            return tuple(self._boundary(False))
-        except GeometryError:
-            return None
-
-    def _boundary(self, outside: bool) -> list[Loop]:
-        out = self.outside != outside
-        if self.loop is not None:
-            return [self.loop.reversed if out else self.loop]
-        union = self.union != out
-        loops = [part._boundary(out) for part in self.parts]
-        apart([edge for some in loops for loop in some for edge in loop.separated], _crossing)
-        return [
-            loop
-            for part, some in zip(self.parts, loops, strict=True)
-            for loop in some
-            if all(other.holds(loop.edges[0].start) != (out != union) for other in self.parts if other is not part)
-        ]
-
-    def operands(self, over: Callable[[Profile], Solid]) -> tuple[tuple[Solid, ...], str]:
-        """The solids over its parts, and the operation, named as for `boolean`, that makes the one over it of them."""
-        operation = "Add" if self.union else "Subtract" if self.parts[-1].outside else "Intersect"
-        return tuple(over(replace(part, outside=False)) for part in self.parts), operation
-
-    def holds(self, point: Point) -> bool:
-        """Whether an exact point is inside or on the boundary."""
-        return bool(values(self._formula, lambda polynomial: polynomial.raw(*point, 0)))
-
-    @cached_property
-    def _formula(self) -> Tree:
-        return self._tree(lambda loop, _: Lean(fmpq(0)).tree(loop), False)
-
-    def contains(self, points: ArrayLike) -> Bools:
-        """Whether points (..., 2) are inside, shape (...)."""
-        flat = np.asarray(points, dtype=float)
-        space = points_of(np.concatenate([flat, np.zeros((*flat.shape[:-1], 1))], axis=-1))
-        return np.asarray(values(self._formula, lambda polynomial: polynomial(space)))
-
     def polygons(self, tolerance: float) -> list[Floats]:
         """Points (N, 2) of each loop of its boundary, whose chords are within a tolerance (the model's units) of it.
 
@@ -198,10 +128,6 @@ class Profile:
     def __repr__(self) -> str:
         edges = sum(len(loop.edges) for loop in self.all_loops)
         return f"<Profile of {edges} edges in {len([*self.all_loops])} loops>"
-
-
-def _crossing(one: PlaneEdge, other: PlaneEdge) -> GeometryError:
-    return GeometryError(f"edges {one.name!r} and {other.name!r} of two loops meet")
 
 
 def plane_point(value: Sequence[Exact], name: str) -> Point:

@@ -21,11 +21,10 @@ from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import plain, to_float
 from pas.arrays import Floats
 from pas.errors import GeometryError
-from pas.solid.edges import Loop, PlaneEdge, at, line
+from pas.solid.edges import Loop, PlaneEdge, at
 from pas.solid.faces import Faces, SolidBoundary, SweptBody
 from pas.solid.formulas import PlaneSet, Truth, formula, joined, negated
 from pas.solid.joints import Joint
-from pas.solid.operands import Operands
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, combined
 
@@ -44,7 +43,7 @@ def revolved(profile: PlaneSet, degrees: fmpq) -> Solid:
                     f"the profile passes the axis: its edge {edge.name!r} from {at(edge.start)} to {at(edge.end)} has "
                     f"points with negative x, which is the distance from the axis"
                 )
-    made = profile.tree(lambda loop, _: formula(loop, _surface, _wall))
+    made = profile.tree(lambda loop, _: formula(loop, lambda edge: _swept(edge.curve, edge.name)))
     turn = rotation((0, 0, 1), degrees, (0, 0, 0)).direction((fmpq(1), fmpq(0), fmpq(0)))
     if degrees < 360:
         begin, end = Polynomial.from_raw(-Y), Polynomial.from_raw(Y * turn[0] - X * turn[1])
@@ -53,9 +52,7 @@ def revolved(profile: PlaneSet, degrees: fmpq) -> Solid:
     loops = profile.boundary
     angle = math.atan2(to_float(turn[1]), to_float(turn[0])) % (2 * math.pi) or 2 * math.pi
     body: SolidBoundary = (
-        Operands.of(*profile.operands(lambda part: revolved(part, degrees)))
-        if loops is None
-        else Turned(loops=loops, angle=angle)
+        profile.operands(lambda part: revolved(part, degrees)) if loops is None else Turned(loops=loops, angle=angle)
     )
     every = list(profile.all_loops if loops is None else loops)
     claims = dict.fromkeys(claim for loop in every for claim in _joints(loop))
@@ -71,15 +68,6 @@ def _passes_axis(edge: PlaneEdge, halvings: int = 12) -> bool:
     if edge.control is None or edge.control[0] >= 0:
         return False
     return halvings == 0 or any(_passes_axis(half, halvings - 1) for half in edge.halves)
-
-
-def _surface(edge: PlaneEdge) -> Truth:
-    """The set that the left, or the concave, side of an edge sweeps out."""
-    return _swept(edge.curve, edge.name)
-
-
-def _wall(edge: PlaneEdge) -> Truth:
-    return _swept(line(edge.start, edge.end), "")
 
 
 def _swept(curve: Polynomial, face: str) -> Truth:
@@ -150,14 +138,13 @@ class Turned(SweptBody):
         many = max(math.ceil(self.angle / step), 3)
         angles = np.linspace(0, self.angle, many + 1)
         turns = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-        rows, space, first = [], list[Floats](), 0
-        for r, z in points.tolist():
-            row = np.column_stack([r * turns, np.full(many + 1, z)])[: many if self.is_full else None]
-            row = row[:1] if r == 0 else row
-            rows.append(first + np.resize(np.arange(len(row)), many + 1))
-            space.append(row)
-            first += len(row)
+        space = [
+            np.column_stack([r * turns, np.full(many + 1, z)])[: 1 if r == 0 else many if self.is_full else None]
+            for r, z in points.tolist()
+        ]
+        ends = pairwise(np.cumsum([0, *map(len, space)]).tolist())
         made, first = Faces(np.concatenate(space)), 0
+        rows = [np.resize(np.arange(*between), many + 1) for between in ends]
         for loop, some, count in zip(self.loops, polygons, counts, strict=True):
             borders = np.cumsum([0, *count])
             for edge, (a, b) in zip(loop.edges, pairwise(borders.tolist()), strict=True):

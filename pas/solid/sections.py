@@ -98,8 +98,7 @@ def _go_on(tree: Tree, box: Floats, plane: Polynomial, curve: Polynomial, pair: 
 def _bounds(evaluator: TreeEvaluator, function: Polynomial, points: Floats) -> Bools:
     """At which points (N, 3), moved onto a face, the solid is on one side of it alone."""
     points, near = _near(points, (function,))
-    known = ((i, c.function) for i, c in enumerate(evaluator.columns))
-    number = next(i for i, f in known if isinstance(f, Polynomial) and f.primitive() == function)
+    number = evaluator.column_of(function)
     signs = evaluator.signs(points)
     both = []
     for side in (True, False):

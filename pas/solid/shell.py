@@ -30,7 +30,6 @@ from pas.mesh.topology import connected
 from pas.solid.bounds import bounding_box
 from pas.solid.field import SolidField
 from pas.solid.functions import Distance, Followed
-from pas.solid.joints import Joint
 from pas.solid.tree import Atom, Node, Tree, combined, complement
 
 BESIDE = 1e-7
@@ -60,14 +59,6 @@ class Hollowable(Protocol):
     @property
     def tree(self) -> Tree:
         """Its inequalities."""
-
-    @property
-    def joints(self) -> tuple[Joint, ...]:
-        """The claims on its faces."""
-
-    @property
-    def special_points(self) -> tuple[tuple[float, float, float], ...]:
-        """Points of its boundary that meshes are to have, in the user's coordinates."""
 
     @property
     def field(self) -> SolidField:

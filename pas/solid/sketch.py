@@ -60,27 +60,29 @@ class Sketch:
         end = self._target(x, y)
         if radius is not None and through is not None:
             raise TypeError("an arc takes a radius or a point to pass through, not both")
-        if through is not None:
-            third = plane_point(through, "through")
-            left = turn(self.end, third, end)
-            if left == 0:
-                raise GeometryError(f"{at(self.end)}, {at(third)} and {at(end)} are in line: no circle passes them")
-            center = _circumcenter(self.end, third, end)
-            return self._with(face, lambda name: arc(self.end, end, center, left > 0, name))
+        chord = minus(end, self.end)
         if radius is not None:
-            center = _center(self.end, end, rational(radius, "radius"), clockwise == large)
-            return self._with(face, lambda name: arc(self.end, end, center, not clockwise, name))
-        if not self.edges:
-            raise GeometryError("the first edge is no arc without a radius: there is no edge that it could continue")
-        tangent, chord = self.edges[-1].tangent(at_end=True), minus(end, self.end)
-        side = across(tangent, chord)
-        if side == 0:
-            raise GeometryError(
-                f"the arc to {at(end)} would be straight: the last edge points there, or away from there"
-            )
-        share = dot(chord, chord) / (2 * side)
-        center = self.end[0] - share * tangent[1], self.end[1] + share * tangent[0]
-        return self._with(face, lambda name: arc(self.end, end, center, side > 0, name))
+            left, share = not clockwise, _share(self.end, end, rational(radius, "radius"))
+            share = share if clockwise == large else -share
+        else:
+            if through is not None:
+                third = plane_point(through, "through")
+                ways = minus(third, self.end), minus(end, third)
+                wrong = f"{at(self.end)}, {at(third)} and {at(end)} are in line: no circle passes them"
+            elif self.edges:
+                ways = self.edges[-1].tangent(at_end=True), chord
+                wrong = f"the arc to {at(end)} would be straight: the last edge points there, or away from there"
+            else:
+                raise GeometryError(
+                    "the first edge is no arc without a radius: there is no edge that it could continue"
+                )
+            side = across(*ways)  # both pairs of ways are at half the angle of the arc
+            if side == 0:
+                raise GeometryError(wrong)
+            left, share = side > 0, dot(*ways) / (2 * side)
+        (a, b), (c, d) = self.end, end
+        center = (a + c) / 2 - share * chord[1], (b + d) / 2 + share * chord[0]
+        return self._with(face, lambda name: arc(self.end, end, center, left, name))
 
     def curve_to(self, control: Sequence[Exact], x: Exact, y: Exact, face: str | None = None) -> Sketch:
         """A parabola's arc to a point: the Bezier curve of degree 2 with a control point."""
@@ -214,16 +216,8 @@ def regular_polygon(sides: int, radius: Exact, center: Sequence[Exact] = (0, 0),
     return polygon(corners, face)
 
 
-def _circumcenter(a: Point, b: Point, c: Point) -> Point:
-    """The point as far from three, not in line, as from one another."""
-    u, v = minus(b, a), minus(c, a)
-    d = 2 * across(u, v)
-    p, q = dot(u, u) / d, dot(v, v) / d
-    return a[0] + v[1] * p - u[1] * q, a[1] + u[0] * q - v[0] * p
-
-
-def _center(start: Point, end: Point, radius: fmpq, left: bool) -> Point:
-    """The centre of a circle of a radius through two points, to the left or right of the way between them."""
+def _share(start: Point, end: Point, radius: fmpq) -> fmpq:
+    """How far from the middle of a chord the centre of a circle of a radius is, over the length of the chord."""
     chord = minus(end, start)
     square = dot(chord, chord)
     rest = radius * radius / square - fmpq(1, 4)
@@ -232,6 +226,4 @@ def _center(start: Point, end: Point, radius: fmpq, left: bool) -> Point:
         raise GeometryError(
             f"radius must be at least {half:.6g}, half the distance from {at(start)} to {at(end)}, not {plain(radius)}"
         )
-    share = square_root(rest)
-    side = share if left else -share
-    return (start[0] + end[0]) / 2 - side * chord[1], (start[1] + end[1]) / 2 + side * chord[0]
+    return square_root(rest)

@@ -42,7 +42,7 @@ from pas.solid.measures import Measures, curved_measures
 from pas.solid.operands import Operands, combined_boundary, renamed_boundary
 from pas.solid.sheets import face_mesh, merged, roomy
 from pas.solid.shell import shelled
-from pas.solid.tree import Atom, Tree, atoms, combined, complement, image, mapped
+from pas.solid.tree import Atom, Tree, atoms, combined, complement, mapped, moved
 from pas.verdicts import Findings, Verdict
 
 CARRIER_OF = "pas.exchange.step.carriers:carrier_of"
@@ -88,12 +88,9 @@ class Solid(AffineShape["Solid"], WithEdges, Shape):
         return Solid(tree, joints, self.special_points + other.special_points, sheets)
 
     def _moved(self, map_: Affine) -> Solid:
-        functions = dict.fromkeys(atom.function for atom in atoms(self.tree))
-        images = {function: image(function, map_) for function in functions}
-        tree = mapped(self.tree, lambda atom: replace(atom, function=images[atom.function]))
         joints = tuple(joint.moved(map_) for joint in self.joints)
         points = tuple((x, y, z) for x, y, z in map_.points(np.array(self.special_points).reshape(-1, 3)).tolist())
-        return Solid(tree, joints, points, self.sheets and self.sheets.moved(map_))
+        return Solid(moved(self.tree, map_), joints, points, self.sheets and self.sheets.moved(map_))
 
     def _patterned(self, maps: Sequence[Affine]) -> Solid:
         copies = enumerate((self, *map(self._moved, maps)), start=1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from pas.algebra.polynomial import Polynomial
 from pas.arrays import Bools, Floats
 
 
-@runtime_checkable
 class ScalarField(Protocol):
     """A function that is no polynomial, such as a distance or a piecewise polynomial, over `2^exponent`."""
 
@@ -39,11 +38,6 @@ class ScalarField(Protocol):
 
 
 Function = Polynomial | ScalarField
-
-
-def image(function: Function, map_: Affine) -> Function:
-    """The function whose zero set is the image of that of `function`; raises `ValueError` where `moved` does."""
-    return map_.polynomial(function) if isinstance(function, Polynomial) else function.moved(map_)
 
 
 @dataclass(frozen=True)
@@ -152,11 +146,14 @@ def is_contradiction(tree: Tree) -> bool:
 
 def mapped(tree: Tree, change: Callable[[Atom], Tree]) -> Tree:
     """The tree with something in the place of each of its atoms."""
+    return folded(tree, change, lambda node, parts: Node(tuple(parts), node.union))
 
-    def branch(node: Node, parts: list[Tree]) -> Tree:
-        return Node(tuple(parts), node.union)
 
-    return folded(tree, change, branch)
+def moved(tree: Tree, map_: Affine) -> Tree:
+    """The image of a set; raises `ValueError` where a function cannot follow the map."""
+    functions = dict.fromkeys(atom.function for atom in atoms(tree))
+    images = {f: map_.polynomial(f) if isinstance(f, Polynomial) else f.moved(map_) for f in functions}
+    return mapped(tree, lambda atom: replace(atom, function=images[atom.function]))
 
 
 def atoms(tree: Tree) -> Iterator[Atom]:

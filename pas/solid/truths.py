@@ -162,13 +162,13 @@ class LeafTree:
         self.signed = [columns.of(f) if isinstance(f := a.function, Polynomial) else (-1, 1) for a in self.leaves]
         self.polynomials = [f for f in columns.functions if isinstance(f, Polynomial)]
         costs = [f.degree if isinstance(f := a.function, Polynomial) else math.inf for a in self.leaves]
-        asks = {leaf: Ask(n, cost) for n, (leaf, cost) in enumerate(zip(self.leaves, costs, strict=True))}
+        asks = {leaf: Code(cost, leaf=n) for n, (leaf, cost) in enumerate(zip(self.leaves, costs, strict=True))}
 
-        def branch(node: Node, parts: list[Code]) -> Branch:
+        def branch(node: Node, parts: list[Code]) -> Code:
             parts.sort(key=lambda part: part.cost)
-            return Branch(tuple(parts), node.union, parts[0].cost)
+            return Code(parts[0].cost, tuple(parts), node.union)
 
-        self.code: Code = folded(tree, asks.__getitem__, branch)
+        self.code = folded(tree, asks.__getitem__, branch)
 
     def holds(self, leaf: int, sign: int) -> bool:
         """Whether a leaf holds where the polynomial of its number has a sign (not 0)."""
@@ -176,31 +176,22 @@ class LeafTree:
 
 
 @dataclass(frozen=True)
-class Branch:
-    """An intersection or union, with its parts in the order of their `cost`.
+class Code:
+    """A leaf by number, or an intersection or union of parts in the order of their `cost`.
 
-    The cost is what it takes at least to find out what it says: the degree of a polynomial of one of its leaves.
+    The cost is what it takes at least to find out what it says: the degree of a polynomial of one of its leaves, most
+    of none.
     """
 
-    parts: tuple[Code, ...]
-    union: bool
     cost: float
-
-
-@dataclass(frozen=True)
-class Ask:
-    """A leaf by number, and what its truth costs: of no polynomial most."""
-
-    leaf: int
-    cost: float
-
-
-Code = Ask | Branch
+    parts: tuple[Code, ...] = ()
+    union: bool = False
+    leaf: int | None = None
 
 
 def says(code: Code, truth: Truth) -> bool | None:
     """Whether points with these truths are in the solid; None where that is not known."""
-    if isinstance(code, Ask):
+    if code.leaf is not None:
         return truth(code.leaf)
     result: bool | None = not code.union
     for part in code.parts:
@@ -216,7 +207,7 @@ def rests_on(code: Code, said: bool, truth: Truth, fixed: Callable[[int], bool])
 
     Of several ways in which it could be certain, the one with the fewest such leaves.
     """
-    if isinstance(code, Ask):
+    if code.leaf is not None:
         return set() if fixed(code.leaf) else {code.leaf}
     if said is not code.union:
         return {leaf for part in code.parts for leaf in rests_on(part, said, truth, fixed)}
@@ -235,7 +226,7 @@ def rests_on(code: Code, said: bool, truth: Truth, fixed: Callable[[int], bool])
 
 def matters(code: Code, leaf: int, truth: Truth) -> bool:
     """Whether what is said may depend on a leaf: none of its branches is settled by others."""
-    if isinstance(code, Ask):
+    if code.leaf is not None:
         return code.leaf == leaf
     return any(
         matters(part, leaf, truth)

@@ -124,6 +124,12 @@ class Tube(Distance, Parametrized):
                 f"the curve's radius of curvature there, {1 / curvature[worst]:.6g}"
             )
         self._table, self._tree = (points, slopes, bends), cKDTree(points)
+        # parameters are that of the curve, and the angle around it
+        self.domain = np.array([curve.interval, (0.0, 2 * np.pi)])
+        self.periods = np.array([np.ptp(curve.interval) * curve.is_closed, 2 * np.pi])
+        if round and not curve.is_closed:
+            (start, end), ways = curve.ends
+            self.caps = (start, -ways[0], self.radius), (end, ways[1], self.radius)
 
     def jets(self, points: Floats) -> Floats:
         _, nearest = self.nearest(points)
@@ -152,24 +158,6 @@ class Tube(Distance, Parametrized):
                 break
         worse = ((p - points) ** 2).sum(axis=1) > ((kept - points) ** 2).sum(axis=1)
         return np.where(worse, start, t), np.where(worse[:, None], kept, p)
-
-    @property
-    def domain(self) -> Floats:  # type: ignore[override]
-        """That of the curve's parameter; the other one is the angle around it."""
-        return np.array([self.curve.interval, (0.0, 2 * np.pi)])
-
-    @property
-    def periods(self) -> Floats:  # type: ignore[override]
-        """The curve's, where it is closed, and a turn."""
-        return np.array([np.ptp(self.curve.interval) * self.curve.is_closed, 2 * np.pi])
-
-    @property
-    def caps(self) -> tuple[tuple[Floats, Floats, float], ...]:  # type: ignore[override]
-        """Its round ends."""
-        if not self.round or self.curve.is_closed:
-            return ()
-        (start, end), ways = self.curve.ends
-        return (start, -ways[0], self.radius), (end, ways[1], self.radius)
 
     def places(self, points: Floats) -> Floats:
         """The parameters of the nearest points of the curve, and the angles there (N, 2)."""
