@@ -268,6 +268,16 @@ def test_a_corner_may_say_how_it_is_drawn(tmp_path):
     assert (problem.picture.name, problem.picture.view) == ("zebra", (1, 1, 0.5))
 
 
+@pytest.mark.parametrize(("text", "said"), [("1/0", "not '1/0'"), ("nan", "not 'nan'"), ("a", "not 'a'")])
+def test_numbers_of_options_are_decimals_or_fractions(made, tmp_path, capsys, text, said):
+    arguments = ["mesh", made / "equal_gc1.pas.json", "-o", tmp_path / "a.stl", "--json", "--tolerance"]
+    fraction, decimal = (json.loads(run(capsys, *arguments, value)[1]) for value in ("1/40", "0.025"))
+    assert fraction["triangles"] == decimal["triangles"]
+    with pytest.raises(SystemExit):
+        run(capsys, *arguments, text)
+    assert f"argument --tolerance: must be a number, as 0.01 or 1/100, {said}\n" in capsys.readouterr().err
+
+
 def test_the_mesh_of_a_blend_is_by_default_a_thousandth_of_its_size(made, tmp_path, capsys):
     _, out, _ = run(capsys, "mesh", made / "equal_gc1.pas.json", "-o", tmp_path / "a.stl", "--json")
     _, solved, _ = run(capsys, "blend", PROBLEM, "-o", tmp_path, "--no-picture", "--json")

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from pas._version import __version__
+from pas.algebra.rational import read_number, to_float
 from pas.exchange.files import check_folder, source
 from pas.exchange.formats import FORMATS
 from pas.limits import note, stage_line
@@ -66,6 +67,14 @@ def written_lines(files: Sequence[Path | str]) -> list[str]:
     return ["", "written:", *(f"  {name}" for name in files)] if files else []
 
 
+def number(text: str) -> float:
+    """A number in an argument: a decimal or a fraction."""
+    try:
+        return to_float(read_number(text))
+    except (ValueError, ZeroDivisionError):
+        raise argparse.ArgumentTypeError(f"must be a number, as 0.01 or 1/100, not {text!r}") from None
+
+
 Settings = TypeVar("Settings")
 
 
@@ -81,7 +90,8 @@ def add_settings(
         elif about["kind"] is bool:
             parser.add_argument(name, action="store_true", default=None, help=text)
         else:
-            kind = str if about["kind"] is list else about["kind"]
+            known: dict[type, Any] = {list: str, float: number}
+            kind = known.get(about["kind"], about["kind"])
             parser.add_argument(name, type=kind, metavar=about["metavar"], help=text)
 
 
