@@ -291,6 +291,7 @@ def makers() -> str:
 def project_files() -> str:
     """The forms of project files, kind by kind."""
     from pas.exchange import files as container
+    from pas.kinds.files import whole_form
     from pas.shape import KINDS
 
     lines = [
@@ -304,7 +305,7 @@ def project_files() -> str:
         'polynomial is a list of terms `[i, j, k, "p/q"]` for $p/q\\, x^i y^j z^k$, or a formula as a text.\n',
     ]
     for name in KINDS:
-        lines += [f"## {name}\n", "```text", *form_lines(KINDS[name].schema), "```\n"]
+        lines += [f"## {name}\n", "```text", *form_lines(whole_form(KINDS[name])), "```\n"]
     return "\n".join(lines)
 
 

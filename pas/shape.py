@@ -182,11 +182,11 @@ def _nothing(shape: Any) -> dict[str, Any]:
 class Kind(Generic[S]):
     """What differs from one kind of shapes to the next.
 
-    `record(shape, certificate)` gives the table that a project file keeps, which fits `schema`, and `read` makes the
-    shape of it again; a certificate that is given goes along for people to read.  `layers(shape, scene)` adds to the
-    scene of a picture (see `pas.render.scene`) what is to be seen.
+    `form`, a `pas.exchange.schema.Table`, writes the table that a project file keeps and makes the shape of it again.
+    `layers(shape, scene)` adds to the scene of a picture (see `pas.render.scene`) what is to be seen.
 
-    What most kinds need not say: `facts`, what programs read of a shape beside its verdicts; for files,
+    What most kinds need not say: `facts`, what programs read of a shape beside its verdicts; for files, `kept`, whether
+    project files have verdicts that are found before, for people to read, beside the table;
     `mesh(shape, settings)`, its triangles; `parts` by name, each with a colour; `patches(shape, domain)`, which are
     exact; `piecewise`, the piecewise surface that it is, at which rays can be cast instead of meshing it;
     `body(shape, length)`, the solid with it in its boundary; `solid(shape)`, the solid that it is; `placed(shape,
@@ -197,9 +197,7 @@ class Kind(Generic[S]):
 
     name: str
     type: type[S]
-    schema: Any
-    record: Callable[[S, Verdicts | None], dict[str, Any]]
-    read: Callable[[dict[str, Any]], S]
+    form: Any
     layers: Callable[[S, Any], None]
     facts: Callable[[S], dict[str, Any]] = _nothing
     mesh: Callable[[S, MeshSettings], Any] = Shape.meshed
@@ -212,6 +210,7 @@ class Kind(Generic[S]):
     meshed: bool = False
     open: bool = False
     curved: bool = False
+    kept: bool = False
 
     def text(self, shape: S) -> str:
         """All that is to be said of a shape, verdicts included, which some shapes say of themselves."""

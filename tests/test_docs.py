@@ -149,7 +149,7 @@ def test_problem_files_are_told_whole():
 def test_project_files_are_told_whole():
     text = pages()["generated/project_files"]
     assert all(f"\n## {name}\n" in text for name in KINDS)
-    assert all(f"{key}" in text for kind in KINDS.values() for key in (*kind.schema.needs, *kind.schema.may))
+    assert all(f"{key}" in text for kind in KINDS.values() for key in (*kind.form.needs, *kind.form.may))
 
 
 def test_every_example_is_in_the_gallery():

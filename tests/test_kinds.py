@@ -142,8 +142,9 @@ def test_damaged_contents_are_refused_with_the_place(name, tmp_path):
     path = sample(name).save(tmp_path / "a.pas.json")
     whole = json.loads(path.read_text())
     changes = [lambda content: content.update(surplus=1)]
-    changes += [lambda content, k=key: content.pop(k) for key in KINDS[name].schema.needs]
-    changes += [lambda content, k=key: content.update({k: {"no": "such"}}) for key in KINDS[name].schema.needs]
+    keys = [*KINDS[name].form.needs, *["verdicts"] * KINDS[name].kept]
+    changes += [lambda content, k=key: content.pop(k) for key in keys]
+    changes += [lambda content, k=key: content.update({k: {"no": "such"}}) for key in keys]
     for change in changes:
         record = json.loads(json.dumps(whole))
         change(record["content"])
@@ -381,9 +382,7 @@ def test_a_kind_of_ones_own(tmp_path, monkeypatch):
     from pas.render.scene import solid_layers
 
     monkeypatch.setattr(KINDS, "_entries", dict(KINDS._entries))
-    KINDS.register(
-        Kind("point", Point, Table({"x": WHOLE}), lambda p, _: {"x": p.x}, lambda c: Point(c["x"]), solid_layers)
-    )
+    KINDS.register(Kind("point", Point, Table({"x": WHOLE}, make=Point), solid_layers))
     path = Point(3).save(tmp_path / "a.pas.json")
     assert pas.load(path).x == 3
     assert Point(3).draw(tmp_path / "a.png", tolerance=0.01, size=(80, 60)).exists()

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pas import Polynomial
-from pas.algebra.ideal import NormalForm
+from pas.algebra.ideal import Ideal
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING
 
@@ -26,7 +26,7 @@ IDEALS = [
 @pytest.mark.parametrize("expression", ["(x + 2*y - z)^5", "x^4*y*z + 1/3*y^6", "7"])
 def test_agrees_with_sympy(generators, expression):
     polynomials = [Polynomial(g) for g in generators]
-    form = NormalForm([p.raw for p in polynomials])
+    form = Ideal(*polynomials)
     basis = sympy.groebner([p.to_sympy() for p in polynomials], X, Y, Z, order="grevlex")
     p = Polynomial(expression)
     expected = Polynomial(sympy.reduced(p.to_sympy(), list(basis.exprs), X, Y, Z, order="grevlex")[1])
@@ -42,7 +42,7 @@ def test_agrees_with_sympy(generators, expression):
 @pytest.mark.parametrize("generators", IDEALS)
 def test_reduced_basis_is_sympys(generators):
     polynomials = [Polynomial(g) for g in generators]
-    ours = {Polynomial.from_raw(g) for g in NormalForm([p.raw for p in polynomials]).basis}
+    ours = {Polynomial.from_raw(g) for g in Ideal(*polynomials).basis}
     theirs = sympy.groebner([p.to_sympy() for p in polynomials], X, Y, Z, order="grevlex").exprs
     monic = {Polynomial(sympy.Poly(e, X, Y, Z).monic(auto=True).as_expr()) for e in theirs}
     # sympy's monic() divides by its own leading coefficient in lex order; compare up to scale
@@ -51,7 +51,7 @@ def test_reduced_basis_is_sympys(generators):
 
 def test_zero_ideal_is_refused():
     with pytest.raises(ValueError, match="not zero"):
-        NormalForm([RING.constant(0)])
+        Ideal.from_raw(RING.constant(0))
 
 
 rationals = st.fractions(min_value=-5, max_value=5, max_denominator=7)

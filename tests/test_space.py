@@ -10,7 +10,7 @@ from conftest import AXES, EQUAL, UNEQUAL, pipes
 from flint import fmpq_mat
 
 import pas
-from pas.algebra.ideal import NormalForm
+from pas.algebra.ideal import Ideal
 from pas.algebra.polynomial import RING
 
 X, Y, Z = sympy.symbols("x y z")
@@ -63,7 +63,7 @@ def regular_rank(space: pas.SolutionSpace) -> int:
     for member in space.basis:
         row = []
         for number, contact in enumerate(space.contacts):
-            form = NormalForm([contact.surface.raw**2, contact.clip.raw])
+            form = Ideal(contact.surface**2, contact.clip)
             images = form.images(space.degree)
             total: dict = {}
             for e, c in member[2 * number].raw.to_dict().items():

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 import pas
 from pas import Ideal, Polynomial, Submodule, contact_ideal, syzygies
-from pas.algebra.ideal import NormalForm
 from pas.algebra.monomials import count_members, exponents, homogeneous_exponents, minimal
 
 X, Y, Z = sympy.symbols("x y z")
@@ -263,7 +262,7 @@ def test_hilbert_functions_count(monomials, degree):
 
 
 def test_hilbert_functions_are_those_of_normal_forms():
-    form = NormalForm([Polynomial(p).raw for p in ("x^2*y - 1", "z^3 - x", "y^4")])
+    form = Ideal("x^2*y - 1", "z^3 - x", "y^4")
     leads = [next(iter(g.terms()))[0] for g in form.basis]
     counts = [sum(count_members(leads, d, 3) for d in range(n + 1)) for n in range(7)]
     assert [comb(n + 3, 3) - c for n, c in enumerate(counts)] == [len(form.standard(n)) for n in range(7)]

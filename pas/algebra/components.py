@@ -16,9 +16,10 @@ from itertools import chain, islice, pairwise
 
 from flint import arb, ctx, fmpq, fmpq_mat, fmpq_poly
 
+from pas.algebra.affine import ORIGIN, height
 from pas.algebra.curve import SpaceCurve
 from pas.algebra.ideal import Ideal
-from pas.algebra.polynomial import RING, Polynomial
+from pas.algebra.polynomial import Polynomial
 from pas.algebra.roots import (
     FIRST_BITS,
     RealRoot,
@@ -32,7 +33,7 @@ from pas.algebra.roots import (
     real_roots,
     simplest,
 )
-from pas.algebra.zeros import Quotient, RealZero, count_zeros, linear_form, linear_forms, real_zeros, value_at
+from pas.algebra.zeros import RealZero, count_zeros, linear_form, linear_forms, real_zeros, value_at
 from pas.limits import checkpoint
 
 
@@ -83,14 +84,9 @@ class Components:
 
     def _number(self, value: fmpq, point: RealZero) -> int:
         """Which of the points in its plane a point is."""
-        candidates = list(range(len(self._in_plane(value))))
-        for bits in accuracies():
-            balls = point.balls(bits)
-            others = {i: self._points[value][i].balls(bits) for i in candidates}
-            candidates = [i for i, b in others.items() if all(p.overlaps(q) for p, q in zip(b, balls, strict=True))]
-            if len(candidates) == 1:
-                return candidates[0]
-        raise AssertionError
+        others = self._in_plane(value)
+        near = ([i for i, other in enumerate(others) if other.overlaps(point, bits)] for bits in accuracies())
+        return next(found[0] for found in near if len(found) == 1)
 
     def _pass(self, low: fmpq, high: fmpq) -> None:
         """Join each point of a plane with the one that it goes on to in another, without a turn in between."""
@@ -135,13 +131,9 @@ class Components:
 
     def _value(self, point: RealZero) -> RealRoot:
         """The value of the sweeping form at a turning point."""
-        candidates = self._turns
-        for bits in accuracies():
-            value = point.value(self.curve.form, bits)
-            candidates = [t for t in candidates if t.ball(bits).overlaps(value)]
-            if len(candidates) == 1:
-                return candidates[0]
-        raise AssertionError
+        values = ((point.value(self.curve.form, bits), bits) for bits in accuracies())
+        near = ([t for t in self._turns if t.ball(bits).overlaps(value)] for value, bits in values)
+        return next(found[0] for found in near if len(found) == 1)
 
 
 class Shadow:
@@ -152,19 +144,17 @@ class Shadow:
 
     @cached_property
     def polynomial(self) -> Polynomial:
-        """The polynomial, with t written x and m written y.
+        """The polynomial, with t written x and m written y: the resultant of both surfaces.
 
-        Its coefficient of m^(d-k) has degree k in t, so that d + 1 planes tell it.
+        A line on which both forms are constant meets the curve at no point at infinity, so that one of the surfaces is
+        monic along it, and nothing else comes in.
         """
-        rows: list[list[fmpq]] = []
-        while not rows or len(rows) < len(rows[0]):
-            plane = self.curve.form - Polynomial(len(rows))
-            quotient = Quotient.of(Ideal(*self.curve.ideal.groebner_basis(), plane))
-            assert quotient is not None
-            rows.append([fmpq(c) for c in quotient.times(self.linear).charpoly().coeffs()])
-        size = range(len(rows))
-        table = fmpq_mat([[fmpq(t) ** k for k in size] for t in size]).solve(fmpq_mat(rows))
-        return Polynomial.from_raw(RING.from_dict({(k, j, 0): table[k, j] for k in size for j in size}))
+        other = next(linear for linear in linear_forms() if linear not in (self.curve.linear, self.linear))
+        inverse = fmpq_mat([list(linear) for linear in (self.curve.linear, self.linear, other)]).inv()
+        images = [Polynomial.from_raw(height(ORIGIN, row)) for row in inverse.tolist()]
+        first, second = (surface.compose(*images).raw for surface in self.curve.pair)
+        found = first.resultant(second, "z")
+        return Polynomial.from_raw(found) / found.to_dict()[0, found.total_degree(), 0]
 
     @cached_property
     def _discriminant(self) -> fmpq_poly:

@@ -75,7 +75,7 @@ class SpaceCurve:
         No component lies in a plane of the form then, and none goes to infinity between two of them.
         """
         tops = [Polynomial.from_raw(leading_form(p.raw)) for p in self.ideal.groebner_basis()]
-        return standard_monomials(Ideal(*tops, linear_form(linear)).form) is not None
+        return standard_monomials(Ideal(*tops, linear_form(linear))) is not None
 
 
 class CurvePart:
@@ -105,7 +105,7 @@ class CurvePart:
         key = tuple(p.primitive() for p in polynomials)
         if key not in self._crossings:
             checkpoint("cutting a curve into arcs")
-            rests = [Polynomial.from_raw(self.ideal.form.remainder(p.raw)) for p in key]
+            rests = [Polynomial.from_raw(self.ideal.remainder(p.raw)) for p in key]
             found = values_at_zeros(Ideal(*self.ideal.groebner_basis(), *rests), self.curve.linear)
             if found is None:
                 raise SplitError(next(p for p in key if not self.ideal.contains(p)))
@@ -143,7 +143,7 @@ class CurvePart:
             weights = (n**i for i in range(len(basis)))
             separator = sum((p * w for p, w in zip(basis, weights, strict=True)), Polynomial(0))
             both = Ideal(*self.ideal.groebner_basis(), polynomial, separator)
-            if standard_monomials(both.form) is not None:
+            if standard_monomials(both) is not None:
                 return [CurvePart(self.curve, self.ideal.saturated(separator)), CurvePart(self.curve, off)]
         raise AssertionError
 

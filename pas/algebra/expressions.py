@@ -61,10 +61,8 @@ def read_polynomial(text: str, names: Mapping[str, fmpq_mpoly]) -> fmpq_mpoly:
     """
     if not text.strip():
         raise ValueError("the polynomial is empty; write for example 'x^2 + y^2 - 1/9'")
-    try:
+    with _named(text, "polynomial"):
         return run(steps(text, names, equation=True), _Polynomials(names))
-    except ValueError as error:
-        raise ValueError(f"cannot read the polynomial {shown(text)}: {error}") from None
 
 
 def read_formula(expression: Any, names: Names) -> Formula:
@@ -93,13 +91,13 @@ def _program(text: str, names: Names) -> tuple[Step, ...]:
 
 
 @contextmanager
-def _named(text: str) -> Iterator[None]:
+def _named(text: str, what: str = "expression") -> Iterator[None]:
     try:
         yield
     except NotRationalError as error:
         raise NotRationalError(f"{shown(text)} is not a rational function: {error}") from None
     except (ValueError, ZeroDivisionError) as error:
-        raise ValueError(f"cannot read the expression {shown(text)}: {error}") from None
+        raise ValueError(f"cannot read the {what} {shown(text)}: {error}") from None
 
 
 class _Arrays:

@@ -12,7 +12,7 @@ quantifier elimination); it has a complex one, and no contradiction of signs was
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -42,7 +42,6 @@ class Parameters:
         self.ring = fmpq_mpoly_ctx.get(self.names, Ordering.degrevlex)
         self.integers = fmpz_mpoly_ctx.get(self.names, Ordering.degrevlex)
         self.one = self.ring.constant(1)
-        self._factors: dict[str, tuple[fmpq_mpoly, ...]] = {}
 
     def sign(self, polynomial: fmpq_mpoly) -> Sign:
         """Signs that the polynomial may have, as far as the signs of its terms tell."""
@@ -50,11 +49,8 @@ class Parameters:
 
     def factors(self, polynomial: fmpq_mpoly) -> tuple[fmpq_mpoly, ...]:
         """The irreducible factors that may vanish, primitive and without repetition."""
-        key = str(polynomial)
-        if key not in self._factors:
-            found = [primitive(q) for q, _ in polynomial.factor()[1]]
-            self._factors[key] = tuple(q for q in found if 0 in self.sign(q))
-        return self._factors[key]
+        found = (primitive(q) for q, _ in polynomial.factor()[1])
+        return tuple(q for q in found if 0 in self.sign(q))
 
     def summands(self, polynomial: fmpq_mpoly) -> list[fmpq_mpoly]:
         """Terms that vanish wherever the polynomial does, since all have one sign; else none."""
@@ -84,7 +80,6 @@ class Locus:
     parameters: Parameters
     equations: tuple[fmpq_mpoly, ...] = ()
     inequations: tuple[fmpq_mpoly, ...] = ()
-    _known: dict[str, fmpq_mpoly] = field(default_factory=dict, repr=False, compare=False)
 
     @cached_property
     def _excluded(self) -> set[str]:
@@ -92,12 +87,7 @@ class Locus:
 
     def reduce(self, polynomial: fmpq_mpoly) -> fmpq_mpoly:
         """The normal form modulo the equations."""
-        if not self.equations or polynomial.is_zero():
-            return polynomial
-        key = str(polynomial)
-        if key not in self._known:
-            self._known[key] = divided(polynomial, self.equations)[-1]
-        return self._known[key]
+        return divided(polynomial, self.equations)[-1] if self.equations else polynomial
 
     def doubtful(self, polynomial: fmpq_mpoly) -> tuple[fmpq_mpoly, ...]:
         """The irreducible factors of a reduced polynomial that may vanish somewhere on the locus."""

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from functools import cache
-from math import comb
+from math import comb, factorial, prod
 
 import numpy as np
 
@@ -49,6 +49,11 @@ def positions(degree: int, variables: int = 3) -> dict[Exponents, int]:
 def count(degree: int, variables: int = 3) -> int:
     """How many monomials have total degree <= `degree` (none for a negative degree)."""
     return comb(degree + variables, variables) if degree >= 0 else 0
+
+
+def multinomial(index: Exponents) -> int:
+    """The number of words with so many letters of each kind."""
+    return factorial(sum(index)) // prod(map(factorial, index))
 
 
 @cache

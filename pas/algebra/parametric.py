@@ -242,19 +242,6 @@ def membership_rows(remainders: MonomialRemainders, degree: int) -> list[dict[in
     return list(rows.values())
 
 
-def power(polynomial: Mapping[Exponents, fmpq_mpoly], exponent: int) -> Terms:
-    """A power of a polynomial with parameters."""
-    result = dict(polynomial)
-    for _ in range(exponent - 1):
-        product: Terms = {}
-        for a, u in result.items():
-            for b, v in polynomial.items():
-                e = tuple(i + j for i, j in zip(a, b, strict=True))
-                product[e] = product[e] + u * v if e in product else u * v
-        result = {e: c for e, c in product.items() if not c.is_zero()}
-    return result
-
-
 def _grevlex(e: Exponents, order: Sequence[int]) -> tuple[int, ...]:
     """A key that grows with the graded reverse lexicographic order for a permutation of x, y, z."""
     return (sum(e), *(-e[i] for i in reversed(order)))

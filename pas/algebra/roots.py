@@ -98,8 +98,7 @@ def hull(low: fmpq, high: fmpq) -> arb:
 
 def middle_of(number: arb) -> fmpq:
     """The rational number in the middle of a ball."""
-    mantissa, exponent = (int(part) for part in number.mid().man_exp())
-    return fmpq(mantissa << exponent) if exponent >= 0 else fmpq(mantissa, 1 << -exponent)
+    return number.mid().fmpq()
 
 
 def between(left: RealRoot | None, right: RealRoot | None) -> fmpq:

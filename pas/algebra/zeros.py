@@ -15,7 +15,7 @@ from typing import Any
 
 from flint import arb, arb_poly, ctx, fmpq_mat, fmpq_poly
 
-from pas.algebra.ideal import Ideal, NormalForm, leading_exponents
+from pas.algebra.ideal import Ideal, leading_exponents
 from pas.algebra.monomials import Exponents
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, three, to_float
@@ -39,20 +39,20 @@ def linear_forms() -> Iterator[tuple[int, int, int]]:
 class Quotient:
     """Polynomials modulo an ideal with finitely many complex zeros, in the basis of standard monomials."""
 
-    def __init__(self, form: NormalForm, standard: list[Exponents]) -> None:
-        self.form, self.standard = form, standard
+    def __init__(self, ideal: Ideal, standard: list[Exponents]) -> None:
+        self.ideal, self.standard = ideal, standard
         self._place = {e: i for i, e in enumerate(standard)}
 
     @classmethod
     def of(cls, ideal: Ideal) -> Quotient | None:
         """That of an ideal; None where it has infinitely many zeros."""
-        standard = standard_monomials(ideal.form)
-        return None if standard is None else cls(ideal.form, standard)
+        standard = standard_monomials(ideal)
+        return None if standard is None else cls(ideal, standard)
 
     def column(self, polynomial: Polynomial) -> fmpq_mat:
         """The coordinates of a polynomial's class, as a matrix with one column."""
         result = fmpq_mat(len(self.standard), 1)
-        for e, c in self.form.reduce(polynomial.raw).to_dict().items():
+        for e, c in self.ideal.reduce(polynomial.raw).to_dict().items():
             result[self._place[tuple(map(int, e))], 0] = c
         return result
 
@@ -63,19 +63,19 @@ class Quotient:
         for column, e in enumerate(self.standard):
             for axis, factor in enumerate(linear):
                 product = tuple(d + (axis == i) for i, d in enumerate(e))
-                for monomial, c in self.form.image(product).items() if factor else ():
+                for monomial, c in self.ideal.image(product).items() if factor else ():
                     row = self._place[monomial]
                     result[row, column] = result[row, column] + factor * c
         return result
 
 
-def standard_monomials(form: NormalForm) -> list[Exponents] | None:
+def standard_monomials(ideal: Ideal) -> list[Exponents] | None:
     """The monomials that no leading one divides; None where there are infinitely many."""
-    leads = [leading_exponents(g) for g in form.basis]
+    leads = [leading_exponents(g) for g in ideal.basis]
     powers = [min((e[i] for e in leads if sum(e) == e[i]), default=None) for i in range(3)]
     if any(p is None for p in powers):
         return None
-    return form.standard(sum(p - 1 for p in powers if p is not None))
+    return ideal.standard(sum(p - 1 for p in powers if p is not None))
 
 
 def values_at_zeros(ideal: Ideal, linear: tuple[int, int, int]) -> list[RealRoot] | None:
@@ -108,6 +108,10 @@ class RealZero:
                 at = self.root.ball(bits)
                 self._balls[bits] = tuple(arb_poly(c)(at) for c in self._coordinates)
         return self._balls[bits]
+
+    def overlaps(self, other: RealZero, bits: int) -> bool:
+        """Whether both may be one point, as far as such balls tell."""
+        return all(p.overlaps(q) for p, q in zip(self.balls(bits), other.balls(bits), strict=True))
 
     def value(self, polynomial: Polynomial, bits: int) -> arb:
         """A ball that holds a polynomial's value."""

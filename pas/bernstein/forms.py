@@ -13,12 +13,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from math import comb, factorial, lcm, prod
+from math import comb, lcm, prod
 
 import numpy as np
-from flint import Ordering, fmpq, fmpq_mat, fmpq_mpoly, fmpq_mpoly_ctx, fmpz, fmpz_mat
+from flint import Ordering, fmpq, fmpq_mat, fmpq_mpoly, fmpq_mpoly_ctx
 
-from pas.algebra.monomials import exponents, homogeneous_exponents, positions
+from pas.algebra.monomials import Exponents, exponents, homogeneous_exponents, multinomial, positions
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import Vector, to_floats
 from pas.algebra.scaling import scaled
@@ -46,19 +46,24 @@ def on_simplex(polynomial: fmpq_mpoly, vertices: Sequence[Vector]) -> fmpq_mpoly
 def b_form(restricted: fmpq_mpoly, degree: int, dimension: int) -> list[fmpq]:
     """Exact B-coefficients, as of degree `degree`, of what `on_simplex` returned.
 
-    `x^b = sum_a (n-|b|)! a! / (n! (a-b)!) B_a`, in integers over one denominator.
+    Made homogeneous by the sum of all barycentric coordinates, which is 1, it has them as its coefficients over the
+    numbers `n! / (a_0! .. a_d!)`.
     """
-    if degree > 14:  # the table of integers would be too large
-        return _elevated(restricted, degree, dimension)
-    where = positions(degree, dimension)
-    terms = restricted.to_dict()
-    denominator = lcm(*(int(c.q) for c in terms.values())) if terms else 1
-    column = fmpz_mat(len(where), 1)
-    for exponent, c in terms.items():
-        column[where[exponent[:dimension]], 0] = int(c.p) * (denominator // int(c.q))
-    scale = fmpz(denominator) * factorial(degree)
-    product = _power_to_bernstein(degree, dimension) * column
-    return [fmpq(product[i, 0], scale) for i in range(len(where))]
+    ring, coordinates, factors = _homogeneous(degree, dimension)
+    lifted = ring.from_dict({(degree - sum(e), *e[:dimension]): c for e, c in restricted.to_dict().items()})
+    terms = lifted.compose(*coordinates, ctx=ring).to_dict()
+    return [terms.get(index, 0) * factor for index, factor in factors.items()]
+
+
+@cache
+def _homogeneous(degree: int, dimension: int) -> tuple[fmpq_mpoly_ctx, list[fmpq_mpoly], dict[Exponents, fmpq]]:
+    """The ring of all barycentric coordinates, their sum followed by all but the first, and for each multi-index
+    1 over its multinomial coefficient."""
+    ring = fmpq_mpoly_ctx.get([f"b{i}" for i in range(dimension + 1)], Ordering.degrevlex)
+    first, *others = ring.gens()
+    indices = homogeneous_exponents(degree, dimension + 1)
+    factors = {index: fmpq(1, multinomial(index)) for index in indices}
+    return ring, [sum(others, first), *others], factors
 
 
 def polar_row(arguments: Sequence[Vector]) -> list[fmpq]:
@@ -73,45 +78,7 @@ def polar_row(arguments: Sequence[Vector]) -> list[fmpq]:
     for point in arguments:
         whole *= sum((g * c for g, c in zip(GENERATORS, point, strict=True)), RING.constant(1))
     terms = whole.to_dict()
-    row = []
-    for e in exponents(degree):
-        times = factorial(degree - sum(e)) * factorial(e[0]) * factorial(e[1]) * factorial(e[2])
-        row.append(terms.get(e, fmpq(0)) * fmpq(times, factorial(degree)))
-    return row
-
-
-def _elevated(restricted: fmpq_mpoly, degree: int, dimension: int) -> list[fmpq]:
-    """What `b_form` gives, for any degree: as a homogeneous polynomial in all barycentric coordinates, whose sum is 1,
-    degree after degree."""
-    ring = fmpq_mpoly_ctx.get([f"b{i}" for i in range(dimension + 1)], Ordering.degrevlex)
-    whole = sum(ring.gens(), ring.constant(0))
-    parts: dict[int, dict[tuple[int, ...], fmpq]] = {}
-    for exponent, c in restricted.to_dict().items():
-        parts.setdefault(sum(exponent), {})[0, *exponent[:dimension]] = c
-    raised = ring.constant(0)
-    for d in range(degree + 1):
-        raised = raised * whole + ring.from_dict(parts.get(d, {}))
-    terms = raised.to_dict()
-    top = factorial(degree)
-    result = []
-    for index in homogeneous_exponents(degree, dimension + 1):
-        value = terms.get(index, fmpq(0))
-        result.append(value * fmpq(prod(map(factorial, index)), top))
-    return result
-
-
-@cache
-def _power_to_bernstein(degree: int, dimension: int) -> fmpz_mat:
-    where = positions(degree, dimension)
-    indices = homogeneous_exponents(degree, dimension + 1)
-    matrix = fmpz_mat(len(indices), len(where))
-    for row, (_, *index) in enumerate(indices):
-        for exponent, column in where.items():
-            entry = factorial(degree - sum(exponent))
-            for a, b in zip(index, exponent, strict=True):
-                entry *= factorial(a) // factorial(a - b) if a >= b else 0
-            matrix[row, column] = entry
-    return matrix
+    return [terms.get(e, 0) * fmpq(1, multinomial((degree - sum(e), *e))) for e in exponents(degree)]
 
 
 def rounded(values: Sequence[fmpq]) -> Floats:
@@ -133,16 +100,8 @@ def corner_points(simplices: Sequence[Sequence[Vector]]) -> Floats:
     return np.array([[known[id(c)] for c in s] for s in simplices])
 
 
-def rounded_forms(polynomial: fmpq_mpoly, simplices: Sequence[Sequence[Vector]], degree: int | None = None) -> Floats:
-    """The rounded B-coefficients of one polynomial on simplices of one dimension, (N, m).
-
-    As of degree `degree`, by default the polynomial's own.
-    """
-    degree = max(int(polynomial.total_degree()), 0) if degree is None else degree
-    return np.array([_rounded_form(polynomial, s, degree) for s in simplices])
-
-
-def _rounded_form(polynomial: fmpq_mpoly, simplex: Sequence[Vector], degree: int) -> Floats:
+def rounded_form(polynomial: fmpq_mpoly, simplex: Sequence[Vector], degree: int) -> Floats:
+    """The rounded B-coefficients (m,) of a polynomial on a simplex, as of a degree."""
     return rounded(b_form(on_simplex(polynomial, simplex), degree, len(simplex) - 1))
 
 
@@ -170,7 +129,7 @@ def nearby_forms(
         forms /= largest[:, None]
     sure = (errors <= LARGEST_ERROR) & (largest > SMALLEST)
     for i in np.flatnonzero(~sure).tolist():
-        forms[i] = _rounded_form(polynomials[i], simplices[i], degree)
+        forms[i] = rounded_form(polynomials[i], simplices[i], degree)
     return forms, float(errors[sure].max(initial=UNIT_ROUNDOFF))
 
 
@@ -194,8 +153,7 @@ def polar_forms(
 @cache
 def _polar_weights(degree: int) -> Floats:
     """What coefficients are multiplied with to be values of the polar form: 1 over multinomial coefficients."""
-    parts = ((degree - sum(e), *e) for e in exponents(degree))
-    return np.array([prod(map(factorial, part)) / factorial(degree) for part in parts])
+    return np.array([1 / multinomial((degree - sum(e), *e)) for e in exponents(degree)])
 
 
 def _blossom(table: Floats, degree: int, places: Floats) -> Iterator[Floats]:

@@ -29,7 +29,7 @@ from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import RING
 from pas.algebra.rational import Vector
 from pas.arrays import Bools, Floats, Integers
-from pas.bernstein.forms import UNIT_ROUNDOFF, corner_points, nearby_forms, rounded_forms
+from pas.bernstein.forms import UNIT_ROUNDOFF, corner_points, nearby_forms, rounded_form
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.bernstein.simplices import Simplices, at_vertices, halves
 from pas.verdicts import Status
@@ -150,7 +150,7 @@ def _forms(
 ) -> tuple[Floats, float]:
     if near:
         return nearby_forms(raws, simplices, degree)
-    forms = [rounded_forms(raw, [simplex], degree)[0] for raw, simplex in zip(raws, simplices, strict=True)]
+    forms = [rounded_form(raw, simplex, degree) for raw, simplex in zip(raws, simplices, strict=True)]
     return np.array(forms), UNIT_ROUNDOFF
 
 

@@ -34,7 +34,6 @@ from pas.algebra.parametric import (
     membership_rows,
     merged,
     parametric_nullspaces,
-    power,
     remainders_modulo,
 )
 from pas.algebra.polynomial import VARIABLES, as_sympy, primitive
@@ -149,13 +148,13 @@ def existence(
     check_degree(degree)
     symbols = _symbols(parameters)
     ring = Parameters({str(p): _allowed(p) for p in symbols})
-    pairs = [_pair(contact, i, symbols, ring) for i, contact in enumerate(contacts)]
+    pairs = [_pair(contact, i, symbols) for i, contact in enumerate(contacts)]
     if not pairs:
         raise ValueError("contacts must hold at least one pair (surface, clip)")
     rows = []
     for number, (surface, clip) in enumerate(pairs, start=1):
         try:
-            remainders = remainders_modulo([surface, power(clip, order + 1)])
+            remainders = remainders_modulo([_terms(surface, ring), _terms(clip ** (order + 1), ring)])
         except ValueError as error:
             raise GeometryError(
                 f"contact {number}: {error}; write the surface and the clip so that the terms of highest degree "
@@ -166,7 +165,7 @@ def existence(
     found = list(parametric_nullspaces(rows, unknowns, Locus(ring)))
     for solution in found:
         _check(solution, rows)
-    ideals = [(_whole(f, symbols), _whole(h, symbols) ** (order + 1)) for f, h in pairs]
+    ideals = [(f, h ** (order + 1)) for f, h in pairs]
     return Existence(order, degree, symbols, tuple(_case(s, degree, symbols, ideals) for s in merged(found)))
 
 
@@ -193,18 +192,18 @@ def _allowed(symbol: Any) -> Sign:
     return frozenset(sign for sign, holds in known.items() if holds is not False) or ANY
 
 
-def _pair(contact: Any, number: int, symbols: Sequence[Any], ring: Parameters) -> tuple[Terms, Terms]:
+def _pair(contact: Any, number: int, symbols: Sequence[Any]) -> tuple[fmpq_mpoly, fmpq_mpoly]:
     if not isinstance(contact, tuple | list) or len(contact) != 2:
         raise TypeError(f"contacts[{number}] must be a pair (surface, clip), not {contact!r}")
     surface, clip = (
-        _terms(expression, f"the {name} of contact {number + 1}", symbols, ring)
+        _read(expression, f"the {name} of contact {number + 1}", symbols)
         for expression, name in zip(contact, ("surface", "clip"), strict=True)
     )
     return surface, clip
 
 
-def _terms(expression: Any, name: str, symbols: Sequence[Any], ring: Parameters) -> Terms:
-    """An expression as a polynomial in x, y, z over the parameters."""
+def _read(expression: Any, name: str, symbols: Sequence[Any]) -> fmpq_mpoly:
+    """An expression as a polynomial in x, y, z and the parameters."""
     context = _ring(symbols)
     names = (*VARIABLES, *(str(p) for p in symbols))
     if not isinstance(expression, str):
@@ -215,12 +214,17 @@ def _terms(expression: Any, name: str, symbols: Sequence[Any], ring: Parameters)
         whole = read_polynomial(str(expression), dict(zip(names, context.gens(), strict=True)))
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from None
+    if max(whole.degrees()[:3]) < 1:
+        raise ValueError(f"{name} must be a polynomial in x, y, z that is not constant, not {expression}")
+    return whole
+
+
+def _terms(whole: fmpq_mpoly, ring: Parameters) -> Terms:
+    """A polynomial in x, y, z and the parameters as one in x, y, z over these."""
     collected: dict[tuple[int, ...], dict[tuple[int, ...], Any]] = {}
     for e, c in whole.to_dict().items():
         powers = tuple(map(int, e))
         collected.setdefault(powers[:3], {})[powers[3:]] = c
-    if max((sum(e) for e in collected), default=0) < 1:
-        raise ValueError(f"{name} must be a polynomial in x, y, z that is not constant, not {expression}")
     return {e: ring.ring.from_dict(terms) for e, terms in collected.items()}
 
 

@@ -16,7 +16,7 @@ from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.buchberger import TupleEncoding, graded_basis, vector_degree
 from pas.algebra.curve import leading_form
-from pas.algebra.ideal import NormalForm
+from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial
@@ -31,11 +31,11 @@ def lift(polynomial: Any, contact: Contact, order: int) -> tuple[Polynomial, Pol
     """
     target, f, power = Polynomial(polynomial), contact.surface, contact.clip ** (order + 1)
     top = product_degree(contact, order, max(target.degree, 0))
-    form = NormalForm([power.raw])
-    unknowns = form.standard(top - f.degree)
+    ideal = Ideal(power)
+    unknowns = ideal.standard(top - f.degree)
     columns = [(number, _shifted(f.raw, shift)) for number, shift in enumerate(unknowns)]
     columns.append((len(unknowns), _shifted(-target.raw, (0, 0, 0))))
-    system = form.rows(columns, max(top, target.degree, 0))
+    system = ideal.equations(columns, max(top, target.degree, 0))
     # f is no zero divisor modulo h^(k+1): the target's own unknown is the only one that can be free
     solutions = [row for row in nullspace(system, len(unknowns) + 1).tolist() if row[-1] != 0]
     if not solutions:
@@ -62,7 +62,7 @@ def product_degree(contact: Contact, order: int, degree: int) -> int:
     encoding = TupleEncoding((0,))
     basis = graded_basis([encoding.write((p,), vector_degree((p,))) for p in (surface, power)])
     excess = 0
-    for g in NormalForm([surface, power]).basis:
+    for g in contact.ideal(order).basis:
         own = vector_degree((g,))
         while own <= degree and not basis.reduce(encoding.write((g,), own + excess)).is_zero():
             excess += 1

@@ -22,13 +22,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import combinations
-from math import factorial, gcd, lcm, prod
+from math import gcd, lcm, prod
 
 from flint import fmpq, fmpq_mat, fmpz_mat
 
-from pas.algebra.ideal import NormalForm
+from pas.algebra.ideal import Ideal
 from pas.algebra.matrices import Products, whole_rows
-from pas.algebra.monomials import Exponents, count, homogeneous_exponents, positions
+from pas.algebra.monomials import Exponents, count, homogeneous_exponents, multinomial, positions
 from pas.algebra.nullspace import Solved, integral, integral_nullspace, solve_sparse
 from pas.algebra.polynomial import GENERATORS, RING
 from pas.contacts.contact import Contact
@@ -123,11 +123,6 @@ def in_monomials(
     return fmpq_mat(whole) * fmpq(1, common)
 
 
-def multinomial(index: Exponents) -> int:
-    """The number of words with so many letters of each kind."""
-    return factorial(sum(index)) // prod(map(factorial, index))
-
-
 def _power_weights(coordinates: Sequence[fmpq], s: int) -> list[tuple[Exponents, fmpq]]:
     """The terms of (sum of coordinates)^s that are not zero, by multi-index."""
     weights = []
@@ -173,10 +168,10 @@ class Net:
             order = self.degree if same else self.placed.order
             yield from across(self.points, self.degree, triangle, a, b, coordinates_of(*corners), order)
         for contact, pieces in zip(self.placed.local_contacts, self.placed.carriers, strict=True):
-            form = contact.form(self.placed.order)
+            ideal = contact.ideal(self.placed.order)
             for piece in pieces:
                 terms = (polynomial.items() for polynomial in self._bernstein(piece))
-                yield from form.rows(zip(self._numbers(piece), terms, strict=True), self.degree)
+                yield from ideal.equations(zip(self._numbers(piece), terms, strict=True), self.degree)
 
     def _patch(self, piece: int, members: list[dict[int, int]], dimension: int) -> fmpq_mat:
         """The members' polynomials on a piece, from the B-coefficients on its first cell."""
@@ -224,8 +219,7 @@ def equations_on_layout(
     rows: list[Row] = []
     for contact, pieces in zip(contacts, carriers, strict=True):
         checkpoint("setting up the conditions at contacts")
-        form = contact.form(order)
-        images = _images(form, degree)
+        images = _images(contact.ideal(order), degree)
         for piece in pieces:
             rows += [
                 {i: fmpq(v) for i, v in enumerate(row) if v != 0}
@@ -283,10 +277,10 @@ def _side_by_side(parts: list[fmpz_mat], degree: int) -> fmpz_mat:
     return table
 
 
-def _images(form: NormalForm, degree: int) -> fmpz_mat:
+def _images(ideal: Ideal, degree: int) -> fmpz_mat:
     """The normal forms of all monomials: (monomials, targets), whole numbers, each target by its own factor."""
     where, columns = positions(degree), dict[Exponents, Row]()
-    for e, image in form.images(degree).items():
+    for e, image in ideal.images(degree).items():
         for target, value in image.items():
             columns.setdefault(target, {})[where[e]] = value
     table = fmpz_mat(count(degree), len(columns))

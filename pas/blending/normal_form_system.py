@@ -24,7 +24,6 @@ from typing import Unpack
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.brief import brief
-from pas.algebra.ideal import NormalForm
 from pas.algebra.inputs import check_degree, check_order
 from pas.algebra.monomials import Exponents, count, exponents
 from pas.algebra.nullspace import nullspace
@@ -111,9 +110,9 @@ def normal_form_system(
 
 def _equations(contact: Contact, order: int, degree: int) -> Iterator[Form]:
     """The nonzero coefficient forms of one contact."""
-    f, h = contact.surface.raw, contact.clip.raw
+    f = contact.surface.raw
     monomials = [RING.from_dict({e: fmpq(1)}) for e in exponents(degree)]
-    normal = NormalForm([f, h] if order < 2 else [f, h ** (order + 1)])
+    normal = contact.ideal(0 if order < 2 else order)
     conditions = [monomials]
     if order == 1:
         gradient = [f.derivative(i) for i in range(3)]
@@ -123,7 +122,7 @@ def _equations(contact: Contact, order: int, degree: int) -> Iterator[Form]:
             [gradient[a] * m[b] - gradient[b] * m[a] for m in gradients] for a, b in ((1, 2), (0, 2), (0, 1))
         ]
     for images in conditions:
-        yield from normal.rows(_terms(images), max(0, *(int(p.total_degree()) for p in images)))
+        yield from normal.equations(_terms(images), max(0, *(int(p.total_degree()) for p in images)))
 
 
 def _terms(images: Sequence[fmpq_mpoly]) -> Iterator[tuple[int, Iterable[tuple[Exponents, fmpq]]]]:

@@ -17,7 +17,7 @@ from math import prod
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.brief import brief
-from pas.algebra.ideal import NormalForm
+from pas.algebra.ideal import Ideal
 from pas.algebra.monomials import Exponents, count, exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import Polynomial
@@ -36,7 +36,7 @@ def vanishing_alpha(space: Space, contact: int) -> fmpq_mat:
     join, rows = space.placed.joins[contact], list[dict[int, fmpq]]()
     for piece in join.pieces:
         members = enumerate(space.patches[piece].tolist())
-        rows += _form(join.contact).rows(((i, _terms(row, space.degree)) for i, row in members), space.degree)
+        rows += _trivial(join.contact).equations(((i, _terms(row, space.degree)) for i, row in members), space.degree)
     return nullspace(rows, space.dimension)
 
 
@@ -48,25 +48,25 @@ def is_regular(space: Space) -> bool:
     """
     joins = space.placed.joins
     return space.dimension > 0 and all(
-        _some_beyond(space, join, _form(join.contact))
-        and (not join.opening or _some_beyond(space, join, NormalForm([join.contact.surface.raw])))
+        _some_beyond(space, join, _trivial(join.contact))
+        and (not join.opening or _some_beyond(space, join, Ideal(join.contact.surface)))
         for join in joins
     )
 
 
-def _some_beyond(space: Space, join: Join, form: NormalForm) -> bool:
+def _some_beyond(space: Space, join: Join, ideal: Ideal) -> bool:
     """Whether some member is not in an ideal, in a piece that carries a contact: the first that is found will do."""
     rows = (map(fmpq, space.source.row(piece, member)) for piece in join.pieces for member in range(space.dimension))
-    return any(form.rows([(0, _terms(row, space.degree))], space.degree) for row in rows)
+    return any(ideal.equations([(0, _terms(row, space.degree))], space.degree) for row in rows)
 
 
 def _terms(row: Iterable[fmpq], degree: int) -> Iterator[tuple[Exponents, fmpq]]:
     return ((e, c) for e, c in zip(exponents(degree), row, strict=True) if c != 0)
 
 
-def _form(contact: Contact) -> NormalForm:
+def _trivial(contact: Contact) -> Ideal:
     """Modulo `<f^2, h>`, in which members with alpha = 0 lie."""
-    return NormalForm([contact.surface.raw**2, contact.clip.raw])
+    return Ideal.from_raw(contact.surface.raw**2, contact.clip.raw)
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +185,7 @@ def generators(space: Space) -> tuple[Generator, ...]:
         found: list[tuple[Polynomial, ...]] = [(g.primitive(),) for g in basis]
     else:
         found = [s.patches for s in system.generators()]
-    forms = list(map(_form, space.contacts))
+    forms = list(map(_trivial, space.contacts))
     carriers = [pieces[0] for pieces in space.placed.carriers]
     made = [
         Generator(

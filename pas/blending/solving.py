@@ -38,7 +38,7 @@ from typing import Any
 
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.ideal import Ideal, NormalForm
+from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_degree, check_order, shown
 from pas.algebra.matrices import Products, whole_rows
 from pas.algebra.monomials import count, exponents, positions
@@ -224,8 +224,8 @@ def solve_along_tree(placed: PlacedContacts, degree: int) -> Products:
     root = 0 if first is None else placed.carriers[first][0]
     columns: list[Column] = [{e: fmpq(1)} for e in exponents(degree)]
     if first is not None:
-        form = contacts[first].form(order)
-        images, standard = form.images(degree), set(form.standard(degree))
+        ideal = contacts[first].ideal(order)
+        images, standard = ideal.images(degree), set(ideal.standard(degree))
         columns = [{e: fmpq(1)} | {m: -c for m, c in images[e].items()} for e in images if e not in standard]
     patches: list[dict[int, Column]] = [{} for _ in placed.partition.pieces]
     patches[root], unknowns, tree = dict(enumerate(columns)), len(columns), spanning_tree(faces, root)
@@ -239,12 +239,13 @@ def solve_along_tree(placed: PlacedContacts, degree: int) -> Products:
     for number, face in enumerate(faces):
         if number not in {used for used, _, _ in tree}:
             crossing = _difference(patches[face.second], patches[face.first])
-            rows += NormalForm([face.plane.raw ** (order + 1)]).rows(((u, c.items()) for u, c in crossing), degree)
+            plane = Ideal.from_raw(face.plane.raw ** (order + 1))
+            rows += plane.equations(((u, c.items()) for u, c in crossing), degree)
     for number, pieces in enumerate(placed.carriers):
         for piece in pieces:
             if (number, piece) != (first, root):
                 by_unknown = ((u, column.items()) for u, column in patches[piece].items())
-                rows += contacts[number].form(order).rows(by_unknown, degree)
+                rows += contacts[number].ideal(order).equations(by_unknown, degree)
     basis, denominator = integral_nullspace(rows, unknowns)
     parts = [whole_rows([patch.get(u, {}) for u in range(unknowns)], positions(degree)) for patch in patches]
     common = lcm(*(own for _, own in parts))

@@ -22,7 +22,7 @@ import numpy as np
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.brief import brief
-from pas.algebra.ideal import Ideal, NormalForm
+from pas.algebra.ideal import Ideal
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import cross, dot, plain, three, to_float
 from pas.arrays import Floats, Integers
@@ -116,8 +116,7 @@ def curvature_contact(f: PolynomialLike, g: PolynomialLike, contact: ContactLike
     """
     first, second = Polynomial(f), Polynomial(g)
     met = None if isinstance(contact, Ideal) else as_contact(contact)
-    ideal = contact if isinstance(contact, Ideal) else contact_ideal(contact, 0)
-    curve = NormalForm([p.raw for p in ideal.generators])
+    curve = contact if isinstance(contact, Ideal) else contact_ideal(contact, 0)
     grad, starred = _gradient(first.raw, curve), _gradient(second.raw, curve)
     if not curve.reduce(first.raw).is_zero():
         raise GeometryError(f"the surface {first} does not contain the curve of the contact")
@@ -138,11 +137,11 @@ def curvature_contact(f: PolynomialLike, g: PolynomialLike, contact: ContactLike
     )
 
 
-def _gradient(raw: fmpq_mpoly, curve: NormalForm) -> list[fmpq_mpoly]:
+def _gradient(raw: fmpq_mpoly, curve: Ideal) -> list[fmpq_mpoly]:
     return [curve.reduce(raw.derivative(i)) for i in range(3)]
 
 
-def _curvature(raw: fmpq_mpoly, grad: Sequence[fmpq_mpoly], curve: NormalForm) -> tuple[fmpq_mpoly, fmpq_mpoly]:
+def _curvature(raw: fmpq_mpoly, grad: Sequence[fmpq_mpoly], curve: Ideal) -> tuple[fmpq_mpoly, fmpq_mpoly]:
     """`|grad|^2` and `grad^T adj(Hess) grad` modulo the ideal of the curve."""
     rows = [[curve.reduce(raw.derivative(i).derivative(j)) for j in range(3)] for i in range(3)]
     return curve.reduce(dot(grad, grad)), curve.reduce(_form(grad, _adjugate(rows)))

@@ -22,7 +22,7 @@ import numpy as np
 from flint import fmpq_mpoly
 
 from pas.algebra.curve import along, gradient
-from pas.algebra.ideal import NormalForm
+from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import homogeneous_exponents
 from pas.algebra.polynomial import Polynomial
@@ -76,9 +76,9 @@ def contact_order(patch: Polynomial, f: Polynomial, d: Polynomial, highest: int)
     The obstacle is None for `highest`; elsewhere the patch has no higher order at points of the
     curve where the obstacle is not zero.
     """
-    if NormalForm([f.raw, d.raw ** (highest + 1)]).reduce(patch.raw).is_zero():
+    if Ideal.from_raw(f.raw, d.raw ** (highest + 1)).contains(patch):
         return highest, None
-    remainders = (NormalForm([f.raw, d.raw ** (j + 1)]).reduce(patch.raw) for j in range(highest + 1))
+    remainders = (Ideal.from_raw(f.raw, d.raw ** (j + 1)).reduce(patch.raw) for j in range(highest + 1))
     lowest, remainder = next((j, r) for j, r in enumerate(remainders) if not r.is_zero())
     obstacle, field = Polynomial.from_raw(remainder), cross(cross(gradient(f), gradient(d)), gradient(f))
     for _ in range(lowest):

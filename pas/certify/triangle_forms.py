@@ -11,13 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache
-from math import comb, factorial, prod
+from math import comb, prod
 
 import numpy as np
 from flint import fmpq, fmpq_mat
 
 from pas.algebra.evaluation import horner, order_of_rule
-from pas.algebra.monomials import exponents, homogeneous_exponents
+from pas.algebra.monomials import exponents, homogeneous_exponents, multinomial
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
 from pas.arrays import Bools, Floats
@@ -97,7 +97,7 @@ def lattice(degree: int) -> tuple[Floats, Floats, float]:
     indices = homogeneous_exponents(degree, 3)
     if degree == 0:
         return np.full((1, 3), 1 / 3), np.ones((1, 1)), 1.0
-    weights = [factorial(degree) // prod(map(factorial, a)) for a in indices]
+    weights = list(map(multinomial, indices))
     entries = [
         fmpq(w * prod(p**e for p, e in zip(point, a, strict=True)), degree**degree)
         for point in indices

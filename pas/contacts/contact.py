@@ -12,7 +12,7 @@ from typing import Any, Protocol, Self, TypeAlias, runtime_checkable
 
 from pas.algebra.affine import Affine, rotation, translation
 from pas.algebra.brief import brief, latex
-from pas.algebra.ideal import Ideal, NormalForm
+from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, VectorLike, vector
@@ -118,9 +118,9 @@ class Contact(Movable):
         """The contact with each polynomial over a power of two of its own, for what works in doubles."""
         return Contact(scaled(self.surface), scaled(self.clip), self.near)
 
-    def form(self, order: int) -> NormalForm:
-        """Normal forms modulo `<f, h^(k+1)>`: 0 of what meets the contact with GC^`order`."""
-        return NormalForm([self.surface.raw, self.clip.raw ** (order + 1)])
+    def ideal(self, order: int) -> Ideal:
+        """`<f, h^(k+1)>`: what meets the contact with GC^`order`."""
+        return Ideal.from_raw(self.surface.raw, self.clip.raw ** (order + 1))
 
     def __str__(self) -> str:
         return f"{self.surface} = 0 up to {self.clip} = 0"
@@ -184,4 +184,4 @@ def contact_ideal(contact: ContactLike, order: int) -> Ideal:
     Raises `ValueError` or `TypeError` for a wrong contact or order.
     """
     k, checked = check_order(order), as_contact(contact)
-    return Ideal(checked.surface, checked.clip ** (k + 1))
+    return checked.ideal(k)

@@ -125,8 +125,6 @@ def _hinted(form: Signature, name: str, hint: str) -> bool:
 
 
 def _reduced(take: Callable[[Any, Any], Any], of: Sequence[Any]) -> Any:
-    if not of:
-        raise ValueError("of must name one thing at least")
     return reduce(take, of)
 
 

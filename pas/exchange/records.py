@@ -5,7 +5,6 @@ The forms of files in general, polynomials among them, stand in `pas.exchange.sc
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from operator import methodcaller
 from typing import Any
@@ -36,7 +35,7 @@ from pas.fairing.wishes import MeanAlpha, Normalization, SumOfCoefficients, Unit
 from pas.parametric.surface import ParametricSurface
 from pas.partition.cells import read_partition
 from pas.piecewise import PiecewiseSurface
-from pas.verdicts import Status, Verdicts
+from pas.verdicts import Status
 
 PARTITION = read_by(schema.PARTITION, read_partition, methodcaller("to_record"))
 ENERGY = read_by(Table({"kind": TEXT}, open=True), read_energy, methodcaller("to_record"))
@@ -49,37 +48,6 @@ VERDICT = Table(
         "measure": WHOLE,
     }
 )
-KEPT_VERDICTS = maybe(list_of(VERDICT))
-"""What somebody found of a shape, for people to read; null where nothing was kept."""
-
-
-def _kept_verdicts(shape: Any, certificate: Any) -> list[dict[str, Any]] | None:
-    """The verdicts to keep with a blend; raises `ValueError` for those of another blend.
-
-    Verdicts on the contacts must be the same; that on regularity may be of another domain.
-    """
-    if certificate is None:
-        return None
-    other = type(certificate) is not type(shape.certificate)
-    if other or certificate.contacts != shape.certificate.contacts:
-        raise ValueError("certificate must be that of the blend that is saved, and it is another's")
-    return [v.to_record() for v in certificate.verdicts]
-
-
-def kept(
-    form: Table, verdicts: bool = False
-) -> tuple[Table, Callable[[Any, Verdicts | None], dict[str, Any]], Callable[[dict[str, Any]], Any]]:
-    """What files hold of a kind of shapes, what writes and what reads it; with `verdicts`, those that are given."""
-    if not verdicts:
-        return form, lambda shape, _: form.write(shape), form.read
-    whole = replace(form, needs={**form.needs, "verdicts": KEPT_VERDICTS})
-
-    def record(shape: Any, certificate: Verdicts | None) -> dict[str, Any]:
-        return {**form.write(shape), "verdicts": _kept_verdicts(shape, certificate)}
-
-    return whole, record, form.read
-
-
 SURFACE = Table(
     {
         **schema.SURFACE.needs,

@@ -6,16 +6,18 @@ they are proved anew, in this process, when they are first asked for.  Files of 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Unpack
+from typing import Any, Unpack, cast
 
 from pas._version import __version__
 from pas.algebra.inputs import shown
 from pas.errors import ProjectFileError
 from pas.exchange.files import SUFFIX, read_project, target, understood, write_project
-from pas.exchange.schema import TEXT, Table
+from pas.exchange.records import VERDICT
+from pas.exchange.schema import TEXT, Table, list_of, maybe
 from pas.limits import WorkLimits, limited
-from pas.shape import KINDS, Shape, kind_of
+from pas.shape import KINDS, Kind, Shape, kind_of
 from pas.verdicts import Verdicts
 
 FIRST_KIND = "blend"
@@ -35,7 +37,21 @@ def save(shape: Shape, path: str | Path, certificate: Verdicts | None = None, **
     """
     target(path, (SUFFIX,), "a project")
     kind = kind_of(shape, "what to save")
-    return write_project(path, {"kind": kind.name, **kind.record(shape, certificate)}, f"pas {__version__}")
+    content = {"kind": kind.name, **kind.form.write(shape)}
+    if kind.kept:
+        content["verdicts"] = None if certificate is None else _verdicts_of(shape, certificate)
+    return write_project(path, content, f"pas {__version__}")
+
+
+def _verdicts_of(shape: Shape, certificate: Verdicts) -> list[dict[str, Any]]:
+    """The verdicts to keep with a blend; raises `ValueError` for those of another blend.
+
+    Verdicts on the contacts must be the same; that on regularity may be of another domain.
+    """
+    told, own = (cast(Any, found) for found in (certificate, shape.certificate))
+    if type(told) is not type(own) or told.contacts != own.contacts:
+        raise ValueError("certificate must be that of the blend that is saved, and it is another's")
+    return [v.to_record() for v in certificate.verdicts]
 
 
 @limited("reading a project file", "")
@@ -55,8 +71,16 @@ def load(path: str | Path, *, edited: bool = False, **limits: Unpack[WorkLimits]
         )
     kind = KINDS[title]
     with understood(name):
-        Table(kind.schema.needs, {**kind.schema.may, "kind": TEXT}).check(content, "content")
-        return kind.read(content)
+        form = whole_form(kind)
+        replace(form, may={**form.may, "kind": TEXT}).check(content, "content")
+        return kind.form.read(content)
+
+
+def whole_form(kind: Kind[Any]) -> Table:
+    """What files of a kind of shapes hold, with verdicts where some are kept; null where none was given."""
+    return (
+        replace(kind.form, needs={**kind.form.needs, "verdicts": maybe(list_of(VERDICT))}) if kind.kept else kind.form
+    )
 
 
 save_solid = save_parametric = save

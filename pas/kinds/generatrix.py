@@ -12,7 +12,6 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from pas.exchange.parametric_problem import boundary_from
-from pas.exchange.records import kept
 from pas.exchange.schema import (
     ANYTHING,
     FLAG,
@@ -146,12 +145,13 @@ def _mesh(blend: GeneratrixBlend, settings: MeshSettings) -> Mesh:
 BLEND = Kind(
     "generatrix blend",
     GeneratrixBlend,
-    *kept(_BLEND, verdicts=True),
+    _BLEND,
     layers,
     mesh=_mesh,
     patches=lambda blend, domain: exact_patches(blend.surface, domain),
     open=True,
     curved=True,
+    kept=True,
 )
 
 
@@ -182,4 +182,4 @@ _SPHERE_BLEND = Table(
         "shapes": [part.shape for part in blend.blends],
     },
 )
-SPHERE_BLEND = Kind("sphere blend", SphereBlend, *kept(_SPHERE_BLEND), sphere_layers, curved=True)
+SPHERE_BLEND = Kind("sphere blend", SphereBlend, _SPHERE_BLEND, sphere_layers, curved=True)

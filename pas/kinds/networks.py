@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.rational import rational, to_fraction
-from pas.exchange.records import kept
 from pas.exchange.schema import NUMBER, WHOLE, Table, list_of
 from pas.kinds.piecewise import BLEND
 from pas.network.network import Network
@@ -65,21 +64,19 @@ def _part(
 NETWORK = Kind(
     "network",
     NetworkPart,
-    *kept(
-        Table(
-            {
-                "grid": NUMBER,
-                "points": list_of(list_of(WHOLE, 3)),
-                "edges": list_of(list_of(WHOLE, 2)),
-                "radii": list_of(NUMBER),
-                "sizes": list_of(WHOLE),
-                "order": WHOLE,
-                "blends": list_of(BLEND.schema),
-            },
-            {"wall": NUMBER, "inner": list_of(BLEND.schema)},
-            make=_part,
-            entries=_graph,
-        )
+    Table(
+        {
+            "grid": NUMBER,
+            "points": list_of(list_of(WHOLE, 3)),
+            "edges": list_of(list_of(WHOLE, 2)),
+            "radii": list_of(NUMBER),
+            "sizes": list_of(WHOLE),
+            "order": WHOLE,
+            "blends": list_of(BLEND.form),
+        },
+        {"wall": NUMBER, "inner": list_of(BLEND.form)},
+        make=_part,
+        entries=_graph,
     ),
     solid_layers,
     placed=NetworkPart.bodies,

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.rational import rational, to_fraction
-from pas.exchange.records import COMPONENTS, DOMAIN, PARAMETRIC, exact_surface, kept
+from pas.exchange.records import COMPONENTS, DOMAIN, PARAMETRIC, exact_surface
 from pas.exchange.schema import (
     ANYTHING,
     NUMBER,
@@ -48,7 +48,7 @@ def exact_patches(surface: ParametricSurface, domain: Any) -> Sequence[RationalP
 SURFACE = Kind(
     "parametric surface",
     ParametricSurface,
-    *kept(alone("surface", PARAMETRIC)),
+    alone("surface", PARAMETRIC),
     surface_layers,
     patches=exact_patches,
     curved=True,
@@ -112,10 +112,11 @@ _BLEND = Table(
 BLEND = Kind(
     "parametric blend",
     ParametricBlend,
-    *kept(_BLEND, verdicts=True),
+    _BLEND,
     blend_layers,
     patches=lambda blend, domain: exact_patches(blend.surface, domain),
     curved=True,
+    kept=True,
 )
 
 
@@ -176,7 +177,7 @@ def _check_rounded(patch: RationalPatch, exact: ExactControl) -> None:
 PATCH = Kind(
     "rational patch",
     RationalPatch,
-    *kept(_PATCH),
+    _PATCH,
     lambda patch, scene: surface_layers(patch.surface(), scene),
     patches=lambda patch, domain: (patch,),
     curved=True,

@@ -16,7 +16,7 @@ from pas.algebra.rational import plain, rational
 from pas.blending.solving import solve
 from pas.blending.space import Space
 from pas.certify.certificate import Certificate
-from pas.exchange.records import CONSTRAINTS, ENERGY, VERDICT, kept
+from pas.exchange.records import CONSTRAINTS, ENERGY, VERDICT
 from pas.exchange.records import SURFACE as FORM
 from pas.exchange.schema import (
     NUMBER,
@@ -50,7 +50,7 @@ from pas.surface.fairness_limits import FairnessLimits
 SURFACE = Kind(
     "surface",
     PiecewiseSurface,
-    *kept(alone("surface", FORM)),
+    alone("surface", FORM),
     layers,
     piecewise=lambda surface: surface,
     body=body,
@@ -185,7 +185,7 @@ def _facts(blend: Blend) -> dict[str, Any]:
 BLEND = Kind(
     "blend",
     Blend,
-    *kept(_BLEND),
+    _BLEND,
     lambda blend, scene: layers(blend.surface, scene),
     _facts,
     piecewise=attrgetter("surface"),
@@ -208,7 +208,7 @@ def _hollow(outer: Blend, inner: Blend, thickness: str | None) -> HollowBlend[Bl
 HOLLOW_BLEND = Kind(
     "hollow blend",
     HollowBlend,
-    *kept(Table({"outer": _BLEND, "inner": _BLEND, "thickness": maybe(NUMBER)}, make=_hollow)),
+    Table({"outer": _BLEND, "inner": _BLEND, "thickness": maybe(NUMBER)}, make=_hollow),
     solid_layers,
     lambda hollow: {"outer": _facts(hollow.outer), "inner": _facts(hollow.inner)},
     body=HollowBlend.solid,
@@ -219,6 +219,6 @@ _LAYOUT = Table({"center": POINT, "rays": list_of(list_of(WHOLE, 3)), "pieces": 
 LAYOUT = Kind(
     "layout",
     Layout,
-    *kept(alone("layout", read_by(_LAYOUT, Layout.from_record, Layout.to_record))),
+    alone("layout", read_by(_LAYOUT, Layout.from_record, Layout.to_record)),
     layout_layers,
 )

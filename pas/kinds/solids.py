@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from pas.designs.teapot import STYLES, Teapot
-from pas.exchange.records import kept
 from pas.exchange.schema import TEXT, Table, alone, choice, list_of, one_of, read_by
 from pas.exchange.solid_records import RECORD
 from pas.mesh.mesh import Mesh
@@ -83,14 +82,14 @@ _MESH = Table(
 SOLID = Kind(
     "solid",
     Solid,
-    *kept(alone("solid", RECORD)),
+    alone("solid", RECORD),
     solid_layers,
     solid=lambda solid: solid,
 )
 MESH = Kind(
     "mesh",
     Mesh,
-    *kept(alone("mesh", _MESH)),
+    alone("mesh", _MESH),
     solid_layers,
     meshed=True,
 )
@@ -131,7 +130,7 @@ def _layers(thing: Assembly, scene: Scene) -> None:
 ASSEMBLY = Kind(
     "assembly",
     Assembly,
-    *kept(Table({"parts": _PARTS}, make=_assembly, entries=lambda thing: {"parts": thing.parts.items()})),
+    Table({"parts": _PARTS}, make=_assembly, entries=lambda thing: {"parts": thing.parts.items()}),
     _layers,
     parts=lambda thing: thing.parts,
 )
@@ -139,7 +138,7 @@ _NAMED = read_by(_PART, lambda r: _assembly([_PART.read(r)])[r["name"]], lambda 
 PART = Kind(
     "part",
     Part,
-    *kept(alone("part", _NAMED)),
+    alone("part", _NAMED),
     lambda part, scene: solid_layers(part.shape, scene, color=part.color),
     parts=lambda part: {"part": part},
 )
@@ -147,7 +146,7 @@ PART = Kind(
 TEAPOT = Kind(
     "teapot",
     Teapot,
-    *kept(Table({"style": one_of(tuple(STYLES)), **dict.fromkeys(("solid", "pot", "lid"), RECORD)}, make=Teapot)),
+    Table({"style": one_of(tuple(STYLES)), **dict.fromkeys(("solid", "pot", "lid"), RECORD)}, make=Teapot),
     lambda teapot, scene: solid_layers(teapot.solid, scene),
     solid=attrgetter("solid"),
 )

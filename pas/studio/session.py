@@ -98,7 +98,7 @@ class StudioSession:
     def kept(self, document: Data) -> tuple[str, dict[str, Any]] | None:
         """What another session needs to follow from a document's shape; None where that cannot be followed."""
         shape = self.shape_of(document)
-        return (_key(documents.base_of(document)), KINDS["blend"].record(shape, None)) if can_follow(shape) else None
+        return (_key(documents.base_of(document)), KINDS["blend"].form.write(shape)) if can_follow(shape) else None
 
     def shape_of(self, document: Data) -> Shape:
         """The shape of a document; where it is not proved, the best that was found."""
@@ -129,7 +129,7 @@ class StudioSession:
 
     def take(self, key: str, content: dict[str, Any]) -> None:
         """Begin from a blend that another session has found; a step in place prepares the first one."""
-        shape: Blend = KINDS["blend"].read(content)
+        shape: Blend = KINDS["blend"].form.read(content)
         before: Any = self.bases.get(key)
         if before is not None and before.surface.degree == shape.surface.degree:
             shape = replace(shape, find_space=before.find_space)
