@@ -214,7 +214,7 @@ def test_an_arc_between_two_points_of_an_edge_is_in_one_of_its_walls():
         up = along[:, 1, 2] > along[:, 0, 2]
         assert up.all() or not up.any()
         wall = int(field.nearest_walls(along.mean(axis=1)[:1] / field.scale)[0])
-        off = [curve.off(ends[0][None] / field.scale)[0] for curve in field.rims[field.walls :]]
+        off = [np.abs(p[:, :3] @ ends[0] / field.scale - p[:, 3]).max() for p in field.rims[field.walls :]]
         edge = int(np.argmin(off))
         assert wall in field.edges[edge]
         pair = np.array([ends if up.all() else ends[::-1]]) / field.scale

@@ -216,14 +216,11 @@ def test_hairs_are_coloured_by_sign_and_stand_on_the_curve():
 
 
 def test_the_envelope_comes_down_where_the_sign_changes():
-    comb = straight_comb([3, 1, -3, -1])
-    places, ends = drawing._ends(comb, comb.points, 0.1, np.array([0, 1]))
-    assert (places, len(ends)) == (slice(0, 2), 3)
-    np.testing.assert_allclose(ends[:, 2], [0.3, 0.1, 0])
-    np.testing.assert_allclose(ends[2], [5 / 12, 0, 0])
-    places, ends = drawing._ends(comb, comb.points, 0.1, np.array([2, 3]))
-    assert places == slice(1, 3)
-    np.testing.assert_allclose(ends, [[5 / 12, 0, 0], [2 / 3, 0, 0.3], [1, 0, 0.1]])
+    plotter = Drawn()
+    drawing.add_combs(plotter, layer_with(straight_comb([3, 1, -3, -1])), 0.1, np.zeros(3))
+    convex, concave = (plotter.parts[number][0] - [0, 0, 0.002] for number in (2, 4))  # the curve is lifted
+    np.testing.assert_allclose(convex, [[0, 0, 0.3], [1 / 3, 0, 0.1], [5 / 12, 0, 0]], atol=1e-7)
+    np.testing.assert_allclose(concave, [[5 / 12, 0, 0], [2 / 3, 0, 0.3], [1, 0, 0.1]], atol=1e-7)
 
 
 @pytest.mark.sampled(5)

@@ -18,7 +18,7 @@ from pas.certify.local_mesh import isolated
 from pas.mesh import topology
 from pas.mesh.topology import Edges, is_manifold, piece_count, same_places
 from pas.surface.lattice import Subdivision, eighths, risings
-from pas.surface.local_field import LocalField, WallCurve
+from pas.surface.local_field import LocalField
 
 TORUS = "(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"
 BOWL = "x^2 + 2*y^2 - z^2 - 1/4 + x/7"
@@ -213,10 +213,10 @@ def noisy(field, mesh, scale=0.02):
 
 def off_rim(field, curve, point):
     """How far one point is from a curve on which a surface ends, in its plane or on a line of two planes."""
-    if not isinstance(curve, WallCurve):
+    if not isinstance(curve, np.ndarray):
         return curve.distances(point[None])[0]
     value, *slope = field.jets(point[None])[0]
-    across = np.linalg.qr(curve.planes[:, :3].T)[0]
+    across = np.linalg.qr(curve[:, :3].T)[0]
     return abs(value) / np.linalg.norm(slope - across @ (across.T @ slope))
 
 
@@ -227,7 +227,7 @@ def test_points_are_drawn_towards_a_surface_and_onto_its_rims(name):
     local, points = noisy(field, surface.mesh(2e-2))
     still = np.arange(len(points)) % 5 == 0
     rim = np.arange(len(points)) % len(field.rims)
-    drawn, _, _ = field.drawn(points, still)
+    drawn, _, _ = field.nearer(points, still)
     assert np.array_equal(drawn[still], points[still])
     assert (field.distances(drawn)[~still] < 0.2 * field.distances(points)[~still] + 1e-10).mean() > 0.95
     assert np.abs(field.distances(field.closed(local + 1e-4)[0])).max() < 1e-12
@@ -242,7 +242,7 @@ def test_points_that_are_not_near_are_drawn_along_rays(share):
     surface = solved(EQUAL, 2).surface
     field = surface.mesher.radial_field
     points = share * field.frame.local_points(surface.mesh(2e-2).points)
-    drawn, _, _ = field.drawn(points, np.zeros(len(points), dtype=bool))
+    drawn, _, _ = field.nearer(points, np.zeros(len(points), dtype=bool))
     assert (field.distances(drawn) < 0.11 * np.linalg.norm(drawn - points, axis=1)).all()
 
 
@@ -252,7 +252,7 @@ def test_pieces_by_rays_and_pieces_of_cells_give_the_same_field():
     local, points = noisy(fields[0], surface.mesh(2e-2), 1e-3)
     still = np.arange(len(points)) % 5 == 0
     looked = [
-        [*field.drawn(points, still), *field.closed(points), field.distances(points), *field.bending(local)]
+        [*field.nearer(points, still), *field.closed(points), field.distances(points), *field.bending(local)]
         for field in fields
     ]
     for one, other in zip(*looked, strict=True):
@@ -268,7 +268,7 @@ def test_points_belong_to_the_cell_in_which_they_are_deepest():
     assert np.array_equal(field.jets(points), jets)
     rims = np.arange(len(points)) % len(field.rims)
     for rim, point in zip(rims.tolist(), field.on_rims(points, rims), strict=True):
-        planes = field.rims[rim].planes
+        planes = field.rims[rim]
         assert np.abs(planes[:, :3] @ point - planes[:, 3]).max() < 1e-12
 
 

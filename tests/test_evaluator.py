@@ -338,7 +338,7 @@ def test_all_crossings_of_a_surface_of_many_sheets_are_found(number):
     assert (found.sides.reshape(number, 9) == [(-1) ** k for k in range(9)]).all()
     assert sheets.first(origins, [[1, 0, 0]]) == pytest.approx(found.first, rel=1e-12)
     local = LocalRays.of(sheets.target, origins, np.tile([1.0, 0, 0], (number, 1)))
-    assert not sheets.target.in_doubles(local, False)[1].any()
+    assert not sheets.target.in_doubles(local)[1].any()
 
 
 @pytest.mark.parametrize("degree", [1, 6, 14, 15, 16, 22, HIGHEST, HIGHEST + 1])
@@ -360,7 +360,7 @@ def test_rays_of_high_degree_and_in_all_of_space(degree, bounded):
     assert found.parameters.reshape(9, degree) == pytest.approx(places, rel=1e-12)
     assert (found.sides.reshape(9, degree)[:, ::-1] == [(-1) ** k for k in range(degree)]).all()
     assert known.first(origins, directions) == pytest.approx(found.first, rel=1e-12)
-    decided = ~known.target.in_doubles(LocalRays.of(known.target, origins, directions), False)[1]
+    decided = ~known.target.in_doubles(LocalRays.of(known.target, origins, directions))[1]
     assert decided.all() or degree > 6
     assert not decided.any() or degree <= HIGHEST
 
@@ -380,7 +380,7 @@ def test_crossings_far_away_are_right_to_rounding():
     """The Bernstein form on an endless stretch has the second one to two digits only."""
     known = pas.Evaluator("10*x^2*z + 69/100*z^3 - 100000000000000*x - 6800000")
     origin, way = np.array([-0.25, -2.25, 0.015625]), np.array([2.0**-12, -(2.0**-10), 2.0**-10])
-    assert not known.target.in_doubles(LocalRays.of(known.target, origin[None], way[None]), False)[1].any()
+    assert not known.target.in_doubles(LocalRays.of(known.target, origin[None], way[None]))[1].any()
     expected = exact_crossings(known.target, origin, way)
     assert len(expected) == 2 and expected[1][0] > 1e9
     assert np.array(along(known, origin, way)) == pytest.approx(np.array(expected), rel=1e-12)
@@ -390,7 +390,7 @@ def test_crossings_far_away_are_right_to_rounding():
 def test_doubles_and_exact_arithmetic_find_the_same_crossings(name):
     known, points = evaluator(name), sample(evaluator(name), 100)
     local = LocalRays.of(known.target, 3 * points, -points)
-    (rays, lengths, sides), undecided = known.target.in_doubles(local, False)
+    (rays, lengths, sides), undecided = known.target.in_doubles(local)
     assert undecided.sum() <= 3
     for ray in np.flatnonzero(~undecided).tolist():
         expected = exact_crossings(known.target, 3 * points[ray], -points[ray], fmpq(2) ** -int(local.exponents[ray]))

@@ -12,9 +12,9 @@ from pas.mesh.halfedges import HalfEdges, VertexKind, following
 from pas.mesh.labelled import Labelled
 from pas.mesh.quality import smallest_angles
 from pas.mesh.remesher import Remesher
-from pas.mesh.sheet import SurfaceGround, open_mesh
 from pas.mesh.topology import Edges, euler_characteristic, fans_of, is_manifold
 from pas.surface.graph import rim_numbers
+from pas.surface.sheet import open_mesh
 
 TORUS = "(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)"
 BENT = np.zeros(2, dtype=np.int8)
@@ -180,7 +180,7 @@ def wanted(points, every, bends, curves, reach, tolerance, settings):
 def test_edges_are_as_long_as_the_curvature_lets_them_be():
     surface, settings = solved(EQUAL, 2).surface, Settings()
     field, mesh = surface.mesher.radial_field, opened()
-    remesher = Remesher(SurfaceGround(field), 1e-1, settings)  # so that it matters how the boundary bends
+    remesher = Remesher(field, 1e-1, settings)  # so that it matters how the boundary bends
     mesh = remesher.begun(mesh.value)
     remesher._sizes(mesh, 1)
     edges, curves = Edges(mesh.triangles, len(mesh.points)), np.zeros(len(mesh.points))

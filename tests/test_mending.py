@@ -13,9 +13,9 @@ from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.quality import smallest_angles
 from pas.mesh.remesher import Remesher
-from pas.mesh.sheet import SurfaceGround, open_mesh
 from pas.mesh.topology import is_manifold
 from pas.surface import meshing
+from pas.surface.sheet import open_mesh
 
 
 def ring():
@@ -85,7 +85,7 @@ def test_moves_leave_few_slender_triangles(good):
     field, mesh = surface.mesher.cell_field, surface.mesh(1e-2)
     local = field.frame.local_points(mesh.points)
     rough = field.near(local + 0.012 * np.random.default_rng(2).normal(size=local.shape))
-    remesher = Remesher(SurfaceGround(field), 1.0, Settings(good=good))
+    remesher = Remesher(field, 1.0, Settings(good=good))
     found = remesher.begun(open_mesh(field, rough, mesh.triangles, np.full(len(rough), -1)))
     before, triangles = found.fresh_sines, found.triangles.copy()
     assert (before < good).mean() > 0.04
@@ -117,7 +117,7 @@ def test_what_would_be_too_far_stays():
     field, mesh = surface.mesher.cell_field, surface.mesh(1e-2)
     local = field.frame.local_points(mesh.points)
     rough = field.near(local + 0.012 * np.random.default_rng(2).normal(size=local.shape))
-    remesher = Remesher(SurfaceGround(field), 1e-9, Settings())
+    remesher = Remesher(field, 1e-9, Settings())
     found = remesher.begun(open_mesh(field, rough, mesh.triangles, np.full(len(rough), -1)))
     assert (found.fresh_sines < 0.5).any()
     assert remesher.mended(found) == 0.0

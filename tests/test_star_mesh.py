@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import nullcontext
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial
 from itertools import product
 from unittest.mock import patch
 
@@ -18,8 +18,9 @@ from pas.mesh.quality import smallest_angles, soundness
 from pas.mesh.topology import Edges
 from pas.surface import meshing
 from pas.surface.bisection import bisected
-from pas.surface.graph import seen, star
+from pas.surface.graph import require_once, seen
 from pas.surface.local_field import LocalField
+from pas.surface.sheet import remeshed
 from pas.surface.triangulate import Beginnings, triangulate
 
 AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
@@ -100,10 +101,10 @@ def ridged(struts):
 @pytest.mark.parametrize("struts", RIDGES)
 def test_what_is_proved_is_meshed_however_sharp_its_ridges(no_lattice, struts):
     surface = ridged(struts)
-    tolerance, mesher = 0.7, surface.mesher
+    tolerance, mesher, field = 0.7, surface.mesher, surface.mesher.radial_field
     assert surface.fairness().sharpness > 50
     with pytest.raises(ArithmeticError):  # what is smoothed folds
-        star(mesher.radial_field, mesher.first, tolerance / mesher.radial_field.scale, Settings())
+        remeshed(field, mesher.first, tolerance / field.scale, Settings(), partial(require_once, field))
     mesh = surface.mesh(tolerance)
     check(surface, mesh, tolerance)
     from_center = mesh.points - surface.partition.frame.global_points(np.zeros(3))
@@ -112,7 +113,6 @@ def test_what_is_proved_is_meshed_however_sharp_its_ridges(no_lattice, struts):
     assert len(mesh.triangles) < 10_000
     shares = np.random.default_rng(0).dirichlet((1, 1, 1), len(mesh.triangles))
     local = surface.partition.frame.local_points(np.einsum("tk,tkc->tc", shares, mesh.points[mesh.triangles]))
-    field = mesher.radial_field
     off = np.minimum(field.distances(local), np.linalg.norm(field.met(local) - local, axis=1)) * field.scale
     assert (off < tolerance).mean() > 0.99  # anywhere on triangles
     assert off.max() < 5 * tolerance

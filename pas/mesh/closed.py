@@ -232,7 +232,7 @@ def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quali
     found = remesher.refined(mesh)
     if isinstance(found, Failure):
         if found.crowded:
-            return too_many(field, found.triangles, LARGEST, tolerance, found.reached)
+            return too_many(field.scale, found.triangles, LARGEST, tolerance, found.reached)
         trouble = diagnosis(field, found.place[None], found.size)
         why = "a face may have a singular point" if trouble is None else trouble.sentence
         return not_reached(field, found.triangles, tolerance, found.reached, why)

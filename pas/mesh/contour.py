@@ -11,7 +11,8 @@ import numpy as np
 
 from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.topology import distinct, numbered
+from pas.mesh.rows import area_vectors
+from pas.mesh.topology import distinct, first_rows, numbered
 
 KINDS = ((1, 2, 4, 8), (14, 13, 11, 7), (3,), (5,), (9,), (6,), (10,), (12,))
 """Tetrahedra by the bits of their corners on the negative side: with one there or elsewhere, and with two and two."""
@@ -44,9 +45,8 @@ def snapped(
     group = np.arange(len(edges)) + len(free)
     group = np.where((t < snap) & ~free[a], a, np.where((t > 1 - snap) & ~free[b], b, group))
     order = np.argsort(np.minimum(t, 1 - t), kind="stable")
-    label = numbered(group[order])[1]
-    first = np.empty(label.max(initial=-1) + 1, dtype=np.intp)
-    first[label[::-1]] = np.arange(len(label))[::-1]  # the last to be written is the first there is
+    found, label = numbered(group[order])
+    first = first_rows(label, len(found))
     back = np.empty(len(order), dtype=np.intp)
     back[order] = label
     merged = np.zeros((len(first), 3))
@@ -97,8 +97,7 @@ def oriented(nodes: Floats, negative: Bools, edges: Integers, points: Floats, tr
     """
     a, b = edges[triangles].transpose(2, 1, 0)
     ways = (nodes[b] - nodes[a]) * np.where(negative[a], 1.0, -1.0)[:, :, None]
-    first, second, third = points[triangles].transpose(1, 0, 2)
-    sides = (np.cross(second - first, third - first) * (ways[0] + ways[1] + ways[2])).sum(axis=1)
+    sides = (area_vectors(points[triangles]) * (ways[0] + ways[1] + ways[2])).sum(axis=1)
     return np.where(sides[:, None] < 0, triangles[:, [0, 2, 1]], triangles)
 
 

@@ -19,7 +19,8 @@ from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
 from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import NOWHERE, Nodes, contracted, find_nodes
+from pas.mesh.nodes import Nodes, contracted, find_nodes
+from pas.mesh.octree import NOWHERE
 from pas.mesh.projection import least_norm, newton, placing
 from pas.mesh.refusals import Refusal
 from pas.mesh.rows import cross, dots, norms
@@ -201,11 +202,7 @@ def _unclear(field: FaceField, points: Floats, triangles: Integers, labels: Inte
         ends = triangles[mixed][:, [i, (i + 1) % 3]]
         differ = labels[ends[:, 0]] != labels[ends[:, 1]]
         doubtful[mixed[differ]] |= _lost(field, points, ends[differ], labels)
-    triple = mixed[
-        (corner_labels[mixed, 0] != corner_labels[mixed, 2])
-        & (corner_labels[mixed, 1] != corner_labels[mixed, 2])
-        & (corner_labels[mixed, 0] != corner_labels[mixed, 1])
-    ]
+    triple = mixed[np.diff(np.sort(corner_labels[mixed], axis=1), axis=1).all(axis=1)]
     doubtful[triple] |= _lost(field, points, triangles[triple], labels)
     flat = mixed[~doubtful[mixed] & _flat(field, points, triangles[mixed], corner_labels[mixed])]
     return np.flatnonzero(doubtful), flat

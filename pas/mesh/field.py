@@ -1,4 +1,4 @@
-"""What the meshers need to know of a surface."""
+"""What the mesher of solids needs to know of a boundary."""
 
 from __future__ import annotations
 
@@ -15,66 +15,11 @@ VISIBLE = 1e-7
 """Coordinates below this share of the largest ones of a box are shown as 0."""
 
 
-class Field(Protocol):
-    """What all meshers ask of a surface: how its coordinates, in which they work, are the user's."""
-
-    @property
-    def scale(self) -> float:
-        """The user's length of one unit of the coordinates used here."""
-
-    def world(self, points: Floats) -> Floats:
-        """The user's coordinates of points (..., 3)."""
-
-
 class HasJets(Protocol):
     """Functions by label, negative inside."""
 
     def jets(self, points: Floats, labels: int | Integers) -> Floats:
         """Values and gradients (N, 4) at points (N, 3) of one label's function, or of each point's own (N,)."""
-
-
-class SheetField(Field, Protocol):
-    """A surface near which points are: what makes a good mesh of a first one."""
-
-    @property
-    def reach(self) -> float:
-        """The distance from 0 of the region's furthest point."""
-
-    @property
-    def fixed(self) -> Bools:
-        """Which of the R curves on which it ends are but points where others end, which stay where they are, and, at
-        the end, that what is on none is not, (R + 1,)."""
-
-    def between(self, ends: Floats, rims: Integers) -> Integers:
-        """The curves (E,) on which edges (E, 2, 3) between points on fixed ones (E, 2) are, directed so that the
-        surface, seen from outside, is to their left."""
-
-    def within(self, points: Floats) -> bool:
-        """Whether all points (N, 3) are in the region, but for rounding."""
-
-    def on_rims(self, points: Floats, rim: Integers) -> Floats:
-        """Points (N, 3) near boundary curves of given numbers (N,) moved onto these."""
-
-    def rim_distances(self, points: Floats, rim: Integers) -> Floats:
-        """Distances (N,) of points (N, 3) from boundary curves of given numbers (N,), to first order."""
-
-    def drawn(self, points: Floats, still: Bools) -> tuple[Floats, Floats, Floats]:
-        """Points (N, 3) near the surface, drawn towards it until it is much nearer; what `bending` says of them.
-
-        Those that are `still` (N,) stay.
-        """
-
-    def closed(self, points: Floats) -> tuple[Floats, Floats]:
-        """Points (N, 3) very near the surface moved onto it, and the gradients (N, 3) there."""
-
-    def gradients(self, points: Floats) -> Floats:
-        """The gradients (N, 3) of the function whose zeros it is at points (N, 3)."""
-
-    def distances(self, points: Floats) -> Floats:
-        """Distances (N,) of points (N, 3) from it, to first order."""
-
-    def bending(self, points: Floats) -> tuple[Floats, Floats]:
-        """Its gradients (N, 3) and the size of the larger principal curvature (N,) at points of the surface."""
 
 
 @dataclass(frozen=True)
@@ -91,12 +36,19 @@ class ShellWall:
     inner: Integers
 
 
-class FaceField(Field, HasJets, Protocol):
+class FaceField(HasJets, Protocol):
     """A set in space whose boundary consists of faces, each on the zero set of a function.
 
     A label names a function and the side of it that is inside; the label's function is negative
     inside and positive outside.
     """
+
+    @property
+    def scale(self) -> float:
+        """The user's length of one unit of the coordinates used here."""
+
+    def world(self, points: Floats) -> Floats:
+        """The user's coordinates of points (..., 3)."""
 
     @property
     def box(self) -> Floats:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.halfedges import TURNED, HalfEdges, VertexKind, following
-from pas.mesh.labelled import Labelled
+from pas.mesh.labelled import NONE, Labelled
 from pas.mesh.rows import dots, norms
 
 KEPT = 0.35
@@ -23,8 +23,6 @@ KEPT = 0.35
 
 LARGEST = 4_000_000
 """Triangles; more would not fit into the memory of a small machine."""
-
-NOWHERE = np.empty(0, dtype=np.intp)
 
 
 @dataclass(frozen=True)
@@ -68,7 +66,7 @@ class Ground(Protocol):
     """What is asked of a surface, or the faces of a solid by their labels, near which the vertices of a mesh are."""
 
     reach: float
-    """Half the diagonal of what holds it."""
+    """Half the diagonal of what holds it, or the distance from 0 of its furthest point."""
 
     faces: NDArray[np.int8]
     """The kinds of labels (L,): 0 for bent faces, 1 for ruled ones, 2 for planes."""
@@ -224,8 +222,8 @@ class Grading:
         other = np.where(twins < 0, -1, mesh.labels[twins // 3])
         labels = np.stack([np.where(other < 0, own, np.minimum(own, other)), np.maximum(own, other)], axis=1)
         labels[other == own, 1] = labels[other < 0, 1] = -1
-        middles, lengths = mesh.middles(NOWHERE, halves)[1], mesh.lengths(halves)
-        places = self.ground.placed(middles, labels, np.where(twins < 0, -1 - twins, -1), lengths)
+        middles, lengths = mesh.middles(NONE, halves)[1], mesh.lengths(halves)
+        places = self.ground.placed(middles, labels, mesh.rims_of(halves), lengths)
         if careful:
             normals = self.ground.looked(places, own)[0]
             ends = mesh.normals[mesh.wedge_of[halves]], mesh.normals[mesh.wedge_of[following(halves)]]

@@ -160,6 +160,10 @@ class HalfEdges:
         result[self.corners[rows]] = result[self.ends[rows]] = curves
         return result
 
+    def rims_of(self, halves: Integers) -> Integers:
+        """The numbers of the boundary curves (K,) on which half edges are, -1 inside."""
+        return np.maximum(-1 - self.twins[halves], -1)
+
     @property
     def label_of(self) -> Integers:
         """The label of a vertex (V,), one of those about it."""

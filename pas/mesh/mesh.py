@@ -16,7 +16,7 @@ from pas.errors import GeometryError, optional
 from pas.mesh.booleans import BooleanStep, Triangles, boolean
 from pas.mesh.labelled import Topology
 from pas.mesh.quality import Quality, smallest_angles, soundness
-from pas.mesh.rows import counted_on
+from pas.mesh.rows import area_vectors, counted_on, norms
 from pas.mesh.shading import flat_normals, mean_normals, sharp_points
 from pas.mesh.topology import edge_table, euler_characteristic, is_closed_manifold, is_manifold, piece_count
 from pas.shape import Shape, refuse_mixed
@@ -208,8 +208,7 @@ class Mesh(AffineShape["Mesh"], Shape):
     @cached_property
     def areas(self) -> Floats:
         """The area of each triangle (T,)."""
-        a, b, c = (self.points[self.triangles[:, i]] for i in range(3))
-        return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
+        return norms(area_vectors(self.points[self.triangles])) / 2
 
     @property
     def face_areas(self) -> dict[str, float]:

@@ -51,8 +51,6 @@ PARTS = 40
 FLAT = 0.3
 """Sine of the angle between faces below which they are looked at for a point where they touch."""
 
-NOWHERE = np.empty((0, 3))
-
 FOUND, PARALLEL = 1e-10, 1e-5
 """Distance over the extent of the box up to which a point is on a surface; sine up to which gradients are parallel."""
 
@@ -244,7 +242,11 @@ def _touching(field: FaceField, points: Floats, pairs: Integers, reach: Floats) 
         active = active[length > still]  # not where it is NaN
         if not len(active):
             break
-    found = _touch(field, points, pairs, FOUND * extent)
+    found = np.asarray(np.isfinite(points).all(axis=1))
+    here, functions = points[found], pairs[found]
+    off = [distances(field, here, column) for column in functions.T]
+    sine = norms(cross(*(unit_rows(field.jets(here, column)[:, 1:]) for column in functions.T)))
+    found[found] = (np.max(off, axis=0) < FOUND * extent) & (sine < PARALLEL)
     matrix = _system(field, points[found], pairs[found], scale[found], reach[found])[1]
     isolated = 1e-3  # least singular value, in the scale of `reach`, above which no curve of such points passes
     found[found] = np.linalg.svd(matrix, compute_uv=False)[:, 2] > isolated
@@ -264,16 +266,6 @@ def _system(field: FaceField, points: Floats, pairs: Integers, scale: Floats, si
     value = np.concatenate([*(jet[:, :1] for jet in jets), size[:, None] * np.cross(a, b)[:, 0]], axis=1)
     matrix = np.concatenate([a, b, size[:, None, None] * turn.transpose(0, 2, 1)], axis=1)
     return value, matrix
-
-
-def _touch(field: FaceField, points: Floats, pairs: Integers, close: float) -> Bools:
-    """Whether both surfaces pass through points (N, 3) with one normal."""
-    result = np.asarray(np.isfinite(points).all(axis=1))
-    here, functions = points[result], pairs[result]
-    off = [distances(field, here, column) for column in functions.T]
-    sine = norms(cross(*(unit_rows(field.jets(here, column)[:, 1:]) for column in functions.T)))
-    result[result] = (np.max(off, axis=0) < close) & (sine < PARALLEL)
-    return result
 
 
 def contracted(

@@ -10,8 +10,9 @@ from pas.arrays import Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.field import FaceField, HasJets, extent_of
 from pas.mesh.labelled import Labelled
-from pas.mesh.rows import cross, dots, norms
+from pas.mesh.rows import cross, dots, norms, off_zero
 from pas.mesh.shading import unit_rows, uprightness
+from pas.mesh.topology import numbered
 
 NEWTON_STEPS = 16
 NEARBY = 8
@@ -26,7 +27,7 @@ def distances(field: HasJets, points: Floats, labels: int | Integers) -> Floats:
     """Distances (N,) of points (N, 3) from the zeros of a function, or of their own ones (N,), given as labels, to
     first order."""
     jets = field.jets(points, labels)
-    return np.asarray(np.abs(jets[:, 0]) / np.maximum(norms(jets[:, 1:]), 1e-300))
+    return off_zero(jets[:, 0], jets[:, 1:])
 
 
 def second_derivatives(field: FaceField, points: Floats, labels: Integers) -> Floats:
@@ -44,9 +45,9 @@ def grouped(rows: Integers, span: int) -> list[tuple[Integers, Integers]]:
     key = np.zeros(len(rows), dtype=np.intp)
     for column in rows.T:
         key = key * span + column + 1
-    order = np.argsort(key, kind="stable")
-    starts = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) != 0])) if len(key) else np.empty(0, dtype=int)
-    return [(rows[part[0]], part) for part in np.split(order, starts[1:])] if len(key) else []
+    inverse = numbered(key)[1]
+    parts = np.split(np.argsort(inverse, kind="stable"), np.cumsum(np.bincount(inverse))[:-1])
+    return [(rows[part[0]], part) for part in parts if len(part)]
 
 
 def placing(field: FaceField, labels: Integers) -> Iterator[tuple[Integers, Integers]]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from pas.arrays import Floats, Integers
 from pas.errors import MeshError
+from pas.mesh.rows import area_vectors
 from pas.mesh.topology import is_closed_manifold, is_manifold
 from pas.settings import check_quality
 from pas.verdicts import Findings, Status, Verdict
@@ -115,11 +116,10 @@ def manifold(triangles: Integers) -> Verdict:
 
 def _unfolded(points: Floats, triangles: Integers, normals: Floats) -> Verdict:
     claim = "no folds"
-    a, b, c = (points[triangles[:, i]] for i in range(3))
-    across = np.cross(b - a, c - a)
-    against = ((across[:, None] * normals).sum(axis=2) < 0).all(axis=1)
+    corners = points[triangles]
+    against = ((area_vectors(corners)[:, None] * normals).sum(axis=2) < 0).all(axis=1)
     if not against.any():
         return Verdict(Status.HOLDS_MEASURED, claim, "every triangle agrees with the normal at some corner")
-    x, y, z = ((a + b + c) / 3)[int(against.argmax())].tolist()
+    x, y, z = corners[int(against.argmax())].mean(axis=0).tolist()
     reason = f"{int(against.sum())} triangles are turned against the normals at their corners"
     return Verdict(Status.FAILS_MEASURED, claim, reason, (x, y, z))

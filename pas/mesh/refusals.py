@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pas.errors import MeshError
-from pas.mesh.field import FaceField, Field
+from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.projection import pair_normals
@@ -63,17 +63,17 @@ class Refusal:
 Made = FaceMesh | Refusal
 
 
-def too_many(field: Field, triangles: int, most: int, tolerance: float, reached: float) -> Refusal:
-    """That a tolerance needs more than `most` triangles, and what is reached with some: with those of the coarsest
-    mesh if these are more."""
-    near = f"{reached * field.scale:.2g} is reached"
+def too_many(scale: float, triangles: int, most: int, tolerance: float, reached: float) -> Refusal:
+    """That a tolerance, in units of so much of the user's, needs more than `most` triangles, and what is reached with
+    some: with those of the coarsest mesh if these are more."""
+    near = f"{reached * scale:.2g} is reached"
     some = f"{near} with {triangles}"
     if triangles > most:
         some = f"even the coarsest mesh has {triangles}, and {near} by it"
-    return Refusal(f"the tolerance {tolerance * field.scale:.3g} needs more than {most} triangles; {some}")
+    return Refusal(f"the tolerance {tolerance * scale:.3g} needs more than {most} triangles; {some}")
 
 
-def not_reached(field: Field, triangles: int, tolerance: float, reached: float, why: str) -> Refusal:
+def not_reached(field: FaceField, triangles: int, tolerance: float, reached: float, why: str) -> Refusal:
     """That a tolerance was not reached, and why."""
     return Refusal(
         f"the tolerance {tolerance * field.scale:g} was not reached with {triangles} triangles "

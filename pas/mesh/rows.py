@@ -19,11 +19,22 @@ def norms(vectors: Floats) -> Floats:
     return np.asarray(np.sqrt(dots(vectors, vectors)))
 
 
+def off_zero(values: Floats, gradients: Floats) -> Floats:
+    """How far points are from zeros of functions with values (N,) and gradients (N, 3) there, to first order, (N,)."""
+    return np.asarray(np.abs(values) / np.maximum(norms(gradients), 1e-300))
+
+
 def cross(u: Floats, v: Floats) -> Floats:
     """Vector products of rows (N, 3); several times faster than `np.cross`."""
     x, y, z = u.T
     a, b, c = v.T
     return np.stack([y * c - z * b, z * a - x * c, x * b - y * a], axis=1)
+
+
+def area_vectors(corners: Floats) -> Floats:
+    """Vectors (T, 3) at right angles to triangles of corners (T, 3, 3), outwards, as long as twice their areas."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    return cross(b - a, c - a)
 
 
 def spans(corners: Floats) -> tuple[Floats, Floats]:

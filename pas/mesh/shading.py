@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pas.arrays import Floats, Integers
-from pas.mesh.rows import cross
+from pas.mesh.rows import area_vectors
 from pas.mesh.topology import connected, twins_of
 
 
@@ -17,8 +17,7 @@ def unit_rows(vectors: Floats) -> Floats:
 
 def uprightness(corners: Floats, normals: Floats) -> Floats:
     """The cosines (T,) between triangles of corners (T, 3, 3) and the sums of normals (T, 3, 3)."""
-    a, b, c = corners.transpose(1, 0, 2)
-    across, about = unit_rows(cross(b - a, c - a)), unit_rows(normals.sum(axis=1))
+    across, about = unit_rows(area_vectors(corners)), unit_rows(normals.sum(axis=1))
     return np.asarray((across * about).sum(axis=1))
 
 
@@ -31,8 +30,7 @@ def mean_normals(count: int, triangles: Integers, normals: Floats) -> Floats:
 
 def flat_normals(points: Floats, triangles: Integers) -> Floats:
     """Unit normals (T, 3, 3) of the facets, at each corner."""
-    a, b, c = (points[triangles[:, i]] for i in range(3))
-    return np.repeat(unit_rows(np.cross(b - a, c - a))[:, None], 3, axis=1)
+    return np.repeat(unit_rows(area_vectors(points[triangles]))[:, None], 3, axis=1)
 
 
 def sharp_points(count: int, triangles: Integers, normals: Floats) -> tuple[Integers, Integers, Floats]:

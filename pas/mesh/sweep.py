@@ -11,7 +11,6 @@ are all there are.  That these end in the loops is looked at, and they are turne
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise, takewhile
 from math import hypot
 
@@ -36,36 +35,31 @@ def between_loops(flat: Floats, circles: tuple[Integers, Integers], holes: Seque
     with descending ones.  None where a hole goes to and fro, or loops meet.
     """
     loops = (*circles, *holes)
-    found = Sweep.of(flat, loops).triangles()
+    found = Sweep(flat, loops).triangles()
     rim = Edges(np.array(found or [], dtype=np.intp).reshape(-1, 3), len(flat)).rim
     ends = np.concatenate([np.stack([loop, np.roll(loop, -1)], axis=1) for loop in loops])
     return np.array(found) if {*map(tuple, rim.tolist())} == {*map(tuple, ends.tolist())} else None
 
 
-@dataclass(frozen=True, eq=False)
 class Sweep:
-    """Vertices with angles, in radians, and heights, over the radius, in loops, of which the first two are circles; for
-    each the next one `after` it and the one `before`, and how many turns these are further on."""
+    """Points (N, 2), angles in radians and heights over the radius, in loops, of which the first two are circles; for
+    each the next one `after` it and the one `before`, and how many turns these are further on.
 
-    angles: list[float]
-    heights: list[float]
-    loops: tuple[list[int], ...]
-    after: dict[int, Place]
-    before: dict[int, Place]
+    The line leans a little, so that it meets one by one what is above one another.
+    """
 
-    @classmethod
-    def of(cls, flat: Floats, loops: Sequence[Integers]) -> Sweep:
-        """That of points (N, 2).  The line leans a little, so that it meets one by one what is above one another."""
+    def __init__(self, flat: Floats, loops: Sequence[Integers]) -> None:
         leaning = 2.0**-24  # of a turn, from one end to the other
         heights, angles = flat[:, 1], flat[:, 0] + leaning * TURN * flat[:, 1] / np.ptp(flat[:, 1])
-        after, before = dict[int, Place](), dict[int, Place]()
+        self.after, self.before = dict[int, Place](), dict[int, Place]()
         for loop in loops:
             around = np.unwrap(angles[[*loop, loop[0]]])
             turns = [0] * (len(loop) - 1) + [round(float(around[-1] - angles[loop[0]]) / TURN)]
             angles[loop] = around[:-1]
             for here, there, turn in zip(loop.tolist(), np.roll(loop, -1).tolist(), turns, strict=True):
-                after[here], before[there] = (there, turn), (here, -turn)
-        return cls(angles.tolist(), heights.tolist(), tuple(loop.tolist() for loop in loops), after, before)
+                self.after[here], self.before[there] = (there, turn), (here, -turn)
+        self.angles, self.heights = angles.tolist(), heights.tolist()
+        self.loops: list[list[int]] = [loop.tolist() for loop in loops]
 
     def triangles(self) -> list[tuple[int, int, int]] | None:
         """Those of the second turn; None where a vertex follows no front."""

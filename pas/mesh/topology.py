@@ -53,6 +53,13 @@ def _numbered(keys: Integers, placed: bool) -> tuple[Integers, Integers]:
     return found[: number[0]].copy(), inverse
 
 
+def first_rows(numbers: Integers, size: int) -> Integers:
+    """Where each of so many numbers stands first (size,) among given ones (N,)."""
+    first = np.empty(size, dtype=np.intp)
+    first[numbers[::-1]] = np.arange(len(numbers))[::-1]  # the last to be written is the first there is
+    return first
+
+
 def same_places(points: Floats) -> tuple[Integers, Integers]:
     """Where distinct ones of points (N, 3) stand first, and which of these each is (N,), in no particular order."""
     weights = np.array([0x1B873593CC9E2D51, 0x2545F4914F6CDD1D, 0x369DEA0F31A53F85])
@@ -67,8 +74,7 @@ def first_with(keys: Integers, points: Floats) -> tuple[Integers, Integers]:
     Equal points have equal keys (N,), none of them negative, and others mostly have not.
     """
     found, inverse = numbered(keys)
-    first = np.empty(len(found), dtype=np.intp)
-    first[inverse[::-1]] = np.arange(len(inverse))[::-1]  # the last to be written is the first there is
+    first = first_rows(inverse, len(found))
     if not np.array_equal(points[first][inverse], points):  # two with one key
         _, first, inverse = np.unique(points, axis=0, return_index=True, return_inverse=True)
     return first, inverse.ravel()

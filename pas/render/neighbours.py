@@ -11,6 +11,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.arrays import Floats, Integers
 from pas.contacts.contact import Contact
 from pas.mesh.mesh import Mesh
+from pas.mesh.rows import area_vectors, off_zero
 from pas.mesh.topology import chains
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.form import connectivity
@@ -53,8 +54,7 @@ def _mesh(rows: list[Floats], closed: bool) -> Mesh | None:
         return None
     points, normals = (np.stack(parts, axis=1).reshape(-1, 3) for parts in zip(*rows, strict=True))
     triangles = connectivity((rows[0].shape[1], len(rows)), closed, False).copy()
-    p = points[triangles]
-    turned = (np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) * normals[triangles[:, 0]]).sum(axis=1) < 0
+    turned = (area_vectors(points[triangles]) * normals[triangles[:, 0]]).sum(axis=1) < 0
     triangles[turned] = triangles[turned][:, [0, 2, 1]]
     return Mesh.smooth(points, triangles, normals)
 
@@ -152,11 +152,5 @@ def contact_rim(contact: Contact, mesh: Mesh) -> Integers:
     rim = edges[times == 1]
     near = 1e-7 * (1 + np.abs(mesh.points).max())
     far, ends = np.full(len(mesh.points), np.inf), mesh.points[mesh.boundary]
-    far[mesh.boundary] = np.maximum(_distance(contact.clip, ends), _distance(contact.surface, ends))
+    far[mesh.boundary] = np.maximum(*(off_zero(p(ends), p.gradient(ends)) for p in (contact.clip, contact.surface)))
     return rim[far[rim].max(axis=1) < near]
-
-
-def _distance(polynomial: Polynomial, points: Floats) -> Floats:
-    """First-order distances of points (N, 3) from the zero set of a polynomial."""
-    slope = np.linalg.norm(polynomial.gradient(points), axis=1)
-    return np.abs(polynomial(points)) / np.maximum(slope, 1e-300)

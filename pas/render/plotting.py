@@ -21,6 +21,7 @@ from pas.errors import MissingLibraryError, optional
 from pas.exchange.picture_options import Picture
 from pas.limits import checkpoint
 from pas.mesh.mesh import Mesh
+from pas.mesh.rows import area_vectors
 from pas.render.scene import CURVE_COLOR, Comb, Layer, Legend
 
 CONVEX, CONCAVE, NEARBY = "#b2182b", "#2166ac", "#22303c"
@@ -58,27 +59,20 @@ def add_combs(plotter: Any, layer: Layer, factor: float, shift: Floats) -> None:
         _add(plotter, pyvista.lines_from_points(base), NEARBY, 2.5)
         for sign, color in ((1, CONVEX), (-1, CONCAVE)):
             for run in _runs(comb.curvatures * sign > 0):
-                places, ends = _ends(comb, base, factor, run)
-                hairs = np.stack([base[run], ends[places]], axis=1).reshape(-1, 3)
+                ends = base[run] + _hairs(comb, factor)[run]
+                hairs = np.stack([base[run], ends], axis=1).reshape(-1, 3)
                 _add(plotter, pyvista.line_segments_from_points(hairs), color, 1.2)
-                _add(plotter, pyvista.lines_from_points(ends), color, 2.5)
+                crossed = [_crossing(comb, base, first) for first in (int(run[0]) - 1, int(run[-1]))]
+                _add(plotter, pyvista.lines_from_points(np.concatenate([crossed[0], ends, crossed[1]])), color, 2.5)
 
 
-def _ends(comb: Comb, base: Floats, factor: float, run: Floats) -> tuple[slice, Floats]:
-    """The envelope (m, 3) of a run of hairs of one sign, down to the curve where the sign changes; where they are."""
-    ends = list(base[run] + _hairs(comb, factor)[run])
-    first, last = int(run[0]), int(run[-1])
-    before, after = (_crossing(comb, base, a, b) for a, b in ((first - 1, first), (last, last + 1)))
-    places = slice(len(before), len(before) + len(ends))
-    return places, np.array(before + ends + after)
-
-
-def _crossing(comb: Comb, base: Floats, first: int, second: int) -> list[Floats]:
-    """The point between two neighbours of other signs where the curvature vanishes, as if it were linear between."""
-    if first < 0 or second >= len(base):
-        return []
-    a, b = comb.curvatures[[first, second]]
-    return [base[first] + a / (a - b) * (base[second] - base[first])]
+def _crossing(comb: Comb, base: Floats, first: int) -> Floats:
+    """The point between a place of a comb and the next, of another sign, where the curvature vanishes, as if it were
+    linear between; none (0, 3) beyond the comb's ends."""
+    if first < 0 or first + 1 >= len(base):
+        return np.empty((0, 3))
+    a, b = comb.curvatures[[first, first + 1]]
+    return (base[first] + a / (a - b) * (base[first + 1] - base[first]))[None]
 
 
 def _hairs(comb: Comb, factor: float) -> Floats:
@@ -106,8 +100,7 @@ def widest_view(meshes: Sequence[Mesh]) -> tuple[float, float, float]:
     directions = np.stack([np.cos(around), np.sin(around), np.full(16, 0.55)], axis=1)
     seen = np.zeros(16)
     for mesh in meshes:
-        p = mesh.points[mesh.triangles]
-        seen += np.abs(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) @ directions.T).sum(axis=0)
+        seen += np.abs(area_vectors(mesh.points[mesh.triangles]) @ directions.T).sum(axis=0)
     seen[0] *= 1.1  # another must be so much better
     x, y, z = directions[int(seen.argmax())].tolist()
     return x, y, z
@@ -181,7 +174,7 @@ def add_labels(plotter: Any, layers: Sequence[Layer], shifts: Floats, plane: Any
     places, names = [], []
     for layer, shift in zip(layers, shifts, strict=True):
         corners = layer.mesh.points[layer.mesh.triangles]
-        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        across = area_vectors(corners)
         areas = across @ towards
         areas[areas < 0.05 * np.linalg.norm(across, axis=1)] = 0.0
         for number, name in [(None, layer.name)] if layer.name else enumerate(layer.mesh.names):

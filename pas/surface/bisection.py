@@ -15,15 +15,16 @@ import numpy as np
 
 from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.grading import NOWHERE, Settings
+from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind, following
+from pas.mesh.labelled import NONE
 from pas.mesh.mesh import Mesh
 from pas.mesh.refusals import FaceMesh, too_many
 from pas.mesh.rows import cross, norms
 from pas.mesh.shading import unit_rows
-from pas.mesh.sheet import BadMeshError, given
 from pas.surface.graph import AROUND, delaunay, require_once
 from pas.surface.radial_field import RadialField
+from pas.surface.sheet import BadMeshError, in_world
 
 
 def bisected(field: RadialField, tolerance: float, settings: Settings) -> Mesh:
@@ -43,10 +44,10 @@ def bisected(field: RadialField, tolerance: float, settings: Settings) -> Mesh:
         halves = _chosen(mesh, rim, (off > tolerance) | (mesh.cosines < settings.folded))
         if not len(halves):
             require_once(field, mesh.points[mesh.kinds == VertexKind.INSIDE])
-            return given(field, FaceMesh(mesh.value, float(off.max())), tolerance, settings)
+            return in_world(field, FaceMesh(mesh.value, float(off.max())), tolerance, settings)
         if len(mesh.labels) + 2 * len(halves) > settings.most:
-            raise too_many(field, len(mesh.labels), settings.most, tolerance, float(off.max())).error
-        size, middles, rims = len(mesh.points), mesh.middles(NOWHERE, halves)[1], _rims(mesh, halves)
+            raise too_many(field.scale, len(mesh.labels), settings.most, tolerance, float(off.max())).error
+        size, middles, rims = len(mesh.points), mesh.middles(NONE, halves)[1], mesh.rims_of(halves)
         mesh.split(halves)
         mesh.points[size:] = field.met(middles)
         mesh.points[size:][rims >= 0] = field.on_rims(middles[rims >= 0], rims[rims >= 0])
@@ -58,7 +59,7 @@ def _begun(field: RadialField) -> HalfEdges:
     for doubling in range(finest + 1):
         mesh = HalfEdges(delaunay(field, AROUND << doubling), np.zeros(1, dtype=np.int8))
         rim = mesh.boundary[0]
-        arcs = field.rim_distances(mesh.middles(NOWHERE, rim)[1], _rims(mesh, rim))
+        arcs = field.rim_distances(mesh.middles(NONE, rim)[1], mesh.rims_of(rim))
         if (arcs <= _room(mesh, rim)).all():
             return mesh
     raise ArithmeticError("the rings are too close to one another for a triangulation of directions")
@@ -70,16 +71,11 @@ def _measured(field: RadialField, mesh: HalfEdges) -> tuple[Floats, Floats]:
     centres, middles = mesh.middles(np.arange(len(mesh.labels)), halves)
     points = np.concatenate([centres, middles])
     found = np.minimum(field.distances(points), norms(points - field.met(points)))
-    along, twins, rims = np.empty(len(mesh.corners)), mesh.twins[halves], _rims(mesh, halves)
+    along, twins, rims = np.empty(len(mesh.corners)), mesh.twins[halves], mesh.rims_of(halves)
     along[halves] = found[len(centres) :]
     along[halves[rims >= 0]] = field.rim_distances(middles[rims >= 0], rims[rims >= 0])
     along[twins[twins >= 0]] = along[halves[twins >= 0]]
     return found[: len(centres)], along
-
-
-def _rims(mesh: HalfEdges, halves: Integers) -> Integers:
-    """The curves (K,) on which half edges are, -1 inside."""
-    return np.where(mesh.twins[halves] < 0, -1 - mesh.twins[halves], -1)
 
 
 def _room(mesh: HalfEdges, halves: Integers) -> Floats:

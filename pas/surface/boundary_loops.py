@@ -19,7 +19,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.arrays import Bools, Floats, Integers
 from pas.contacts.cones import first_met, nappe_rays
 from pas.contacts.joins import Join
-from pas.mesh.rows import dots
+from pas.mesh.rows import dots, norms, off_zero
 from pas.surface.geometry import derivative_batch
 
 STEPS = 40
@@ -39,7 +39,6 @@ class ConeLoop:
     surface: Polynomial
     clip: Polynomial
     axes: Floats
-    fixed: ClassVar[bool] = False
     opening: ClassVar[bool] = True
 
     @cached_property
@@ -75,16 +74,12 @@ class ConeLoop:
 
     def distances(self, points: Floats) -> Floats:
         """Distances (N,) of points from those of the curve at the same angles."""
-        away = self.at(points) - points
-        return np.asarray(np.sqrt(dots(away, away)))
+        return norms(self.at(points) - points)
 
     def off(self, points: Floats) -> Floats:
         """How far points (N, 3) are from the surface and the cone, to first order."""
-        total = np.zeros(len(points))
-        for p in (self.surface, self.clip):
-            slope = p.gradient(points)
-            total += np.abs(p(points)) / np.maximum(np.sqrt(dots(slope, slope)), 1e-300)
-        return total
+        first, second = (off_zero(p(points), p.gradient(points)) for p in (self.surface, self.clip))
+        return first + second
 
     def inside(self, units: Floats) -> Bools:
         """Which rays (N, 3) from 0 pass through the curve."""
@@ -102,7 +97,6 @@ class PlaneLoop:
     normal: Floats
     column: Floats
     size: float
-    fixed: ClassVar[bool] = False
     opening: ClassVar[bool] = False
 
     @cached_property
@@ -128,7 +122,7 @@ class PlaneLoop:
         """Distances (N,) of points in the plane from the curve, to first order."""
         jets = self.jets(points)
         slope = jets[:, 1:] - np.outer(jets[:, 1:] @ self.normal, self.normal)
-        return np.asarray(np.abs(jets[:, 0]) / np.maximum(np.sqrt((slope * slope).sum(axis=1)), 1e-300))
+        return off_zero(jets[:, 0], slope)
 
     def off(self, points: Floats) -> Floats:
         """How far points (N, 3) are from the curve, out of its plane or in it, to first order."""

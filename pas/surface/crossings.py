@@ -77,30 +77,15 @@ class Crossings:
 def crossings(target: RayTarget, origins: Floats, directions: Floats) -> Crossings:
     """All crossings of rays (N, 3), t >= 0."""
     parts: list[tuple[Integers, Floats, Floats, NDArray[np.int8]]] = []
-    for start, local, (rays, lengths, sides) in _blocks(target, origins, directions, False):
-        points = local.points(target, origins[start:], rays, lengths)
-        parts.append((rays + start, local.parameters(rays, lengths), points, sides.astype(np.int8)))
-    rays, parameters, points, kinds = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return Crossings(rays, parameters, points, kinds, len(origins))
-
-
-def first_crossings(target: RayTarget, origins: Floats, directions: Floats) -> Floats:
-    """The parameters of first crossings (N,), NaN for rays that miss."""
-    result = np.full(len(origins), np.nan)
-    for start, local, (rays, lengths, _) in _blocks(target, origins, directions, True):
-        result[start + rays[::-1]] = local.parameters(rays, lengths)[::-1]
-    return result
-
-
-def _blocks(
-    target: RayTarget, origins: Floats, directions: Floats, first: bool
-) -> Iterator[tuple[int, LocalRays, Found]]:
-    """Blocks of rays, each from which number on, and all their crossings, or the first ones at least, in order."""
     for start in range(0, len(origins), BLOCK):
         checkpoint("shooting rays")
         here = slice(start, start + BLOCK)
         local = LocalRays.of(target, origins[here], directions[here])
-        yield start, local, _ordered(_of_block(target, local, origins[here], directions[here], first))
+        rays, lengths, sides = _ordered(_of_block(target, local, origins[here], directions[here]))
+        points = local.points(target, origins[here], rays, lengths)
+        parts.append((rays + start, local.parameters(rays, lengths), points, sides.astype(np.int8)))
+    rays, parameters, points, kinds = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return Crossings(rays, parameters, points, kinds, len(origins))
 
 
 def _ordered(found: Found) -> Found:
@@ -113,10 +98,10 @@ def _ordered(found: Found) -> Found:
     return rays[order], lengths[order], sides[order]
 
 
-def _of_block(target: RayTarget, local: LocalRays, origins: Floats, directions: Floats, first: bool) -> Found:
+def _of_block(target: RayTarget, local: LocalRays, origins: Floats, directions: Floats) -> Found:
     """Rays, parameters and sides of a block of rays, in no order."""
     clear = np.flatnonzero(~local.doubtful)
-    found, undecided = target.in_doubles(local if len(clear) == len(origins) else local.some(clear), first)
+    found, undecided = target.in_doubles(local if len(clear) == len(origins) else local.some(clear))
     parts: list[Found] = [(clear[found[0]], found[1], found[2])]
     exact = local.doubtful.copy()
     exact[clear[undecided]] = True

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pas.algebra.rational import to_float, to_floats
+from pas.algebra.rational import to_float
 from pas.arrays import Floats, Integers
 from pas.surface.directions import Directions
 from pas.surface.geometry import FIRST, SECOND, derivative_batch, tangent_frame
@@ -34,8 +34,7 @@ class Depth:
 
     def __init__(self, surface: PiecewisePolynomial) -> None:
         samples = 2000  # points of the surface among which the nearest is looked for
-        frame, columns = surface.partition.frame, surface.evaluator.columns
-        self._origin, self._scale = np.array(to_floats(frame.origin)), to_float(frame.scale)
+        self._frame, columns = surface.partition.frame, surface.evaluator.columns
         rays = Directions.of(surface.placed, columns, surface.degree, samples)
         self._samples = rays.directions * rays.distances[:, None]
         self._numbers = rays.pieces
@@ -47,7 +46,7 @@ class Depth:
     @cached_property
     def samples(self) -> Floats:
         """Points (N, 3) of the surface, all over what is in use of it."""
-        return self._origin + self._scale * self._samples
+        return self._frame.global_points(self._samples)
 
     @cached_property
     def _tree(self) -> cKDTree:
@@ -60,7 +59,7 @@ class Depth:
 
         The depth of a point changes with it by the negative normal.
         """
-        local = (points - self._origin) / self._scale
+        local = self._frame.local_points(points)
         _, nearest = self._tree.query(local)
         numbers, starts = self._numbers[nearest], self._samples[nearest]
         reach = np.linalg.norm(local - starts, axis=1)
@@ -74,7 +73,7 @@ class Depth:
             found, across = self._feet(local[here], starts[here], np.full(len(here), number))
             beyond = (join.contact.clip(found) > 0) & (np.linalg.norm(local[here] - found, axis=1) <= reach[here])
             feet[here[beyond]], normals[here[beyond]] = found[beyond], across[beyond]
-        return -((local - feet) * normals).sum(axis=1) * self._scale, normals
+        return -((local - feet) * normals).sum(axis=1) * to_float(self._frame.scale), normals
 
     def _feet(self, points: Floats, near: Floats, numbers: Integers) -> tuple[Floats, Floats]:
         """The feet (N, 3) of local points on pieces of given numbers (N,), or the contacts' surfaces after these, from

@@ -25,7 +25,7 @@ from pas.arrays import Bools, Floats
 from pas.limits import checkpoint
 from pas.partition.boxes import SingleCell
 from pas.partition.cells import Partition
-from pas.surface.crossings import Crossings, crossings, first_crossings
+from pas.surface.crossings import Crossings, crossings
 from pas.surface.geometry import derivative_batch, symmetric
 from pas.surface.rays import RayTarget
 
@@ -117,9 +117,8 @@ class Evaluator:
 
     def first(self, origins: ArrayLike, directions: ArrayLike) -> Floats:
         """The parameters t >= 0 of the first crossings of rays, shape (...), NaN for those that miss; see `rays`."""
-        starts, ways = rays_of(origins, directions)
         shape = np.broadcast_shapes(np.shape(origins), np.shape(directions))[:-1]
-        return first_crossings(self.target, starts, ways).reshape(shape)
+        return self.rays(origins, directions).first.reshape(shape)
 
     def derivatives(self, points: Floats, orders: Sequence[int], outside: float = np.nan) -> Floats:
         """The partial derivatives of some orders at points (..., 3), one of each kind: shape (..., entries).

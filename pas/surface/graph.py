@@ -17,16 +17,14 @@ from scipy.spatial import ConvexHull, QhullError
 
 from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges
 from pas.mesh.labelled import Labelled
-from pas.mesh.mesh import Mesh
-from pas.mesh.rows import counted_on, cross, dots, spans
+from pas.mesh.rows import cross, dots, spans
 from pas.mesh.shading import unit_rows
-from pas.mesh.sheet import open_mesh, remeshed
-from pas.mesh.topology import Edges, connected
+from pas.mesh.topology import Edges, connected, edge_table
 from pas.surface.boundary_loops import BoundaryLoop
 from pas.surface.radial_field import RadialField
+from pas.surface.sheet import open_mesh
 
 LEVELS = 3
 """Halvings of the icosahedron at most: directions are taken from the first that do."""
@@ -49,15 +47,6 @@ SEEN = 1e-9
 
 TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 """A rotation that puts no direction of the icosahedron into a plane of symmetry of common models."""
-
-
-def star(field: RadialField, first: Labelled, tolerance: float, settings: Settings) -> Mesh:
-    """A mesh in the user's coordinates within a tolerance, measured, made of the first.
-
-    Raises `ArithmeticError` where the surface is no graph over directions, as far as its rays show, and `MeshError`
-    where there would be too many triangles.
-    """
-    return remeshed(field, first, tolerance, settings, lambda points: require_once(field, points))
 
 
 def require_once(field: RadialField, points: Floats) -> None:
@@ -133,18 +122,9 @@ def icosphere(level: int) -> tuple[Floats, float]:
     corners = [(0, s, t * golden) for s in (-1, 1) for t in (-1, 1)]
     units = unit_rows(np.array([np.roll(c, k) for c in corners for k in range(3)], dtype=float))
     for _ in range(level):
-        faces = ConvexHull(units).simplices
-        pairs = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), 1), axis=0)
+        pairs = edge_table(ConvexHull(units).simplices.astype(np.intp))[0]
         units = np.concatenate([units, unit_rows(units[pairs].sum(axis=1))])
     return units @ TURN.T, 1.107 / 2**level
-
-
-@cache
-def _icosahedral(level: int) -> Integers:
-    """Delaunay's triangles (T, 3) of those vertices, not to be written to."""
-    triangles = _delaunay(icosphere(level)[0])
-    triangles.setflags(write=False)
-    return triangles
 
 
 def seen(points: Floats, triangles: Integers) -> Bools:
@@ -159,11 +139,6 @@ def hull(field: RadialField, level: int, around: int) -> tuple[Floats, Integers]
     Raises `ArithmeticError` where these directions do not do.
     """
     units, spacing = icosphere(level)
-    if not field.rims:
-        points, triangles = field.met(units), _icosahedral(level)
-        if not seen(points, triangles).all():
-            raise ArithmeticError("the surface is not seen once from the centre")
-        return points, triangles
     rings = [ring.round(around) for ring in field.rims]
     for ring in field.rims:
         units = units[ring.inside(units) == ring.opening]
@@ -201,8 +176,8 @@ def _collars(field: RadialField, rings: list[Floats], spacing: float) -> list[Fl
 
 def _clear(units: Floats, rings: list[Floats], spacing: float) -> Bools:
     """Which of some directions are not too close to rings, nor to those before, for how far they are from rings."""
-    edge = unit_rows(np.concatenate(rings))
-    angle = np.arccos(np.clip((units @ edge.T).max(axis=1), -1, 1))
+    edge = unit_rows(np.concatenate([np.empty((0, 3)), *rings]))
+    angle = np.arccos(np.clip((units @ edge.T).max(axis=1, initial=-1.0), -1, 1))
     near = np.minimum(CLEAR * spacing, 0.5 * angle)
     clear = angle > 1e-6
     apart = np.arccos(np.clip(units @ units.T, -1, 1))
@@ -226,8 +201,9 @@ def _delaunay(points: Floats) -> Integers:
 
 def _rim_keys(rings: list[Floats], size: int) -> Integers:
     """What stands for the edges of all rings, from each point to the next."""
-    counts = [len(ring) for ring in rings]
-    after = counted_on([np.roll(np.arange(count), -1) for count in counts], counts)
+    starts = np.cumsum([0, *map(len, rings)])
+    after = np.arange(1, starts[-1] + 1)
+    after[starts[1:] - 1] = starts[:-1]
     return _keys(np.arange(len(after)), after, size)
 
 

@@ -1,140 +1,26 @@
-"""Surfaces in their local coordinates, as meshers ask for them: projections, gradients, curvatures; and for the mesher
-of cells forms on these, Newton's method, and the walls of the region."""
+"""A surface for the mesher of cells: forms on these, Newton's method, and the walls of the region."""
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 
 import numpy as np
 
-from pas.algebra.rational import to_fraction
 from pas.arrays import Bools, Floats, Integers
-from pas.mesh.rows import cross, dots, largest_of, norms
+from pas.mesh.rows import cross, dots, norms, off_zero
 from pas.partition.complex import OuterFace
-from pas.surface.boundary_loops import BoundaryLoop
 from pas.surface.function import PiecewisePolynomial
-
-CLOSE = 1e-11
-"""The last step along a gradient, in local units, that is worth another."""
-
-TINY = 1e-300
-"""The length of a gradient at least."""
-
-INSIDE = 1e-11
-"""How far outside the region a point may be by rounding: in local units, barycentric coordinates, or over the way to
-where its ray leaves."""
-
-
-class LocalSurface(ABC):
-    """A piecewise surface at points (N, 3) in its local coordinates, scaled."""
-
-    rims: Sequence[BoundaryLoop | WallCurve]
-    """The curves on which it ends."""
-
-    def __init__(self, surface: PiecewisePolynomial) -> None:
-        local, self.degree, self.evaluator = surface.local, max(surface.degree, 1), surface.evaluator
-        self.frame = surface.partition.frame
-        self.scale = float(to_fraction(self.frame.scale))
-        self.reach = float(np.sqrt((local.points**2).sum(axis=1).max()))
-        self._value, self._jets, self._bends = (self.evaluator.batch(*range(n)) for n in (1, 2, 3))
-
-    @cached_property
-    def fixed(self) -> Bools:
-        """Which of `rims` are fixed, and, at the end, that what is on none is not, (R + 1,)."""
-        return np.array([*(curve.fixed for curve in self.rims), False])
-
-    @abstractmethod
-    def pieces(self, points: Floats) -> Integers:
-        """The numbers of the pieces (N,) whose polynomials count at points."""
-
-    def world(self, points: Floats) -> Floats:
-        """The user's coordinates of points (..., 3)."""
-        return self.frame.global_points(points)
-
-    def values(self, points: Floats) -> Floats:
-        """The values (N,)."""
-        return self._value(points, self.pieces(points))[:, 0]
-
-    def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4)."""
-        return self._jets(points, self.pieces(points))
-
-    def gradients(self, points: Floats) -> Floats:
-        """The gradients (N, 3)."""
-        return self.jets(points)[:, 1:]
-
-    def distances(self, points: Floats) -> Floats:
-        """The distances |f| / |grad f| (N,), to first order."""
-        jets = self.jets(points)
-        return np.asarray(np.abs(jets[:, 0]) / np.maximum(norms(jets[:, 1:]), TINY))
-
-    @abstractmethod
-    def near(self, points: Floats) -> Floats:
-        """Points (N, 3) of the surface near points inside or outside it."""
-
-    def drawn(self, points: Floats, still: Bools) -> tuple[Floats, Floats, Floats]:
-        """Points near the surface moved towards it, but for those that are `still` (N,), and gradients and curvatures
-        there.
-
-        By a step along the gradient, or as `near` does where the next one would be more than a tenth of it.
-        """
-        left = 0.1  # a larger share means that a point was not near the surface
-        ways = _steps(self.jets(points))
-        moved = np.where(still[:, None], points, points + ways)
-        values, gradients, bends = self._bent(moved)
-        allowed = (left**2 * dots(ways, ways) + CLOSE**2) * dots(gradients, gradients)
-        lost = ~still & ~(values * values <= allowed)
-        if lost.any():
-            moved[lost] = self.near(points[lost])
-            gradients[lost], bends[lost] = self.bending(moved[lost])
-        return moved, gradients, bends
-
-    def bending(self, points: Floats) -> tuple[Floats, Floats]:
-        """Gradients (N, 3) and the larger of the principal curvatures' sizes (N,) at points on the surface."""
-        return self._bent(points)[1:]
-
-    def _bent(self, points: Floats) -> tuple[Floats, Floats, Floats]:
-        """Values (N,), and what `bending` tells."""
-        jets = self._bends(points, self.pieces(points))
-        f, gx, gy, gz, xx, xy, xz, yy, yz, zz = jets.T
-        lengths = np.maximum(np.sqrt(gx * gx + gy * gy + gz * gz), TINY)
-        nx, ny, nz = gx / lengths, gy / lengths, gz / lengths
-        x, y, z = xx * nx + xy * ny + xz * nz, xy * nx + yy * ny + yz * nz, xz * nx + yz * ny + zz * nz
-        along = nx * x + ny * y + nz * z
-        trace = xx + yy + zz - along
-        squares = xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)
-        squares = squares + (along * along - 2 * (x * x + y * y + z * z))
-        bends = np.abs(trace) + np.sqrt(np.maximum(2 * squares - trace * trace, 0.0))
-        return f, jets[:, 1:4], bends / (2 * lengths)
-
-    def closed(self, points: Floats) -> tuple[Floats, Floats]:
-        """Points very near the surface moved onto it along gradients, (N, 3), and the gradients (N, 3) there."""
-        result, gradients, rows = np.array(points), np.empty((len(points), 3)), np.arange(len(points))
-        for _ in range(6):  # from very near the surface two or three do
-            jets = self.jets(result[rows])
-            ways, gradients[rows] = _steps(jets), jets[:, 1:]
-            result[rows] += ways
-            rows = rows[largest_of(np.abs(ways)) > CLOSE]
-            if not len(rows):
-                break
-        return result, gradients
-
-
-def _steps(jets: Floats) -> Floats:
-    """Newton's steps (N, 3) along gradients, by values and gradients (N, 4)."""
-    f, x, y, z = jets.T
-    return np.asarray((-f / np.maximum(x * x + y * y + z * z, TINY) * jets.T[1:]).T)
+from pas.surface.sheet import INSIDE, TINY, LocalSurface, gradient_steps
 
 
 class LocalField(LocalSurface):
-    """The surface with its cells, and the walls of the region in which it may end."""
+    """The surface with its cells, and the walls of the region in which it may end.
 
-    rims: list[WallCurve]
+    `rims` are the planes (k, 4), unit normals and offsets, of each wall, and then of two walls each whose line is an
+    edge of the region.
+    """
 
     def __init__(self, surface: PiecewisePolynomial) -> None:
         super().__init__(surface)
@@ -144,22 +30,19 @@ class LocalField(LocalSurface):
         self.vertices = surface.local.points
         self.cells = np.array(surface.local.cells)
         outer = surface.local.outer_faces
-        self.faces = [surface.local.points[list(face.vertices)] for face in outer]
-        wall_of = surface.local.wall_of.tolist()
-        known = {wall: _unit_plane(face) for wall, face in dict(zip(wall_of, outer, strict=True)).items()}
-        found = [known[wall] for wall in wall_of]
-        numbers = {plane: i for i, plane in enumerate(sorted(dict.fromkeys(found)))}
+        found = [_unit_plane(face) for face in outer]
+        numbers = {plane: i for i, plane in enumerate(sorted({*found}))}
         planes, self.walls = np.array([*numbers]), len(numbers)
         self._wall_of = np.array([numbers[plane] for plane in found], dtype=np.intp)
         sides = [(wall, {*face.vertices}) for wall, face in zip(self._wall_of.tolist(), outer, strict=True)]
         pairs = {(min(i, j), max(i, j)) for (i, a), (j, b) in combinations(sides, 2) if i != j and len(a & b) == 2}
         self.edges: list[tuple[int, int]] = sorted(pairs)
-        self.rims = [WallCurve(planes[[*numbers]]) for numbers in [*((i,) for i in range(self.walls)), *self.edges]]
+        self.rims = [planes[[*walls]] for walls in [*((i,) for i in range(self.walls)), *self.edges]]
         self.curves = [join.curve() for join in surface.joins if np.isfinite(join.radius)]
         self.feature_size = min((join.radius for join in surface.joins), default=np.inf)
 
     def pieces(self, points: Floats) -> Integers:
-        """The numbers of the pieces (N,) of the cells in which points are deepest."""
+        """Those of the cells in which points are deepest."""
         cells, deepest = np.zeros(len(points), dtype=np.intp), np.full(len(points), -np.inf)
         x, y, z = points.T
         for number, cell in enumerate(self._maps):
@@ -168,6 +51,11 @@ class LocalField(LocalSurface):
             cells[depths > deepest] = number
             deepest = np.maximum(deepest, depths)
         return self._piece_of[cells]
+
+    @cached_property
+    def fixed(self) -> Bools:
+        """Those of two planes: points."""
+        return np.array([*(len(planes) > 1 for planes in self.rims), False])
 
     @cached_property
     def forms(self) -> Floats:
@@ -184,14 +72,13 @@ class LocalField(LocalSurface):
     def _triangles(self) -> tuple[Floats, Floats]:
         """The outer faces (F, 3, 3), and from points' differences to a face's first corner to the shares of the other
         corners (F, 2, 3)."""
-        faces = np.array(self.faces)
+        faces = np.array([self.surface.local.points[list(face.vertices)] for face in self.surface.local.outer_faces])
         first, second = faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0]
         normals = cross(first, second)
         shares = np.stack([cross(second, normals), cross(normals, first)], axis=1)
         return faces, shares / dots(normals, normals)[:, None, None]
 
     def within(self, points: Floats) -> bool:
-        """Whether all points (N, 3) are in the region, but for rounding."""
         if not self._convex:
             return bool((self.surface.local.locate(points, tolerance=INSIDE) >= 0).all())
         return bool((self._heights(points) <= INSIDE).all())
@@ -208,8 +95,7 @@ class LocalField(LocalSurface):
         return np.asarray(planes[:, :3] @ points.T - planes[:, 3:])
 
     def between(self, ends: Floats, rims: Integers) -> Integers:
-        """See `pas.mesh.field.SheetField`: of two walls in which both ends are, that where the curve is in the region,
-        with the surface to its left."""
+        """Of two walls in which both ends are, that where the curve is in the region, with the surface to its left."""
         result = np.empty(len(ends), dtype=np.intp)
         for row, (pair, (first, second)) in enumerate(zip(ends, (rims - self.walls).tolist(), strict=True)):
             common = np.array(sorted({*self.edges[first]} & {*self.edges[second]}), dtype=np.intp)
@@ -234,15 +120,15 @@ class LocalField(LocalSurface):
         """Distances (N,) of points (N, 3) in walls or edges of given numbers (N,) from the surface there, to first
         order."""
         jets = self.jets(points)
-        return np.asarray(np.abs(jets[:, 0]) / np.maximum(norms(_free(jets[:, 1:], self._planes[1][rim])), TINY))
+        return off_zero(jets[:, 0], _free(jets[:, 1:], self._planes[1][rim]))
 
     @cached_property
     def _planes(self) -> tuple[Floats, Floats, Floats]:
         """Of each wall and edge two planes (R, 2, 4), orthonormal directions (R, 2, 3) that span their normals, and the
         ways (R, 2, 3) onto both; zeros where there is one."""
         planes, across, back = (np.zeros((len(self.rims), 2, columns)) for columns in (4, 3, 3))
-        for row, curve in enumerate(self.rims):
-            planes[row, : len(curve.planes)] = curve.planes
+        for row, own in enumerate(self.rims):
+            planes[row, : len(own)] = own
         across[:, 0] = back[:, 0] = planes[:, 0, :3]
         edges = slice(self.walls, None)
         first, second = planes[edges, 0, :3], planes[edges, 1, :3]
@@ -265,7 +151,7 @@ class LocalField(LocalSurface):
         for _ in range(20):
             jets = self.jets(result[rows])
             jets[:, 1:] = _free(jets[:, 1:], across[rows])
-            ways = _steps(jets)
+            ways = gradient_steps(jets)
             lengths = norms(ways)
             result[rows] += ways * np.minimum(farthest / np.maximum(lengths, TINY), 1.0)[:, None]
             rows = rows[lengths > settled]
@@ -286,22 +172,6 @@ def _free(gradients: Floats, across: Floats) -> Floats:
         way = across[:, number]
         gradients = gradients - dots(gradients, way)[:, None] * way
     return gradients
-
-
-@dataclass(frozen=True, eq=False)
-class WallCurve:
-    """Where a surface ends on a plane, or on the line of two planes (unit normals and offsets, (k, 4))."""
-
-    planes: Floats
-
-    @property
-    def fixed(self) -> bool:
-        """Whether its points are ends of curves, which stay."""
-        return len(self.planes) > 1
-
-    def off(self, points: Floats) -> Floats:
-        """How far points (N, 3) are from the planes."""
-        return np.asarray(np.abs(points @ self.planes[:, :3].T - self.planes[:, 3]).max(axis=1))
 
 
 def _unit_plane(face: OuterFace) -> tuple[float, ...]:

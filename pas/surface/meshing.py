@@ -11,21 +11,18 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from pas.algebra.inputs import shown_point
 from pas.arrays import Floats, Integers
-from pas.errors import GeometryError, MeshError
 from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.mesh.sheet import followed
 from pas.surface.bisection import bisected
-from pas.surface.fairness import fairness
 from pas.surface.function import PiecewisePolynomial
-from pas.surface.graph import first, require_once, rim_numbers, star
+from pas.surface.graph import first, require_once, rim_numbers
 from pas.surface.local_field import LocalField
 from pas.surface.radial_field import RadialField
-from pas.surface.triangulate import Beginnings, FoldedError, triangulate, wall_numbers
+from pas.surface.sheet import followed, remeshed
+from pas.surface.triangulate import Beginnings, triangulate, wall_numbers
 
 
 class Mesher:
@@ -90,13 +87,10 @@ class Mesher:
         field, settings = self.radial_field, Settings(aim=aim, most=LARGEST if most is None else most)
         if field is not None and self.first is not None:
             with suppress(ArithmeticError):
-                return star(field, self.first, tolerance / field.scale, settings)
+                return remeshed(field, self.first, tolerance / field.scale, settings, partial(require_once, field))
             with suppress(ArithmeticError):
                 return bisected(field, tolerance / field.scale, settings)
-        try:
-            return triangulate(self.beginnings, tolerance / self.cell_field.scale, settings)
-        except FoldedError as error:
-            raise MeshError(f"{error}{_sharpest(self.surface)}") from None
+        return triangulate(self.beginnings, tolerance / self.cell_field.scale, settings)
 
 
 def around_centre(surface: PiecewisePolynomial) -> bool:
@@ -111,19 +105,4 @@ def around_centre(surface: PiecewisePolynomial) -> bool:
         and all(patch.at((0, 0, 0)) < 0 for patch in surface.patches)
         and all(join.confined for join in surface.joins)
         and (len(surface.joins) > 0 or all(patch.at(middle) > 0 for patch, middle in middles))
-    )
-
-
-def _sharpest(surface: PiecewisePolynomial) -> str:
-    """Where a surface bends much more than its neighbours, and what makes room, in words."""
-    sharp = 10.0  # times the neighbours' curvature beyond which a surface's own is named where it cannot be meshed
-    try:
-        fair = fairness(surface)
-    except GeometryError:
-        return ""
-    if not fair.sharpness > sharp:
-        return ""
-    return (
-        f"; near {shown_point(fair.sharpest)} it is {fair.sharpness:.3g} times as sharp as its neighbours, and clips "
-        'that are farther out, as clip="auto" finds them, leave more room'
     )

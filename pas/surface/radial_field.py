@@ -5,6 +5,8 @@ The piece of a ray is that of the outer face it leaves the region through, so no
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
@@ -15,7 +17,7 @@ from pas.mesh.rows import dots
 from pas.surface.boundary_loops import BoundaryLoop, Loops
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import profile_batch
-from pas.surface.local_field import INSIDE, LocalSurface
+from pas.surface.sheet import INSIDE, LocalSurface
 
 AROUND = np.array([0.0, *1.5 ** np.arange(6.0)])
 """Shares of rays from the skeleton between which their meeting with the surface is looked for, from 1 on outwards."""
@@ -39,11 +41,15 @@ class RadialField(LocalSurface):
         self.rims = surface.placed.loops
         self._loops = Loops(self.rims)
 
+    @cached_property
+    def fixed(self) -> Bools:
+        return np.zeros(len(self.rims) + 1, dtype=bool)
+
     def between(self, ends: Floats, rims: Integers) -> Integers:
-        return np.full(len(ends), -1)
+        raise AssertionError("no curve is fixed")
 
     def within(self, points: Floats) -> bool:
-        """Whether all points (N, 3) are in the region, but for rounding: rays leave it there or farther away."""
+        """Whether rays leave the region there or farther away."""
         return bool((self.leaving(points)[0] >= 1 - INSIDE).all())
 
     def leaving(self, points: Floats) -> tuple[Floats, Integers]:
@@ -53,7 +59,7 @@ class RadialField(LocalSurface):
         return leave, self._piece[faces]
 
     def pieces(self, points: Floats) -> Integers:
-        """The pieces (N,) through whose outer faces rays to points leave the region."""
+        """Those through whose outer faces rays to points leave the region."""
         return self.leaving(points)[1]
 
     def profiles(self, points: Floats) -> tuple[Floats, Floats]:
@@ -78,11 +84,9 @@ class RadialField(LocalSurface):
         return found, ~((dots(found, jets[:, 1:]) > steep * sizes) & (np.abs(jets[:, 0]) <= off * sizes))
 
     def on_rims(self, points: Floats, rim: Integers) -> Floats:
-        """Points (N, 3) near curves of given numbers (N,) moved onto these."""
         return self._loops.at(points, rim)
 
     def rim_distances(self, points: Floats, rim: Integers) -> Floats:
-        """Distances (N,) of points (N, 3) from curves of given numbers (N,), to first order."""
         result = np.zeros(len(points))
         for number in np.unique(rim).tolist():
             result[rim == number] = self.rims[number].distances(points[rim == number])

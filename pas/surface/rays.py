@@ -146,11 +146,11 @@ class RayTarget:
         found = np.where(constant > TINY, (1 - RELATIVE) * constant / np.maximum(constant, rest), 0.0)
         return np.asarray(found[self.local.piece_of])
 
-    def in_doubles(self, rays: LocalRays, first: bool, room: int = 0) -> tuple[Found, Bools]:
+    def in_doubles(self, rays: LocalRays, room: int = 0) -> tuple[Found, Bools]:
         """The crossings of rays that are not doubtful, ray by ray, and on which of these (N,) doubles decide nothing.
 
-        With `first`, those in cells after that of a ray's first crossing may be missing.  There is `room` for so many
-        crossings, or for some a ray; where there are more, the search is repeated with room for all.
+        There is `room` for so many crossings, or for some a ray; where there are more, the search is repeated with
+        room for all.
         """
         usual = 4  # crossings of a ray on average, for which there is room at first
         number = len(rays.origins)
@@ -160,12 +160,12 @@ class RayTarget:
         room = room or usual * (number + 1)
         found, sides, exact = (np.empty(size, dtype=np.intp) for size in (room, room, number))
         parameters, counted = np.empty(room), np.zeros(1, dtype=np.intp)
-        sizes = np.array([len(self.local.cells), self.degree, first], dtype=np.intp)
+        sizes = np.array([len(self.local.cells), self.degree, False], dtype=np.intp)  # not only the first of a ray
         shot = (number, rays.origins, rays.ways, room, found, parameters, sides, exact, counted)
         compiled().call("pas_rays", sizes, *self._tables, *shot)
         total = int(counted[0])
         if total > room:
-            return self.in_doubles(rays, first, total)
+            return self.in_doubles(rays, total)
         return (found[:total], parameters[:total], sides[:total]), exact > 0
 
     @cached_property

@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 
 from pas.algebra.inputs import shown_point
 from pas.arrays import Floats, Integers
-from pas.errors import MeshError
+from pas.errors import GeometryError, MeshError
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
 from pas.mesh.field import VISIBLE
@@ -25,10 +25,12 @@ from pas.mesh.grading import Settings
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.shading import unit_rows, uprightness
-from pas.mesh.sheet import BadMeshError, open_mesh, remeshed
 from pas.mesh.topology import Edges, euler_characteristic, is_manifold, piece_count
+from pas.surface.fairness import fairness
+from pas.surface.function import PiecewisePolynomial
 from pas.surface.lattice import Subdivision
 from pas.surface.local_field import LocalField
+from pas.surface.sheet import BadMeshError, open_mesh, remeshed
 
 LEAST, FINEST = 2, 8
 """Halvings of the cells, at least and at most."""
@@ -64,11 +66,7 @@ def triangulate(beginnings: Beginnings, tolerance: float, settings: Settings) ->
             why = f"no good mesh was found: {error}{_trouble(field, error, singular)}"
     if not why:
         raise MeshError("there is no surface in the region: the function does not change sign")
-    raise FoldedError(why)
-
-
-class FoldedError(MeshError):
-    """No good mesh was found, at any tolerance."""
+    raise MeshError(f"{why}{_sharpest(field.surface)}")
 
 
 Beginning = tuple[Labelled | ArithmeticError, Floats]
@@ -123,6 +121,21 @@ def _trouble(field: LocalField, error: ArithmeticError, singular: Floats) -> str
     if not isinstance(error, BadMeshError):
         return ""
     return f" near {_place(field, error.place)}; walls of the region that the surface does not graze there may help"
+
+
+def _sharpest(surface: PiecewisePolynomial) -> str:
+    """Where a surface bends much more than its neighbours, and what makes room, in words."""
+    sharp = 10.0  # times the neighbours' curvature beyond which a surface's own is named where it cannot be meshed
+    try:
+        fair = fairness(surface)
+    except GeometryError:
+        return ""
+    if not fair.sharpness > sharp:
+        return ""
+    return (
+        f"; near {shown_point(fair.sharpest)} it is {fair.sharpness:.3g} times as sharp as its neighbours, and clips "
+        'that are farther out, as clip="auto" finds them, leave more room'
+    )
 
 
 def _place(field: LocalField, point: Floats) -> str:
