@@ -1,8 +1,8 @@
 """Shapes: the base of everything that has a surface, and the kinds of shapes.
 
 A `Shape` gives its certificate and its mesh; saving, writing, drawing, showing are the same for all and are found by
-name when they are asked for, so that an object never knows who saves, prints or draws it.  What differs from kind to
-kind stands in one `Kind` each, in `pas.kinds`, listed in `KINDS` and found by a shape's `kind`.
+name, in layers above, when they are asked for, so that an object never knows who saves, prints or draws it.  What
+differs from kind to kind stands in one `Kind` each, in `pas.kinds`, listed in `KINDS` and found by a shape's `kind`.
 """
 
 from __future__ import annotations
@@ -23,17 +23,6 @@ from pas.errors import missing
 from pas.registry import Registry, loaded
 from pas.settings import MeshSettings, given
 from pas.verdicts import Verdicts
-
-VERBS = {
-    "save": "pas.kinds.files:save",
-    "write": "pas.exchange.write:write",
-    "draw": "pas.render.drawing:draw",
-    "show": "pas.render.drawing:show",
-    "html": "pas.render.drawing:html",
-    "studio": "pas.studio.widget:studio",
-}
-"""The implementations of the methods that all shapes have, in layers above."""
-
 
 S = TypeVar("S", bound="Shape")
 
@@ -126,30 +115,30 @@ class Shape(ABC):
 
     def save(self, path: str | Path, **options: Any) -> Path:
         """Write the exact project file (`.pas.json`); returns its path.  See `pas.save`."""
-        return loaded(VERBS["save"])(self, path, **options)
+        return loaded("pas.kinds.files:save")(self, path, **options)
 
     def write(self, path: str | Path, **options: Any) -> Path:
         """Write a file of another format, which the suffix says; returns its path.  See `pas.write`."""
-        return loaded(VERBS["write"])(self, path, **options)
+        return loaded("pas.exchange.write:write")(self, path, **options)
 
     def draw(self, path: str | Path, **options: Any) -> Path:
         """Draw a picture (`.png`); returns its path.  See `pas.draw`."""
-        return loaded(VERBS["draw"])(self, path, **options)
+        return loaded("pas.render.drawing:draw")(self, path, **options)
 
     def show(self, **options: Any) -> None:
         """Show it in a window.  See `pas.show`."""
-        loaded(VERBS["show"])(self, **options)
+        loaded("pas.render.drawing:show")(self, **options)
 
     def studio(self) -> Any:
         """A widget for notebooks in which it is dragged and proved; needs `pas[notebook]`.
 
         `.shape` of the widget is what is seen at rest.  Raises `MissingLibraryError` without the library.
         """
-        return loaded(VERBS["studio"])(self)
+        return loaded("pas.studio.widget:studio")(self)
 
     def _repr_html_(self) -> str:
         """A table and a picture, for notebooks."""
-        return str(loaded(VERBS["html"])(self))
+        return str(loaded("pas.render.drawing:html")(self))
 
 
 def refuse_mixed(first: Shape, second: object) -> NoReturn:

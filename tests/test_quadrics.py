@@ -375,8 +375,8 @@ def test_quadrics_that_touch_along_a_conic(first, second, interval):
 
 def test_planes_of_a_pencil():
     found = members(Quadric("x^2 + y^2 - 1"), Quadric("y^2 + z^2/4 - 1"))
-    pair = next(m for m in found if m.inertia == (1, 1))
-    planes = np.array([[float(Fraction(str(c))) for c in p] for p in planes_of(pair.matrix)])
+    pair = next(matrix for matrix, signs in found if signs == (1, 1))
+    planes = np.array([[float(Fraction(str(c))) for c in p] for p in planes_of(pair)])
     product = np.outer(planes[0], planes[1])
-    q = to_array(pair.matrix)
+    q = to_array(pair)
     np.testing.assert_allclose((product + product.T) / 2 * q[0, 0] / product[0, 0], q, atol=1e-14)

@@ -56,11 +56,7 @@ def _fail(options: argparse.Namespace, error: Exception, code: int) -> int:
     if options.debug:
         traceback.print_exc()
     text = f"{error.strerror}: {error.filename}" if isinstance(error, OSError) and error.strerror else str(error)
-    print(f"pas: {_one_line(text)}", file=sys.stderr)
+    line = " ".join(text.split())  # what it quotes (polynomials, say) may be long, and is cut in the middle then
+    line = line if len(line) <= 600 else f"{line[:300]} ... {line[-300:]}"
+    print(f"pas: {line}", file=sys.stderr)
     return code
-
-
-def _one_line(text: str) -> str:
-    """A sentence on one line; what it quotes (polynomials, say) may be long, and is cut in the middle then."""
-    line = " ".join(text.split())
-    return line if len(line) <= 600 else f"{line[:300]} ... {line[-300:]}"

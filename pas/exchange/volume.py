@@ -35,7 +35,6 @@ from pas.mesh.rows import counted_on
 from pas.mesh.topology import is_closed_manifold
 from pas.registry import loaded
 from pas.settings import MeshSettings
-from pas.shape import VERBS
 from pas.solid.assembly import Assembly
 from pas.solid.solid import Solid
 
@@ -124,7 +123,7 @@ class VolumeMesh:
         `region`, -1 where a cell has none.  Raises `ValueError` for another suffix.
         """
         target(path, (".vtu", ".msh"), "tetrahedra")
-        return Path(loaded(VERBS["write"])(self, path))
+        return Path(loaded("pas.exchange.write:write")(self, path))
 
 
 @limited("filling a solid with tetrahedra", "a coarser tolerance or a larger edge_length")

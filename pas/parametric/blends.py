@@ -33,7 +33,7 @@ from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.parametric.data import AXES, BlendingData, ParametricCertificate, contact_verdicts
-from pas.parametric.hermite import HermiteValues, blending_polynomial, exact_hermite
+from pas.parametric.hermite import HermiteValues, blending_polynomial, taylor_basis
 from pas.parametric.maps import DomainLike
 from pas.parametric.regularity import regularity
 from pas.parametric.series import Components, taylor, univariate
@@ -202,8 +202,16 @@ def hermite_blend(data: BlendingData, order: int, **limits: Unpack[WorkLimits]) 
     _require_data(data)
 
     def source() -> Components:
-        expansions = [data.expansions(i, k) for i in range(len(data.surfaces))]
-        return exact_hermite(data.values, expansions, k, data.surfaces[0].parameters)
+        names, numbers = data.surfaces[0].parameters, range(len(data.surfaces))
+        rows = [row for i in numbers for row in data.coefficients(i, k)]
+        basis = [univariate(p, 1) for i in numbers for p in taylor_basis(data.values, i, k)]
+        functions = [RationalFunction.from_lowest_terms(p, ONE, names) for p in basis]
+
+        def summed(axis: int) -> RationalFunction:
+            checkpoint("adding up the Hermite blend")
+            return total([f * row[axis] for f, row in zip(functions, rows, strict=True)])
+
+        return three(map(summed, range(3)))
 
     return ParametricBlend(data, k, _surface(data, HermiteValues(data.surfaces, data.values, k), source))
 
@@ -261,15 +269,13 @@ def has_polynomial_solution(data: BlendingData, order: int) -> PolynomialCriteri
     _require_data(data)
     data.require_exact()
     for i, value in enumerate(data.values):
-        for axis, part in zip(AXES, data.expansions(i, k), strict=True):
-            if part.denominator.degree() > 0:
-                j = next(j for j in range(k + 1) if part.denominator.gcd(part.numerators[j]) != part.denominator)
-                what = axis if j == 0 else f"d{axis}/dh" if j == 1 else f"d^{j}{axis}/dh^{j}"
-                below = part.functions[j]
-                where = f"surfaces[{i}] at {data.surfaces[i].parameters[1]} = {short(plain(value))}"
-                return PolynomialCriterion(
-                    False, f"{what} of {where} is no polynomial; its denominator is {short(str(below.denominator))}"
-                )
+        for axis, parts in zip(AXES, zip(*data.coefficients(i, k), strict=True), strict=True):
+            for j, part in enumerate(parts):
+                if not part.is_polynomial:
+                    what = axis if j == 0 else f"d{axis}/dh" if j == 1 else f"d^{j}{axis}/dh^{j}"
+                    where = f"surfaces[{i}] at {data.surfaces[i].parameters[1]} = {short(plain(value))}"
+                    below = short(str(part.denominator))
+                    return PolynomialCriterion(False, f"{what} of {where} is no polynomial; its denominator is {below}")
     return PolynomialCriterion(True, f"all derivatives up to order {k} at the values are polynomials")
 
 

@@ -31,7 +31,7 @@ from pas.bernstein.forms import UNIT_ROUNDOFF, rounded
 from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.parametric.maps import Ends, ExactDomain
 from pas.parametric.nets import PlacedNets, box_form
-from pas.parametric.series import roots_between
+from pas.parametric.series import rounded_roots
 from pas.verdicts import Status
 
 HALF = Fraction(1, 2)
@@ -218,7 +218,7 @@ class _Seeker:
         """Find a zero between two places at which the only polynomial has values of different signs, to rounding."""
         along = [a + (b - a) * GENERATORS[0] for a, b in zip(first, last, strict=True)]
         line = in_one(self.polynomials[0].compose(*along, ctx=RING), 0)
-        share = rational(roots_between(line, fmpq(0), fmpq(1))[0])
+        share = rational(rounded_roots(line, fmpq(0), fmpq(1))[0])
         place = first[0] + (last[0] - first[0]) * share, first[1] + (last[1] - first[1]) * share
         if not self._near(place, chart):
             self.zero, self.exact = place, False

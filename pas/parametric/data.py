@@ -14,18 +14,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from functools import lru_cache
 
 import numpy as np
 from flint import fmpq, fmpq_poly
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import MOST_SURFACES, check_order, short, shown
-from pas.algebra.rational import Exact, plain, to_float, to_fraction
+from pas.algebra.rational import Exact, plain, rational, three, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
 from pas.errors import GeometryError
-from pas.parametric.hermite import Expansion, distinct
-from pas.parametric.maps import ExactDomain
+from pas.parametric.hermite import distinct
+from pas.parametric.maps import Ends, ExactDomain
 from pas.parametric.nets import finite_part
 from pas.parametric.series import Components, rounded_roots, taylor, univariate
 from pas.parametric.surface import ParametricSurface
@@ -118,12 +117,8 @@ class BlendingData:
 
     def coefficients(self, number: int, order: int) -> list[Components]:
         """Exact Taylor coefficients in h of one surface at its value, j = 0..order, as functions of t."""
-        x, y, z = (p.functions for p in self.expansions(number, order))
-        return list(zip(x, y, z, strict=True))
-
-    def expansions(self, number: int, order: int) -> tuple[Expansion, ...]:
-        """Exact Taylor coefficients in h of each component over their least common denominator."""
-        return _expansions(self.surfaces[number].components, self.values[number], order)
+        parts = (_series(c, self.values[number], order) for c in self.surfaces[number].components)
+        return [three(row) for row in zip(*parts, strict=True)]
 
     def isolated_points(self, everywhere: bool = False) -> tuple[IsolatedPoint, ...]:
         """Every real t of the domain at which a surface is not defined on its curve, and why.
@@ -135,7 +130,7 @@ class BlendingData:
             for i, (surface, value) in enumerate(zip(self.surfaces, self.values, strict=True))
             for axis, component in zip(AXES, surface.components, strict=True)
             for at in (self.values if everywhere else (value,))
-            for point in _isolated(i, axis, component, at, surface.domain[0])
+            for point in _isolated(i, axis, component, at, surface.ends[0])
         )
 
     def require_exact(self) -> None:
@@ -165,38 +160,28 @@ class BlendingData:
         return f"{len(self.surfaces)} surfaces at " + ", ".join(str(to_fraction(v)) for v in self.values)
 
 
-@lru_cache(maxsize=256)
-def _expansions(components: Components, value: fmpq, order: int) -> tuple[Expansion, ...]:
-    return tuple(_expansion(component, value, order) for component in components)
-
-
-def _expansion(component: RationalFunction, value: fmpq, order: int) -> Expansion:
+def _series(component: RationalFunction, value: fmpq, order: int) -> list[RationalFunction]:
     """Division of series: c_j = N_j / d_0^(j+1), N_j = n_j d_0^j - sum_l d_l d_0^(l-1) N_(j-l)."""
     above = taylor(component.numerator, value, order)
     below = taylor(component.denominator, value, order)
-    lead = below[0]
-    powers = [lead**j for j in range(order + 2)]
-    raw: list[fmpq_poly] = []
+    powers = [below[0] ** j for j in range(order + 2)]
+    tops: list[fmpq_poly] = []
     for j in range(order + 1):
-        rest = sum((below[m] * powers[m - 1] * raw[j - m] for m in range(1, j + 1)), fmpq_poly([0]))
-        raw.append(above[j] * powers[j] - rest)
-    tops, bottom = [raw[j] * powers[order - j] for j in range(order + 1)], powers[order + 1]
-    common = bottom
-    for top in tops:
-        common = common.gcd(top)
-    scale = (bottom / common).leading_coefficient()
-    return Expansion(tuple(top / common / scale for top in tops), bottom / common / scale)
+        rest = sum((below[m] * powers[m - 1] * tops[j - m] for m in range(1, j + 1)), fmpq_poly([0]))
+        tops.append(above[j] * powers[j] - rest)
+    return [
+        RationalFunction.quotient(univariate(top, 0), univariate(bottom, 0))
+        for top, bottom in zip(tops, powers[1:], strict=True)
+    ]
 
 
-def _isolated(
-    number: int, axis: str, component: RationalFunction, value: fmpq, domain: tuple[float, float]
-) -> list[IsolatedPoint]:
+def _isolated(number: int, axis: str, component: RationalFunction, value: fmpq, ends: Ends) -> list[IsolatedPoint]:
     above, below = (taylor(p, value, 0)[0] for p in (component.numerator, component.denominator))
     found = []
     for factor, _ in below.factor()[1]:
         kind = PointKind.BASE_POINT if above.gcd(factor).degree() > 0 else PointKind.POLE
         text = str(RationalFunction.quotient(univariate(factor, 0), ONE))
-        roots = [root for root in rounded_roots(factor) if domain[0] <= root <= domain[1]]
+        roots = rounded_roots(factor, *(None if end is None else rational(end) for end in ends))
         found += [IsolatedPoint(number, axis, root, value, text, kind) for root in roots]
     return sorted(found, key=lambda p: p.t)
 
@@ -226,14 +211,10 @@ def contact_verdicts(surface: ParametricSurface, data: BlendingData, order: int)
 
 def contact_order(first: RationalFunction, second: RationalFunction, value: fmpq, highest: int) -> int:
     """The greatest j <= highest up to which all derivatives in h agree at h = value; -1 for none."""
-    a, b, c, d = (taylor(p, value, highest) for f in (first, second) for p in (f.numerator, f.denominator))
-    if b[0].is_zero() or d[0].is_zero():
+    if any(taylor(f.denominator, value, 0)[0].is_zero() for f in (first, second)):
         return -1
-    for j in range(highest + 1):
-        difference = sum((a[m] * d[j - m] - c[m] * b[j - m] for m in range(j + 1)), fmpq_poly([0]))
-        if not difference.is_zero():
-            return j - 1
-    return highest
+    difference = first.numerator * second.denominator - second.numerator * first.denominator
+    return next((j - 1 for j, c in enumerate(taylor(difference, value, highest)) if not c.is_zero()), highest)
 
 
 def _contact(surface: ParametricSurface, other: ParametricSurface, value: fmpq, number: int, order: int) -> Verdict:

@@ -9,13 +9,12 @@ The Hermite blend is T = sum_i sum_{j<=k} (d^j P_i/dh^j)(t, s_i) L_ij(h) (Perez-
 
 In doubles it is evaluated without expanding it, fast and stable: T = sum_i w_i(h) S_i(t, h - s_i),
 w_i = prod_{l != i} ((h - s_l)/(s_i - s_l))^(k+1) and S_i the Taylor polynomial of degree k of P_i / w_i at s_i.  The
-factors w_i stay factored.  The coefficients of S_i are exact functions of t where the denominators of a surface do not
-depend on h; those of other surfaces come from Taylor arithmetic.
+factors w_i stay factored, and the coefficients of S_i come from Taylor arithmetic.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, reduce
@@ -27,32 +26,13 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_poly
 
-from pas.algebra.evaluation import Bundle, as_arrays
-from pas.algebra.expressions import Names
+from pas.algebra.evaluation import as_arrays
 from pas.algebra.inputs import check_order, short, shown
 from pas.algebra.jets import Jet, along, constant, nilpotency, power, variables
-from pas.algebra.rational import Exact, plain, rational, three, to_float, to_fraction
+from pas.algebra.rational import Exact, plain, rational, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
-from pas.limits import checkpoint
-from pas.parametric.series import Components, taylor, univariate
+from pas.parametric.series import univariate
 from pas.parametric.surface import ParametricSurface
-
-
-@dataclass(frozen=True)
-class Expansion:
-    """Taylor coefficients in h of one component: `numerators[j] / denominator` as functions of t.
-
-    The denominator is the least common one of all j (in lowest terms, monic).
-    """
-
-    numerators: tuple[fmpq_poly, ...]
-    denominator: fmpq_poly
-
-    @property
-    def functions(self) -> list[RationalFunction]:
-        """The coefficients, each in lowest terms."""
-        below = univariate(self.denominator, 0)
-        return [RationalFunction.quotient(univariate(n, 0), below) for n in self.numerators]
 
 
 def hermite_basis(values: Sequence[Exact], order: int) -> tuple[tuple[RationalFunction, ...], ...]:
@@ -93,26 +73,18 @@ def taylor_basis(values: Sequence[fmpq], number: int, order: int) -> list[fmpq_p
     node = values[number]
     step = fmpq_poly([-node, 1])
     outer = prod((fmpq_poly([-o / (node - o), 1 / (node - o)]) for o in _others(values, number)), start=fmpq_poly([1]))
-    outer = outer ** (order + 1)
     inverse = inverse_series(values, number, order)
-    basis = []
-    for j in range(order + 1):
-        cut = fmpq_poly([fmpq(0)])
-        for coefficient in reversed(inverse[: order - j + 1]):
-            cut = cut * step + coefficient
-        basis.append(outer * cut * step**j)
-    return basis
+    return [outer ** (order + 1) * inverse.truncate(order - j + 1)(step) * step**j for j in range(order + 1)]
 
 
-def inverse_series(values: Sequence[fmpq], number: int, order: int) -> list[fmpq]:
-    """Taylor coefficients at s_i of prod_{l != i} ((s_i - s_l) / (h - s_l))^(k+1)."""
+def inverse_series(values: Sequence[fmpq], number: int, order: int) -> fmpq_poly:
+    """The Taylor polynomial at s_i of prod_{l != i} ((s_i - s_l) / (h - s_l))^(k+1)."""
     node = values[number]
     series = fmpq_poly([1])
     for other in _others(values, number):
         geometric = fmpq_poly([(-1 / (node - other)) ** m for m in range(order + 1)])
         series = series.mul_low(geometric, order + 1)
-    whole = series.pow_trunc(order + 1, order + 1)
-    return [whole[j] for j in range(order + 1)]
+    return series.pow_trunc(order + 1, order + 1)
 
 
 def _others(values: Sequence[fmpq], number: int) -> list[fmpq]:
@@ -128,24 +100,6 @@ def distinct(values: Sequence[Exact]) -> tuple[fmpq, ...]:
         if a == b:
             raise ValueError(f"values[{i}] and values[{j}] are both {short(plain(a))}; give each surface its own value")
     return exact
-
-
-def exact_hermite(
-    values: Sequence[fmpq], expansions: Sequence[Sequence[Expansion]], order: int, names: Names
-) -> Components:
-    """The blend in lowest terms from the expansions of the three components of each surface."""
-    basis = [univariate(p, 1) for i in range(len(values)) for p in taylor_basis(values, i, order)]
-
-    def summed(parts: Sequence[Expansion]) -> RationalFunction:
-        checkpoint("adding up the Hermite blend")
-        below = fmpq_poly([1])
-        for part in parts:
-            below = below * (part.denominator / below.gcd(part.denominator))
-        tops = [univariate(n * (below / part.denominator), 0) for part in parts for n in part.numerators]
-        above = sum((top * p for top, p in zip(tops, basis, strict=True)), ONE * 0)
-        return RationalFunction.quotient(above, univariate(below, 0), names)
-
-    return three(summed(parts) for parts in zip(*expansions, strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,9 +119,9 @@ class HermiteValues:
         steps = [h - to_float(value) for value in self.values]
         total: list[Any] = [0.0, 0.0, 0.0]
         with np.errstate(all="ignore"):
-            for number, (step, series) in enumerate(zip(steps, self._series, strict=True)):
+            for number, step in enumerate(steps):
                 outer = self._outer(steps, number)
-                for axis, coefficients in enumerate(series(t)):
+                for axis, coefficients in enumerate(self._series(number, t)):
                     inner = coefficients[-1]
                     for coefficient in coefficients[-2::-1]:
                         inner = inner * step + coefficient
@@ -181,34 +135,17 @@ class HermiteValues:
         return power(reduce(mul, factors) * (1.0 / prod(widths)), self.order + 1)
 
     @cached_property
-    def _series(self) -> list[Callable[[Any], list[list[Any]]]]:
-        """For each surface the coefficients j = 0..k of (h - s_i)^j in P_i / w_i, of each coordinate, at t."""
-        inverses = [inverse_series(self.values, i, self.order) for i in range(len(self.values))]
-        return [_series_of(*each) for each in zip(self.surfaces, self.values, inverses, strict=True)]
+    def _inverses(self) -> list[list[float]]:
+        """For each surface the Taylor coefficients of 1 / w_i at s_i."""
+        found = [inverse_series(self.values, number, self.order) for number in range(len(self.values))]
+        return [[to_float(series[j]) for j in range(self.order + 1)] for series in found]
 
-
-def _series_of(surface: ParametricSurface, value: fmpq, inverse: list[fmpq]) -> Callable[[Any], list[list[Any]]]:
-    """Exact ones where denominators depend on t alone, else by derivatives in h; `inverse` are those of 1 / w_i."""
-    size = len(inverse)
-    if surface.is_exact and not any(c.denominator.degrees()[1] for c in surface.components):
-        rows = [taylor(c.numerator, value, size - 1) for c in surface.components]
-        below = [c.denominator for c in surface.components]
-        mixed = [(univariate(p, 0), d) for row, d in zip(rows, below, strict=True) for p in _times(row, inverse)]
-        bundle = Bundle.of_pairs(mixed)
-
-        def exact(t: Any) -> list[list[Any]]:
-            found = bundle.quotients(t, 0.0)
-            return [list(found[start : start + size]) for start in range(0, 3 * size, size)]
-
-        return exact
-    shares = [to_float(v) for v in inverse]
-
-    def numeric(t: Any) -> list[list[Any]]:
+    def _series(self, number: int, t: Any) -> list[list[Any]]:
+        """The coefficients j = 0..k of (h - s_i)^j in P_i / w_i, of each coordinate, at t."""
         base = t.value if isinstance(t, Jet) else t
-        parts = surface.values(*variables(base, to_float(value), (nilpotency(t), size - 1)))
-        return [_times(_rows(part, t, size), shares) for part in parts]
-
-    return numeric
+        at = variables(base, to_float(self.values[number]), (nilpotency(t), self.order))
+        rows = (_rows(part, t, self.order + 1) for part in self.surfaces[number].values(*at))
+        return [_times(row, self._inverses[number]) for row in rows]
 
 
 def _rows(part: Any, t: Any, size: int) -> list[Any]:

@@ -91,7 +91,8 @@ class ParametricMap:
         exact = [p.exact for p in parts if p.exact is not None]
         if len(exact) == 3:
             whole: Components = (exact[0], exact[1], exact[2])
-            self._fill(names, domain, _exact_values(whole), lambda: whole, "", None)
+            bundle = cache(lambda: Bundle.of_pairs([(c.numerator, c.denominator) for c in whole]))
+            self._fill(names, domain, lambda t, h: bundle().quotients(t, h), lambda: whole, "", None)
             return
         formulas = [p.formula for p in parts]
         values: Values = lambda t, h: (formulas[0](t, h), formulas[1](t, h), formulas[2](t, h))  # noqa: E731
@@ -296,12 +297,6 @@ def _names(parameters: Any) -> Names:
     if len(names) != 2 or names[0] == names[1] or not all(isinstance(n, str) and n.isidentifier() for n in names):
         raise ValueError(f"parameters must be two different names such as ('t', 'h'), not {shown(parameters)}")
     return names[0], names[1]
-
-
-def _exact_values(components: Components) -> Values:
-    """Evaluation of exact components as they stand, prepared when first asked for."""
-    bundle = cache(lambda: Bundle.of_pairs([(c.numerator, c.denominator) for c in components]))
-    return lambda t, h: bundle().quotients(t, h)
 
 
 def _text_of(expressions: Sequence[Any]) -> Text | None:

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import pairwise
 from itertools import product as pairs_of
 from typing import Self
@@ -164,7 +163,7 @@ class CellMesher:
     """A mesh of a surface, on its `rectangle`, within a tolerance `wanted` in its frame.
 
     Cells are first parts of the rectangle, so many each way; where they are to be `even` none is long that has four
-    sides.  `count` are the cells that stay.
+    sides.  `count` are the cells that stay; bounds are `proved` where there are nets.
     """
 
     framed: Framed
@@ -173,11 +172,7 @@ class CellMesher:
     parts: tuple[int, int]
     even: bool
     count: int = 0
-
-    @cached_property
-    def whole(self) -> Nets | None:
-        """The net of an exact surface, unless it is too large to work with."""
-        return self._net(np.array([0, GRID, 0, GRID]))
+    proved: bool = False
 
     @property
     def aim(self) -> float:
@@ -186,22 +181,22 @@ class CellMesher:
 
     def mesh(self) -> Mesh:
         """Raises `GeometryError` near poles, `MeshError` for a tolerance that is too fine."""
-        framed, whole = self.framed, self.whole
-        leaves, points, worst, off = self._leaves()
-        tiles = assemble(framed.surface, leaves, points, framed.size)
-        if not len(tiles.triangles):
+        framed = self.framed
+        leaves, known, worst, off = self._leaves()
+        points, triangles, normals, shares, moved = assemble(framed.surface, leaves, known, framed.size)
+        if not len(triangles):
             raise GeometryError(f"the surface is a curve as far as doubles tell, less than {SEAM:.0e} as wide as long")
-        outside, rounding = framed.points_outside(tiles.points)
-        away = tiles.away + off + rounding
+        outside, rounding = framed.points_outside(points)
+        away = moved + off + rounding
         if away > self.wanted - worst:
             raise self._too_fine(self.wanted)
         return Mesh.smooth(
             outside,
-            tiles.triangles,
-            tiles.normals,
-            parameters=framed.parameters_outside(tiles.shares),
+            triangles,
+            normals,
+            parameters=framed.parameters_outside(shares),
             deviation=framed.outside((worst + away) * (1 + 2.0**-40)),  # for the rounding of the sum of bounds
-            proved=whole is not None,
+            proved=self.proved,
         )
 
     def _net(self, cell: Integers) -> Nets | None:
@@ -220,7 +215,8 @@ class CellMesher:
         ends = [[round(GRID / fine * k / n) * fine for k in range(n + 1)] for n in self.parts]
         for first, second in pairs_of(*map(pairwise, ends)):
             cell = np.array([*first, *second])
-            nets = self.whole if len(ends[0]) == len(ends[1]) == 2 else self._net(cell)
+            nets = self._net(cell)
+            self.proved = nets is not None
             nets = Nets(np.zeros((1, 2, 2, 1)), np.zeros((1, 2, 2))) if nets is None else nets
             none, unseen, points = np.zeros(1, dtype=np.intp), np.zeros(1), np.zeros((1, 5, 3))
             cells = GridCells(nets.table, nets.off, cell[None], none, unseen, unseen, none, points, unseen, unseen > 0)
@@ -229,10 +225,10 @@ class CellMesher:
 
     def _seen(self, cells: GridCells) -> GridCells:
         """Cells with their bounds; nothing measured is believed before three halvings each way."""
-        errors = measured(self.framed.surface, cells.places) if self.whole is None else bounded(cells)
+        errors = bounded(cells) if self.proved else measured(self.framed.surface, cells.places)
         with np.errstate(all="ignore"):
             bounds, axes = errors.bounds_and_axes
-        if self.whole is None:
+        if not self.proved:
             bounds[cells.halvings < 6] = math.inf
         axes = np.where(np.isfinite(bounds), axes, cells.halvings % 2)
         done = bounds <= self.aim
@@ -257,7 +253,7 @@ class CellMesher:
         of measured bound, since smooth surfaces have run out of triangles before.  Proved bounds are rounding then."""
         lost = far.select((far.halvings >= 40) | ~np.isfinite(far.bounds))
         if len(lost) and (lost.halvings.max() >= 32 or count > LARGEST):
-            if self.whole is not None and np.isfinite(lost.bounds).all():
+            if self.proved and np.isfinite(lost.bounds).all():
                 raise self._too_fine(self.aim)
             values = self.framed.parameters_outside(lost.places[0].reshape(2, 2).mean(axis=1) / GRID)
             place = ", ".join(f"{n} = {x:.6g}" for n, x in zip(self.framed.bounded.parameters, values, strict=True))

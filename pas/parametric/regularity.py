@@ -76,7 +76,9 @@ def _systems(surface: ParametricMap) -> list[tuple[str, list[fmpq_mpoly]]]:
     """Sets of polynomials without a common zero; a common factor of the normal stands by itself."""
     below = {str(c.denominator): c.denominator for c in surface.components if not c.is_polynomial}
     systems = [("a denominator vanishes", [_radical(d)]) for _, d in sorted(below.items())]
-    normal = normal_numerators(surface)
+    parts = [(c.numerator, c.denominator) for c in surface.components]
+    first, second = ([n.derivative(i) * d - n * d.derivative(i) for n, d in parts] for i in (0, 1))
+    normal = list(cross(first, second))  # they vanish together exactly where the normal does, away from poles
     common = normal[0].gcd(normal[1]).gcd(normal[2])
     if not common.is_zero() and not common.is_constant():
         normal = [n / common for n in normal]
@@ -127,13 +129,6 @@ def _sampled(surface: ParametricMap, claim: str, why: str) -> Verdict:
         reason += ", and at some of them one of the two vanishes"
     good = Status.HOLDS_MEASURED if finite.all() else Status.UNDECIDED
     return Verdict(Status.FAILS_MEASURED if still or flat else good, claim, reason)
-
-
-def normal_numerators(surface: ParametricMap) -> list[fmpq_mpoly]:
-    """Three polynomials that vanish together exactly where the normal does, away from poles."""
-    parts = [(c.numerator, c.denominator) for c in surface.components]
-    first, second = ([n.derivative(i) * d - n * d.derivative(i) for n, d in parts] for i in (0, 1))
-    return list(cross(first, second))
 
 
 @dataclass(frozen=True)

@@ -42,23 +42,11 @@ def taylor(polynomial: fmpq_mpoly, at: fmpq, order: int | None = None) -> list[f
     return [of_coefficients(rows.get(j, {})) for j in range(last + 1)]
 
 
-def rounded_roots(polynomial: fmpq_poly) -> list[float]:
-    """The distinct real roots, in order, rounded."""
-    return [to_float(middle_of(root.ball())) for root in sorted(real_roots(polynomial))]
-
-
-def roots_and_sides(polynomial: fmpq_poly, low: fmpq, high: fmpq) -> list[tuple[float, bool]]:
-    """The distinct real roots, in order, rounded, and whether low < root < high, decided exactly."""
-    ends = rational_root(low), rational_root(high)
-    return [(to_float(middle_of(root.ball())), ends[0] < root < ends[1]) for root in sorted(real_roots(polynomial))]
-
-
-def roots_between(polynomial: fmpq_poly, low: fmpq, high: fmpq) -> list[float]:
-    """The distinct real roots with low < root < high, in order, rounded; which these are is decided exactly."""
-    return [root for root, inside in roots_and_sides(polynomial, low, high) if inside]
-
-
-def zeros_in_unit_interval(polynomial: fmpq_poly) -> list[float]:
-    """The real zeros in [0, 1], in order, rounded; whether they lie there is decided exactly."""
-    ends = [float(e) for e in (0, 1) if polynomial(e) == 0]
-    return sorted([*ends, *roots_between(polynomial, fmpq(0), fmpq(1))])
+def rounded_roots(polynomial: fmpq_poly, low: fmpq | None = None, high: fmpq | None = None) -> list[float]:
+    """The distinct real roots with low <= root <= high, in order, rounded; which these are is decided exactly."""
+    roots = sorted(real_roots(polynomial))
+    if low is not None:
+        roots = [root for root in roots if rational_root(low) <= root]
+    if high is not None:
+        roots = [root for root in roots if root <= rational_root(high)]
+    return [to_float(middle_of(root.ball())) for root in roots]

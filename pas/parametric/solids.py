@@ -211,13 +211,8 @@ class FlatEnd(Distance):
     """How far points are above the plane in which a surface ends, where the body ends there; else negative."""
 
     def __init__(self, distance: SurfaceDistance, number: int) -> None:
-        self.distance, self.number = distance, number
+        self.distance, self.number, self.edge = distance, number, distance.edges[number]
         self.plane = self.edge.middle, self.edge.outwards
-
-    @property
-    def edge(self) -> FlatEdge:
-        """Where the surface ends."""
-        return self.distance.edges[self.number]
 
     def jets(self, points: Floats) -> Floats:
         edge, gap = self.edge, self.distance.gap

@@ -202,7 +202,7 @@ def one_parameter(expression: Any) -> Any:
 
 @dataclass(frozen=True)
 class Forms:
-    """First and second forms (N, 2, 2) and unit normals (N, 3) of a surface at N places; nan at poles.
+    """First and second forms, E, F, G and L, M, N, (N, 3) each, and unit normals (N, 3) at N places; nan at poles.
 
     With P_t, P_h and the normal N = P_t x P_h / |P_t x P_h| these are I = [P_i . P_j] and II = -[P_ij . N], whose sign
     is that of a ball with its normals outwards: the principal curvatures are the eigenvalues of I^-1 II, the normal
@@ -222,13 +222,14 @@ class Forms:
         sizes = np.linalg.norm(p, axis=-1) * np.linalg.norm(q, axis=-1)
         with np.errstate(all="ignore"):
             normals = cross / np.where(length > 1e-12 * sizes, length, np.nan)[:, None]
-        first = _symmetric(*((u * v).sum(axis=-1) for u, v in ((p, p), (p, q), (q, q))))
-        return cls(first, _symmetric(*(-(b * normals).sum(axis=-1) for b in bends)), normals)
+        first = [(u * v).sum(axis=-1) for u, v in ((p, p), (p, q), (q, q))]
+        second = [-(b * normals).sum(axis=-1) for b in bends]
+        return cls(np.stack(first, axis=-1), np.stack(second, axis=-1), normals)
 
     @property
     def principal(self) -> Floats:
         """Principal curvatures (N, 2), the larger first, positive where it bends like a ball with normals outwards."""
-        (a, b, c), (e, f, g) = ((m[:, 0, 0], m[:, 0, 1], m[:, 1, 1]) for m in (self.first, self.second))
+        (a, b, c), (e, f, g) = self.first.T, self.second.T
         with np.errstate(all="ignore"):
             area = a * c - b * b
             mean = (e * c - 2 * f * b + g * a) / (2 * area)
@@ -238,16 +239,12 @@ class Forms:
 
     def along(self, directions: Floats) -> Floats:
         """Normal curvatures (N,) in directions (2,) or (N, 2) of the parameters."""
-        ways = np.broadcast_to(directions, (len(self.normals), 2))
+        u, v = np.broadcast_to(directions, (len(self.normals), 2)).T
+        terms = np.stack([u * u, 2 * u * v, v * v], axis=-1)
         with np.errstate(all="ignore"):
-            above, below = (np.einsum("ni,nij,nj->n", ways, form, ways) for form in (self.second, self.first))
-            return np.asarray(above / below)
+            return np.asarray((self.second * terms).sum(axis=1) / (self.first * terms).sum(axis=1))
 
     def principal_for(self, normals: Floats) -> Floats:
         """`principal` as seen from the side to which `normals` (N, 3) point."""
         turned = (self.normals * normals).sum(axis=1) < 0
         return np.where(turned[:, None], -self.principal[:, ::-1], self.principal)
-
-
-def _symmetric(a: Floats, b: Floats, c: Floats) -> Floats:
-    return np.stack([np.stack([a, b], axis=-1), np.stack([b, c], axis=-1)], axis=-2)

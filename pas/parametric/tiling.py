@@ -6,8 +6,6 @@ cut along its shorter diagonal.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from pas.algebra.lengths import lengths, scaled, unit
@@ -24,21 +22,13 @@ SEAM = 1e-9
 """Over the extent: sides that are nearer than this all along are one."""
 
 
-@dataclass(frozen=True)
-class Tiles:
-    """Points, triangles, normals and parameters in the unit square; `away`: by how much welding moved points."""
-
-    points: Floats
-    triangles: Integers
-    normals: Floats
-    shares: Floats
-    away: float
-
-
-def assemble(surface: ParametricMap, cells: Integers, known: Floats, size: float) -> Tiles:
+def assemble(
+    surface: ParametricMap, cells: Integers, known: Floats, size: float
+) -> tuple[Floats, Integers, Floats, Floats, float]:
     """Triangles for rectangles (C, 4) that fill the unit square, the domain of `surface`; `size` is its extent.
 
-    `known` (C, 5, 3) are the points at the corners of each, the last parameter first, and at its middle.
+    `known` (C, 5, 3) are the points at the corners of each, the last parameter first, and at its middle.  Points,
+    triangles, normals and parameters in the unit square, and by how much welding moved points.
     """
     places, points, triangles = _triangles(cells, known, [closes(surface, axis, size) for axis in (0, 1)])
     same = _merged(points, triangles, places, size)
@@ -50,7 +40,7 @@ def assemble(surface: ParametricMap, cells: Integers, known: Floats, size: float
     a, b, c = triangles.T
     triangles = triangles[(a != b) & (b != c) & (c != a)]
     away = float(lengths(points - points[first][number]).max(initial=0.0))
-    return Tiles(points[first], triangles, normals, shares[first], away)
+    return points[first], triangles, normals, shares[first], away
 
 
 def closes(surface: ParametricMap, axis: int, size: float) -> bool:

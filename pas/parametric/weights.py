@@ -31,7 +31,7 @@ from pas.algebra.rational import Exact, plain, rational, to_float
 from pas.algebra.rational_function import RationalFunction
 from pas.algebra.roots import in_one
 from pas.parametric.hermite import distinct
-from pas.parametric.series import roots_and_sides, univariate
+from pas.parametric.series import rounded_roots, univariate
 
 
 @dataclass(frozen=True)
@@ -91,13 +91,11 @@ class Weights:
 
     def poles(self) -> tuple[WeightPole, ...]:
         """All real poles of the weights, by weight and place (exactly isolated, then rounded)."""
-        low, high = min(self.values), max(self.values)
-        found, known = [], dict[str, list[tuple[float, bool]]]()
+        found = []
         for i, f in enumerate(self.functions):
-            key = str(f.denominator)
-            if key not in known:  # normalised weights share theirs
-                known[key] = roots_and_sides(in_one(f.denominator, 1), low, high)
-            found += [WeightPole(i, root, inner) for root, inner in known[key]]
+            below = in_one(f.denominator, 1)
+            inside = rounded_roots(below, min(self.values), max(self.values))  # none is at a value
+            found += [WeightPole(i, root, root in inside) for root in rounded_roots(below)]
         return tuple(found)
 
     def __call__(self, h: ArrayLike) -> list[Any]:

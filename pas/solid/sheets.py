@@ -66,10 +66,7 @@ class Side:
     chains: tuple[Chain, ...]
 
     def mesh(self, tolerance: float, quality: Quality, without: Collection[int] = ()) -> Loose | None:
-        """Its mesh with those of chains but for some, whose numbers are given, and the loops in which these end.
-
-        None where the surface does not end in one loop on each contact and nowhere else.
-        """
+        """See `Bounding`; None where the surface does not end in one loop on each contact and nowhere else."""
         stretch = max(chain.stretch for chain in self.chains)
         found = self.surface.mesh(tolerance / stretch, quality=quality)
         known = Edges(found.triangles, len(found.points)).loops
@@ -210,12 +207,9 @@ class SheetBody(PlacedBody):
 
     def carried(self, strip: SolidStrip, points: Floats, share: float) -> Floats:
         """Points (N, 3) of the loop in which a strip begins, moved a share of the way along it."""
-        place = self.place
-        return (
-            strip.rows(points, share)
-            if place is None
-            else place.points(strip.rows(place.inverse.points(points), share))
-        )
+        if self.place is None:
+            return strip.rows(points, share)
+        return self.place.points(strip.rows(self.place.inverse.points(points), share))
 
     def named(self, number: int) -> set[str]:
         """The names of the faces that go on from a contact, to its end."""

@@ -47,9 +47,9 @@ class Message:
     head: Mapping[str, Any]
     arrays: Mapping[str, AnyArray] = field(default_factory=dict)
 
-    def numbered(self, number: int) -> Message:
-        """This message as the answer to the request of a number."""
-        return replace(self, head={**self.head, "seq": number})
+    def added(self, **more: Any) -> Message:
+        """This message with more in its head."""
+        return replace(self, head={**self.head, **more})
 
     def parts(self) -> tuple[dict[str, Any], list[bytes]]:
         """The table, with what the arrays are, and their bytes."""

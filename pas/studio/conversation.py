@@ -192,12 +192,19 @@ class Conversation:
             self._rested.set()
             self._begin(self._prove_once(request))
         else:
-            self._begin(self._answer(request, self._do(verb, request)))
+            self._begin(self._answer(request, self._do(request)))
 
     def _begin(self, work: Coroutine[Any, Any, None]) -> None:
         task = asyncio.create_task(work)
         self._others.add(task)
         task.add_done_callback(self._others.discard)
+
+    async def read(self, name: str, text: str) -> dict[str, Any]:
+        """The document of a file's text; a project is open in both processes then."""
+        document: dict[str, Any] = await self.final.ask("read", name, text)
+        if document["kind"] == "project":
+            await self.quick.ask("read", name, text)
+        return document
 
     async def _moving(self) -> None:
         while True:
@@ -218,7 +225,7 @@ class Conversation:
         message = await self.quick.ask(*asked)
         anew = message.head["kind"] == "outline"  # of what has to be solved anew, which takes longer
         if anew:
-            await self._send(message.numbered(int(request.get("seq", 0))))
+            await self._send(message.added(seq=request.get("seq", 0)))
             message = await self.quick.ask(*asked, True)
         await self._picture(message, request)
         self._seen = self._shot
@@ -242,7 +249,7 @@ class Conversation:
     async def _tell(self, verb: str, shot: int) -> None:
         """Send what is known of the shape of the last move, which a shot shows."""
         message: Message = await self.quick.ask(verb)
-        await self._send(Message({**message.head, "shot": shot}))
+        await self._send(message.added(shot=shot))
 
     async def _ahead(self, document: dict[str, Any]) -> None:
         """Solve where the hand rests, before it lets go: the answer is kept by the session, and sent when asked for."""
@@ -266,8 +273,8 @@ class Conversation:
         shot = self._shot
         if (kept := await self.final.ask("kept", document)) is not None and self._rest is None:
             self._taken = asyncio.create_task(self._take(kept))
-        measures = await self.final.ask("measure", document)
-        await self._send(Message({**measures.head, "shot": shot}))
+        measures: Message = await self.final.ask("measure", document)
+        await self._send(measures.added(shot=shot))
 
     async def _take(self, kept: tuple[str, dict[str, Any]]) -> None:
         with suppress(RefusedError, StoppedError):  # then the first move begins anew, and says what is wrong
@@ -275,8 +282,7 @@ class Conversation:
 
     async def _picture(self, message: Message, request: Request) -> None:
         self._shot += 1
-        head = {**message.head, "shot": self._shot, "seq": request.get("seq", 0)}
-        await self._send(Message(head, message.arrays))
+        await self._send(message.added(shot=self._shot, seq=request.get("seq", 0)))
 
     async def _answer(self, request: Request, work: Awaitable[None]) -> None:
         """Do it; what is refused is said, and of which request; what was stopped is not."""
@@ -287,27 +293,30 @@ class Conversation:
         except Exception as error:
             if not isinstance(error, RefusedError):  # no user's: the page is told, the terminal shows where
                 traceback.print_exc(file=sys.stderr)
-            told = refusal(error if isinstance(error, RefusedError) else RefusedError(INSIDE))
-            await self._send(Message({**told.head, "seq": int(request.get("seq", 0)), "of": request["do"]}))
+            refused = refusal(error if isinstance(error, RefusedError) else RefusedError(INSIDE))
+            await self._send(refused.added(seq=request.get("seq", 0), of=request["do"]))
 
-    async def _do(self, verb: str, request: Request) -> None:
-        if verb == "gallery":
+    async def _do(self, request: Request) -> None:
+        if request["do"] == "gallery":
             await self._send(Message({"kind": "gallery", "documents": GALLERY}))
-        elif verb == "read":
-            name, text = str(request.get("name")), str(request.get("text"))
-            document = await self.final.ask("read", name, text)
-            if document["kind"] == "project":
-                await self.quick.ask("read", name, text)
-            await self._send(Message({"kind": "document", "document": document}))
-        elif verb in ("repair", "handle"):
-            more = (request.get("at"),) if verb == "handle" else ()
-            document = await self.final.ask(verb, request["document"], *more)
-            await self._send(Message({"kind": "changed", "document": document}))
-        elif verb == "export":
-            await self._send(await self.final.ask("export", request["document"], str(request.get("format"))))
-        elif verb in ("combs", "safe", "mesh"):
-            message = await self.final.ask(verb, request["document"])
-            await self._send(message.numbered(int(request.get("seq", 0))))
+            return
+        verb, *arguments = asked(request)
+        found = await (self.read(*arguments) if verb == "read" else self.final.ask(verb, *arguments))
+        await self._send(answer(verb, found).added(seq=request.get("seq", 0)))
+
+
+def asked(request: Request) -> list[Any]:
+    """What a session is asked for by a request other than "move" and "rest": its method, and the arguments."""
+    if request["do"] == "read":
+        return ["read", str(request.get("name")), str(request.get("text"))]
+    more: dict[str, list[Any]] = {"handle": [request.get("at")], "export": [str(request.get("format"))]}
+    return [request["do"], request["document"], *more.get(request["do"], [])]
+
+
+def answer(verb: str, found: Any) -> Message:
+    """What a page is told of what the session gave."""
+    kind = {"read": "document", "repair": "changed", "handle": "changed"}.get(verb)
+    return found if kind is None else Message({"kind": kind, "document": found})
 
 
 STOPPABLE = {"solve", "measure", "repair"}

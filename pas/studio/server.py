@@ -71,11 +71,6 @@ class Studio:
         known = any(secrets.compare_digest(o.encode(), self.token.encode()) for o in offered)
         return known and self.own(headers.get("host")) and origin.startswith("http://") and self.own(origin[7:])
 
-    def workers(self) -> tuple[Worker, Worker]:
-        """Two processes for a page, and two more are begun for the next one."""
-        ready, self.spare = self.spare or (Worker(), Worker()), None
-        return ready
-
     async def talk(self, socket: Any) -> None:
         """One conversation, from the first word to the last."""
         from starlette.websockets import WebSocketDisconnect
@@ -94,7 +89,8 @@ class Studio:
                 with suppress(RuntimeError, WebSocketDisconnect):  # the page has gone
                     await socket.send_bytes(message.packed())
 
-        conversation = Conversation(send, *self.workers())
+        ready, self.spare = self.spare or (Worker(), Worker()), None
+        conversation = Conversation(send, *ready)
         self.pages[conversation] = send
         running = asyncio.create_task(conversation.run())
         try:
@@ -162,9 +158,7 @@ class Studio:
             return
         try:
             text = await asyncio.to_thread(self.file.read_text, encoding="utf-8")
-            document = await page.final.ask("read", self.file.name, text)
-            if document["kind"] == "project":
-                await page.quick.ask("read", self.file.name, text)
+            document = await page.read(self.file.name, text)
             head = {"kind": "document", "document": document, "file": self.file.name, "kept": not changed}
             await send(Message(head))
         except (RefusedError, OSError, UnicodeDecodeError) as error:
@@ -242,17 +236,13 @@ def serve(file: Path | None, port: int, tell: Callable[[str], Any], browser: boo
     door = listening(port)
     studio = Studio(file, door.getsockname()[1])
     with door, studio.begun():
-        _run(studio, door, tell, browser)
-
-
-def _run(studio: Studio, door: socket.socket, tell: Callable[[str], Any], browser: bool) -> None:
-    uvicorn = library("uvicorn", 'the studio needs three small libraries: pip install "pas[studio]"')
-    config = uvicorn.Config(
-        application(studio), log_level="critical", ws="websockets-sansio", ws_max_size=LONGEST_FILE,
-        timeout_graceful_shutdown=1, access_log=False,
-    )  # fmt: skip
-    tell(f"the studio is at {studio.address} (Ctrl-C ends it)")
-    if browser and not webbrowser.open(studio.address):
-        tell("there is no browser to open here; copy the address into one on this machine")
-    with suppress(KeyboardInterrupt):
-        asyncio.run(uvicorn.Server(config).serve(sockets=[door]))
+        uvicorn = library("uvicorn", 'the studio needs three small libraries: pip install "pas[studio]"')
+        config = uvicorn.Config(
+            application(studio), log_level="critical", ws="websockets-sansio", ws_max_size=LONGEST_FILE,
+            timeout_graceful_shutdown=1, access_log=False,
+        )  # fmt: skip
+        tell(f"the studio is at {studio.address} (Ctrl-C ends it)")
+        if browser and not webbrowser.open(studio.address):
+            tell("there is no browser to open here; copy the address into one on this machine")
+        with suppress(KeyboardInterrupt):
+            asyncio.run(uvicorn.Server(config).serve(sockets=[door]))

@@ -88,12 +88,13 @@ class StudioSession:
         """The final picture of a document with its verdicts."""
         shape = self.shape_of(document)
         message, kind = picture(shape), documents.DOCUMENTS[document["kind"]]
-        head = {**message.head, **_judged(shape), "python": kind.python(document), "toml": kind.toml(document),
-                "controls": [*controls(document), *handle_controls(document, shape)],
-                "members": coefficients_of(shape), "shares": shares_of(shape), "formats": formats_for(shape),
-                "final": True, "scene": name_of_scene(message), "name": name_of(document)}  # fmt: skip
         self.solved = (document, shape)
-        return Message(head, message.arrays)
+        return message.added(
+            **_judged(shape), python=kind.python(document), toml=kind.toml(document),
+            controls=[*controls(document), *handle_controls(document, shape)],
+            members=coefficients_of(shape), shares=shares_of(shape), formats=formats_for(shape),
+            final=True, scene=name_of_scene(message), name=name_of(document),
+        )  # fmt: skip
 
     def kept(self, document: Data) -> tuple[str, dict[str, Any]] | None:
         """What another session needs to follow from a document's shape; None where that cannot be followed."""
@@ -145,7 +146,7 @@ class StudioSession:
         began = time.perf_counter()
         documents.checked(document)
         message = (None if anew else self._outline(document)) or self._moved(document, scene, mesh)
-        return Message({**message.head, "spent": 1000 * (time.perf_counter() - began)}, message.arrays)
+        return message.added(spent=1000 * (time.perf_counter() - began))
 
     def _moved(self, document: Data, scene: str, mesh: bool) -> Message:
         shape = self._followed(document)
@@ -162,7 +163,7 @@ class StudioSession:
         message = picture(shape)
         name = name_of_scene(message)
         self.placed, self.scene = surface.placed, name.partition(" ")[2]
-        return Message({**message.head, "scene": name}, message.arrays)
+        return message.added(scene=name)
 
     def mesh(self, document: Data) -> Message:
         """The mesh of a document's blend, in its local coordinates; raises `InputError` for other kinds."""

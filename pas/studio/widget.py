@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, cast
 from pas.errors import PasError, library
 from pas.shape import Shape
 from pas.studio import GALLERY, Data, Message, refusal
+from pas.studio.conversation import VERBS, answer, asked
 from pas.studio.server import PAGE
 from pas.studio.session import StudioSession
 
@@ -93,30 +94,20 @@ def widget_class() -> type[Any]:
                 self._tell(refusal(error), request)
 
         def _answers(self, request: dict[str, Any]) -> list[Message]:
-            verb, document, do = request.get("do"), request.get("document", {}), self.session.do
+            verb, document, do = str(request.get("do")), request.get("document", {}), self.session.do
             if verb == "move":
                 return [do(verb, document, str(request.get("scene", "")), bool(request.get("mesh")), True)]
             if verb == "rest":
                 return [do("solve", document), do("measure", document)]
-            if verb == "export":
-                return [do(verb, document, str(request.get("format")))]
-            if verb in ("combs", "safe", "mesh"):
-                return [do(verb, document)]
-            if verb in ("repair", "handle"):
-                more = (request.get("at"),) if verb == "handle" else ()
-                return [Message({"kind": "changed", "document": do(verb, document, *more)})]
-            if verb == "read":
-                found = do(verb, str(request.get("name")), str(request.get("text")))
-                return [Message({"kind": "document", "document": found})]
+            if verb in VERBS - {"gallery"}:
+                return [answer(verb, do(*asked(request)))]
             raise ValueError(f"there is no request {verb!r}")
 
         def _tell(self, message: Message, request: dict[str, Any]) -> None:
             shown = message.head["kind"] in ("picture", "moved")
             self._shot += shown
-            head = {**message.head, "seq": int(request.get("seq", 0)), "shot": self._shot, "of": request.get("do"),
-                    "view": request.get("view")}  # fmt: skip
-            table, parts = Message(head, message.arrays).parts()
-            self.send(table, parts)
+            asked = {"seq": int(request.get("seq", 0)), "of": request.get("do"), "view": request.get("view")}
+            self.send(*message.added(shot=self._shot, **asked).parts())
 
     return StudioWidget
 

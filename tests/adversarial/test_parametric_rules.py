@@ -22,7 +22,7 @@ from pas.parametric.fitting import FittedPatch, _bound, _knots, _outer
 from pas.parametric.generatrix.verdicts import is_injective, positive_on_unit_square, regularity
 from pas.parametric.meshing import bounded
 from pas.parametric.nets import Framed, Nets, PlacedNets, exact_net, exact_rectangle
-from pas.parametric.series import roots_and_sides, roots_between
+from pas.parametric.series import rounded_roots
 from pas.parametric.surface import ParametricSurface
 from pas.verdicts import Status
 
@@ -352,9 +352,9 @@ def test_roots_near_the_ends(first, second):
     polynomial = fmpq_poly([-2, 0, 1])
     for root in (first, second):
         polynomial = polynomial * fmpq_poly([-fmpq(Fraction(root).numerator, Fraction(root).denominator), 1])
-    inside = sorted({Fraction(r) for r in (first, second) if 0 < r < 1})
-    assert roots_between(polynomial, fmpq(0), fmpq(1)) == [float(r) for r in inside]
-    assert len(roots_and_sides(polynomial, fmpq(0), fmpq(1))) == 2 + len({first, second})
+    inside = sorted({Fraction(r) for r in (first, second) if 0 <= r <= 1})
+    assert rounded_roots(polynomial, fmpq(0), fmpq(1)) == [float(r) for r in inside]
+    assert len(rounded_roots(polynomial)) == 2 + len({first, second})
 
 
 def test_weights_with_a_pole_next_to_a_value():

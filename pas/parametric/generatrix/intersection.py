@@ -207,17 +207,17 @@ def quadric_intersection(
     if int(fmpq_mat([q.matrix.entries() for q in given]).rank()) < 2:
         raise GeometryError(f"{pair.text} are the same surface")
     found = members(*pair.local)
-    if any(4 in member.inertia for member in found):  # a definite member: no real point in common
+    if any(4 in inertia for _, inertia in found):  # a definite member: no real point in common
         raise GeometryError(f"{pair.text} do not meet: the intersection is empty (complex)")
-    planes = next((m for m in found if m.inertia in PLANES), None)
+    planes = next((matrix for matrix, inertia in found if inertia in PLANES), None)
     branches = _plane_branches(pair, planes) if planes is not None else _ruled_branches(pair, found)
     return tuple(sorted(branches, key=lambda b: not b.closed))
 
 
-def _plane_branches(pair: QuadricPair, member: Member) -> list[QuadricBranch]:
+def _plane_branches(pair: QuadricPair, member: fmpq_mat) -> list[QuadricBranch]:
     """The sections of the first quadric by the planes of a member of the pencil."""
     branches, reasons = list[QuadricBranch](), list[str]()
-    planes = [p for p in planes_of(member.matrix) if any(c != 0 for c in p[:3])]  # not that at infinity
+    planes = [p for p in planes_of(member) if any(c != 0 for c in p[:3])]  # not that at infinity
     for x, y, z, c in planes:
         try:
             conic = conic_section(pair.local[0], (x, y, z), -c)

@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
-from flint import fmpq_mpoly, fmpq_poly
+from flint import fmpq, fmpq_mpoly, fmpq_poly
 from numpy.typing import ArrayLike
 
 from pas.algebra.callables import ComponentLike, component
@@ -26,7 +26,7 @@ from pas.algebra.rational_function import GENERATORS, RationalFunction
 from pas.algebra.roots import in_one
 from pas.arrays import Floats
 from pas.errors import GeometryError
-from pas.parametric.series import Components, zeros_in_unit_interval
+from pas.parametric.series import Components, rounded_roots
 from pas.parametric.surface import ParametricSurface, one_parameter
 
 NAMES: Names = ("s", "t")
@@ -63,8 +63,9 @@ def on_unit_interval(interval: Sequence[Exact], name: str) -> tuple[tuple[float,
 def space_curve(expression: CurveLike, name: str) -> ParametricSurface:
     """A curve given by three expressions in s or one callable, as a surface that does not depend on t."""
     if callable(expression):
-        first, second, third = (_coordinate(expression, axis) for axis in range(3))
-        return ParametricSurface(first, second, third, NAMES)
+        coordinate = lambda axis: lambda s, _: np.asarray(expression(s), dtype=float)[..., axis]  # noqa: E731
+        x, y, z = map(coordinate, range(3))
+        return ParametricSurface(x, y, z, NAMES)
     if isinstance(expression, str) or not hasattr(expression, "__len__") or len(expression) != 3:
         raise TypeError(f"{name} must be three expressions in s or one callable, not {shown(expression)}")
     read = (
@@ -72,10 +73,6 @@ def space_curve(expression: CurveLike, name: str) -> ParametricSurface:
     )
     x, y, z = (made.formula if made.exact is None else made.exact for made in read)
     return ParametricSurface(x, y, z, NAMES)
-
-
-def _coordinate(function: Callable[[Any], ArrayLike], axis: int) -> Callable[[Any, Any], Any]:
-    return lambda s, _: np.asarray(function(s), dtype=float)[..., axis]
 
 
 def read_path(curve: CurveLike, interval: Sequence[Exact], name: str) -> ParametricSurface:
@@ -200,7 +197,7 @@ def _refuse(name: str, what: str, polynomials: Sequence[fmpq_mpoly]) -> None:
     common = fmpq_poly([0])
     for polynomial in polynomials:
         common = common.gcd(in_one(polynomial, 0))
-    zeros = [0.0] if common.is_zero() else zeros_in_unit_interval(common)
+    zeros = [0.0] if common.is_zero() else rounded_roots(common, fmpq(0), fmpq(1))
     if zeros:
         raise GeometryError(f"{name}: {what} at s = {zeros[0]:.6g}; choose another curve or interval")
 

@@ -171,13 +171,8 @@ def plane_text(normal: Vector, offset: fmpq) -> str:
 
 PLANES = ((1, 1), (1, 0), (0, 1))
 
-
-@dataclass(frozen=True)
-class Member:
-    """A quadric of the pencil as a rational matrix, with its inertia."""
-
-    matrix: fmpq_mat
-    inertia: Inertia
+Member = tuple[fmpq_mat, Inertia]
+"""A quadric of the pencil as a rational matrix, with its inertia."""
 
 
 @dataclass(frozen=True)
@@ -229,7 +224,7 @@ def members(first: Quadric, second: Quadric) -> list[Member]:
     determinant = _determinant(a, b)
     ends = [] if determinant.is_zero() else pairwise([None, *sorted(real_roots(determinant)), None])
     mixed = (a + b * mu for mu in (*rational_zeros(a, b), *(between(low, high) for low, high in ends)))
-    return [Member(m, inertia(m)) for m in (a, b, *mixed)]
+    return [(m, inertia(m)) for m in (a, b, *mixed)]
 
 
 def rational_zeros(a: fmpq_mat, b: fmpq_mat) -> list[fmpq]:
@@ -252,25 +247,25 @@ def rulings(first: Quadric, second: Quadric, found: list[Member]) -> Rulings | N
 
     Preferred are those with closed plane sections, among them the first quadric, then the second, then cones.
     """
-    ruled = [m for m in found if m.inertia in ((2, 1), (1, 2), (2, 2))]
+    ruled = [m for m in found if m[1] in ((2, 1), (1, 2), (2, 2))]
     if not ruled:
         return None
     given = [m for m in ruled if m is found[0] or m is found[1]]
-    mixed = sorted((m for m in ruled if m not in given), key=lambda m: sum(m.inertia))
+    mixed = sorted((m for m in ruled if m not in given), key=lambda m: sum(m[1]))
     round_ones = QuadricKind.CONE, QuadricKind.CYLINDER, QuadricKind.ONE_SHEET
-    member = min([*given, *mixed], key=lambda m: kind_of(m.matrix) not in round_ones)
+    member = min([*given, *mixed], key=lambda m: kind_of(m[0]) not in round_ones)
     other = second if member is not found[1] else first
-    return Rulings(_frame(member), member.inertia == (2, 2), to_array(other.matrix))
+    return Rulings(_frame(*member), member[1] == (2, 2), to_array(other.matrix))
 
 
-def _frame(member: Member) -> Floats:
+def _frame(matrix: fmpq_mat, signs: Inertia) -> Floats:
     """Vectors e_i with  sum x_i e_i  on the quadric iff x1^2 + x2^2 = x3^2 (+ x4^2), as rows."""
-    q = to_array(member.matrix)
-    if member.inertia[0] < member.inertia[1]:
+    q = to_array(matrix)
+    if signs[0] < signs[1]:
         q = -q
     values, vectors = np.linalg.eigh(q)
     order = np.argsort(-values)
-    if member.inertia != (2, 2):  # the one that is zero comes last
+    if signs != (2, 2):  # the one that is zero comes last
         zero = int(np.abs(values).argmin())
         order, values[zero] = np.array([*order[order != zero], zero]), 1.0
     return np.asarray(vectors[:, order].T / np.sqrt(np.abs(values[order]))[:, None])

@@ -22,7 +22,7 @@ from pas.algebra.rational_function import ONE, RationalFunction
 from pas.arrays import Floats
 from pas.parametric.generatrix.paths import NAMES, CurveLike
 from pas.parametric.hermite import taylor_basis
-from pas.parametric.series import univariate, zeros_in_unit_interval
+from pas.parametric.series import rounded_roots, univariate
 
 MANY = 24
 """Data pairs above make an interpolating polynomial swing wildly between them."""
@@ -128,7 +128,7 @@ class ShapeFunction:
             bad = [s for s, v in ends.items() if sign * (v - bound) <= 0]
         else:
             difference = (p - bound) * sign
-            bad = [0.0] if difference(0) <= 0 else zeros_in_unit_interval(difference)
+            bad = [0.0] if difference(0) <= 0 else rounded_roots(difference, fmpq(0), fmpq(1))
         if bad:
             value = float(self(bad[0])) if p is None or p.degree() > 0 else plain(p[0])
             told = f"{value:.6g}" if isinstance(value, float) else short(value)
