@@ -120,11 +120,9 @@ def cone(start: VectorLike, end: VectorLike, radius: Exact, end_radius: Exact = 
     surface = dot(w, w) - along * along * square - (r0 + along * (r1 - r0)) ** 2
     ends = ((-along, r0, f"{face} start"), (along - 1, r1, f"{face} end"))
     walls = [Atom(Polynomial.from_raw(plane), name if radius > 0 else "") for plane, radius, name in ends]
-    apexes = [p for p, r in ((a, r0), (b, r1)) if r == 0]
-    special = tuple((to_float(x), to_float(y), to_float(z)) for x, y, z in apexes)
+    apexes = tuple(three(to_floats(p)) for p, r in ((a, r0), (b, r1)) if r == 0)
     tree = combined(False, Atom(Polynomial.from_raw(surface), face), *walls)
-    body = _turned(face, (a, b), (r0, r1))
-    return Solid(tree, (), special, body)
+    return Solid(tree, (), apexes, _turned(face, (a, b), (r0, r1)))
 
 
 def _turned(face: str, ends: tuple[Vector, Vector], radii: tuple[fmpq, fmpq]) -> Turned:

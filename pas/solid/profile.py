@@ -8,7 +8,7 @@ A profile is a set of points of the plane, in x and y, between loops of straight
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NoReturn
 
@@ -87,15 +87,17 @@ class Profile(PlaneSet):
         return Profile(None, copies, union=True) if maps else self
 
     def _called(self, names: Mapping[str, str]) -> Profile:
-        loop = self.loop
-        if loop is not None:
-            loop = replace(loop, edges=tuple(replace(edge, name=names[edge.name]) for edge in loop.edges))
-        return replace(self, loop=loop, parts=tuple(part._called(names) for part in self.parts))
+        def called(loop: Loop) -> Loop:
+            return replace(loop, edges=tuple(replace(edge, name=names[edge.name]) for edge in loop.edges))
+
+        return self._with_loops(called)
 
     def _moved(self, map_: Affine) -> Profile:
-        flips = map_.matrix[0][0] * map_.matrix[1][1] < map_.matrix[0][1] * map_.matrix[1][0]
-        loop = self.loop and moved_loop(self.loop, map_, flips)
-        return replace(self, loop=loop, parts=tuple(part._moved(map_) for part in self.parts))
+        return self._with_loops(lambda loop: moved_loop(loop, map_))
+
+    def _with_loops(self, change: Callable[[Loop], Loop]) -> Profile:
+        parts = tuple(part._with_loops(change) for part in self.parts)
+        return replace(self, loop=self.loop and change(self.loop), parts=parts)
 
     def extrude(self, height: Exact, taper: Exact = 0) -> Solid:
         """The solid between z = 0 and z = height (the model's units) over the profile.
@@ -139,8 +141,8 @@ def plane_point(value: Sequence[Exact], name: str) -> Point:
     return rational(value[0], f"{name}[0]"), rational(value[1], f"{name}[1]")
 
 
-def moved_loop(loop: Loop, map_: Affine, flips: bool) -> Loop:
-    """The image of a loop under a map of the plane, which `flips` it where it turns the orientation round."""
+def moved_loop(loop: Loop, map_: Affine) -> Loop:
+    """The image of a loop under a map of the plane, in the other direction where that turns the orientation round."""
 
     def moved(point: Point) -> Point:
         x, y, _ = map_.exact((*point, fmpq(0)))
@@ -152,5 +154,5 @@ def moved_loop(loop: Loop, map_: Affine, flips: bool) -> Loop:
             return PlaneEdge.straight(start, end, edge.name)
         return PlaneEdge(start, end, moved(edge.control), map_.polynomial(edge.curve), edge.name)
 
-    edges = tuple(image(edge) for edge in loop.edges)
-    return replace(loop, edges=tuple(edge.reversed for edge in edges[::-1]) if flips else edges)
+    made, ((a, b, _), (c, d, _), _) = replace(loop, edges=tuple(map(image, loop.edges))), map_.matrix
+    return made.reversed if a * d < b * c else made

@@ -30,7 +30,7 @@ from pas.piecewise import PiecewiseSurface
 from pas.solid.bounds import hull
 from pas.solid.faces import Faces, PlacedBody
 from pas.solid.field import SolidField
-from pas.solid.strips import Chain, Sections, SolidStrip, goes_on
+from pas.solid.strips import Chain, Sections, SolidStrip, go_on
 
 EQUAL = 2.0**-40
 """Coefficients that are off by less, over the largest, are the same: heights of caps are rounded to doubles."""
@@ -66,10 +66,7 @@ class Side:
     chains: tuple[Chain, ...]
 
     def mesh(self, tolerance: float, quality: Quality, without: Collection[int] = ()) -> Loose | None:
-        """Its mesh with those of chains but for some, whose numbers are given, and the loops in which these end.
-
-        None where the surface does not end in one loop on each contact and nowhere else.
-        """
+        """See `Bounding`; None where the surface does not end in one loop on each contact and nowhere else."""
         stretch = max(chain.stretch for chain in self.chains)
         found = self.surface.mesh(tolerance / stretch, quality=quality)
         known = Edges(found.triangles, len(found.points)).loops
@@ -79,11 +76,7 @@ class Side:
         made = Faces()
         made.put(replace(found, names=(self.name,)))
         loops = [known[number] for number in nearest]
-        for number, chain in enumerate(self.chains):
-            for strip in chain.strips if number not in without else ():
-                if not goes_on(made, strip, loops, number, tolerance):
-                    return None
-        return made.mesh, loops
+        return (made.mesh, loops) if go_on(made, self.chains, loops, tolerance, without) else None
 
 
 def roomy(mesh: Mesh) -> Floats:
@@ -214,12 +207,9 @@ class SheetBody(PlacedBody):
 
     def carried(self, strip: SolidStrip, points: Floats, share: float) -> Floats:
         """Points (N, 3) of the loop in which a strip begins, moved a share of the way along it."""
-        place = self.place
-        return (
-            strip.rows(points, share)
-            if place is None
-            else place.points(strip.rows(place.inverse.points(points), share))
-        )
+        if self.place is None:
+            return strip.rows(points, share)
+        return self.place.points(strip.rows(self.place.inverse.points(points), share))
 
     def named(self, number: int) -> set[str]:
         """The names of the faces that go on from a contact, to its end."""

@@ -179,8 +179,8 @@ class LeafTree:
 class Code:
     """A leaf by number, or an intersection or union of parts in the order of their `cost`.
 
-    The cost is what it takes at least to find out what it says: the degree of a polynomial of one of its leaves, most
-    of none.
+    The cost is what it takes at least to find out what it says: the degree of a polynomial of one of its leaves,
+    infinite where none has one.
     """
 
     cost: float
