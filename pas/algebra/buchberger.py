@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_mpoly_vec
 
-from pas.algebra.monomials import Exponents, count_members, count_monomials, minimal
+from pas.algebra.monomials import Exponents, count_members, count_monomials, leading_exponents, minimal
 from pas.algebra.polynomial import RING
 from pas.limits import checkpoint
 
@@ -82,11 +82,6 @@ class TupleEncoding:
         return tuple(RING.from_dict(entry) for entry in entries)
 
 
-def lead(polynomial: fmpz_mpoly) -> Exponents:
-    """The exponents of the leading term."""
-    return tuple(int(i) for i in polynomial.monomial(0))
-
-
 class GradedBasis:
     """A Groebner basis while it grows, degree by degree."""
 
@@ -103,7 +98,7 @@ class GradedBasis:
         Of the syzygies among the leading terms those suffice whose new coefficients generate the
         ideal of all new coefficients.
         """
-        number, new = len(self.elements), lead(element)
+        number, new = len(self.elements), leading_exponents(element)
         steps: dict[Exponents, int] = {}
         for i, old in enumerate(self.leads):
             if old[0] == new[0]:
@@ -210,7 +205,7 @@ def _zero_rows(encoding: TupleEncoding, images: GradedBasis, rows: Rows) -> list
 
 def _degree(element: fmpz_mpoly) -> int:
     """The degree of the leading term, at a position of degree 0."""
-    return sum(lead(element)[2:])
+    return sum(leading_exponents(element)[2:])
 
 
 def _by_degree(inputs: Iterable[tuple[int, T]]) -> dict[int, list[T]]:

@@ -26,7 +26,6 @@ from pas.algebra.zeros import (
     linear_form,
     linear_forms,
     real_zeros,
-    standard_monomials,
     values_at_zeros,
 )
 from pas.limits import checkpoint
@@ -75,7 +74,7 @@ class SpaceCurve:
         No component lies in a plane of the form then, and none goes to infinity between two of them.
         """
         tops = [Polynomial.from_raw(leading_form(p.raw)) for p in self.ideal.groebner_basis()]
-        return standard_monomials(Ideal(*tops, linear_form(linear))) is not None
+        return Quotient.of(Ideal(*tops, linear_form(linear))) is not None
 
 
 class CurvePart:
@@ -143,7 +142,7 @@ class CurvePart:
             weights = (n**i for i in range(len(basis)))
             separator = sum((p * w for p, w in zip(basis, weights, strict=True)), Polynomial(0))
             both = Ideal(*self.ideal.groebner_basis(), polynomial, separator)
-            if standard_monomials(both) is not None:
+            if Quotient.of(both) is not None:
                 return [CurvePart(self.curve, self.ideal.saturated(separator)), CurvePart(self.curve, off)]
         raise AssertionError
 
@@ -168,12 +167,6 @@ def gradient(polynomial: Polynomial) -> VectorField:
 def along(field: VectorField, polynomial: Polynomial) -> Polynomial:
     """The derivative of a polynomial along a vector field."""
     return dot(field, gradient(polynomial))
-
-
-def count_real_points(ideal: Ideal) -> int | None:
-    """The number of distinct real zeros of an ideal, None where it has infinitely many complex ones."""
-    found = real_zeros(ideal)
-    return None if found is None else len(found)
 
 
 def has_real_curve(surface: Polynomial, clip: Polynomial) -> bool | None:

@@ -27,7 +27,7 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_m
 
 from pas.algebra.brief import whole_or_brief
 from pas.algebra.inputs import natural
-from pas.algebra.monomials import Exponents, count_standard, exponents, numerator
+from pas.algebra.monomials import Exponents, count_standard, exponents, leading_exponents, numerator
 from pas.algebra.nullspace import integral as integral_row
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, VARIABLES, Polynomial, PolynomialLike
@@ -188,8 +188,8 @@ class Ideal(Exchanged):
         context = fmpz_mpoly_ctx.get(("t", *VARIABLES), Ordering.lex)
         *lifted, product = (integral(g).project_to_context(context) for g in (*self.basis, Polynomial(polynomial).raw))
         basis = groebner([*lifted, 1 - context.gens()[0] * product], context)
-        kept = [g.to_dict() for g in basis if all(e[0] == 0 for e in g.to_dict())]
-        return Ideal(*({tuple(map(int, e[1:])): int(c) for e, c in terms.items()} for terms in kept))
+        kept = (g.project_to_context(INTEGER_RING) for g in basis if g.degrees()[0] == 0)
+        return Ideal.from_raw(*(RING.from_dict(g.to_dict()) for g in kept))
 
     def __eq__(self, other: object) -> bool:
         return self.basis == other.basis if isinstance(other, Ideal) else NotImplemented
@@ -281,9 +281,7 @@ def _sum_hilbert(first: Ideal, second: Ideal) -> Counter[int]:
 
 def _monic(polynomial: fmpz_mpoly) -> Polynomial:
     """The polynomial with leading coefficient 1 in its own order."""
-    terms = list(polynomial.terms())
-    scale = fmpq(1, terms[0][1])
-    return Polynomial.from_raw(RING.from_dict({e: c * scale for e, c in terms}))
+    return Polynomial.from_raw(RING.from_dict(polynomial.to_dict()) * fmpq(1, polynomial.leading_coefficient()))
 
 
 def groebner(generators: Iterable[fmpz_mpoly], context: fmpz_mpoly_ctx) -> list[fmpz_mpoly]:
@@ -303,11 +301,6 @@ def groebner(generators: Iterable[fmpz_mpoly], context: fmpz_mpoly_ctx) -> list[
             vector = fmpz_mpoly_vec([*vector, *given], context)
         room = tuple(2 * size for size in room)
     return sorted(vector.autoreduction(), key=leading_exponents, reverse=True)
-
-
-def leading_exponents(polynomial: fmpq_mpoly | fmpz_mpoly) -> Exponents:
-    """The exponents of the leading monomial in the polynomial's own order."""
-    return tuple(int(e) for e in next(iter(polynomial.terms()))[0])
 
 
 def divided(polynomial: fmpq_mpoly, divisors: Sequence[fmpq_mpoly]) -> list[fmpq_mpoly]:

@@ -126,9 +126,9 @@ def check_flag(value: Any, name: str) -> bool:
     return bool(value)
 
 
-def check_order(order: Any, name: str = "order") -> int:
+def check_order(order: Any) -> int:
     """An order of contact or continuity."""
-    return whole(order, name, 0, HIGHEST_ORDER, "0 for continuous, 1 for GC^1, ...")
+    return whole(order, "order", 0, HIGHEST_ORDER, "0 for continuous, 1 for GC^1, ...")
 
 
 def check_degree(degree: Any, name: str = "degree") -> int:

@@ -174,13 +174,13 @@ def _is_empty(locus: Locus) -> bool:
     if not locus.equations or not locus.inequations:
         return False
     context = fmpz_mpoly_ctx.get((*locus.parameters.names, "1/product"), Ordering.degrevlex)
-    generators = [integral(g, locus.parameters.integers).to_dict() for g in locus.equations]
     product = locus.parameters.one
     for q in locus.inequations:
         product = locus.reduce(product * q)
-    inverse = {(*e, 1): -c for e, c in integral(product, locus.parameters.integers).to_dict().items()}
-    lifted = [context.from_dict({(*e, 0): c for e, c in g.items()}) for g in generators]
-    system = fmpz_mpoly_vec([*lifted, context.from_dict(inverse) + 1], context)
+    *lifted, whole = (
+        integral(p, locus.parameters.integers).project_to_context(context) for p in (*locus.equations, product)
+    )
+    system = fmpz_mpoly_vec([*lifted, 1 - context.gens()[-1] * whole], context)
     found: Any = system.buchberger_naive(limits=EFFORT)
     basis, complete = found
     return bool(complete) and any(g.is_constant() and not g.is_zero() for g in basis)

@@ -13,9 +13,9 @@ from typing import Any, Unpack
 from flint import fmpq, fmpz_mpoly, fmpz_mpoly_vec
 
 from pas.algebra.brief import whole_or_brief
-from pas.algebra.buchberger import RINGS, TupleEncoding, Vector, graded_basis, graded_syzygies, lead, vector_degree
+from pas.algebra.buchberger import RINGS, TupleEncoding, Vector, graded_basis, graded_syzygies, vector_degree
 from pas.algebra.inputs import natural
-from pas.algebra.monomials import Exponents, exponents
+from pas.algebra.monomials import Exponents, exponents, leading_exponents
 from pas.algebra.nullspace import nullspace
 from pas.algebra.polynomial import RING, Polynomial, PolynomialLike
 from pas.algebra.systems import Exchanged, Exported, Rows
@@ -198,7 +198,7 @@ def _remainder(element: fmpz_mpoly, basis: Iterable[fmpz_mpoly]) -> fmpz_mpoly:
 
 def _descending(element: fmpz_mpoly) -> tuple[int, ...]:
     """A key that sorts leading terms by the order of the ring."""
-    u, _, *e = lead(element)
+    u, _, *e = leading_exponents(element)
     return (sum(e), *(-i for i in reversed(e)), u)
 
 

@@ -14,12 +14,18 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from functools import cache
 from math import comb, factorial, prod
+from typing import Any
 
 import numpy as np
 
 from pas.arrays import Floats
 
 Exponents = tuple[int, ...]
+
+
+def leading_exponents(polynomial: Any) -> Exponents:
+    """The exponents of the leading monomial of a polynomial of python-flint in its own order."""
+    return tuple(map(int, polynomial.monomial(0)))
 
 
 @cache

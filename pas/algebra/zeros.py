@@ -15,8 +15,8 @@ from typing import Any
 
 from flint import arb, arb_poly, ctx, fmpq_mat, fmpq_poly
 
-from pas.algebra.ideal import Ideal, leading_exponents
-from pas.algebra.monomials import Exponents
+from pas.algebra.ideal import Ideal
+from pas.algebra.monomials import Exponents, leading_exponents
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Vector, three, to_float
 from pas.algebra.roots import RealRoot, accuracies, middle_of, real_roots
@@ -46,8 +46,11 @@ class Quotient:
     @classmethod
     def of(cls, ideal: Ideal) -> Quotient | None:
         """That of an ideal; None where it has infinitely many zeros."""
-        standard = standard_monomials(ideal)
-        return None if standard is None else cls(ideal, standard)
+        leads = [leading_exponents(g) for g in ideal.basis]
+        powers = [min((e[i] for e in leads if sum(e) == e[i]), default=None) for i in range(3)]
+        if any(p is None for p in powers):
+            return None
+        return cls(ideal, ideal.standard(sum(p - 1 for p in powers if p is not None)))
 
     def column(self, polynomial: Polynomial) -> fmpq_mat:
         """The coordinates of a polynomial's class, as a matrix with one column."""
@@ -67,15 +70,6 @@ class Quotient:
                     row = self._place[monomial]
                     result[row, column] = result[row, column] + factor * c
         return result
-
-
-def standard_monomials(ideal: Ideal) -> list[Exponents] | None:
-    """The monomials that no leading one divides; None where there are infinitely many."""
-    leads = [leading_exponents(g) for g in ideal.basis]
-    powers = [min((e[i] for e in leads if sum(e) == e[i]), default=None) for i in range(3)]
-    if any(p is None for p in powers):
-        return None
-    return ideal.standard(sum(p - 1 for p in powers if p is not None))
 
 
 def values_at_zeros(ideal: Ideal, linear: tuple[int, int, int]) -> list[RealRoot] | None:

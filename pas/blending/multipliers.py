@@ -164,7 +164,7 @@ class Consistency:
         betas = (self.contacts[i].clip.raw ** power for i, _ in self.sites)
         gammas = (self.contacts[i].surface.raw for i, _ in self.sites)
         carriers = {c for _, c in self.sites}
-        free = (RING.constant(1) for root in self._roots if root not in carriers)
+        free = (RING.constant(1) for root in self._tree[1] if root not in carriers)
         return (*alphas, *betas, *gammas, *free)
 
     def _site(self, number: int) -> Signs:
@@ -190,23 +190,16 @@ class Consistency:
                 used.add(j)
         return tuple(sums[c] for c in range(self.patches)), tuple(roots), frozenset(used)
 
-    @property
-    def _sums(self) -> tuple[Signs, ...]:
-        return self._tree[0]
-
-    @property
-    def _roots(self) -> tuple[int, ...]:
-        return self._tree[1]
-
     @cached_property
     def _equations(self) -> tuple[Signs, ...]:
         """Sums of unknown products that are zero: a face or a contact outside the tree each."""
+        sums, _, used = self._tree
         equations = [
-            _minus(_minus(self._sums[face.second], self._sums[face.first]), {j: 1})
+            _minus(_minus(sums[face.second], sums[face.first]), {j: 1})
             for j, face in enumerate(self.interior_faces)
-            if j not in self._tree[2]
+            if j not in used
         ]
-        equations += [_minus(self._sums[c], self._site(s)) for s, (_, c) in enumerate(self.sites)]
+        equations += [_minus(sums[c], self._site(s)) for s, (_, c) in enumerate(self.sites)]
         return tuple(e for e in equations if e)
 
     def _bounds(self, degree: int, tops: Sequence[int]) -> list[list[Exponents]]:
@@ -245,7 +238,7 @@ class Consistency:
     def _from_unknowns(self, unknowns: Sequence[fmpq_mpoly]) -> Solution:
         alpha, sites = len(self.interior_faces), len(self.sites)
         beta, gamma = alpha + sites, alpha + 2 * sites
-        patches = tuple(Polynomial.from_raw(self._sum(s, unknowns)) for s in self._sums)
+        patches = tuple(Polynomial.from_raw(self._sum(s, unknowns)) for s in self._tree[0])
         owned = [Polynomial.from_raw(p) for p in unknowns]
         return Solution(patches, Multipliers(tuple(owned[beta:gamma]), tuple(owned[alpha:beta]), tuple(owned[:alpha])))
 

@@ -10,10 +10,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import Any, TypeAlias
 
-from pas.algebra.curve import count_real_points, has_real_curve
+from pas.algebra.curve import has_real_curve
 from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order
 from pas.algebra.rational import listed
+from pas.algebra.zeros import real_zeros
 from pas.blending.corner import check_circle, six_tetrahedra
 from pas.certify.contact_proofs import check_join, clip_sided
 from pas.contacts.contact import Contact, as_contact
@@ -214,8 +215,9 @@ def _check_closed(partition: Partition, placed: Sequence[Join]) -> None:
 def _check_apart(contacts: Sequence[Contact]) -> None:
     """That no two contact curves have a common point: one polynomial cannot be regular there."""
     for (i, a), (j, b) in combinations(enumerate(contacts, start=1), 2):
-        common = count_real_points(Ideal(a.surface, a.clip, b.surface, b.clip))
-        if common == 0:
+        common = real_zeros(Ideal(a.surface, a.clip, b.surface, b.clip))
+        if common == []:
             continue
-        times = "have a whole curve in common" if common is None else f"meet in {common} point{'s' * (common > 1)}"
+        number = 0 if common is None else len(common)
+        times = f"meet in {number} point{'s' * (number > 1)}" if number else "have a whole curve in common"
         raise GeometryError(f"the curves of contacts {i} and {j} {times}; contact curves must be apart")

@@ -32,8 +32,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 from math import lcm
+from operator import and_
 from typing import Any
 
 from flint import fmpq, fmpq_mat
@@ -113,9 +114,8 @@ def fewest_members(placed: PlacedContacts, degree: int) -> int:
 LINEAR = SolvingMethod("linear", _linear, several=True)
 
 
-def _normal_form(placed: PlacedContacts, degree: int) -> Patches:
-    found = normal_form_system(placed.contacts, placed.order, degree).solutions
-    return patches_of(placed, degree, [(member.primitive(),) for member in found])
+def _normal_form(placed: PlacedContacts, degree: int) -> list[Polynomial]:
+    return [member.primitive() for member in normal_form_system(placed.contacts, placed.order, degree).solutions]
 
 
 NORMAL_FORM = SolvingMethod("normal-form", _normal_form, several=False)
@@ -124,25 +124,19 @@ NORMAL_FORM = SolvingMethod("normal-form", _normal_form, several=False)
 @lru_cache(maxsize=32)
 def intersection(contacts: tuple[Contact, ...], order: int) -> Ideal:
     """The ideal of all polynomials that meet every contact with GC^`order`."""
-    first, *others = (contact_ideal(contact, order) for contact in contacts)
-    for other in others:
-        first = first & other
-    return first
+    return reduce(and_, (contact_ideal(contact, order) for contact in contacts))
 
 
-def _intersection(placed: PlacedContacts, degree: int) -> Patches:
-    found = intersection(placed.contacts, placed.order).members(degree)
-    return patches_of(placed, degree, [(member.primitive(),) for member in found])
+def _intersection(placed: PlacedContacts, degree: int) -> list[Polynomial]:
+    return [member.primitive() for member in intersection(placed.contacts, placed.order).members(degree)]
 
 
 INTERSECTION = SolvingMethod("intersection", _intersection, several=False)
 
 
-def _syzygy(placed: PlacedContacts, degree: int) -> Patches:
+def _syzygy(placed: PlacedContacts, degree: int) -> list[tuple[Polynomial, ...]]:
     members = [solution.patches for solution in consistency(placed).solve(degree)]
-    if len(placed.partition.pieces) == 1:
-        members = [(patch.primitive(),) for (patch,) in members]
-    return patches_of(placed, degree, members)
+    return members if len(placed.partition.pieces) > 1 else [(patch.primitive(),) for (patch,) in members]
 
 
 SYZYGY = SolvingMethod("syzygy", _syzygy, several=True)

@@ -222,10 +222,6 @@ class Space(InPlace, Exported):
         if not targets:
             return fmpq_mat(0, self.dimension)
         wanted = fmpq_mat(targets)
-        if self.dimension == 0:
-            if any(v != 0 for row in targets for v in row):
-                raise ValueError("the piecewise polynomial is not a member of the solution space")
-            return fmpq_mat(len(targets), 0)
         pivots, inverse = self._pivots
         result = fmpq_mat(len(targets), len(pivots), [row[j] for row in targets for j in pivots]) * inverse
         if result * self._all_patches != wanted:

@@ -1,29 +1,13 @@
-"""The proof that a surface meets a contact, where the contact's curve is in faces of the region.
+"""The proof that a surface meets a contact, in faces of the region or through an opening.
 
-The claim of a contact (f, h) with order k: along all of the curve V(f, h) in the region the surface
-continues f with GC^k, `patch = alpha f` modulo h^(k+1) with alpha > 0, and wherever the curve lies
-in an outer face, that is a clip face: h vanishes on it, and is negative on the region's side.
+The claim of a contact (f, h) with order k: along all of the curve V(f, h) in the region the surface continues f with
+GC^k, `patch = alpha f` modulo h^(k+1) with alpha > 0, and h is negative on the region's side of the clip faces in which
+it lies.  Theorem 3 of docs/theory/verdicts.md says what is proved for that, and its assumptions are tried in their
+order; a curve that comes into the region elsewhere is that of `pas.certify.free_curves`.
 
-Rules, in the order in which they are tried, for `h = plane * cofactor` in each clip plane:
-
-- the patch is a member of `<f, plane^(k+1)>` at every point of the curve in the face (see
-  `pas.certify.incidence`); refuted only with a real point of the curve where it is not;
-- f > 0 on the rim of the clip faces, and f < 0 somewhere inside: the curve is there and closed;
-- the plane divides the clip once, and the cofactor is positive on the curve, so that h < 0 just
-  inside the region;
-- grad f x grad h does not vanish on the curve: it is regular, and cut out transversally;
-- alpha > 0 on the curve;
-- the curve does not come into the region elsewhere: there the surface would be in use on one side
-  of it only, and the claim is refuted or left undecided (see `pas.certify.free_curves`).
-
-A unit at the points of the curve changes no ideal there, so with these `<f, h^(k+1)>` and
-`<f, plane^(k+1)>` say the same (Garrity and Warren 1991).
-
-Openings: contacts through which the region is open.  The edge of a plate lies in the plane that a blend touches all
-along it, so no plane face of a region can end the blend there.  Seen from a centre below the plate it ends where rays
-do: the clip is a cone q of degree 2 with its apex in the centre, the region a convex cone cut off, and in use is the
-nappe q <= 0.  What is proved, and why V(f, q) is then one closed regular curve through which alone the surface leaves
-the nappe, is theorem 4 of docs/theory/verdicts.md.
+Openings: the edge of a plate lies in the plane that a blend touches all along it, so no plane face of a region can end
+the blend there.  Seen from a centre below the plate it ends where rays do: the clip is a cone q of degree 2 with its
+apex in the centre, the region a convex cone cut off, and in use is the nappe q <= 0 (theorem 4).
 """
 
 from __future__ import annotations
@@ -57,15 +41,13 @@ def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
     if not join.faces:
         return free_verdict(claim, join)
     for met in incidences(surface, join, surface.order):
-        if met.division.order < surface.order:
-            if (found := unmet(join, met)) is None:
-                return claim.unmet(met.division.order, None)
-            return claim.unmet(met.division.order, found.witness, found.examined)
+        if met.order < surface.order:
+            return claim.unmet(met.order, *unmet(join, met))
     for signs, reason, _ in _flaws(join):
         return claim.undecided(reason) if signs is None else claim.settled(signs, reason, "")
     positive = alpha_signs(surface, join, on_curve=True)
-    failed = claim.failed(positive, "alpha is not positive on the curve")
-    if failed is not None:
+    assert positive is not None
+    if (failed := claim.failed(positive, "alpha is not positive on the curve")) is not None:
         return failed
     if not join.confined:
         return free_verdict(claim, join)

@@ -163,13 +163,10 @@ def _owned(components: Sequence[fmpq_mpoly]) -> tuple[Polynomial, Polynomial, Po
 def curvature_below(surface: PiecewisePolynomial, bound: fmpq) -> Verdict:
     """The verdict on `sqrt(k1^2 + k2^2) < bound` all over the surface, `bound` in 1 / unit of length.
 
-    With g = grad f, H the second derivatives of f and M = |g|^2 tr H - g^T H g,
-
-        k1^2 + k2^2 = (M^2 - 2 |g|^2 g^T adj(H) g) / |g|^6
-
-    so that it holds where `K^2 |g|^6 - M^2 + 2 |g|^2 g^T adj(H) g`, of degree 6 (n - 1), is positive wherever f = 0.
-    f is written as of that degree, so that multiples of it count: near the surface the polynomial changes by what one
-    of these does, and slowly along it.  A pipe, one of whose curvatures is 0, has its own curvature for the root.
+    It holds where the polynomial of `_difference`, of degree 6 (n - 1), is positive wherever f = 0 (see
+    docs/theory/verdicts.md, under the bound on curvature).  f is written as of that degree, so that multiples of it
+    count: near the surface the polynomial changes by what one of these does, and slowly along it.  A pipe, one of whose
+    curvatures is 0, has its own curvature for the root.
     """
     claim = Proposition(surface, f"sqrt(k1^2 + k2^2) below {plain(bound)}")
     local, degree = surface.local, 6 * max(surface.degree - 1, 0)

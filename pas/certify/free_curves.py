@@ -1,16 +1,9 @@
 """The proof that a surface meets a contact whose curve lies inside the region, in none of its faces.
 
-Where a clip is curved, or has a factor that is no face of the region, the curve V(f, d) is a space
-curve; d is the clip without the planes of its clip faces.  Proved of a single patch g:
-
-- g is a member of `<f, d^(k+1)>`, exactly;
-- f and d have no common zero on the region's boundary, so that the curve is closed inside, and it
-  has a point there;
-- `v = (grad g x grad d) . (grad f x grad d) > 0` on the curve.  Since `g = alpha f + beta d^(k+1)`,
-  `v = alpha |grad f x grad d|^2` there: the curve is regular and alpha > 0.
-
-All by Bernstein branch and bound over the cells with two equations.  Refuted only at points of the
-curve that are proved to exist, with a sign that is proved around them (see `Enclosure`).
+Where a clip is curved, or has a factor that is no face of the region, the curve V(f, d) is a space curve; d is the clip
+without the planes of its clip faces.  What is proved of a single patch is said in docs/theory/verdicts.md, under curved
+clips inside the region.  Refuted only at points of the curve that are proved to exist, with a sign that is proved
+around them (see `Enclosure`).
 
 The order is refuted with a derivation that is tangent to V(f), `D = ((grad f x grad d) x grad f) . grad`:
 of a member of `<f, d^j>`, `g = alpha f + beta d^j`, it makes `D^j g = j! beta (D d)^j` on the curve,
@@ -28,6 +21,7 @@ from itertools import product
 import numpy as np
 from flint import fmpq_mpoly
 
+from pas.algebra.curve import along, gradient
 from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import unit
 from pas.algebra.monomials import homogeneous_exponents
@@ -86,20 +80,15 @@ def contact_order(patch: Polynomial, f: Polynomial, d: Polynomial, highest: int)
         return highest, None
     remainders = (Ideal.from_raw(f.raw, d.raw ** (j + 1)).reduce(patch.raw) for j in range(highest + 1))
     lowest, remainder = next((j, r) for j, r in enumerate(remainders) if not r.is_zero())
-    obstacle, along = Polynomial.from_raw(remainder), cross(cross(_gradient(f), _gradient(d)), _gradient(f))
+    obstacle, field = Polynomial.from_raw(remainder), cross(cross(gradient(f), gradient(d)), gradient(f))
     for _ in range(lowest):
-        obstacle = Polynomial.from_raw(dot(along, _gradient(obstacle)))
+        obstacle = along(field, obstacle)
     return lowest - 1, obstacle
 
 
 def transversality(g: Polynomial, f: Polynomial, d: Polynomial) -> Polynomial:
     """`(grad g x grad d) . (grad f x grad d)`."""
-    first, second = cross(_gradient(g), _gradient(d)), cross(_gradient(f), _gradient(d))
-    return Polynomial.from_raw(dot(first, second))
-
-
-def _gradient(polynomial: Polynomial) -> list[fmpq_mpoly]:
-    return [polynomial.raw.derivative(i) for i in range(3)]
+    return dot(cross(gradient(g), gradient(d)), cross(gradient(f), gradient(d)))
 
 
 @dataclass(frozen=True)

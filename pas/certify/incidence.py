@@ -1,13 +1,9 @@
 """How the patches of a surface meet a contact on its clip faces, decided by powers of the face's plane.
 
-With t the plane, a patch is `sum g_i t^i` and a surface `sum f_i t^i`, with polynomials on the plane
-as coefficients.  The patch meets the surface with GC^k along V(f, t), that is, it is a member of
-`<f, t^(k+1)>`, iff the power series `alpha = sum alpha_i t^i` with `g = alpha f` has polynomials as
-coefficients up to t^k: a division for each order, `alpha_i f_0 = g_i - sum_(j<i) alpha_j f_(i-j)`.
-
-Where the curve V(f_0) has several components only those in the face matter.  Let `f_0 = p q`, where
-q has no zero on the face.  Then q is a unit at each point of the face, and membership there (in the
-localised ideal) means that p alone divides: `alpha_i = n_i / q^(i+1)` with polynomials n_i,
+With t the plane, a patch `sum g_i t^i` meets a surface `sum f_i t^i` with GC^k along V(f, t) iff `g = alpha f` has a
+solution with polynomials on the plane as coefficients up to t^k (theorem 3 of docs/theory/verdicts.md).  Where the
+curve V(f_0) has several components only those in the face matter: of `f_0 = p q` only p need divide, where q has no
+zero on the face, and `alpha_i = n_i / q^(i+1)` with polynomials n_i,
 
     n_i p = q^i g_i - sum_(j<i) n_j f_(i-j) q^(i-j-1).
 
@@ -23,8 +19,10 @@ from dataclasses import dataclass
 
 from flint import fmpq, fmpq_mpoly
 
+from pas.algebra.affine import slope_at
 from pas.algebra.monomials import Exponents
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial
+from pas.arrays import Floats
 from pas.bernstein.signs import SignResult, alike, positive_on
 from pas.contacts.joins import ClipPlane, Join
 from pas.partition.complex import OuterFace
@@ -33,17 +31,22 @@ from pas.verdicts import Status
 
 
 @dataclass(frozen=True)
-class Division:
-    """How far the division goes: `order` is the largest j with GC^j, up to the one asked for.
+class Incidence:
+    """How a patch meets a contact on its clip faces in one plane.
 
-    `alpha` is n_0, the value of alpha on the face times q (None where not even n_0 exists), and
-    `obstacle` the polynomial that p does not divide, None where there is none.  Both are polynomials
-    on the plane, constant in the variable that is a function of the other two there.
+    `order` is the largest j with GC^j, up to the one asked for.  `alpha` is n_0, the value of alpha on the face times q
+    (None where not even n_0 exists), and `obstacle` the polynomial that p does not divide, None where there is none.
+    Both are polynomials on the plane, constant in the variable that is a function of the other two there.
+
+    `factors` are those irreducible factors of the contact's surface on the plane, of multiplicity 1,
+    that are not proved to have no zero on the faces; found only where the division by all fails.
     """
 
+    faces: tuple[OuterFace, ...]
     order: int
     alpha: fmpq_mpoly | None
     obstacle: fmpq_mpoly | None
+    factors: tuple[fmpq_mpoly, ...] = ()
 
 
 def powers(polynomial: fmpq_mpoly, plane: Polynomial, count: int) -> list[fmpq_mpoly]:
@@ -51,8 +54,7 @@ def powers(polynomial: fmpq_mpoly, plane: Polynomial, count: int) -> list[fmpq_m
 
     One variable with a coefficient in the plane is replaced by t and the other two.
     """
-    terms = plane.raw.to_dict()
-    slope = [terms.get((i == 0, i == 1, i == 2), fmpq(0)) for i in range(3)]
+    slope = slope_at(plane)
     chosen = max(i for i in range(3) if slope[i] != 0)
     t = GENERATORS[chosen]
     images = list(GENERATORS)
@@ -65,30 +67,19 @@ def powers(polynomial: fmpq_mpoly, plane: Polynomial, count: int) -> list[fmpq_m
     return [RING.from_dict(part) for part in parts]
 
 
-def divide(g: Sequence[fmpq_mpoly], f: Sequence[fmpq_mpoly], p: fmpq_mpoly, q: fmpq_mpoly) -> Division:
-    """Divide the series g by f, of as many coefficients, where `f[0] = p q` and q is a unit."""
+def divide(
+    g: Sequence[fmpq_mpoly], f: Sequence[fmpq_mpoly], p: fmpq_mpoly, q: fmpq_mpoly
+) -> tuple[int, fmpq_mpoly | None, fmpq_mpoly | None]:
+    """Divide the series g by f, of as many coefficients, where `f[0] = p q` and q is a unit: order, alpha, obstacle."""
     numerators: list[fmpq_mpoly] = []
     for i, coefficient in enumerate(g):
         known = (n * f[i - j] * q ** (i - j - 1) for j, n in enumerate(numerators))
         target = q**i * coefficient - sum(known, RING.constant(0))
         quotient, remainder = divmod(target, p)
         if not remainder.is_zero():
-            return Division(i - 1, numerators[0] if numerators else None, target)
+            return i - 1, numerators[0] if numerators else None, target
         numerators.append(quotient)
-    return Division(len(g) - 1, numerators[0], None)
-
-
-@dataclass(frozen=True)
-class Incidence:
-    """How a patch meets a contact on its clip faces in one plane.
-
-    `factors` are those irreducible factors of the contact's surface on the plane, of multiplicity 1,
-    that are not proved to have no zero on the faces; found only where the division by all fails.
-    """
-
-    faces: tuple[OuterFace, ...]
-    division: Division
-    factors: tuple[fmpq_mpoly, ...] = ()
+    return len(g) - 1, numerators[0], None
 
 
 def incidences(surface: PiecewisePolynomial, join: Join, order: int) -> Iterator[Incidence]:
@@ -98,18 +89,18 @@ def incidences(surface: PiecewisePolynomial, join: Join, order: int) -> Iterator
             yield _incidence(surface.patches[piece], join, plane, piece, order)
 
 
-def alpha_signs(surface: PiecewisePolynomial, join: Join, *, on_curve: bool) -> SignResult:
+def alpha_signs(surface: PiecewisePolynomial, join: Join, *, on_curve: bool) -> SignResult | None:
     """Branch and bound for alpha > 0 on the curve, where `patch = alpha f_i`, or all over the clip faces.
 
     There other contacts whose curves lie in the same faces have their surfaces divided out of alpha:
-    what is left is positive where the patch is negative inside one of the curves alone.  Raises
-    `ValueError` where the patch does not vanish on the contact's curve.
+    what is left is positive where the patch is negative inside one of the curves alone.  None where a patch does not
+    vanish on the contact's curve.
     """
     faces, values, beside = [], [], () if on_curve else surface.joins
     for met in incidences(surface, join, 0):
-        if met.division.alpha is None:
-            raise ValueError("alpha is defined where the contact is met only")
-        alpha = _without(met.division.alpha, [other for other in beside if other is not join], met.faces[0])
+        if met.alpha is None:
+            return None
+        alpha = _without(met.alpha, [other for other in beside if other is not join], met.faces[0])
         faces += [join.partition.corners(face.vertices) for face in met.faces]
         values += [alpha] * len(met.faces)
     zeros = [alike(join.contact.surface.raw, faces)] if on_curve else []
@@ -125,17 +116,18 @@ def _without(alpha: fmpq_mpoly, others: Sequence[Join], face: OuterFace) -> fmpq
     return alpha
 
 
-def unmet(join: Join, met: Incidence) -> SignResult | None:
-    """A refutation with points of the curve on the faces where the obstacle is not zero, if one is found."""
-    obstacle = RING.constant(0) if met.division.obstacle is None else met.division.obstacle
+def unmet(join: Join, met: Incidence) -> tuple[Floats | None, int]:
+    """A point (3,) of the curve on the faces where the obstacle is not zero, if one is found, and how many simplices
+    were examined for it."""
+    assert met.obstacle is not None
     for factor in met.factors:
         # equal to the obstacle on the curve, and of its size there, however small that is
-        remainder = divmod(obstacle, factor)[1]
+        remainder = divmod(met.obstacle, factor)[1]
         for sign in (1, -1) if not remainder.is_zero() else ():
             result = on_faces(remainder * sign, join, met.faces, factor)
             if result.status is Status.REFUTED:
-                return result
-    return None
+                return result.witness, result.examined
+    return None, 0
 
 
 def on_faces(value: fmpq_mpoly, join: Join, faces: Sequence[OuterFace], zero: fmpq_mpoly | None = None) -> SignResult:
@@ -147,9 +139,9 @@ def on_faces(value: fmpq_mpoly, join: Join, faces: Sequence[OuterFace], zero: fm
 def _incidence(patch: Polynomial, join: Join, plane: ClipPlane, piece: int, order: int) -> Incidence:
     faces = tuple(face for face in plane.faces if face.piece == piece)
     f, g = (powers(p.raw, plane.plane, order + 1) for p in (join.contact.surface, patch))
-    division = divide(g, f, f[0], RING.constant(1))
-    if division.obstacle is None:
-        return Incidence(faces, division)
+    found = divide(g, f, f[0], RING.constant(1))
+    if found[2] is None:
+        return Incidence(faces, *found)
     unit, factors = RING.constant(1), []
     for factor, times in f[0].factor()[1]:
         signs = (s for s in (1, -1) if on_faces(factor * s, join, faces).status is Status.PROVED)
@@ -158,4 +150,4 @@ def _incidence(patch: Polynomial, join: Join, plane: ClipPlane, piece: int, orde
             unit *= (factor * sign) ** times
         elif times == 1:
             factors.append(factor)
-    return Incidence(faces, divide(g, f, divmod(f[0], unit)[0], unit), tuple(factors))
+    return Incidence(faces, *divide(g, f, divmod(f[0], unit)[0], unit), tuple(factors))

@@ -2,17 +2,15 @@
 
 The origin is a point of doubles, so that differences from it are rounded once; polynomials, cells and their B-forms are
 worked out exactly there before they are rounded.  What depends on the surface alone is worked out once for all meshes:
-parts of simplices that hold all critical points of a polynomial, too, on each of which it has a sign.  A simplex is
-settled when the derivative along some direction in it has B-coefficients of one sign, and kept when the polynomial
-itself has and the simplex is free of what must not be in it; any other is halved (see
-`pas.bernstein.simplices.Simplices.rising`).
+parts of simplices that hold all critical points of a polynomial, too, on each of which it has a sign (how they are
+found is told in docs/theory/meshes.md, under assumption 2).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -207,33 +205,20 @@ class FramedSurface:
     @cached_property
     def strata(self) -> list[tuple[Floats, Floats]]:
         """B-coefficients and corners of the cells, the outer faces, the edges between walls, and their ends."""
-        result = [(self.cell_forms[0], self.corners)]
-        walls = zip(self.cells.wall_of.tolist(), self.cells.outer_faces, strict=True)
-        for cells, at in _strata(self.cells.cells, tuple((wall, face.cell, face.vertices) for wall, face in walls)):
+        cells, outer, result = self.cells.cells, self.cells.outer_faces, [(self.cell_forms[0], self.corners)]
+        edges = {
+            (one.cell, common)
+            for (wall, one), (beside, other) in combinations(zip(self.cells.wall_of.tolist(), outer, strict=True), 2)
+            if len(common := tuple(sorted({*one.vertices} & {*other.vertices}))) == 2 and wall != beside
+        }
+        ends = {v: cell for cell, edge in sorted(edges) for v in edge}
+        parts = {(face.cell, face.vertices) for face in outer}, edges, {(cell, (v,)) for v, cell in ends.items()}
+        for part in (sorted(some) for some in parts if some):
+            rows = np.array([cell for cell, _ in part])
+            at = np.array([[k for k, v in enumerate(cells[cell]) if v in vertices] for cell, vertices in part])
             own = on_corners(self.degree, 4)[(1 << at).sum(axis=1)]
-            result.append((self.cell_forms[0][cells][own].reshape(len(at), -1), self.corners[cells[:, None], at]))
+            result.append((self.cell_forms[0][rows][own].reshape(len(at), -1), self.corners[rows[:, None], at]))
         return result
-
-
-Parts = tuple[tuple[int, ...], ...]
-
-
-@lru_cache(maxsize=64)
-def _strata(cells: Parts, faces: tuple[tuple[int, int, tuple[int, ...]], ...]) -> list[tuple[Integers, Integers]]:
-    """The outer faces, the edges between walls and their ends, of tetrahedra and of faces with their walls, cells and
-    vertices: of each kind of which there are some, in which cells (N,) they are, and which corners (N, k) of these."""
-    parts: list[set[tuple[int, tuple[int, ...]]]] = [{(cell, vertices) for _, cell, vertices in faces}, set(), set()]
-    for (wall, cell, vertices), (other, _, others) in combinations(faces, 2):
-        common = tuple(sorted(set(vertices) & set(others)))
-        if len(common) == 2 and wall != other:
-            parts[1].add((cell, common))
-    ends: dict[int, int] = {v: cell for cell, edge in sorted(parts[1]) for v in edge}
-    parts[2] = {(cell, (v,)) for v, cell in ends.items()}
-    found = []
-    for part in filter(None, parts):
-        at = [[k for k, v in enumerate(cells[cell]) if v in vertices] for cell, vertices in sorted(part)]
-        found.append((np.array([cell for cell, _ in sorted(part)]), np.array(at)))
-    return found
 
 
 class FramedMesh:

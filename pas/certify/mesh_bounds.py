@@ -73,8 +73,6 @@ def bounds(mesh: FramedMesh) -> tuple[Floats, Floats]:
     Triangles in several pieces are cut into parts where the polynomial of one goes wrong in another.
     """
     normals, loose = mesh.normals, mesh.loose
-    if len(mesh.local.makers) == 1:
-        return _bounded(mesh.local, mesh.corners, normals, loose)[:2]
     most, least, usual = np.zeros(len(normals)), np.full(len(normals), np.inf), np.inf
 
     def judge(parts: Parts, depth: int) -> Fates:

@@ -1,22 +1,10 @@
 """The proof that a mesh is a surface: the same topology, and how far it is from it at most, however it was made.
 
-Let f be C^1 in the region, and v a continuous field with v . grad f > 0 but where v = 0: grad f inside, its part along
-the walls on these, along the edges between walls on those, and 0 at their ends; between them, in collars as thin as one
-likes, mixtures.  Let M be an oriented mesh whose boundary is on the walls, and w the number that drops by 1 where one
-leaves through a triangle and is, as the region is star-shaped, well defined off M.  If
-
-  - v crosses every triangle from its back to its front (on all of it along grad f, on its corners and sides in walls
-    and edges along the parts of grad f there), and
-  - at every zero of v f is not 0, M is elsewhere, and w = 1 where f < 0, w = 0 where f > 0,
-
-then M meets each curve of the flow that crosses the zeros of f once, and no other: along a curve f rises from one zero
-of v to another, and w falls by 1 at each crossing with M.  So the flow maps M one to one onto the zeros of f; it is the
-same surface up to an isotopy along the curves, and neither has a component that the other has not.
-
-The zeros of v are enclosed by simplices of the cells, the outer faces, the edges and the ends (see
-`pas.certify.local_mesh`), the triangles are bounded by Bernstein forms (`pas.certify.mesh_bounds`), w is counted
-along segments from the centre (`pas.certify.graph_proofs.crossed`).  All count their rounding.  Points of the boundary
-may be off the walls by rounding, and are then taken to be on them.
+That of topology is the theorem of docs/theory/meshes.md, with its field v, along which f rises, and its number w, which
+drops by 1 where one leaves through a triangle.  The zeros of v are enclosed by simplices of the cells, the outer faces,
+the edges and the ends (see `pas.certify.local_mesh`), the triangles are bounded by Bernstein forms
+(`pas.certify.mesh_bounds`), w is counted along segments from the centre (`pas.certify.graph_proofs.crossed`).  All
+count their rounding.  Points of the boundary may be off the walls by rounding, and are then taken to be on them.
 
 Where v is not seen to cross all triangles, as where they are large beside a sharp edge, the mesh is the surface as well
 if both are graphs over the same directions from the centre (see `pas.certify.graph_proofs`).
@@ -37,7 +25,7 @@ from pas.certify.certificate import Certificate
 from pas.certify.graph_proofs import CLAIM, certify_graph, crossed
 from pas.certify.local_mesh import OFF, ON_WALL, FramedMesh, FramedSurface, critical_parts
 from pas.certify.mesh_bounds import along_walls, apart, bounds, farthest
-from pas.mesh.topology import Edges, same_places
+from pas.mesh.topology import Edges, connected, same_places
 from pas.verdicts import Findings, Point, Status, Verdict
 
 BORDER = "a manifold that ends on the walls"
@@ -218,15 +206,10 @@ def _grouped(parts: list[Floats]) -> list[list[int]]:
 
     Those with a common corner are in one.
     """
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import connected_components
-
     counts = np.concatenate([np.full(len(part), part.shape[1]) for part in parts])
     corners = same_places(np.concatenate([part.reshape(-1, 3) for part in parts]))[1]
-    size, starts = len(counts) + len(corners), np.full(len(counts) + len(corners) + 1, len(corners))
-    starts[0], starts[1 : len(counts) + 1] = 0, np.cumsum(counts)
-    graph = csr_array((np.ones(len(corners)), len(counts) + corners, starts), shape=(size, size))
-    label = connected_components(graph, directed=False)[1].tolist()
+    ends = np.stack([np.repeat(np.arange(len(counts)), counts), len(counts) + corners], axis=1)
+    label = connected(ends, len(counts) + len(corners)).tolist()
     extents = np.concatenate([np.ptp(part, axis=1).sum(axis=1) for part in parts])
     groups: dict[int, list[int]] = {}
     for number in np.argsort(-extents, kind="stable").tolist():

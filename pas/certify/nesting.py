@@ -1,24 +1,15 @@
 """The proof that one piecewise surface is inside another: what a hollow node promises.
 
-Each surface is seen from a centre, and no ray from there changes cells (see `pas.partition.cells`).  So the directions
-in which rays from the outer centre leave the outer region through a face make a cone in which the outer surface is one
-polynomial f; and between the inner centre and an outer face of the inner region, in a tetrahedron, the inner surface is
-one polynomial g.  What such a cone and such a tetrahedron have in common is cut into tetrahedra exactly.  Claims:
-
-Inside: where g <= 0 in the inner region, f < 0, and the point lies in the outer region, behind its outer face in the
-direction from the outer centre (unless both faces are in one plane).  So the inner body, with its sections in the clip
-faces, is in the interior of the outer one, relative to these faces.  Of a region that is open only what is inside the
-cone of its opening is in use, and nothing is claimed of the rest (see `pas.certify.contact_proofs`): so this is of what
-is inside both cones.
-
-End: at each contact both clips are the same plane, and on the inner clip faces the outer contact's surface is negative
-wherever the inner one's is not positive.  At an opening both are cones from one point, the same or the inner one around
-the outer one, and that holds all over the inner cone in the inner region; where g <= 0 between them, the surface of the
-outer contact is negative.  So the wall ends in what is between two curves without a common point, and the inner body is
-in what the outer one goes on as.
+The claims, that the inner body is inside and that the wall ends between nested curves, are those of
+docs/theory/verdicts.md, under hollow blends.  Each surface is seen from a centre, and no ray from there changes cells
+(see `pas.partition.cells`).  So the directions in which rays from the outer centre leave the outer region through a
+face make a cone in which the outer surface is one polynomial f; and between the inner centre and an outer face of the
+inner region, in a tetrahedron, the inner surface is one polynomial g.  What such a cone and such a tetrahedron have in
+common is cut into tetrahedra exactly.
 
 All inequalities are proved by Bernstein branch and bound with rounding accounted for (see `pas.bernstein.signs`).  What
-is not promised: a thickness of the wall (see `pas.certify.thickness`).
+is not promised: a thickness of the wall (see `pas.certify.thickness`), and of open regions what is outside the cones of
+their openings.
 """
 
 from __future__ import annotations
@@ -94,16 +85,14 @@ def _inside(inner: PiecewisePolynomial, outer: PiecewisePolynomial) -> Verdict:
         return prove_inside([part.corners for part in some], (values, degree), inside)
 
     found = proved(parts, [above[part.outer] for part in parts], outer.degree)
-    failed = claim.failed(found, "the inner surface is not inside the outer one")
-    if failed is not None:
+    if (failed := claim.failed(found, "the inner surface is not inside the outer one")) is not None:
         return failed
     examined = found.examined
     walls = [(part, -part.beyond.raw) for part in parts if part.beyond is not None]
     if walls:
         found = proved([part for part, _ in walls], [raw for _, raw in walls], 1)
         examined += found.examined
-        failed = claim.failed(found, "the inner surface is not in the region of the outer one")
-        if failed is not None:
+        if (failed := claim.failed(found, "the inner surface is not in the region of the outer one")) is not None:
             return failed
     where = "where the inner function is not positive, the outer one is negative"
     return claim.proved(f"{where}; {examined} tetrahedra", examined)

@@ -1,27 +1,19 @@
-"""The proofs of what a piecewise surface promises.
+"""The proofs of what a piecewise surface promises; docs/theory/verdicts.md says what each verdict means, and why.
 
-Contacts and faces: exact division, remainder identically zero (Garrity and Warren 1991), and `alpha > 0` on each
-contact curve, so that the surface is regular there and on the right side (see `pas.certify.contact_proofs`).
+Contacts: see `pas.certify.contact_proofs`.  Faces: exact division, remainder identically zero (theorem 2).
 
-One sheet: with the guide field u(x) = x - O from the centre O, `grad f . u > 0` wherever `f = 0`
-in each cell.  Since rays from O do not change cells, f changes sign at most once along each, and
-upwards: no second sheet, no bubble, no singular point.
+One sheet: with u from the centre, `grad f . u > 0` wherever `f = 0` in each cell (theorem 5).
 
-Enclosed: `f > 0` on the outer faces that are not in a clip plane, and `f = alpha f_i` with `alpha > 0` on all of the
-clip faces (alpha times all f_i of the contacts that share a face), so the surface leaves the region through its contact
-curves alone.  Together the two say that the surface is a graph over the sphere of directions less one disc a contact:
-for c contacts of one closed curve each, as those of degree 2 in a plane are, its Euler characteristic is 2 - c.
+Enclosed: `f > 0` on the walls, and on all of the clip faces `f = alpha f_i` with `alpha > 0`, alpha times all f_i of
+the contacts that share a face (theorem 6).  The sides of an open region that no contact closes are walls, and f < 0 on
+a part of them, as they hold the centre.
 
-A region may be open towards one contact whose clip is a cone around the centre, as to the edge of a plate (see
-`pas.certify.contact_proofs`): then the surface is in use inside that cone.  It is one disc more that the graph lacks.
-The sides of an open region that no contact closes are walls, and f < 0 on a part of them, as they hold the centre.
+A contact whose clip passes through the region, as a curved one, leaves the surface in use on one side of the clip only.
+One sheet is then still proved of all of the zero set in the region, and refuted only at a point that is in use; that
+what is in use is enclosed is never proved.
 
-Any other contact whose clip passes through the region, as a curved one, leaves the surface in use on one
-side of the clip only.  One sheet is then still proved of all of the zero set in the region, and
-refuted only at a point that is in use; that what is in use is enclosed is never proved.
-
-All inequalities are proved by Bernstein branch and bound with rounding accounted for (see
-`pas.bernstein.signs`).  What is not promised: anything outside the region.
+All inequalities are proved by Bernstein branch and bound with rounding accounted for (see `pas.bernstein.signs`).  What
+is not promised: anything outside the region.
 """
 
 from __future__ import annotations
@@ -39,7 +31,7 @@ from pas.bernstein.forms import corner_points, nearby_forms, on_simplex
 from pas.bernstein.signs import SignResult, positive_on, prove_positive
 from pas.certify.certificate import Certificate, Proposition
 from pas.certify.contact_proofs import contact_verdict, opening_verdict
-from pas.certify.incidence import alpha_signs, incidences
+from pas.certify.incidence import alpha_signs
 from pas.registry import Registry
 from pas.surface.function import PiecewisePolynomial
 from pas.verdicts import Status, Verdict
@@ -131,11 +123,10 @@ def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
             if not found.proved:
                 return claim.undecided(f"contact {number}: {found.reason}")
             continue
-        if any(met.division.order < 0 for met in incidences(surface, join, 0)):
-            return claim.undecided(f"contact {number} is not met on its clip face")
         result = alpha_signs(surface, join, on_curve=False)
-        failed = claim.failed(result, f"alpha is not positive on the clip face of contact {number}")
-        if failed is not None:
+        if result is None:
+            return claim.undecided(f"contact {number} is not met on its clip face")
+        if (failed := claim.failed(result, f"alpha is not positive on the clip face of contact {number}")) is not None:
             return failed
         examined += result.examined
     return claim.proved(f"f > 0 on the walls, alpha > 0 on the clip faces; {examined} triangles", examined)

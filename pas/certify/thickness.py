@@ -1,19 +1,14 @@
 """The proof that a wall is thicker than a bound everywhere: no point of one surface is as near to one of the other.
 
-On a tetrahedron with corners v_i let L be the linear function with L(v_i) = f(v_i), and c_a and f_a the B-coefficients
-of L and f.  Where f = 0, L = L - f lies between the least and the largest c_a - f_a.  So the zeros of f there lie in a
-*slice*, what is between two parallel planes in the tetrahedron: it is convex, its corners lie on the edges of the
-tetrahedron, and it is as thin as the square of the size.
+On a tetrahedron the zeros of a polynomial lie in a *slice*, what is between two parallel planes in the tetrahedron (see
+docs/theory/verdicts.md, under thickness): it is convex, its corners lie on the edges of the tetrahedron, and it is as
+thin as the square of the size.
 
-A bound holds if all slices of one surface are farther than it from all of the other: for each two there is a direction
-n in which `min n . a - max n . b` over their corners is more than the bound times |n|.  Any n will do; tried are the
-normals of both and from middle to middle, and before that some for each slice and all of the other surface.  Tetrahedra
-with slices that are not parted from all that are still there of the other surface are halved.  Those that are parted
-go, as parts of what is there are parted from them as well.
-
-The bound is refuted where two edges, one of each surface's, each hold a zero, as f changes its sign between their ends,
-and both slices' corners on them are nearer to one another than the bound.  Looked at are each slice and the nearest one
-of the other surface, before other pairs, and of those only such as hold one that is not to be halved already.
+Any direction may part two slices; tried are the normals of both and from middle to middle, and before that some for
+each slice and all of the other surface.  Tetrahedra with slices that are not parted from all that are still there of
+the other surface are halved.  Those that are parted go, as parts of what is there are parted from them as well.  For
+refutations each slice and the nearest one of the other surface are looked at, before other pairs, and of those only
+such as hold one that is not to be halved already.
 
 Guaranteed for all zeros of both functions in their regions, up to the clips of contacts, and where an opening has two
 cones between these for the outer contact, as far out as twice the inner region.  Not promised: anything else beyond the

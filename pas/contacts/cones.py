@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.affine import away, center_equations, height, quadratic_form
+from pas.algebra.affine import center_equations, height, quadratic_form
 from pas.algebra.bracket import sign_change
 from pas.algebra.inputs import short
 from pas.algebra.matrices import solved
@@ -25,13 +25,12 @@ from pas.algebra.rational import (
     listed,
     plain,
     positive,
-    rational,
     three,
     to_floats,
-    vector,
 )
 from pas.arrays import Floats, Integers
-from pas.contacts.contact import Contact, Movable
+from pas.contacts.axial import Axial
+from pas.contacts.contact import Contact
 from pas.errors import GeometryError
 
 FARTHEST = 64.0
@@ -95,7 +94,7 @@ def first_met(surface: Polynomial, rays: Floats, size: float = 1.0) -> Floats:
 
 
 @dataclass(frozen=True, repr=False)
-class Opening(Movable):
+class Opening(Axial):
     """A surface out of which a blend rises along the curve that a cone cuts, in a plane or in none.
 
     `surface` is a polynomial, negative inside; the cone has its apex in `point`, which is inside, opens along `axis`,
@@ -118,11 +117,7 @@ class Opening(Movable):
     def __init__(self, surface: PolynomialLike, axis: VectorLike, slope: Exact, point: VectorLike = (0, 0, 0)) -> None:
         polynomial = Polynomial.named(surface, "surface")
         object.__setattr__(self, "surface", polynomial)
-        object.__setattr__(self, "axis", vector(axis, "axis"))
-        object.__setattr__(self, "slope", rational(slope, "slope"))
-        object.__setattr__(self, "point", vector(point, "point"))
-        if not any(self.axis):
-            raise ValueError("axis must not be the zero vector")
+        self.settle(axis, point, slope=slope)
         positive(self.slope, "slope")
         if not 1 <= self.slope * fmpq(int(WIDEST)) <= int(WIDEST) ** 2:
             raise ValueError(
@@ -138,8 +133,7 @@ class Opening(Movable):
     @cached_property
     def contact(self) -> Contact:
         along = height(self.point, self.axis)
-        square = sum((c * c for c in away(self.point)), 0 * along)
-        clip = square * dot(self.axis, self.axis) - (1 + self.slope**2) * along * along
+        clip = self.square * dot(self.axis, self.axis) - (1 + self.slope**2) * along * along
         return Contact(self.surface, Polynomial.from_raw(clip))
 
     def __str__(self) -> str:

@@ -20,6 +20,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from errno import EDQUOT, EFBIG, ENOSPC
 from pathlib import Path
+from secrets import token_hex
 from typing import Any
 
 from pas.algebra.inputs import DEEPEST, SHOWN, depth, shown
@@ -109,12 +110,10 @@ def replacing(path: str | Path) -> Iterator[Path]:
     target = source(path)
     check_place(target)
     suffix = "".join(target.suffixes[-2:]) if target.name.endswith(".pas.json") else target.suffix
-    handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=suffix, dir=target.parent)
-    os.close(handle)
-    temporary = Path(name)
+    temporary = target.with_name(f".{target.stem}-{token_hex(8)}{suffix}")
+    temporary.touch(exist_ok=False)
     try:
         yield temporary
-        temporary.chmod(0o666 & ~_umask())
         temporary.replace(target)
     except OSError as error:
         if error.errno in (ENOSPC, EFBIG, EDQUOT):
@@ -140,12 +139,6 @@ def together(folder: Path) -> Iterator[Path]:
 
 def _short(name: str) -> str:
     return repr(name if len(name) <= 60 else f"{name[:40]}...{name[-17:]}")
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 FORMAT = "pas-project"

@@ -23,8 +23,9 @@ PARALLEL, WELL_APART, PEAKED = 1e-6, 1e-6, 1e-4
 that three of length 1 span, above which their inverse is written down, with the same bits on every machine."""
 
 
-def distances(field: HasJets, points: Floats, labels: Integers) -> Floats:
-    """Distances (N,) of points (N, 3) from the zeros of functions given as labels (N,), to first order."""
+def distances(field: HasJets, points: Floats, labels: int | Integers) -> Floats:
+    """Distances (N,) of points (N, 3) from the zeros of a function, or of their own ones (N,), given as labels, to
+    first order."""
     jets = field.jets(points, labels)
     return off_zero(jets[:, 0], jets[:, 1:])
 
@@ -94,12 +95,14 @@ def onto_faces(points: Floats, labels: Integers, field: FaceField, reach: Floats
     return points
 
 
-def newton(points: Floats, field: HasJets, functions: Integers, reach: Floats, steps: int = NEWTON_STEPS) -> Floats:
-    """Points (N, 3) moved to the common zeros of each one's own functions (N, m), given as labels.
+def newton(
+    points: Floats, field: HasJets, functions: Integers | Sequence[int], reach: Floats, steps: int = NEWTON_STEPS
+) -> Floats:
+    """Points (N, 3) moved to the common zeros of functions, given as labels, (m,) for all or each one's own (N, m).
 
     None moves further than `reach` (N,) a step.
     """
-    points = points.copy()
+    points, functions = points.copy(), np.broadcast_to(functions, (len(points), np.shape(functions)[-1]))
     active = np.arange(len(points))
     for _ in range(steps):
         checkpoint()

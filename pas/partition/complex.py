@@ -25,7 +25,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Vector, cross, dot, minus, three, to_floats
+from pas.algebra.rational import Vector, cross, determinant, dot, minus, three, to_floats
 from pas.arrays import Floats, Integers
 from pas.errors import GeometryError
 from pas.kernels.library import compiled
@@ -180,7 +180,7 @@ class CellComplex:
         """The plane of a face, negative in `cell`, with coprime integer coefficients."""
         denominator, points = self._whole
         a, b, c = (points[v] for v in triangle)
-        return _linear(_normal(a, b, c), a, denominator, -self._side(triangle, cell))
+        return _linear(cross(minus(b, a), minus(c, a)), a, denominator, -self._side(triangle, cell))
 
     def _side(self, triangle: Indices, cell: int) -> int:
         """On which side of a face's plane a cell lies: 1 or -1."""
@@ -195,14 +195,9 @@ class CellComplex:
         return denominator, [three(int(x.p) * (denominator // int(x.q)) for x in point) for point in self.vertices]
 
 
-def _normal(a: Whole, b: Whole, c: Whole) -> Whole:
-    """The vector product of b - a and c - a."""
-    return cross(minus(b, a), minus(c, a))
-
-
 def _height(a: Whole, b: Whole, c: Whole, d: Whole) -> int:
     """Six times the volume of a tetrahedron, positive where d is on the side of the normal of a, b, c."""
-    return dot(_normal(a, b, c), minus(d, a))
+    return determinant(minus(b, a), minus(c, a), minus(d, a))
 
 
 def _linear(way: Whole, point: Whole, denominator: int, sign: int) -> Polynomial:

@@ -11,8 +11,7 @@ their branches do not meet beyond the openings; else from a lattice.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from itertools import combinations
 from typing import Unpack
 
@@ -84,14 +83,14 @@ def header(
         raise ValueError(f"ends must be a smaller and a larger number, not {shown(ends)}")
     outer, *inner = zip(*(foot.sides for foot in feet), strict=True)
     lengths = [length_of(length, foot) for foot in outer]
-    full = HeaderSide(run.clipped(1).contact.surface, outer, run, (low, high), lengths)
+    full, sheet = header_side(run.clipped(1).contact.surface, outer, run, (low, high), lengths)
     if not inner:
-        return replace(full.solid, sheets=_body(full.sheet))
+        return replace(full, sheets=_body(sheet))
     bore = inner[0][0]
     inside = next(c.surface for c, join in zip(bore.contacts, bore.joins, strict=True) if join.opening)
-    cavity = HeaderSide(inside, inner[0], run, (low, high), lengths, f"{INSIDE} ")
+    cavity, within = header_side(inside, inner[0], run, (low, high), lengths, f"{INSIDE} ")
     proved = all(foot.certificate.proved for foot in feet)
-    return replace(full.solid - cavity.solid, sheets=_body(full.sheet, cavity.sheet) if proved else None)
+    return replace(full - cavity, sheets=_body(sheet, within) if proved else None)
 
 
 def _body(*sides: RunSide | None) -> SheetBody | None:
@@ -101,93 +100,70 @@ def _body(*sides: RunSide | None) -> SheetBody | None:
     return SheetBody(tuple(known)) if len(known) == len(sides) and all(a.holds(b) for a, b in pairs) else None
 
 
-@dataclass(frozen=True, eq=False)
-class HeaderSide:
-    """The run inside a `surface` with feet on it between two `ends`: a full header, or a bore, whose faces have names
-    that begin with `inside`.
+def header_side(
+    surface: Polynomial,
+    feet: Sequence[PiecewiseSurface],
+    run: Pipe,
+    ends: tuple[fmpq, fmpq],
+    lengths: Sequence[fmpq],
+    inside: str = "",
+) -> tuple[Solid, RunSide | None]:
+    """The run inside a surface with feet on it between two ends, and what bounds it up to these where that is known.
 
-    Raises `GeometryError` where an opening reaches beyond an end of the run or into another.
+    It is a full header, or a bore, which goes on a little beyond the ends and whose faces have names that begin with
+    `inside`.  Raises `GeometryError` where an opening reaches beyond an end of the run or into another.
     """
+    openings = [opening_in(foot, surface, number) for number, foot in enumerate(feet, start=1)]
+    axis, point = np.array(to_floats(run.axis)), np.array(to_floats(run.point))
+    places = [(opening.curve - point) @ axis / (axis @ axis) for opening in openings]
+    for number, place in enumerate(places, start=1):
+        if not to_float(ends[0]) < place.min() <= place.max() < to_float(ends[1]):
+            raise GeometryError(
+                f"the opening of foot {number} goes from {place.min():.4g} to {place.max():.4g} along the run, which "
+                f"ends at {plain(ends[0])} and {plain(ends[1])}"
+            )
+    for (i, a), (j, b) in combinations(enumerate(openings, start=1), 2):
+        if a.faces(b.curve) or b.faces(a.curve):
+            raise GeometryError(
+                f"the openings of feet {i} and {j} meet; move the branches apart along the run or around it, or "
+                "give them less slope or radius, or join them by pas.node"
+            )
+    along = height(run.point, run.axis) * (1 / dot(run.axis, run.axis))
 
-    surface: Polynomial
-    feet: Sequence[PiecewiseSurface]
-    run: Pipe
-    ends: tuple[fmpq, fmpq]
-    lengths: Sequence[fmpq]
-    inside: str = ""
-
-    def __post_init__(self) -> None:
-        start, end = self.ends
-        for number, (low, high) in enumerate(self._extents, start=1):
-            if not to_float(start) < low <= high < to_float(end):
-                raise GeometryError(
-                    f"the opening of foot {number} goes from {low:.4g} to {high:.4g} along the run, which ends at "
-                    f"{plain(start)} and {plain(end)}"
-                )
-        for (i, a), (j, b) in combinations(enumerate(self.openings, start=1), 2):
-            if a.faces(b.curve) or b.faces(a.curve):
-                raise GeometryError(
-                    f"the openings of feet {i} and {j} meet; move the branches apart along the run or around it, or "
-                    "give them less slope or radius, or join them by pas.node"
-                )
-
-    @cached_property
-    def openings(self) -> list[AroundOpening]:
-        """That of each foot."""
-        return [opening_in(foot, self.surface, number) for number, foot in enumerate(self.feet, start=1)]
-
-    @property
-    def _extents(self) -> list[tuple[float, float]]:
-        """Where each opening begins and ends along the run."""
-        axis, point = np.array(to_floats(self.run.axis)), np.array(to_floats(self.run.point))
-        places = [(opening.curve - point) @ axis / (axis @ axis) for opening in self.openings]
-        return [(float(some.min()), float(some.max())) for some in places]
-
-    def _planes(self, low: fmpq, high: fmpq) -> tuple[Polynomial, Polynomial]:
+    def planes(low: fmpq, high: fmpq) -> tuple[Polynomial, Polynomial]:
         """Those across the run at two places, positive beyond them."""
-        along = height(self.run.point, self.run.axis) * (1 / dot(self.run.axis, self.run.axis))
         return Polynomial.from_raw(low - along), Polynomial.from_raw(along - high)
 
-    @property
-    def solid(self) -> Solid:
-        """All of it; a bore goes on a little beyond the ends."""
-        name, further = f"{self.inside}run", (self.ends[1] - self.ends[0]) / FURTHER if self.inside else NOTHING
-        start, end = self._planes(self.ends[0] - further, self.ends[1] + further)
-        tube = patch(name, self.surface).cap(start, f"{name} start").cap(end, f"{name} end")
-        solids = []
-        for number, (opening, reach) in enumerate(zip(self.openings, self.lengths, strict=True), start=1):
-            # The foot takes the place of the run in the cone above its back, though it may lie deeper.
-            clip, back = opening.surface.contacts[opening.number].clip, opening.at(opening.level(reach))
-            tube -= Solid(combined(False, Atom(clip, ""), Atom(back, "")))
-            names, reaches = [f"{self.inside}branch {number}"] * 2, list[fmpq | None]([reach, reach])
-            names[opening.number], reaches[opening.number] = name, None
-            beyond = opening.frame.scale / FURTHER if self.inside else NOTHING
-            ends: AtOpening = [(back, ""), (clip, "")], None
-            face = f"{self.inside}foot {number}"
-            solids.append(with_neighbours(opening.surface, reaches, names, face, ends, beyond))
-        whole = union([tube, *solids])
-        for number, opening in enumerate(self.openings, start=1):
-            met = opening.surface.contacts[opening.number]
-            along = met.surface, met.clip
-            whole = whole.joined(f"{self.inside}foot {number}", name, along, opening.surface.order)
-        return whole
-
-    @property
-    def sheet(self) -> RunSide | None:
-        """What bounds it up to the ends, where that is known; its strips begin half way between these and the feet."""
-        lows, highs = zip(*self._extents, strict=True)
-        begins = (self.ends[0] + exact(min(lows))) / 2, (self.ends[1] + exact(max(highs))) / 2
-        tubes = [
-            chain_between(Contact(self.surface, plane), plane, cap, (f"{self.inside}run", f"{self.inside}run {end}"))
-            for plane, cap, end in zip(self._planes(*begins), self._planes(*self.ends), ("start", "end"), strict=True)
-        ]
-        feet, (start, end) = list[Side](), tubes
-        for number, (opening, reach) in enumerate(zip(self.openings, self.lengths, strict=True), start=1):
-            surface, other, face = opening.surface, 1 - opening.number, f"{self.inside}foot {number}"
-            branch = chain_beyond(surface, other, f"{self.inside}branch {number}", clip_plane(surface, other), reach)
-            chains = [branch, opening.walled(face)][:: 1 if other == 0 else -1]
-            known = tuple(chain for chain in chains if chain is not None and chain.sound)
-            feet += [Side(surface, face, known)] if len(known) == 2 else []
-        if start is None or end is None or len(feet) < len(self.feet):
-            return None
-        return RunSide(f"{self.inside}run", (start, end), tuple(feet), tuple(o.number for o in self.openings))
+    name, further = f"{inside}run", (ends[1] - ends[0]) / FURTHER if inside else NOTHING
+    first, last = planes(ends[0] - further, ends[1] + further)
+    tube = patch(name, surface).cap(first, f"{name} start").cap(last, f"{name} end")
+    solids, sides = list[Solid](), list[Side]()
+    for number, (opening, reach) in enumerate(zip(openings, lengths, strict=True), start=1):
+        foot, other = opening.surface, 1 - opening.number
+        face, branch = f"{inside}foot {number}", f"{inside}branch {number}"
+        # The foot takes the place of the run in the cone above its back, though it may lie deeper.
+        clip, back = foot.contacts[opening.number].clip, opening.at(opening.level(reach))
+        tube -= Solid(combined(False, Atom(clip, ""), Atom(back, "")))
+        names, reaches = [branch, branch], list[fmpq | None]([reach, reach])
+        names[opening.number], reaches[opening.number] = name, None
+        bounds: AtOpening = [(back, ""), (clip, "")], None
+        beyond = opening.frame.scale / FURTHER if inside else NOTHING
+        solids.append(with_neighbours(foot, reaches, names, face, bounds, beyond))
+        chains = [chain_beyond(foot, other, branch, clip_plane(foot, other), reach)]
+        chains.insert(opening.number, opening.walled(face))
+        known = tuple(chain for chain in chains if chain is not None and chain.sound)
+        sides += [Side(foot, face, known)] if len(known) == 2 else []
+    whole = union([tube, *solids])
+    for number, opening in enumerate(openings, start=1):
+        met = opening.surface.contacts[opening.number]
+        whole = whole.joined(f"{inside}foot {number}", name, (met.surface, met.clip), opening.surface.order)
+    # Strips of the run begin half way between its ends and the feet.
+    low, high = min(float(p.min()) for p in places), max(float(p.max()) for p in places)
+    begins = planes((ends[0] + exact(low)) / 2, (ends[1] + exact(high)) / 2)
+    start, end = (
+        chain_between(Contact(surface, plane), plane, cap, (name, f"{name} {title}"))
+        for plane, cap, title in zip(begins, planes(*ends), ("start", "end"), strict=True)
+    )
+    if start is None or end is None or len(sides) < len(feet):
+        return whole, None
+    return whole, RunSide(name, (start, end), tuple(sides), tuple(opening.number for opening in openings))

@@ -23,7 +23,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import shown_point
-from pas.algebra.rational import Exact, plain, positive, rational, three, to_float
+from pas.algebra.rational import Exact, plain, positive, three, to_float
 from pas.certify.nesting import nesting
 from pas.certify.thickness import thicker_than
 from pas.contacts.cones import apex
@@ -199,9 +199,9 @@ def hollow(outer: B, thickness: Exact | None, inner: Sequence[ContactLike] | Non
     """The wall whose outer side is given; see `pas.Blend.hollow`."""
     if (thickness is None) == (inner is None):
         raise ValueError("thickness or inner must be given, and not both: how thick the wall is, or what it ends in")
-    size = None if thickness is None else rational(thickness, "thickness")
-    cavity = Cavity(outer, _inner_contacts(outer, size, inner), size)
-    best = _best(outer, cavity)
+    size = None if thickness is None else positive(thickness, "thickness")
+    contacts = given_contacts(outer, inner or ()) if size is None else parallel_contacts(outer, size)
+    best = _best(outer, Cavity(outer, contacts, size))
     if prove and not best.certificate.proved:
         failed = next(v for v in best.certificate.verdicts if not v.proved)
         advice = "inner contacts farther inside" if size is None else "a thinner wall"
@@ -217,8 +217,8 @@ def check_sides(outer: ChosenBlend, inner: ChosenBlend, thickness: fmpq | None) 
     if inner.surface.order != outer.surface.order:
         orders = f"GC^{outer.surface.order} and GC^{inner.surface.order}"
         raise ValueError(f"both sides of a wall must have one order of contact, not {orders}")
-    found = _inner_contacts(outer, None, inner.surface.contacts)
-    wanted = found if thickness is None else _inner_contacts(outer, thickness, None)
+    found = given_contacts(outer, inner.surface.contacts)
+    wanted = found if thickness is None else parallel_contacts(outer, positive(thickness, "thickness"))
     for number, (here, there) in enumerate(zip(found, wanted, strict=True), start=1):
         if thickness is not None and not _same(here, there):
             raise ValueError(
@@ -267,26 +267,27 @@ def _best(outer: B, cavity: Cavity) -> HollowBlend[B]:
     return best
 
 
-def _inner_contacts(outer: ChosenBlend, size: fmpq | None, given: Sequence[ContactLike] | None) -> list[Contact]:
-    """The inner contacts: those given, or those a thickness inside."""
-    contacts = outer.surface.contacts
-    if given is None:
-        size = positive(size, "thickness")
-        there = [outer.surface.placed.told(number) for number in range(len(contacts))]
-        found = [inner_contact(contact, size, number) for number, contact in enumerate(there, start=1)]
-        for i, join in enumerate(outer.surface.joins if len(outer.surface.patches) == 1 else ()):
-            clip = AroundOpening(outer.surface, i).even(size) if join.opening else None
-            found[i] = Contact(found[i].surface, clip or found[i].clip, found[i].near)
-        return found
-    found = [as_contact(item, f"inner[{i}]") for i, item in enumerate(given)]
-    if len(found) != len(contacts):
-        raise ValueError(f"inner must be {len(contacts)} contacts, one for each of the outer ones, not {len(found)}")
-    for i, join in enumerate(outer.surface.joins):
-        one, other = (contact.clip.primitive() for contact in (found[i], contacts[i]))
-        wider = len(outer.surface.patches) == 1 and apex(one) == outer.surface.partition.center
-        if join.opening and one != other and not wider:
+def parallel_contacts(outer: ChosenBlend, thickness: fmpq) -> list[Contact]:
+    """The contacts a thickness inside; at an opening of a blend that is one piece along the cone of an even wall."""
+    surface, opening = outer.surface, AroundOpening.of(outer.surface)
+    found = [inner_contact(surface.placed.told(n), thickness, n + 1) for n in range(len(surface.contacts))]
+    if opening is not None and len(surface.patches) == 1 and (clip := opening.even(thickness)):
+        found[opening.number] = Contact(found[opening.number].surface, clip, found[opening.number].near)
+    return found
+
+
+def given_contacts(outer: ChosenBlend, given: Sequence[ContactLike]) -> list[Contact]:
+    """Inner contacts that fit the outer ones, as far as that is seen before they are placed."""
+    surface, found = outer.surface, [as_contact(item, f"inner[{i}]") for i, item in enumerate(given)]
+    if len(found) != len(surface.contacts):
+        wanted = len(surface.contacts)
+        raise ValueError(f"inner must be {wanted} contacts, one for each of the outer ones, not {len(found)}")
+    for i, (inner, contact, join) in enumerate(zip(found, surface.contacts, surface.joins, strict=True)):
+        same = inner.clip.primitive() == contact.clip.primitive()
+        wider = len(surface.patches) == 1 and apex(inner.clip.primitive()) == surface.partition.center
+        if join.opening and not (same or wider):
             raise GeometryError(
-                f"inner[{i}] must have the clip of contact {i + 1}, {contacts[i].clip}, or, of a blend that is one "
-                "piece, a cone around it from the same point: both sides of a wall open from there"
+                f"inner[{i}] must have the clip of contact {i + 1}, {contact.clip}, or, of a blend that is one piece, "
+                "a cone around it from the same point: both sides of a wall open from there"
             )
     return found

@@ -28,7 +28,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import fmpq, fmpq_poly
@@ -40,13 +39,11 @@ from pas.arrays import Bools, Floats
 from pas.bernstein.signs import alike
 from pas.certify.nesting import prove_inside
 from pas.certify.proofs import radial_derivative
+from pas.contacts.joins import Join
 from pas.errors import GeometryError
 from pas.partition.boxes import KUHN_CELLS
+from pas.piecewise import PiecewiseSurface
 from pas.verdicts import Status
-
-if TYPE_CHECKING:
-    from pas.contacts.joins import Join
-    from pas.piecewise import PiecewiseSurface
 
 ACROSS, ALONG, WIDE = 41, 17, 4.0
 """Samples across a neighbour and along it, by which the cylinder's radius is chosen, and how far they reach from the

@@ -28,11 +28,10 @@ from pas.arrays import Floats
 from pas.contacts.endless import Pipe
 from pas.errors import GeometryError, NoSolutionError, NotProvedError
 from pas.limits import checkpoint
-from pas.mesh.mesh import Mesh
 from pas.piecewise import PiecewiseSurface
 from pas.pipeline.blend import node
 from pas.pipeline.bodies import clip_plane
-from pas.solid.face_seams import edges_between
+from pas.solid.face_seams import edges_between, face_numbers
 from pas.solid.fillet_forms import revolved
 from pas.solid.fillets import strays, title_of
 from pas.solid.functions import Pieces, region
@@ -134,7 +133,10 @@ class PipeNode:
         mesh, joined = node.pipes.mesh(), [one]
         for tube in joined:  # grows
             joined += [
-                t for t in near if t not in joined and len(edges_between(mesh, _numbers(mesh, tube), _numbers(mesh, t)))
+                t
+                for t in near
+                if t not in joined
+                and len(edges_between(mesh, face_numbers(mesh, tube.face), face_numbers(mesh, t.face)))
             ]
         parts = tuple(part for part in parts if _has(part, joined))
         return replace(node, parts=parts, tubes=tuple(joined)) if any(t.face == names[1] for t in joined) else None
@@ -148,7 +150,7 @@ class PipeNode:
     def is_needed(self) -> bool:
         """Whether two tubes of one radius cross, so that they touch, or edges between two end in a third one."""
         mesh = self.pipes.mesh()
-        numbers = [_numbers(mesh, tube) for tube in self.tubes]
+        numbers = [face_numbers(mesh, tube.face) for tube in self.tubes]
         around = [np.unique(mesh.triangles[np.isin(mesh.faces, some)]) for some in numbers]
         pairs = combinations(zip(self.tubes, numbers, strict=True), 2)
         return any(reduce(np.intersect1d, some).size for some in combinations(around, 3)) or any(
@@ -161,7 +163,7 @@ class PipeNode:
         """Those that leave the tubes; what is shorter ends among them."""
         mesh, found = self.pipes.mesh(), list[PipeArm]()
         for tube in self.tubes:
-            points = mesh.points[mesh.triangles[np.isin(mesh.faces, _numbers(mesh, tube))]].reshape(-1, 3)
+            points = mesh.points[mesh.triangles[np.isin(mesh.faces, face_numbers(mesh, tube.face))]].reshape(-1, 3)
             heights = (points - to_floats(self.center)) @ unit(to_floats(tube.way))
             hidden = 1.001 * max(to_float(t.radius) for t in self.tubes if t is not tube)
             sides = ((tube.way, heights.max()), (three(-w for w in tube.way), -heights.min()))
@@ -305,8 +307,3 @@ def _level(tree: Tree, faces: set[str]) -> Tree:
         if faces.issubset(atom.face for atom in atoms(part))
     ]
     return _level(inner[0], faces) if inner and inner[0] is not tree else tree
-
-
-def _numbers(mesh: Mesh, tube: PipeFace) -> list[int]:
-    """The faces of a mesh, by number, that are on a tube."""
-    return [k for k, name in enumerate(mesh.names) if tube.face in name.split(" + ")]

@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,11 +19,9 @@ from pas.arrays import Floats, Integers
 from pas.certify.local_mesh import OFF
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import manifold
+from pas.piecewise import PiecewiseSurface
 from pas.solid.faces import End, off_surface
 from pas.verdicts import Findings, Status, Verdict, Verdicts
-
-if TYPE_CHECKING:
-    from pas.piecewise import PiecewiseSurface
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Generic, TypeVar, Unpack
+from typing import Self, Unpack
 
 from pas.algebra.polynomial import PolynomialLike
 from pas.algebra.rational import Exact, positive
@@ -15,10 +15,8 @@ FILLETS, LARGEST_FILLET = "pas.solid.fillets:filled", "pas.solid.fillets:largest
 ROUNDED = "pas.solid.profile_rounds:rounded"
 """What makes them, in modules above."""
 
-S = TypeVar("S")
 
-
-class WithEdges(Generic[S]):
+class WithEdges:
     """A solid, whose edges can be rounded and cut off."""
 
     @limited("rounding an edge", "a smaller radius")
@@ -32,7 +30,7 @@ class WithEdges(Generic[S]):
         within: Sequence[PolynomialLike] = (),
         face: str | None = None,
         **limits: Unpack[WorkLimits],
-    ) -> S:
+    ) -> Self:
         """The solid with the edges between two faces, by name, rounded with GC^`order`: filled where they go in.
 
         `radius` is that of a ball that touches both faces, in the mean along the edges (the model's units).  Of order 1
@@ -53,7 +51,7 @@ class WithEdges(Generic[S]):
 
             solid.box((0, 0, 0), (4, 3, 2)).fillet("box x+", "box y+", radius="1/2")
         """
-        made: S = loaded(FILLETS)(self, (first, second), positive(radius, "radius"), order, within, face)
+        made: Self = loaded(FILLETS)(self, (first, second), positive(radius, "radius"), order, within, face)
         return made
 
     @limited("cutting off an edge", "a smaller distance")
@@ -66,7 +64,7 @@ class WithEdges(Generic[S]):
         within: Sequence[PolynomialLike] = (),
         face: str | None = None,
         **limits: Unpack[WorkLimits],
-    ) -> S:
+    ) -> Self:
         """The solid with the edges between two faces cut off, or filled where they go in.
 
         By a plane between planes, by a cone about an axis of rational length that the faces have in common, and by the
@@ -74,7 +72,7 @@ class WithEdges(Generic[S]):
         `distance` is the radius (the model's units) of the fillet that would end in the same curves; at a right angle
         that is how far they are from the edge.  Raises `GeometryError` as `fillet` does.
         """
-        made: S = loaded(FILLETS)(self, (first, second), positive(distance, "distance"), 0, within, face)
+        made: Self = loaded(FILLETS)(self, (first, second), positive(distance, "distance"), 0, within, face)
         return made
 
     @limited("looking for the largest fillet", "a part of the edge by within")
@@ -96,7 +94,7 @@ class WithEdges(Generic[S]):
     @limited("rounding edges", "a lower order")
     def rounded(
         self, faces: Sequence[str] | None = None, *, radius: Exact, order: int = 1, **limits: Unpack[WorkLimits]
-    ) -> S:
+    ) -> Self:
         """The solid with the edges between plane faces rounded with GC^`order`, and the corners where three meet.
 
         `faces` are the names of those all of whose common edges are rounded; by default all.  Of order 1 the rounds are
@@ -111,5 +109,5 @@ class WithEdges(Generic[S]):
         """
         if isinstance(faces, str):
             raise TypeError(f"faces must be a sequence of names of faces, as in faces=[{faces!r}]")
-        made: S = loaded(ROUNDED)(self, faces, positive(radius, "radius"), order)
+        made: Self = loaded(ROUNDED)(self, faces, positive(radius, "radius"), order)
         return made

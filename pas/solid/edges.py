@@ -17,7 +17,7 @@ from flint import fmpq
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.algebra.rational import exact, plain, rational, to_float, to_floats
+from pas.algebra.rational import dot, exact, plain, rational, to_float, to_floats
 from pas.arrays import Floats
 from pas.errors import GeometryError
 
@@ -126,11 +126,6 @@ def across(u: Point, v: Point) -> fmpq:
     return u[0] * v[1] - u[1] * v[0]
 
 
-def along(u: Point, v: Point) -> fmpq:
-    """The scalar product of two vectors."""
-    return u[0] * v[0] + u[1] * v[1]
-
-
 def minus(a: Point, b: Point) -> Point:
     """The vector from the second point to the first."""
     return a[0] - b[0], a[1] - b[1]
@@ -146,7 +141,7 @@ def simplest(vector: Point, other: Point) -> Point:
 
 def beyond(curve: Polynomial, start: Point, direction: Point) -> Point:
     """The other point in which the line through a point of a conic meets it."""
-    slope = along(gradient(curve, start), direction)
+    slope = dot(gradient(curve, start), direction)
     bend = curve.raw(start[0] + direction[0], start[1] + direction[1], 0) - slope
     return start[0] - slope / bend * direction[0], start[1] - slope / bend * direction[1]
 
@@ -159,7 +154,7 @@ def gradient(curve: Polynomial, point: Point) -> Point:
 def tangents_meet(curve: Polynomial, a: Point, b: Point) -> Point:
     """Where the tangents of a conic at two of its points meet, which must not be parallel."""
     p, q = gradient(curve, a), gradient(curve, b)
-    s, t, d = along(p, a), along(q, b), across(p, q)
+    s, t, d = dot(p, a), dot(q, b), across(p, q)
     return (s * q[1] - t * p[1]) / d, (t * p[0] - s * q[0]) / d
 
 
@@ -180,7 +175,7 @@ def arc(start: Point, end: Point, center: Point, left: bool, name: str) -> list[
     """The arc of a circle between two different points of it, to the left or right, as edges of at most 100 degrees."""
     x, y, _ = GENERATORS
     radius = minus(start, center)
-    curve = Polynomial.from_raw((x - center[0]) ** 2 + (y - center[1]) ** 2 - along(radius, radius))
+    curve = Polynomial.from_raw((x - center[0]) ** 2 + (y - center[1]) ** 2 - dot(radius, radius))
     u, v = (to_floats(minus(p, center)) for p in (start, end))
     angle = math.atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])
     angle = angle % (2 * math.pi) if left else -(-angle % (2 * math.pi))
@@ -262,7 +257,7 @@ class Loop:
         """Those of different curves that go on in one direction."""
         for one, other in self.corners:
             u, v = one.tangent(at_end=True), other.tangent(at_end=False)
-            if across(u, v) == 0 and along(u, v) > 0 and one.curve.primitive() != other.curve.primitive():
+            if across(u, v) == 0 and dot(u, v) > 0 and one.curve.primitive() != other.curve.primitive():
                 yield one, other
 
 
@@ -323,14 +318,14 @@ def _axes(hull: tuple[Point, ...]) -> Iterator[Point]:
 
 
 def _separates(axis: Point, one: tuple[Point, ...], other: tuple[Point, ...]) -> bool:
-    a, b = ([along(axis, p) for p in hull] for hull in (one, other))
+    a, b = ([dot(axis, p) for p in hull] for hull in (one, other))
     return max(a) < min(b) or max(b) < min(a)
 
 
 def _holds(cone: list[Point], ray: Point) -> bool:
     """Whether a cone of one or two directions, less than half a turn wide, has a ray."""
     if len(cone) == 1:
-        return across(cone[0], ray) == 0 and along(cone[0], ray) > 0
+        return across(cone[0], ray) == 0 and dot(cone[0], ray) > 0
     first, last = cone if across(cone[0], cone[1]) > 0 else cone[::-1]
     return across(first, ray) >= 0 and across(ray, last) >= 0
 

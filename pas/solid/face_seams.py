@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from flint import fmpq
 
+from pas.algebra.affine import slope_at
 from pas.algebra.inputs import shown_point
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.polynomial import Polynomial
@@ -63,7 +64,7 @@ class FaceSeam:
         """The seam of two faces by their names, and at sharp ends not of others; raises `GeometryError` where there is
         none to be filled."""
         mesh = solid.mesh()
-        numbers = [_face_numbers(mesh, name) for name in names]
+        numbers = [face_numbers(mesh, name) for name in names]
         edges = edges_between(mesh, *numbers)
         if not len(edges):
             if unknown := next((name for name in names if name not in solid.faces), None):
@@ -73,7 +74,7 @@ class FaceSeam:
         first, second = (_polynomial(solid, mesh, name, np.unique(edges)) for name in names)
         faces = first, second
         points, reach = _along(mesh.points[edges])
-        points = newton(points, Levels(faces), _numbers(points, 0, 1), np.full(len(points), reach))
+        points = newton(points, Levels(faces), (0, 1), np.full(len(points), reach))
         middles, ways = mesh.points[edges].mean(axis=1), mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
         crossed = np.cross(faces[0].gradient(middles), faces[1].gradient(middles))
         above = (crossed * ways).sum(axis=1) < 0
@@ -103,7 +104,7 @@ class FaceSeam:
         """
         mesh, sides = solid.mesh(), [[n] if n in solid.faces else _numbered(solid, n) or [n] for n in names]
         pairs = [(one, other) for one in sides[0] for other in sides[1]]
-        numbers = {name: _face_numbers(mesh, name) for name in (*sides[0], *sides[1])}
+        numbers = {name: face_numbers(mesh, name) for name in (*sides[0], *sides[1])}
         met = [(a, b) for a, b in pairs if len(edges_between(mesh, numbers[a], numbers[b]))] or pairs
         sharp, wrong = set[frozenset[tuple[str, str]]](), {frozenset(pairs[:1])}
         while wrong:
@@ -172,10 +173,10 @@ class FaceSeam:
         for mine, its in ((0, 1), (1, 0)):
             way = self.sign * unit(self.normals[its] - self.cosines[:, None] * self.normals[mine])
             reach = np.full(len(way), radius)
-            numbers = _numbers(way, mine, 2 + its)
+            numbers = mine, 2 + its
             moved = self.points + tangents * way
             moved = newton(moved, levels, numbers, reach) if curves[mine] else moved
-            off = [distances(levels, moved, column).max() for column in numbers.T]
+            off = [distances(levels, moved, number).max() for number in numbers]
             if curves[mine] and max(off) > 1e-6 * radius:  # beyond what rounding leaves
                 return None
             found.append(moved)
@@ -192,16 +193,11 @@ def _along(edges: Floats) -> tuple[Floats, float]:
     return np.concatenate([middles, np.unique(edges.reshape(-1, 3), axis=0)]), float((lengths / parts).max())
 
 
-def _numbers(points: Floats, *numbers: int) -> Integers:
-    """Functions by number, (N, m), which are those of each of N points."""
-    return np.tile(np.array(numbers, dtype=np.intp), (len(points), 1))
-
-
 def _polynomial(solid: Solid, mesh: Mesh, name: str, vertices: Integers) -> Polynomial:
     """The one polynomial, negative inside, of a face on which vertices of its mesh are."""
     found, points = solid.polynomials.get(name, ()), mesh.points[vertices]
     if len(found) > 1:  # of several of one name that on which all of the edge is, and which is outwards there
-        corners = np.isin(mesh.triangles, vertices) & np.isin(mesh.faces, _face_numbers(mesh, name))[:, None]
+        corners = np.isin(mesh.triangles, vertices) & np.isin(mesh.faces, face_numbers(mesh, name))[:, None]
         places, normals, close = mesh.points[mesh.triangles[corners]], mesh.normals[corners], 1e-6 * np.ptp(points)
         on = [f for f in found if (abs(f(points)) <= close * lengths(f.gradient(points))).all()]
         found = tuple(f for f in on if ((f.gradient(places) * normals).sum(axis=1) > 0).all())
@@ -222,7 +218,7 @@ def edges_between(mesh: Mesh, first: Sequence[int], second: Sequence[int]) -> In
     return np.asarray(sides[0][mine, :2])
 
 
-def _face_numbers(mesh: Mesh, name: str) -> list[int]:
+def face_numbers(mesh: Mesh, name: str) -> list[int]:
     """The faces of a mesh, by number, that have a name."""
     return [number for number, several in enumerate(mesh.names) if name in several.split(" + ")]
 
@@ -241,26 +237,22 @@ def _ended(
     own = [number for number, some in enumerate(parts) if not {*names}.isdisjoint(some)]
     vertices, times = np.unique(edges, return_counts=True)
     size, flat = float(np.ptp(mesh.points, axis=0).max()), 1e-6  # below which a seam goes along a face
-    smooth, told, left, entered = (
-        list[SmoothEnd](),
-        dict[tuple[str, str], None](),
-        list[Polynomial](),
-        list[Polynomial](),
-    )
+    smooth, left, entered, goes_on = list[SmoothEnd](), list[Polynomial](), list[Polynomial](), ""
     for end in vertices[times == 1].tolist():
         place, (edge, *_) = mesh.points[end], edges[(edges == end).any(axis=1)]
         way = unit(place - mesh.points[edge[edge != end][0]])
         around = np.unique(mesh.faces[(mesh.triangles == end).any(axis=1)])
-        here = {name for number in around.tolist() if number not in own for name in parts[number]}
+        here = dict.fromkeys(name for number in around.tolist() if number not in own for name in parts[number])
         for joint in (joint for joint in solid.joints if joint.order):
             for one, other in ((joint.first, joint.second), (joint.second, joint.first)):
                 if one in names and other in here:
                     found = _smooth_end(seam, mesh, joint, (one, other), end, way)
                     if found and frozenset((names, found.names)) not in sharp:
                         smooth.append(found)
-                        here.discard(other)
+                        del here[other]
                     else:
-                        told[(one, other)] = None
+                        sharply = f", where {one!r} goes on smoothly in {other!r} and a fillet does not{_WHERE}"
+                        goes_on = goes_on or sharply
         for wall in (wall for name in here for wall in solid.polynomials.get(name, ())):
             length = float(np.linalg.norm(wall.gradient(place)))
             rise = float(wall.gradient(place) @ way) / length
@@ -275,11 +267,10 @@ def _ended(
 
     numbers = [number for number in range(len(parts)) if number not in own and len(edges_between(mesh, own, [number]))]
     next_to = dict.fromkeys(name for number in numbers for name in parts[number])
-    words = [f", where {one!r} goes on smoothly in {other!r} and a fillet does not{_WHERE}" for one, other in told]
     return replace(
         seam,
         smooth=tuple(smooth),
-        goes_on="".join(words[:1]),
+        goes_on=goes_on,
         left=tuple(filter(ahead, dict.fromkeys(left))),
         entered=tuple(wall for wall in dict.fromkeys(entered) if ahead(-wall)),
         beside=tuple((name, w) for name in next_to for w in solid.polynomials.get(name, ()) if (w(points) < 0).all()),
@@ -294,7 +285,7 @@ def _smooth_end(
     None where the other face of the seam does not go on there, or where the joint is not in a plane across it.
     """
     first, second = (going[1] if name == going[0] else name for name in seam.names)
-    if end not in edges_between(mesh, _face_numbers(mesh, first), _face_numbers(mesh, second)):
+    if end not in edges_between(mesh, face_numbers(mesh, first), face_numbers(mesh, second)):
         return None
     place, close = mesh.points[end], 1 - 1e-12  # the cosine of directions of exact functions at a vertex of a mesh
     normals = unit(seam.faces[0].gradient(place)), unit(seam.faces[1].gradient(place))
@@ -322,9 +313,7 @@ class PlaneFace:
         if not isinstance(part, Atom) or not isinstance(part.function, Polynomial) or part.function.degree != 1:
             return None
         polynomial = -part.function if part.outside else part.function
-        terms = polynomial.raw.to_dict()
-        x, y, z, offset = (terms.get(key, fmpq(0)) for key in ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0)))
-        return cls(part.face, polynomial, (x, y, z), offset)
+        return cls(part.face, polynomial, slope_at(polynomial), polynomial.raw(0, 0, 0))
 
     @cached_property
     def length(self) -> fmpq:

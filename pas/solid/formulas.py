@@ -17,9 +17,10 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.inputs import points_of
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import dot
 from pas.arrays import Bools
 from pas.errors import GeometryError
-from pas.solid.edges import Loop, PlaneEdge, Point, across, along, apart, minus, radius_of
+from pas.solid.edges import Loop, PlaneEdge, Point, across, apart, minus, radius_of
 from pas.solid.operands import Operands
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined, complement, folded
@@ -170,7 +171,7 @@ def _chain(edges: Sequence[PlaneEdge], sides: Sequence[Truth], begin: int, many:
     mine = [edges[(begin + k) % n] for k in range(many)]
     chords = [minus(edge.end, edge.start) for edge in mine]
     direction = _outermost(chords[0], chords[-1])
-    heights = [along(direction, edge.start) for edge in mine]
+    heights = [dot(direction, edge.start) for edge in mine]
     highest = max(heights[1:])
     corners = [k for k in range(1, many) if heights[k] == highest]
     k = next((k for k in corners if across(chords[k - 1], chords[k]) != 0), corners[0])
@@ -192,7 +193,7 @@ def _outermost(first: Point, last: Point) -> Point:
     """A direction in which neither the ray against `first` nor the one along `last` rises."""
     side = across(first, last)
     if side == 0:
-        return first if along(first, last) < 0 else (first[1], -first[0])
+        return first if dot(first, last) < 0 else (first[1], -first[0])
     sizes = [abs(v[0]) + abs(v[1]) for v in (first, last)]
     x, y = (first[i] / sizes[0] + last[i] / sizes[1] for i in (0, 1))
     return (y, -x) if side > 0 else (-y, x)

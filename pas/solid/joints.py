@@ -1,9 +1,6 @@
 """Joints: claims that two faces of a solid continue each other with GC^k along a curve, and their proofs.
 
-Along the curve the boundary of the solid must consist of the one face on one side and of the other face
-on the other side, and the two must have contact of order k (Garrity and Warren 1991), without a singular
-point on the curve.  Where neither is on the boundary nothing is asked, and components of the curve on
-which the faces nowhere meet are no part of the joint.
+What is proved is said in docs/theory/solids.md; contact of order k is that of Garrity and Warren (1991).
 
 Guaranteed: PROVED and REFUTED are exact, for all points of the curve but finitely many, at which the faces
 meet as limits do.  The one thing taken on trust is what functions that are no polynomials, such as
@@ -24,7 +21,6 @@ from pas.algebra.ideal import Ideal
 from pas.algebra.inputs import check_order, short
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.arrays import Floats
-from pas.errors import GeometryError
 from pas.solid.arcs import AlongCurve, Arc, Around, arcs
 from pas.solid.functions import by_cells
 from pas.solid.germs import Sheets
@@ -89,13 +85,6 @@ def orders(joints: Sequence[Joint]) -> dict[tuple[Polynomial, Polynomial], int]:
     for joint in (joint for joint in joints if joint.order or not joint.within):
         found[joint.along] = min(joint.order, found.get(joint.along, joint.order))
     return found
-
-
-def refuse_unknown(joint: Joint, faces: Sequence[str]) -> None:
-    """Raise `GeometryError` where a joint names a face that the solid does not have."""
-    for name in (joint.first, joint.second):
-        if name not in faces:
-            raise GeometryError(f"the solid has no face {name!r} for the joint; its faces are {', '.join(faces)}")
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ from pas.mesh.quality import Quality
 from pas.mesh.sweep import between_loops
 from pas.solid.faces import COARSE, Faces, jets_of
 from pas.solid.sheets import ROOM, Loose, SheetBody, Side, merged
-from pas.solid.strips import Chain, chain_between, goes_on
+from pas.solid.strips import Chain, chain_between, go_on
 from pas.solid.tree import Atom, Node, Tree, complement, parts_of
 
 
@@ -95,25 +95,16 @@ class RunSide:
             loops.append(found[1][1 - opening] + first)
         circles = [made.added(self._circle(chain, within)) for chain in self.ends]
         loops = [circles[0], circles[1][::-1], *loops]
-        if not self._cover(made, (loops[0], loops[1]), holes):
+        middle, axes, radius = self._chart
+        x, y, heights = axes @ (made.points - middle).T / radius  # on the cylinder unrolled
+        triangles = between_loops(np.stack([np.arctan2(y, x), heights], axis=1), (loops[0], loops[1]), holes)
+        if triangles is None:
             return None
-        for number, chain in enumerate(self.ends):
-            for strip in chain.strips if number not in without else ():
-                if not goes_on(made, strip, loops, number, tolerance):
-                    return None
+        made.put_curved(self.name, triangles, jets_of(self.ends[0].contact.surface))
+        if not go_on(made, self.ends, loops, tolerance, without):
+            return None
         whole = made.mesh
         return merged(whole, whole.names), loops  # the strips are of the same face
-
-    def _cover(self, made: Faces, circles: tuple[Integers, Integers], holes: list[Integers]) -> bool:
-        """Whether the cylinder between loops is added."""
-        middle, axes, radius = self._chart
-        points = made.points
-        x, y, heights = axes @ (points - middle).T / radius
-        triangles = between_loops(np.stack([np.arctan2(y, x), heights], axis=1), circles, holes)
-        if triangles is None:
-            return False
-        made.put_curved(self.name, triangles, jets_of(self.ends[0].contact.surface))
-        return True
 
 
 def plain_run(tree: Tree) -> SheetBody | None:

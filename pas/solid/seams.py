@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.affine import slope_at
 from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.polynomial import Polynomial, residue_place
@@ -49,10 +50,10 @@ class Seam:
 
     @cached_property
     def _place(self) -> list[fmpq] | None:
-        """A point of the curve where that is a line, which tells most surfaces that do not hold it."""
+        """A point of the curve where that is a line."""
         if any(f.degree != 1 for f in self.functions):
             return None
-        rows = [[f.diff(i).raw(0, 0, 0) for i in range(3)] for f in self.functions]
+        rows = [slope_at(f) for f in self.functions]
         if not any(along := cross(*rows)):
             return None
         heights = [-f.raw(0, 0, 0) for f in self.functions]
@@ -70,8 +71,6 @@ class Seam:
 
     def is_on(self, surfaces: Sequence[Polynomial]) -> bool:
         """Whether each of the curves is on one of some surfaces."""
-        if self._place and all(surface.raw(*self._place) != 0 for surface in surfaces):
-            return False
         return all(
             any(curve.contains(f) for f in surfaces if mark is None or not f.residues(*mark))
             for curve, mark in zip(self.curves, self.marks, strict=True)

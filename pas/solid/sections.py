@@ -12,9 +12,11 @@ from itertools import combinations, permutations
 import numpy as np
 from flint import fmpq_mpoly
 
+from pas.algebra.curve import gradient
 from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.polynomial import Polynomial
+from pas.algebra.rational import cross
 from pas.arrays import Bools, Floats, Integers
 from pas.mesh.projection import least_norm, newton
 from pas.solid.evaluator import TreeEvaluator
@@ -73,8 +75,7 @@ def on_plane(polynomial: Polynomial, plane: Polynomial) -> fmpq_mpoly:
 def touch_along(first: Polynomial, second: Polynomial, curve: Ideal) -> bool:
     """Whether two surfaces have the same normals along a curve; where they cross their own functions say where, and a
     wall through one of the curves in which they do nothing of the others."""
-    a, b = ([f.diff(x) for x in "xyz"] for f in (first, second))
-    return all(curve.contains(a[i] * b[j] - a[j] * b[i]) for i, j in combinations(range(3), 2))
+    return all(map(curve.contains, cross(gradient(first), gradient(second))))
 
 
 def _go_on(tree: Tree, box: Floats, plane: Polynomial, curve: Polynomial, pair: tuple[Polynomial, Polynomial]) -> bool:
@@ -120,7 +121,7 @@ class Levels:
 
 def _near(points: Floats, functions: tuple[Polynomial, ...]) -> tuple[Floats, Bools]:
     """Common zeros (N, 3) of one function or two near points (N, 3), and which are some."""
-    levels, numbers, far = Levels(functions), np.tile(np.arange(len(functions)), (len(points), 1)), np.inf
+    levels, numbers, far = Levels(functions), range(len(functions)), np.inf
     with np.errstate(all="ignore"):  # some go so far away that they overflow
         points = newton(points, levels, numbers, np.full(len(points), far), 20)
         left = lengths(least_norm(levels, numbers, points))

@@ -30,7 +30,7 @@ from pas.piecewise import PiecewiseSurface
 from pas.solid.bounds import hull
 from pas.solid.faces import Faces, PlacedBody
 from pas.solid.field import SolidField
-from pas.solid.strips import Chain, Sections, SolidStrip, goes_on
+from pas.solid.strips import Chain, Sections, SolidStrip, go_on
 
 EQUAL = 2.0**-40
 """Coefficients that are off by less, over the largest, are the same: heights of caps are rounded to doubles."""
@@ -76,11 +76,7 @@ class Side:
         made = Faces()
         made.put(replace(found, names=(self.name,)))
         loops = [known[number] for number in nearest]
-        for number, chain in enumerate(self.chains):
-            for strip in chain.strips if number not in without else ():
-                if not goes_on(made, strip, loops, number, tolerance):
-                    return None
-        return made.mesh, loops
+        return (made.mesh, loops) if go_on(made, self.chains, loops, tolerance, without) else None
 
 
 def roomy(mesh: Mesh) -> Floats:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from flint import fmpq
 
-from pas.algebra.rational import Exact, near, plain, positive, rational, square_root, to_float
+from pas.algebra.rational import Exact, dot, near, plain, positive, rational, square_root, to_float
 from pas.errors import GeometryError, missing
-from pas.solid.edges import Loop, PlaneEdge, Point, across, along, arc, at, minus, turn
+from pas.solid.edges import Loop, PlaneEdge, Point, across, arc, at, minus, turn
 from pas.solid.profile import Profile, plane_point
 
 
@@ -79,7 +79,7 @@ class Sketch:
             side = across(*ways)  # both pairs of ways are at half the angle of the arc
             if side == 0:
                 raise GeometryError(wrong)
-            left, share = side > 0, along(*ways) / (2 * side)
+            left, share = side > 0, dot(*ways) / (2 * side)
         (a, b), (c, d) = self.end, end
         center = (a + c) / 2 - share * chord[1], (b + d) / 2 + share * chord[0]
         return self._with(face, lambda name: arc(self.end, end, center, left, name))
@@ -219,7 +219,7 @@ def regular_polygon(sides: int, radius: Exact, center: Sequence[Exact] = (0, 0),
 def _share(start: Point, end: Point, radius: fmpq) -> fmpq:
     """How far from the middle of a chord the centre of a circle of a radius is, over the length of the chord."""
     chord = minus(end, start)
-    square = along(chord, chord)
+    square = dot(chord, chord)
     rest = radius * radius / square - fmpq(1, 4)
     if radius <= 0 or rest < 0:
         half = math.sqrt(to_float(square)) / 2

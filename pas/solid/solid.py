@@ -37,7 +37,7 @@ from pas.solid.edge_verbs import WithEdges
 from pas.solid.faces import SolidBoundary
 from pas.solid.field import SolidField
 from pas.solid.functions import polynomials_of
-from pas.solid.joints import Joint, Known, orders, prove, refuse_unknown, verdict_list
+from pas.solid.joints import Joint, Known, orders, prove, verdict_list
 from pas.solid.measures import Measures, curved_measures
 from pas.solid.operands import Operands, combined_boundary, renamed_boundary
 from pas.solid.sheets import face_mesh, merged, roomy
@@ -50,7 +50,7 @@ CARRIER_OF = "pas.exchange.step.carriers:carrier_of"
 
 
 @dataclass(frozen=True, eq=False)
-class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
+class Solid(AffineShape["Solid"], WithEdges, Shape):
     """A closed set of points with named faces; made by the functions of `pas.solid`.
 
     `a | b`, `a & b` and `a - b` are union, intersection and difference.  All methods return new solids.  `joints` are
@@ -154,7 +154,9 @@ class Solid(AffineShape["Solid"], WithEdges["Solid"], Shape):
         The claim is proved by `verdicts`; meshes use the curve.  Raises `GeometryError` where a face does not exist.
         """
         joint = Joint(first, second, along, order)
-        refuse_unknown(joint, self.faces)
+        if unknown := [name for name in (first, second) if name not in self.faces]:
+            known = ", ".join(self.faces)
+            raise GeometryError(f"the solid has no face {unknown[0]!r} for the joint; its faces are {known}")
         return replace(self, joints=(*self.joints, joint))
 
     @property

@@ -10,7 +10,7 @@ Around an opening there are rays from the centre, and straight lines up to edges
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -18,7 +18,7 @@ from itertools import pairwise
 import numpy as np
 from flint import fmpq, fmpq_mat
 
-from pas.algebra.affine import Frame, quadratic_form
+from pas.algebra.affine import Frame, quadratic_form, slope_at
 from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Vector, dot, to_float, to_floats
@@ -56,7 +56,7 @@ class Sections:
         if surface.degree != 2:
             return None
         matrix, high = quadratic_form(surface), (plane - cap).raw.leading_coefficient()
-        normal = [plane.diff(i).raw(0, 0, 0) for i in range(3)]
+        normal = slope_at(plane)
         system = fmpq_mat([[*(matrix[i, j] for j in range(3)), -normal[i]] for i in range(3)] + [[*normal, fmpq(0)]])
         along = dot(normal, tuple(dot(matrix.tolist()[i][:3], normal) for i in range(3)))
         across = dot(normal, normal) * sum(matrix[i, i] for i in range(3)) - along
@@ -214,27 +214,23 @@ def chain_between(
     return Chain(contact.scaled, begin, curve, strips, end, names[1])
 
 
-def rows_within(strip: SolidStrip, begin: Floats, tolerance: float) -> list[Floats] | None:
-    """The loops after a first one (N, 3) that make a strip within a tolerance, as measured; None where too many do."""
-    number = 1
-    # Rows of a strip, beyond which there is none: a thousandth of its length is finer than any tolerance in use needs.
-    most_rows = 2**10
-    while number <= most_rows:
-        rows = [strip.rows(begin, (k + 1) / number) for k in range(number)]
-        if off_strip(strip.surface, [begin, *rows]) <= tolerance:
-            return rows
-        number *= 2
-    return None
-
-
-def goes_on(made: Faces, strip: SolidStrip, loops: list[Integers], number: int, tolerance: float) -> bool:
-    """Whether a strip goes on from a loop of a mesh, which it then replaces by that in which it ends."""
-    rows = rows_within(strip, made.points[loops[number]], tolerance)
-    if rows is None:
-        return False
-    every = [loops[number], *map(made.added, rows)]
-    made.put_side(strip.name, [np.append(row, row[0]) for row in every[::-1]], jets_of(strip.surface))
-    loops[number] = every[-1]
+def go_on(
+    made: Faces, chains: Sequence[Chain], loops: list[Integers], tolerance: float, without: Collection[int] = ()
+) -> bool:
+    """Whether the strips of chains, but for some by number, go on within a tolerance, as measured, each from a loop of
+    a mesh, which it then replaces by that in which it ends."""
+    most_rows = 2**10  # a thousandth of a strip's length is finer than any tolerance in use needs
+    for number, strip in ((n, strip) for n, chain in enumerate(chains) if n not in without for strip in chain.strips):
+        begin, many = made.points[loops[number]], 1
+        rows = [strip.rows(begin, 1.0)]
+        while not off_strip(strip.surface, [begin, *rows]) <= tolerance:
+            many *= 2
+            if many > most_rows:
+                return False
+            rows = [strip.rows(begin, (k + 1) / many) for k in range(many)]
+        every = [loops[number], *map(made.added, rows)]
+        made.put_side(strip.name, [np.append(row, row[0]) for row in every[::-1]], jets_of(strip.surface))
+        loops[number] = every[-1]
     return True
 
 

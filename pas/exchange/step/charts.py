@@ -66,9 +66,8 @@ class CommonZeros:
 
     def placed(self, points: Floats) -> Floats:
         """Points (N, 3) moved to where all functions are zero."""
-        each = np.tile(np.arange(len(self.functions)), (len(points), 1))
         reach = np.full(len(points), 0.05)  # how far a step may move a point
-        return newton(points, self, each, reach) if len(points) else points
+        return newton(points, self, range(len(self.functions)), reach) if len(points) else points
 
 
 class Atlas:
