@@ -8,7 +8,6 @@ where it is in vain (see `diagnostics`), or has cost many times what the first l
 from __future__ import annotations
 
 from dataclasses import dataclass
-from dataclasses import field as field_of
 from functools import cached_property
 
 import numpy as np
@@ -59,13 +58,14 @@ def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None)
     ahead, failures, reason = [_Lattice(field, start)], list[tuple[int, int]](), ""
     for _ in range(HALVINGS):
         found = _shown(ahead, tolerance)
-        if not isinstance(found, _Failed):
+        if not isinstance(found, tuple):
             return found
-        reason, places, first = found.reason or reason, found.places, ahead[0].octree
+        (last, places), first = found, ahead[0].octree
+        reason = last or reason
         if len(places):
             failures.append((first.count, len(places)))
             room = 3 * start.count + 30_000  # cubes that all lattices in which the boundary does not come out may have
-            ending = _given_up(field, first, failures, room, found)
+            ending = _given_up(field, first, failures, room, last, places)
             if ending is not None:
                 return ending
         if not any(len(one.crossings.edges) for one in ahead):
@@ -125,16 +125,11 @@ class _Lattice:
         return _Lattice(self.field, self.octree.refined(places, least))
 
 
-@dataclass(frozen=True)
-class _Failed:
-    """Why a lattice shows no boundary that can be trusted, and the places (K, 3), if it is because of some."""
+def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | Refusal | tuple[str, Floats]:
+    """The mesh of the first of some lattices, to which finer ones are added until there are enough to compare it.
 
-    reason: str
-    places: Floats = field_of(default_factory=lambda: NOWHERE)
-
-
-def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | Refusal | _Failed:
-    """The mesh of the first of some lattices, to which finer ones are added until there are enough to compare it."""
+    Or why it shows no boundary that can be trusted, and the places (K, 3), if it is because of some.
+    """
     field, first = ahead[0].field, ahead[0]
     if first.octree.crowded:
         return CROWDED
@@ -142,38 +137,38 @@ def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | Refusal | _Fai
     if isinstance(raw, Refusal):
         return raw
     if not isinstance(raw, Labelled):
-        return _Failed(f"near {place_of(field, raw[0])} too many faces meet", raw)
+        return f"near {place_of(field, raw[0])} too many faces meet", raw
     while len(ahead) < COMPARED and ahead[-1].octree.open_share > 0:
         ahead.append(ahead[-1].refined())
     if ahead[-1].octree.crowded:
         return CROWDED
     others = [other.crossings for other in ahead[1:]]
     if any(first.crossings.shape != other.shape for other in others):
-        return _Failed("its pieces or holes are too small")
+        return "its pieces or holes are too small", NOWHERE
     if not all(other.faces <= first.crossings.faces for other in others):
-        return _Failed("its faces are too small")
+        return "its faces are too small", NOWHERE
     if not len(first.crossings.edges):
-        return _Failed("")
+        return "", NOWHERE
     mesh = cleaned(raw, field, tolerance)
     reason, places = unsound(mesh, field, tolerance)
-    return _Failed(reason, places) if reason else mesh
+    return (reason, places) if reason else mesh
 
 
 def _given_up(
-    field: FaceField, octree: Octree, failures: list[tuple[int, int]], most: int, last: _Failed
+    field: FaceField, octree: Octree, failures: list[tuple[int, int]], most: int, reason: str, where: Floats
 ) -> Refusal | None:
     """Why no finer lattice is looked at: those that failed had more cubes than `most`, or no less places than before.
 
-    Of each of them the cubes and places are given.
+    Of each of them the cubes and places are given, and the reason and the places (K, 3) of the last.
     """
     cubes, places = zip(*failures, strict=True)
     spent = sum(cubes) > most
     if not spent and (len(failures) < PATIENCE or 2 * places[-1] <= places[-PATIENCE]):
         return None
-    found = diagnosis(field, last.places, octree.spacing)
+    found = diagnosis(field, where, octree.spacing)
     if not spent and (found is None or not found.stays):
         return None
-    return Refusal(_sentence(found, octree, last.reason))
+    return Refusal(_sentence(found, octree, reason))
 
 
 def _sentence(found: Diagnosis | None, octree: Octree, reason: str = "") -> str:

@@ -80,9 +80,6 @@ class PlacedContacts:
                 result &= (join.contact.clip(directions) <= 0) & (directions @ join.nappe[0] > 0)
         return result
 
-    def __repr__(self) -> str:
-        return f"PlacedContacts({len(self.contacts)} contacts, GC^{self.order}, {self.partition.name})"
-
 
 class InPlace:
     """What meets contacts in place: a surface, or all of a space."""
