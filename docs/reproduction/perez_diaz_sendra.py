@@ -17,7 +17,7 @@ import pas
 from pas import RationalFunction as R
 from pas.algebra.roots import in_one
 from pas.parametric.data import contact_order
-from pas.parametric.series import roots_and_sides
+from pas.parametric.series import rounded_roots
 
 work = Work(
     "Perez-Diaz and Sendra (2003)",
@@ -181,7 +181,7 @@ def poles(name: str, k: int, own: bool) -> tuple[float, ...]:
     n, found = len(data(name).surfaces), []
     for i, f in enumerate(weights(n, k, ("1/2",) * n), 1):
         low, high = (max(i - 2, 0), max(i - 1, 1)) if own else (0, n - 1)
-        found += [h for h, inside in roots_and_sides(in_one(f.denominator, 1), fmpq(low), fmpq(high)) if inside]
+        found += rounded_roots(in_one(f.denominator, 1), fmpq(low), fmpq(high))
     return tuple(found)
 
 

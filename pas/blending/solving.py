@@ -91,15 +91,15 @@ def _linear(placed: PlacedContacts, degree: int) -> Patches:
         (found,) = solve_along_tree(alone, degree).matrices
         members = [Polynomial.from_row(row, degree).primitive() for row in found.tolist()]
         return patches_of(placed, degree, [(member,) for member in members])
-    # Cells above which sparse elimination serves: on C^1 quartics both take 10 to 20 ms with 6 cells, with 48 cells the
-    # net 1.3 s and dense elimination 17 s. Homogeneous splines take 0.1 s on a node of 48 cells.
-    many_cells = 12
-    if len(placed.partition.cells) > many_cells:
-        layout = placed.partition.layout
-        if layout is None:
-            return Net(placed, degree).solve()
+    # Above so many cells homogeneous splines serve, and above so many pieces sparse elimination: on C^1 quartics both
+    # ways take 10 to 20 ms with 6 pieces, with 48 the net 1.3 s and dense elimination 17 s. Splines take 0.1 s on a
+    # node of 48 cells. Around a plate with two pipes, 2 pieces of 28 cells, members of degree 6 take the net 10 s and
+    # the tree 0.02 s.
+    many = 12
+    layout = placed.partition.layout if len(placed.partition.cells) > many else None
+    if layout is not None:
         return solve_on_layout(placed.local_contacts, placed.carriers, placed.order, layout, degree)
-    return solve_along_tree(placed, degree)
+    return Net(placed, degree).solve() if len(placed.partition.pieces) > many else solve_along_tree(placed, degree)
 
 
 def fewest_members(placed: PlacedContacts, degree: int) -> int:

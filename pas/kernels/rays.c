@@ -84,7 +84,6 @@ typedef struct {
     double binomials[MOST][MOST];
     const double *largest; /* the sizes of polynomials at coordinates as large as `farthest` */
     double growth, reach, farthest;
-    int first;
     double *bounds; /* (4, cells): where a ray enters and leaves them, at most and then certainly */
     Span *spans;
 } Scene;
@@ -262,7 +261,7 @@ typedef struct {
 
 typedef struct {
     whole room, number, ray, *rays, *sides;
-    double *parameters, least; /* of the ray's crossings so far */
+    double *parameters;
 } Found;
 
 /* Crossings for which there is no room are counted all the same. */
@@ -274,7 +273,6 @@ static void note(Found *found, double parameter, int side)
         found->sides[found->number] = side;
     }
     found->number++;
-    found->least = parameter < found->least ? parameter : found->least;
 }
 
 static double largest_of(whole n, const double *form)
@@ -360,11 +358,9 @@ static int ends_of(whole n, const Span *span, const double *form, double error)
 /* One ray in some stretches: 1 where it cannot be decided. */
 static int shoot(const Scene *s, whole count, const double *o, const double *d, int close, Found *found)
 {
-    found->least = INFINITY;
     for (whole i = 0; i < count; i++) {
         const Span *span = s->spans + i;
         double form[MOST];
-        if (s->first && span->enter > found->least) break;
         const double error = error_on(s, span, o, d, close);
         form_on(s, span, o, d, form);
         const int state = ends_of(s->degree, span, form, error);
@@ -374,9 +370,8 @@ static int shoot(const Scene *s, whole count, const double *o, const double *d, 
     return 0;
 }
 
-/* `numbers` holds how many cells (none for a polynomial in all of space), the degree, and whether only first crossings
-   are wanted; `bounds` the growth of errors, the reach, and how large coordinates are for which polynomials have their
-   `largest` sizes.  The crossings found are
+/* `numbers` holds how many cells (none for a polynomial in all of space) and the degree; `bounds` the growth of errors,
+   the reach, and how large coordinates are for which polynomials have their `largest` sizes.  The crossings found are
    counted in `number`; there is `room` for so many. */
 int pas_rays(const whole *numbers, const double *bounds, const double *maps, const double *widths, const double *clear,
              const whole *piece_of, const double *tables, const double *sizes, const double *jets, const double *nodes,
@@ -387,7 +382,7 @@ int pas_rays(const whole *numbers, const double *bounds, const double *maps, con
     const whole cells = numbers[0], n = numbers[1];
     Scene s = {.cells = cells, .degree = n, .maps = maps, .widths = widths, .clear = clear, .piece_of = piece_of,
                .tables = tables, .sizes = sizes, .jets = jets, .largest = largest, .growth = bounds[0],
-               .reach = bounds[1], .farthest = bounds[2], .first = numbers[2] != 0,
+               .reach = bounds[1], .farthest = bounds[2],
                .bounds = malloc((4 * cells + 1) * sizeof(double)), .spans = malloc((cells + 1) * sizeof(Span))};
     for (whole k = 0; k < MOST; k++) {
         s.nodes[k / WIDE][k % WIDE] = nodes[k <= n ? k : n];
@@ -395,7 +390,7 @@ int pas_rays(const whole *numbers, const double *bounds, const double *maps, con
         for (whole i = 1; i <= k; i++) s.binomials[k][i] = s.binomials[k][i - 1] * (k - i + 1) / i;
         for (whole i = 0; k <= n && i <= n; i++) s.to_bernstein[k][i / WIDE][i % WIDE] = to_bernstein[i * (n + 1) + k];
     }
-    Found found = {room, 0, 0, rays, sides, parameters, INFINITY};
+    Found found = {room, 0, 0, rays, sides, parameters};
     const int state = s.bounds && s.spans ? 0 : -1;
     for (whole r = 0; state == 0 && r < count; r++) {
         const whole begun = found.number;

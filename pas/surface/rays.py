@@ -160,7 +160,7 @@ class RayTarget:
         room = room or usual * (number + 1)
         found, sides, exact = (np.empty(size, dtype=np.intp) for size in (room, room, number))
         parameters, counted = np.empty(room), np.zeros(1, dtype=np.intp)
-        sizes = np.array([len(self.local.cells), self.degree, False], dtype=np.intp)  # not only the first of a ray
+        sizes = np.array([len(self.local.cells), self.degree], dtype=np.intp)
         shot = (number, rays.origins, rays.ways, room, found, parameters, sides, exact, counted)
         compiled().call("pas_rays", sizes, *self._tables, *shot)
         total = int(counted[0])
