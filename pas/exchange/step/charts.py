@@ -26,9 +26,9 @@ from pas.mesh.topology import connected, twins_of
 from pas.solid.field import SolidField
 from pas.solid.functions import Pieces
 
-ON_PLANE, NEAR = 1e-9, 1e-6
+ON_PLANE, NEAR = 1e-9, 1e-5
 """In a solid's local coordinates: heights over a plane below which points are on it, and the distance within which all
-points of a border are on the plane that it was cut by."""
+points of a border are on the plane that it was cut by: some are on another one, beside a line where several meet."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,22 +173,27 @@ class Atlas:
         self.triangles, self.chart = finer.triangles, finer.labels.copy()
 
     def _draw(self, chart: int, plane: Wall) -> None:
-        """The inner vertices of a chart that are nearly on a plane moved onto it.
+        """The vertices of a chart that are nearly on a plane moved onto it, in its face or along another plane.
 
         An edge beside a plane bends across it: points put on that edge later would be on the plane's other side.
         """
-        inner = np.zeros(len(self.points), dtype=bool)
-        inner[self.triangles[self.chart == chart]] = True
-        inner[self.triangles[self.chart != chart]] = False
+        sheet, beside = self.sheets[chart], 1 / 50  # of the shortest edge; edges bend by less
+        same = [other for other, own in self.sheets.items() if own.label == sheet.label]
         ends = self.triangles[:, [0, 1, 2, 1, 2, 0]].reshape(-1, 2, 3).transpose(0, 2, 1).reshape(-1, 2)
         shortest = np.full(len(self.points), np.inf)
         np.minimum.at(shortest, ends, np.linalg.norm(np.subtract(*self.points[ends].swapaxes(0, 1)), axis=1)[:, None])
-        sheet, beside = self.sheets[chart], 1 / 50  # of the shortest edge; edges bend by less
-        for other in self.planes[sheet.label]:
-            inner &= (other == plane) | (np.abs(other.heights(self.points)) >= ON_PLANE)
-        drawn = np.flatnonzero(inner & (np.abs(plane.heights(self.points)) < beside * shortest))
+        near = np.zeros(len(self.points), dtype=bool)
+        near[self.triangles[self.chart == chart]] = True
+        near[self.triangles[~np.isin(self.chart, same)]] = False
+        near &= np.abs(plane.heights(self.points)) < beside * shortest
+        others = [other for other in self.planes[sheet.label] if other != plane]
+        on = np.stack([~near, *(np.abs(other.heights(self.points)) < ON_PLANE for other in others)])
+        near &= on.sum(axis=0) < 2  # where two others meet it stays
+        first = on.argmax(axis=0) - 1
         self.points = self.points.copy()
-        self.points[drawn] = CommonZeros((sheet, plane)).placed(self.points[drawn])
+        for place in np.unique(first[near]).tolist():
+            rows, along = near & (first == place), others[place : place + 1] if place >= 0 else []
+            self.points[rows] = CommonZeros((sheet, *along, plane)).placed(self.points[rows])
 
     def _placed(self, added: Floats, edges: Integers, charts: Integers, plane: Wall) -> Floats:
         """New points (K, 3) on edges (K, 2) between charts (K, 2) moved onto these, and onto a plane."""
