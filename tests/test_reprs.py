@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from functools import cache
 from xml.etree import ElementTree
 
@@ -210,6 +211,10 @@ def test_reprs_are_short(name, kind):
     assert len(text) <= LONGEST, text[: 2 * LONGEST]
     assert kind.__name__.lower() in text.lower().replace(" ", "") or kind is not type(sample)
     assert "object at 0x" not in text
+
+
+def test_what_a_surface_is_placed_on_says_so():
+    assert re.fullmatch(r"<PlacedContacts: 3 contacts, GC\^\d, .+>", repr(corner().surface.placed))
 
 
 def test_long_formulas_keep_their_ends():

@@ -31,6 +31,9 @@ class PlacedContacts:
     def __init__(self, partition: Partition, contacts: Sequence[Contact], order: int) -> None:
         self.partition, self.contacts, self.order = partition, tuple(contacts), check_order(order)
 
+    def __repr__(self) -> str:
+        return f"<PlacedContacts: {len(self.contacts)} contacts, GC^{self.order}, {self.partition.name}>"
+
     @property
     def local(self) -> Partition:
         """The partition in local coordinates."""
