@@ -54,15 +54,22 @@ static int sizes_on_curves(Mesh *m, double bent)
 }
 
 /* Sizes that grow by at most `grade` over the way along edges, in three rounds. */
-static void grow(Mesh *m, double grade)
+static int grow(Mesh *m, double grade)
 {
+    double *ways = malloc((3 * m->triangles + 1) * sizeof(double));
+    if (!ways) return -1;
+    for (whole h = 0; h < 3 * m->triangles; h++) {
+        const whole g = m->twins[h];
+        ways[h] = g >= 0 && g < h ? ways[g] : grade * distance(m, m->corners[h], end_of(m, h));
+    }
     for (int round = 0; round < 3; round++)
         for (whole h = 0; h < 3 * m->triangles; h++) {
-            const whole a = m->corners[h], b = end_of(m, h);
-            const double way = grade * distance(m, a, b);
-            m->sizes[a] = fmin(m->sizes[a], m->sizes[b] + way);
-            m->sizes[b] = fmin(m->sizes[b], m->sizes[a] + way);
+            double *a = m->sizes + m->corners[h], *b = m->sizes + end_of(m, h);
+            *a = fmin(*a, *b + ways[h]);
+            *b = fmin(*b, *a + ways[h]);
         }
+    free(ways);
+    return 0;
 }
 
 /* Sizes for the sag `fine` after a cut into parts, so that they may have a larger sag before on faces that are not ruled;
@@ -81,8 +88,7 @@ int pas_mesh_sizes(Mesh *m, double parts, double fine, double longest, double be
     }
     if (sizes_on_curves(m, bent)) return -1;
     for (whole v = 0; v < m->vertices; v++) m->sizes[v] = fmin(m->sizes[v], parts * m->caps[v]);
-    grow(m, grade);
-    return 0;
+    return grow(m, grade);
 }
 
 /* Sizes that are the mean lengths of the edges at vertices; on curves, of those along these. */

@@ -120,15 +120,17 @@ class Functions:
             if array is None:
                 given.append(value)  # type: ignore[arg-type]
                 continue
-            if value is None or not value.size:  # type: ignore[union-attr]
-                given.append(NOWHERE)
-                continue
-            if value.dtype.char != array.code or not value.flags.c_contiguous:  # type: ignore[union-attr]
-                held.append(value := _held(value, array, name))
-            try:
+            try:  # fails for arrays that are not contiguous, not to be written to, empty or none
                 given.append(_addressof(_from_buffer(value)))  # type: ignore[arg-type]
+                if value.dtype.char == array.code:  # type: ignore[union-attr]
+                    continue
+                given.pop()
             except (TypeError, ValueError):
-                given.append(address_of(value))  # type: ignore[arg-type]
+                if value is None or not value.size:  # type: ignore[union-attr]
+                    given.append(NOWHERE)
+                    continue
+            held.append(_held(value, array, name))
+            given.append(address_of(held[-1]))
         if function(*given):
             raise MemoryError(f"there is no memory for {name}")
 
@@ -149,7 +151,7 @@ def _held(value: Any, array: Array, name: str) -> AnyArray:
     if array.written or not np.can_cast(given.dtype, array.code):
         what = "writes to contiguous arrays of" if array.written else "takes"
         raise TypeError(f"{name} {what} {np.dtype(array.code)}, not {given.dtype}")
-    return np.ascontiguousarray(given, dtype=array.code)
+    return np.ascontiguousarray(given, dtype=array.code)  # itself, where only to be read
 
 
 _addressof, _from_buffer = ctypes.addressof, ctypes.c_char.from_buffer

@@ -5,16 +5,13 @@
 #include <stddef.h>
 
 #include "pas.h"
-
-static inline double dot(const double *u, const double *v)
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-}
+#include "vectors.h"
 
 static inline double determinant(const double *a, const double *b, const double *c, double product, double *error,
                                  double sure)
 {
-    const double w[3] = {b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]};
+    double w[3];
+    cross(b, c, w);
     *error = sure * sqrt(product);
     return dot(a, w);
 }

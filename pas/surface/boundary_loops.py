@@ -148,14 +148,15 @@ class Loops:
     def __init__(self, curves: Sequence[BoundaryLoop]) -> None:
         self._openings = {number: curve for number, curve in enumerate(curves) if isinstance(curve, ConeLoop)}
         loops = [curve for curve in curves if isinstance(curve, PlaneLoop)]
-        self._place = np.cumsum([isinstance(curve, PlaneLoop) for curve in curves], dtype=np.intp) - 1
+        self._flat = np.array([isinstance(curve, PlaneLoop) for curve in curves], dtype=bool)
+        self._place = np.cumsum(self._flat, dtype=np.intp) - 1
         self._middles = np.array([loop.middle for loop in loops]).reshape(-1, 3)
         self._normals = np.array([loop.normal for loop in loops]).reshape(-1, 3)
         self.jets = derivative_batch([loop.column for loop in loops], (0, 1))
 
     def at(self, points: Floats, numbers: Integers) -> Floats:
         """Where rays from the middles of curves of given numbers (N,) through points (N, 3) meet these."""
-        result, flat = np.empty_like(points), ~np.isin(numbers, list(self._openings))
+        result, flat = np.empty_like(points), self._flat[numbers]
         places = self._place[numbers[flat]]
         middles, normals = self._middles[places], self._normals[places]
         ways = points[flat] - middles
