@@ -88,8 +88,12 @@ int pas_mesh_classify(Mesh *m)
         whole *out = m->outgoing + m->corners[h];
         if (*out < 0 || m->twins[h] < 0 || m->twins[*out] >= 0) *out = h;
     }
-    for (whole v = 0; v < m->vertices; v++)
-        if (m->outgoing[v] >= 0) m->kinds[v] = kind_of(m, v);
+    for (whole h = 0; h < 3 * m->triangles; h++) /* others are inside faces */
+        if (on_curve(m, h)) {
+            const whole a = m->corners[h], b = end_of(m, h);
+            m->kinds[a] = kind_of(m, a);
+            m->kinds[b] = kind_of(m, b);
+        }
     return 0;
 }
 

@@ -223,18 +223,27 @@ class Grading:
         labels[other == own, 1] = labels[other < 0, 1] = -1
         middles, lengths = mesh.middles(NONE, halves), mesh.lengths(halves)
         places = self.ground.placed(middles, labels, mesh.rims_of(halves), lengths)
+        normals, bends = self.ground.looked(places, own)
         if careful:
-            normals = self.ground.looked(places, own)[0]
             ends = mesh.normals[mesh.wedge_of[halves]], mesh.normals[mesh.wedge_of[following(halves)]]
             good = (dots(normals, ends[0]) > 0) & (dots(normals, ends[1]) > 0)
             good &= 2 * norms(places - middles) < lengths
-            halves, places = halves[good], places[good]
+            halves, places, normals = halves[good], places[good], normals[good]
+            bends = None if bends is None else bends[good]
         mesh.split(halves)
         mesh.points[size:] = places
-        self._look(mesh, np.flatnonzero(mesh.vertex_of >= size))
+        wedges = np.flatnonzero(mesh.vertex_of >= size)
+        known = np.diff(mesh.vertex_of[wedges], prepend=-1) > 0  # the first of a vertex has the half edge's label
+        self._looked(mesh, wedges[known], normals, bends)
+        self._look(mesh, wedges[~known])
 
     def _look(self, mesh: HalfEdges, wedges: Integers) -> None:
-        normals, bends = self.ground.looked(mesh.points[mesh.vertex_of[wedges]], mesh.face_of[wedges])
+        if len(wedges):
+            found = self.ground.looked(mesh.points[mesh.vertex_of[wedges]], mesh.face_of[wedges])
+            self._looked(mesh, wedges, *found)
+
+    @staticmethod
+    def _looked(mesh: HalfEdges, wedges: Integers, normals: Floats, bends: Floats | None) -> None:
         mesh.normals[wedges] = normals
         mesh.bends[wedges] = 0.0 if bends is None else bends
 

@@ -11,7 +11,8 @@ from pas.arrays import Bools, Floats, Integers
 
 def dots(u: Floats, v: Floats) -> Floats:
     """The products (N,) of vectors (N, 3), summed from the first to the third."""
-    return np.asarray(u[:, 0] * v[:, 0] + u[:, 1] * v[:, 1] + u[:, 2] * v[:, 2])
+    products = u * v
+    return np.asarray(products[:, 0] + products[:, 1] + products[:, 2])
 
 
 def norms(vectors: Floats) -> Floats:

@@ -120,9 +120,7 @@ class PlaneLoop:
 
     def distances(self, points: Floats) -> Floats:
         """Distances (N,) of points in the plane from the curve, to first order."""
-        jets = self.jets(points)
-        slope = jets[:, 1:] - np.outer(jets[:, 1:] @ self.normal, self.normal)
-        return off_zero(jets[:, 0], slope)
+        return self._alone.distances(points, np.zeros(len(points), dtype=np.intp))
 
     def off(self, points: Floats) -> Floats:
         """How far points (N, 3) are from the curve, out of its plane or in it, to first order."""
@@ -169,6 +167,17 @@ class Loops:
         result[flat] = middles + _settled(jets, np.ones(len(ways)))[:, None] * ways
         for number, curve in self._openings.items():
             result[numbers == number] = curve.at(points[numbers == number])
+        return result
+
+    def distances(self, points: Floats, numbers: Integers) -> Floats:
+        """Distances (N,) of points from curves of given numbers (N,), in whose planes they are."""
+        result, flat = np.empty(len(points)), self._flat[numbers]
+        places = self._place[numbers[flat]]
+        jets, normals = self.jets(points[flat], places), self._normals[places]
+        slopes = jets[:, 1:] - dots(jets[:, 1:], normals)[:, None] * normals
+        result[flat] = off_zero(jets[:, 0], slopes)
+        for number, curve in self._openings.items():
+            result[numbers == number] = curve.distances(points[numbers == number])
         return result
 
 

@@ -89,10 +89,7 @@ class RadialField(LocalSurface):
         return self._loops.at(points, rim)
 
     def rim_distances(self, points: Floats, rim: Integers) -> Floats:
-        result = np.zeros(len(points))
-        for number in np.unique(rim).tolist():
-            result[rim == number] = self.rims[number].distances(points[rim == number])
-        return result
+        return self._loops.distances(points, rim)
 
     def near(self, points: Floats) -> Floats:
         """The surface's points (N, 3) on rays through points, from the skeleton where those from 0 graze or miss it."""

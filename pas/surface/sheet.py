@@ -15,10 +15,11 @@ from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.refusals import FaceMesh, too_many
 from pas.mesh.remesher import Failure, Remesher
-from pas.mesh.rows import dots, largest_of, off_zero
+from pas.mesh.rows import dots, largest_of, norms, off_zero
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import Edges
 from pas.surface.function import PiecewisePolynomial
+from pas.surface.geometry import SECOND
 
 CLOSE = 1e-11
 """The last step along a gradient, in local units, that is worth another."""
@@ -193,22 +194,22 @@ class LocalSurface(ABC):
 
 def bent(jets: Floats) -> tuple[Floats, Floats]:
     """Gradients (N, 3) and the larger of the principal curvatures' sizes (N,), by derivatives (N, 10)."""
-    _, gx, gy, gz, xx, xy, xz, yy, yz, zz = jets.T
-    lengths = np.maximum(np.sqrt(gx * gx + gy * gy + gz * gz), TINY)
-    nx, ny, nz = gx / lengths, gy / lengths, gz / lengths
-    x, y, z = xx * nx + xy * ny + xz * nz, xy * nx + yy * ny + yz * nz, xz * nx + yz * ny + zz * nz
-    along = nx * x + ny * y + nz * z
-    trace = xx + yy + zz - along
-    squares = xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)
-    squares = squares + (along * along - 2 * (x * x + y * y + z * z))
+    gradients, lengths = jets[:, 1:4], np.maximum(norms(jets[:, 1:4]), TINY)
+    normals = gradients.T / lengths
+    turned = jets.T[SECOND] * normals
+    turned = turned[:, 0] + turned[:, 1] + turned[:, 2]
+    along = dots(normals.T, turned.T)
+    trace = jets[:, 4] + jets[:, 7] + jets[:, 9] - along
+    xx, xy, xz, yy, yz, zz = jets.T[4:] * jets.T[4:]
+    squares = xx + yy + zz + 2 * (xy + xz + yz) + (along * along - 2 * dots(turned.T, turned.T))
     bends = np.abs(trace) + np.sqrt(np.maximum(2 * squares - trace * trace, 0.0))
-    return jets[:, 1:4], bends / (2 * lengths)
+    return gradients, bends / (2 * lengths)
 
 
 def gradient_steps(jets: Floats) -> Floats:
     """Newton's steps (N, 3) along gradients, by values and gradients (N, 4)."""
-    f, x, y, z = jets.T
-    return np.asarray((-f / np.maximum(x * x + y * y + z * z, TINY) * jets.T[1:]).T)
+    gradients = jets[:, 1:]
+    return np.asarray((-jets[:, 0] / np.maximum(dots(gradients, gradients), TINY) * gradients.T).T)
 
 
 def open_mesh(field: LocalSurface, points: Floats, triangles: Integers, rim: Integers) -> Labelled:
