@@ -10,7 +10,6 @@
 #include "kernel.h"
 
 #define BLOCK 64
-#define LANES 16 /* points that are looked for among faces at once */
 
 /* Rows of a matrix (rows, columns) times blocks of numbers (columns, BLOCK). */
 FAST
@@ -125,10 +124,10 @@ FAST
 int pas_leaving(whole faces, const double *weights, const whole *piece_of, whole count, const double *points, whole stride,
                 whole step, double *multiples, whole *pieces)
 {
-    for (whole start = 0; start < count; start += LANES) {
-        const whole size = count - start < LANES ? count - start : LANES;
-        double x[LANES] = {0}, y[LANES] = {0}, z[LANES] = {0}, best[LANES], total[LANES];
-        whole chosen[LANES] = {0};
+    for (whole start = 0; start < count; start += BLOCK) {
+        const whole size = count - start < BLOCK ? count - start : BLOCK;
+        double x[BLOCK] = {0}, y[BLOCK] = {0}, z[BLOCK] = {0}, best[BLOCK], total[BLOCK];
+        whole chosen[BLOCK] = {0};
         for (whole r = 0; r < size; r++) {
             const double *point = points + stride * (start + r);
             x[r] = point[0];
@@ -137,7 +136,7 @@ int pas_leaving(whole faces, const double *weights, const whole *piece_of, whole
         }
         for (whole f = 0; f < faces; f++) {
             const double *w = weights + 9 * f;
-            for (int r = 0; r < LANES; r++) {
+            for (int r = 0; r < BLOCK; r++) {
                 const double a = w[0] * x[r] + w[1] * y[r] + w[2] * z[r], b = w[3] * x[r] + w[4] * y[r] + w[5] * z[r];
                 const double c = w[6] * x[r] + w[7] * y[r] + w[8] * z[r], lower = a < b ? a : b;
                 const double least = lower < c ? lower : c, sum = a + b + c;

@@ -9,6 +9,7 @@ import numpy as np
 
 from pas.algebra.rational import to_fraction
 from pas.arrays import Bools, Floats, Integers
+from pas.limits import blocks
 from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
@@ -18,6 +19,7 @@ from pas.mesh.remesher import Failure, Remesher
 from pas.mesh.rows import dots, largest_of, norms, off_zero
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import Edges
+from pas.surface.evaluator import BLOCK
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import SECOND
 
@@ -109,8 +111,11 @@ class LocalSurface(ABC):
 
     def distances(self, points: Floats) -> Floats:
         """The distances |f| / |grad f| (N,), to first order."""
-        jets = self.jets(points)
-        return off_zero(jets[:, 0], jets[:, 1:])
+        result = np.empty(len(points))
+        for here in blocks(len(points), BLOCK):
+            jets = self.jets(points[here])
+            result[here] = off_zero(jets[:, 0], jets[:, 1:])
+        return result
 
     def nearer(self, points: Floats, still: Bools, order: int) -> tuple[Floats, Floats]:
         """Points near the surface moved towards it, but for those that are `still` (N,), and the derivatives there.
@@ -163,7 +168,9 @@ class LocalSurface(ABC):
         return points
 
     def projected(self, mesh: HalfEdges) -> tuple[Floats, Floats]:
-        points, gradients = self.closed(mesh.points, self.jets(mesh.points))
+        points, gradients = np.empty((2, len(mesh.points), 3))
+        for here in blocks(len(points), BLOCK):
+            points[here], gradients[here] = self.closed(mesh.points[here], self.jets(mesh.points[here]))
         rest, on = np.flatnonzero(mesh.kinds != VertexKind.INSIDE), np.flatnonzero(mesh.kinds == VertexKind.CURVE)
         points[rest] = mesh.points[rest]
         if len(on):
