@@ -300,7 +300,7 @@ class Grading:
         """Move chosen vertices (V,) to the middles of their triangles, or along curves, and project them."""
         to, rows = mesh.targets, np.flatnonzero(about & (mesh.kinds < VertexKind.CORNER))
         labels, reach = mesh.labels_about(rows), mesh.sizes[rows] / 4
-        mesh.points[rows] = self.ground.placed(to[rows], labels, mesh.rim_of[rows], reach)
+        mesh.points[rows] = self.ground.placed(to[rows], labels, mesh.rims_of(mesh.outgoing[rows]), reach)
         moved = np.zeros(len(mesh.points), dtype=bool)
         moved[rows] = True
         self._look(mesh, np.flatnonzero(moved[mesh.vertex_of]))

@@ -193,8 +193,8 @@ class Remesher(Grading):
     @staticmethod
     def _free(mesh: HalfEdges) -> Bools:
         """The vertices (V,) inside faces, not beside the boundary, so that no move takes one out of the region."""
-        result, edge = mesh.kinds == VertexKind.INSIDE, mesh.rim_of >= 0
-        result[mesh.triangles[any_of(np.take(edge, mesh.triangles))]] = False
+        result, edge = mesh.kinds == VertexKind.INSIDE, mesh.twins[mesh.outgoing] < 0
+        result[mesh.triangles[any_of(edge.take(mesh.triangles))]] = False
         return result
 
     def _off(self, mesh: HalfEdges, vertices: Integers, places: Floats) -> Floats:
@@ -202,7 +202,7 @@ class Remesher(Grading):
         rows, owners = mesh.stars(vertices)
         triangles = mesh.triangles[rows]
         own = (triangles == vertices[owners][:, None])[..., None]
-        corners = np.where(own, places[owners][:, None], np.take(mesh.points, triangles, axis=0))
+        corners = np.where(own, places[owners][:, None], mesh.points.take(triangles, axis=0))
         result = np.zeros(len(vertices))
         np.maximum.at(result, owners, self.ground.farthest(corners, mesh.labels[rows]))
         return result

@@ -156,13 +156,14 @@ class Loops:
         """Where rays from the middles of curves of given numbers (N,) through points (N, 3) meet these."""
         result, flat = np.empty_like(points), self._flat[numbers]
         places = self._place[numbers[flat]]
-        middles, normals = self._middles[places], self._normals[places]
+        middles, normals = self._middles.take(places, axis=0), self._normals.take(places, axis=0)
         ways = points[flat] - middles
         ways = ways - dots(ways, normals)[:, None] * normals
 
         def jets(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
-            found = self.jets(middles[rows] + shares[:, None] * ways[rows], places[rows])
-            return found[:, 0], dots(found[:, 1:], ways[rows])
+            way = ways.take(rows, axis=0)
+            found = self.jets(middles.take(rows, axis=0) + shares[:, None] * way, places[rows])
+            return found[:, 0], dots(found[:, 1:], way)
 
         result[flat] = middles + _settled(jets, np.ones(len(ways)))[:, None] * ways
         for number, curve in self._openings.items():
@@ -173,7 +174,7 @@ class Loops:
         """Distances (N,) of points from curves of given numbers (N,), in whose planes they are."""
         result, flat = np.empty(len(points)), self._flat[numbers]
         places = self._place[numbers[flat]]
-        jets, normals = self.jets(points[flat], places), self._normals[places]
+        jets, normals = self.jets(points[flat], places), self._normals.take(places, axis=0)
         slopes = jets[:, 1:] - dots(jets[:, 1:], normals)[:, None] * normals
         result[flat] = off_zero(jets[:, 0], slopes)
         for number, curve in self._openings.items():

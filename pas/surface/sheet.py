@@ -147,17 +147,17 @@ class LocalSurface(ABC):
             return moved, gradients
         if len(far) == len(moved):
             return self.closed(moved, self.jets(moved), steps - 1)
-        here, gradients = np.take(moved.T, far, axis=1).T, np.array(gradients.T).T
+        here, gradients = moved.T.take(far, axis=1).T, np.array(gradients.T).T
         moved[far], gradients[far] = self.closed(here, self.jets(here), steps - 1)
         return moved, gradients
 
     def drawn(self, mesh: HalfEdges, to: Floats) -> tuple[Floats, Floats, Floats]:
         to, on = to.copy(), np.flatnonzero(mesh.kinds == VertexKind.CURVE)
         if len(on):
-            to[on] = self.on_rims(to[on], mesh.rim_of[on])
+            to[on] = self.on_rims(to[on], mesh.rims_of(mesh.outgoing[on]))
         points, jets = self.nearer(to, mesh.kinds != VertexKind.INSIDE, 2)
         gradients, bends = bent(jets)
-        return points, np.take(unit_rows(gradients), mesh.vertex_of, axis=0), bends[mesh.vertex_of]
+        return points, unit_rows(gradients).take(mesh.vertex_of, axis=0), bends[mesh.vertex_of]
 
     def placed(self, points: Floats, labels: Integers, rims: Integers, reach: Floats) -> Floats:
         points, on = points.copy(), rims >= 0
@@ -174,9 +174,9 @@ class LocalSurface(ABC):
         rest, on = np.flatnonzero(mesh.kinds != VertexKind.INSIDE), np.flatnonzero(mesh.kinds == VertexKind.CURVE)
         points[rest] = mesh.points[rest]
         if len(on):
-            points[on] = self.on_rims(points[on], mesh.rim_of[on])
+            points[on] = self.on_rims(points[on], mesh.rims_of(mesh.outgoing[on]))
         gradients[rest] = self.gradients(points[rest])
-        return points, np.take(unit_rows(gradients), mesh.vertex_of, axis=0)
+        return points, unit_rows(gradients).take(mesh.vertex_of, axis=0)
 
     def looked(self, points: Floats, labels: Integers) -> tuple[Floats, Floats]:
         gradients, bends = self.bending(points)
