@@ -33,15 +33,17 @@ static void horner(ptrdiff_t n, const double *c, const double *x, const double *
 int pas_horner(ptrdiff_t n, ptrdiff_t points, const double *coefficients,
                 const double *x, const double *y, const double *z, double *values)
 {
+    const ptrdiff_t whole_blocks = points / BLOCK * BLOCK;
+    const size_t left = (points - whole_blocks) * sizeof(double);
     double u[BLOCK] = {0}, v[BLOCK] = {0}, w[BLOCK] = {0}, f[BLOCK];
-    for (ptrdiff_t start = 0; start < points; start += BLOCK) {
-        const size_t size = (points - start < BLOCK ? points - start : BLOCK) * sizeof(double);
-        memcpy(u, x + start, size);
-        memcpy(v, y + start, size);
-        memcpy(w, z + start, size);
-        horner(n, coefficients, u, v, w, f);
-        memcpy(values + start, f, size);
-    }
+    for (ptrdiff_t start = 0; start < whole_blocks; start += BLOCK)
+        horner(n, coefficients, x + start, y + start, z + start, values + start);
+    if (!left) return 0;
+    memcpy(u, x + whole_blocks, left);
+    memcpy(v, y + whole_blocks, left);
+    memcpy(w, z + whole_blocks, left);
+    horner(n, coefficients, u, v, w, f);
+    memcpy(values + whole_blocks, f, left);
     return 0;
 }
 
