@@ -148,12 +148,8 @@ int pas_mesh_flip(Mesh *m, double turned, double limit, whole only_fresh, whole 
     const whole most = passes * m->triangles;
     whole *stack = malloc((3 * m->triangles + 1) * sizeof(whole)), top = 0, flips = 0;
     char *waiting = calloc(3 * m->triangles + 1, 1);
-    if (!stack || !waiting) {
-        free(stack);
-        free(waiting);
-        return -1;
-    }
-    for (whole h = 3 * m->triangles - 1; h >= 0; h--) {
+    const int state = stack && waiting ? 0 : -1;
+    for (whole h = 3 * m->triangles - 1; state == 0 && h >= 0; h--) {
         if (m->twins[h] < h || (only_fresh && !m->fresh[m->corners[h]] && !m->fresh[end_of(m, h)])) continue;
         stack[top++] = h;
         waiting[h] = 1;
@@ -174,7 +170,7 @@ int pas_mesh_flip(Mesh *m, double turned, double limit, whole only_fresh, whole 
     }
     free(stack);
     free(waiting);
-    return 0;
+    return state;
 }
 
 /* What a collapse must keep: `longer` is how long edges may be over what they should be, 0 for any length; `kept` and

@@ -53,7 +53,7 @@ static int sizes_on_curves(Mesh *m, double bent)
     return 0;
 }
 
-/* Sizes that grow by at most `grade` over the way along edges, in three rounds. */
+/* Sizes that grow by at most `grade` over the way along edges, in three rounds at most. */
 static int grow(Mesh *m, double grade)
 {
     double *ways = malloc((3 * m->triangles + 1) * sizeof(double));
@@ -62,12 +62,16 @@ static int grow(Mesh *m, double grade)
         const whole g = m->twins[h];
         ways[h] = g >= 0 && g < h ? ways[g] : grade * distance(m, m->corners[h], end_of(m, h));
     }
-    for (int round = 0; round < 3; round++)
+    for (int round = 0, more = 1; more && round < 3; round++) {
+        more = 0;
         for (whole h = 0; h < 3 * m->triangles; h++) {
             double *a = m->sizes + m->corners[h], *b = m->sizes + end_of(m, h);
-            *a = smaller(*a, *b + ways[h]);
-            *b = smaller(*b, *a + ways[h]);
+            if (*b + ways[h] < *a) *a = *b + ways[h];
+            else if (*a + ways[h] < *b) *b = *a + ways[h];
+            else continue;
+            more = 1;
         }
+    }
     free(ways);
     return 0;
 }
