@@ -156,7 +156,7 @@ def tee():
 def covers(points, struts):
     """What holds some nodes, all of which are that one turned or need no blend."""
     net = network.Network(points, struts, "1/4", "1/4096")
-    return NodeCovers(net, placed_ends(net, 1), tee()[0])
+    return NodeCovers(placed_ends(net, 1), tee()[0])
 
 
 def moved(x, y=0, sign=1):
@@ -231,9 +231,8 @@ def test_a_strut_in_a_node_is_refuted(height, status):
 
 def test_what_is_inside_of_nodes_and_struts_is_exact():
     """In the cells of a blend, off the discs where its struts begin; of a strut between these, off its surface."""
-    net = stars(2)
-    part = net.blend(1, "lowest")
-    found = NodeCovers(net, part.kinds, part.blends)
+    part = stars(2).blend(1, "lowest")
+    found = NodeCovers(part.kinds, part.blends)
     (blend,) = part.blends.values()
     surface = blend.surface.mesh(10).points
     for node, image in ((4, surface), (0, surface * (-1, 1, 1))):
@@ -249,7 +248,7 @@ def test_what_is_inside_of_nodes_and_struts_is_exact():
 
 
 def test_ends_of_struts_are_rounded_inwards():
-    found = NodeCovers(net := stars(2), kinds_of(net), {})
+    found = NodeCovers(kinds_of(net := stars(2)), {})
     vars(found).update(ends=np.full((len(net.edges), 2), 1 / 3))
     here, there = found.strut(0, 0).ends
     assert Fraction(1 / 3) < Fraction(1, 3) and 3 * here > 1 and 3 * there < 2
@@ -283,7 +282,7 @@ def test_neighbours_are_apart_that_no_plane_across_their_strut_parts():
     points = [(0, 0, 0), other, *ways, *(other - ways)]
     net = network.Network(points, [(0, 1), (0, 2), (0, 3), (1, 4), (1, 5)], "1/8", "1/64")
     found = net.blend(1, "lowest")
-    reach = NodeCovers(net, found.kinds, found.blends).reach
+    reach = NodeCovers(found.kinds, found.blends).reach
     assert reach[0] > 1.25  # and the strut is 0.75 long
     assert found.certificate.proved, found.certificate
 
@@ -468,14 +467,19 @@ def test_the_shortest_sides_of_rings_are_seen_from_the_next_one(even):
         assert 40 * places[0] == pytest.approx(2.48 if even else 1.06, rel=0.01)
 
 
+def own(strut):
+    """The number of points that a strut does not share with its nodes."""
+    return len(strut.points) - len(strut.shared)
+
+
 def test_struts_are_cut_into_rings_where_that_takes_few_triangles(monkeypatch):
     body = network.lattice("cubic", 1, "1/8").blend(degree="lowest")
     cut = body.mesh()
-    assert cut.certificate.proved and all(len(strut.points) for strut in body.pieces().struts)
+    assert cut.certificate.proved and all(map(own, body.pieces().struts))
     assert least_angle(cut.points[cut.triangles[cut.faces == 1]]) > 5
-    monkeypatch.setattr("pas.network.placing.FEW", 0.0)
-    plain = NetworkPart.of(body.network, 1, body.kinds, body.blends, None)
-    assert not any(len(strut.points) for strut in plain.pieces().struts)
+    monkeypatch.setattr("pas.network.sides.FEW", 0.0)
+    plain = NetworkPart.of(1, body.kinds, body.blends, None)
+    assert not any(map(own, plain.pieces().struts))
     assert len(plain.mesh().triangles) < len(cut.triangles) < 1.25 * len(plain.mesh().triangles)
     assert plain.volume == pytest.approx(body.volume, rel=1e-3)
 
@@ -484,7 +488,7 @@ def test_rings_of_long_struts_are_as_round_as_the_tolerance_asks():
     """Where rings as round as those of nodes are too many; bodies of files have no small angles there either."""
     body = network.lattice("cubic", 1, "1/12").blend(degree="lowest")
     mesh, (strut, *_) = body.mesh(), body.pieces().struts
-    assert len(strut.points) == 2 * 13 < 2 * len(body.pieces().nodes[strut.kinds[0]].rings[strut.slots[0]])
+    assert own(strut) == 2 * 13 < np.count_nonzero(strut.owners[: len(strut.shared)]) * 2
     assert mesh.certificate.proved and mesh.deviation <= mesh.tolerance
     assert least_angle(mesh.points[mesh.triangles[mesh.faces == 1]]) > 5
     assert all(least_angle(one.points[one.triangles]) > 5 for one, _ in body.bodies(MeshSettings()))
@@ -495,13 +499,14 @@ def test_rings_of_long_struts_are_as_round_as_the_tolerance_asks():
 def test_the_shorter_struts_are_cut_where_all_would_take_too_many_triangles():
     points = np.array([*np.ndindex(2, 2, 2)]) * (1, 1, 8)
     body = network.Network(points, cube().edges, "1/12", "1/64").blend(1, "lowest")
-    found = {tuple(np.abs(strut.vector)): len(strut.points) for strut in body.pieces().struts}
+    ways = [np.ptp(body.network.points[strut.copies[0]], axis=0) for strut in body.pieces().struts]
+    found = {tuple(way): own(strut) for way, strut in zip(ways, body.pieces().struts, strict=True)}
     assert found[0, 0, 8] == 0 and found[0, 1, 0] == found[1, 0, 0] == 26
     mesh = body.mesh()
     wide = [least_angle(corners[None]) > 5 for corners in mesh.points[mesh.triangles[mesh.faces == 1]]]
     assert 0 < wide.count(False) <= 4 * 48
     nodes = [len(piece.triangles) for piece in body.pieces().nodes]
-    assert sum(len(s.edges) * 2 * len(s.points) for s in body.pieces().struts) <= np.dot(nodes, body.kinds.counts) / 4
+    assert sum(len(s.copies) * 2 * own(s) for s in body.pieces().struts) <= np.dot(nodes, body.kinds.counts) / 4
 
 
 def test_bodies_in_many_places_make_the_whole(tmp_path):
@@ -668,8 +673,7 @@ def test_short_struts_are_shared():
     """Clips that would overlap leave 1/32 of the strut between them."""
     net = network.Network([(0, 0, 0), (2, 0, 0), (0, 2, 0), (2, 2, 0), (0, 5, 1)],
                           [(0, 1), (0, 2), (1, 3), (2, 4)], "9/10", "1/8")  # fmt: skip
-    placed = placed_ends(net, 1)
-    ends = placed.ends[placed.of[net.edges], placed.slots].sum(axis=1)
+    ends = placed_ends(net, 1).ends.sum(axis=1)
     assert (ends <= 62 / 64).all()
     assert ends.max() > 0.9
 
@@ -784,9 +788,8 @@ def test_a_short_strut_leaves_both_of_its_ends_what_they_need(length):
     points = [(0, 0, 0), (length, 0, 0), (-60, 80, 0), (-60, -80, 0), (10, 0, 100), (400, 40, 0), (400, -40, 0)]
     net = network.Network(points, [(0, 1), (0, 2), (0, 3), (0, 4), (1, 5), (1, 6)], 8, 1)
     kinds = placed_ends(net, 1)
-    ends = kinds.ends[kinds.of[net.edges], kinds.slots]
-    assert (ends * net.lengths[:, None] >= nearest(net, kinds) - 1e-9).all()
-    assert ends[0].sum() <= 62 / 64
+    assert (kinds.ends * net.lengths[:, None] >= nearest(kinds) - 1e-9).all()
+    assert kinds.ends[0].sum() <= 62 / 64
 
 
 def test_a_network_without_struts_has_no_classes():
@@ -834,7 +837,7 @@ def test_what_is_asked_of_a_whole():
 
 def cleared(net, reach=0.0, ends=0.0):
     """The verdict on what meets, of nodes that reach so far and struts that are straight from and to such ends."""
-    found = NodeCovers(net, kinds_of(net), {})
+    found = NodeCovers(kinds_of(net), {})
     reach, ends = np.broadcast_to(reach, len(net.points)), np.broadcast_to(ends, net.edges.shape)
     vars(found).update(reach=reach, ends=ends)
     return clearance(net, found)[0]

@@ -28,9 +28,9 @@ class NetworkMesh(Mesh):
         sides = [self.part, *([self.part.cavity] if self.part.cavity else [])]
         topology = Verdict(Status.PROVED, "the topology of every node", "by the meshes of their classes")
         distances = []
-        for side in sides:
+        for side, made in zip(sides, self.part.pieces(self.tolerance).sides, strict=True):
             said, distance = self._side(side)
-            distances.append(max([distance, *(strut.deviation for strut in side.pieces(self.tolerance).struts)]))
+            distances.append(max([distance, *(strut.deviation for strut in made.struts)]))
             topology = topology if said is None else replace(topology, status=said.status, reason=said.reason)
         bound = max(distances) + float(np.abs(self.points).max()) * 2.0**-50
         near = Verdict(Status.UNDECIDED, "near the surface", "of some class the distance is not proved")

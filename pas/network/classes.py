@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
@@ -97,33 +98,101 @@ class CanonicalForm:
 
 @dataclass(frozen=True, eq=False)
 class Kinds:
-    """The kinds of a network: that of each point (N,), and which of its kind's arms each strut is at both ends (E, 2).
+    """The kinds of a network's nodes: that of each point (N,), and which of its kind's arms each strut is at both ends
+    (E, 2).
 
-    Points without struts have the kind -1.  `ends[kind, arm]` says where arms end, in parts of their vectors, once they
-    have been placed.
+    Points without struts have the kind -1.  `arm_ends[kind, arm]` says where arms end, in parts of their vectors, once
+    they have been placed.
     """
 
+    network: StrutGraph
     kinds: tuple[NodeKind, ...]
     of: Numbers
     slots: Numbers
-    ends: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    arm_ends: Floats = field(default_factory=lambda: np.zeros((0, 0)))
 
     @cached_property
-    def classes(self) -> dict[tuple[Any, ...], list[int]]:
-        """The numbers of the kinds of each class, by its key."""
+    def classes(self) -> dict[tuple[Any, ...], NodeClass]:
+        """The classes of the kinds, by their keys."""
         found: dict[tuple[Any, ...], list[int]] = {}
         for number, kind in enumerate(self.kinds):
             found.setdefault(kind.form.key, []).append(number)
-        return found
+        return {key: NodeClass(self, tuple(numbers)) for key, numbers in found.items()}
+
+    @property
+    def by_frequency(self) -> tuple[NodeClass, ...]:
+        """The classes, the most frequent first."""
+        return tuple(sorted(self.classes.values(), key=lambda one: -one.count))
 
     @cached_property
     def counts(self) -> Integers:
         """The number of points of each kind."""
         return np.bincount(self.of[self.of >= 0], minlength=len(self.kinds))
 
-    def nodes(self, kinds: Sequence[int]) -> Numbers:
-        """The numbers of the points of some kinds."""
-        return np.flatnonzero(np.isin(self.of, kinds)).astype(np.int32)
+    @cached_property
+    def struts(self) -> tuple[Numbers, Integers]:
+        """The kind of each strut (E,), by the kinds of its nodes and its arms there, and the first of each."""
+        here, there = self.of[self.network.edges].T
+        return ranked([here, self.slots[:, 0], there, self.slots[:, 1]])
+
+    @property
+    def ends(self) -> Floats:
+        """Where each strut begins and ends (E, 2), in parts of its length."""
+        return self.at_ends(self.arm_ends)
+
+    def at_ends(self, table: Any) -> Any:
+        """What a table of the arms of all kinds (K, most arms) has for those that struts are at both ends (E, 2)."""
+        return table[self.of[self.network.edges], self.slots]
+
+
+@dataclass(frozen=True, eq=False)
+class NodeClass:
+    """Nodes that are one another turned, with the numbers of their kinds, of which the first stands for them."""
+
+    kinds: Kinds
+    numbers: tuple[int, ...]
+
+    @property
+    def kind(self) -> NodeKind:
+        """The kind that stands for it."""
+        return self.kinds.kinds[self.numbers[0]]
+
+    @cached_property
+    def nodes(self) -> Numbers:
+        """The numbers (M,) of the points of its nodes."""
+        return np.flatnonzero(np.isin(self.kinds.of, self.numbers)).astype(np.int32)
+
+    @property
+    def count(self) -> int:
+        """The number of nodes."""
+        return int(self.kinds.counts[list(self.numbers)].sum())
+
+    @property
+    def ends(self) -> tuple[float, ...] | None:
+        """Where its arms end, in parts of their vectors; None until they have been placed."""
+        known = self.kinds.arm_ends
+        return tuple(known[self.numbers[0], : len(self.kind.arms)].tolist()) if len(known) else None
+
+    @property
+    def struts(self) -> tuple[tuple[tuple[int, int, int], Fraction, Fraction], ...]:
+        """Vector in steps of the grid, and radii (the model's units) here and at the other end, of each arm."""
+        radii = self.kinds.network.radii
+        return tuple((vector, radii[size], radii[far]) for vector, size, far, _ in self.kind.arms)
+
+    @property
+    def symmetries(self) -> int:
+        """The number of rotations and reflections that take it to itself; 0 where there are infinitely many."""
+        return self.kind.form.symmetries
+
+    @property
+    def blended(self) -> bool:
+        """Whether it takes a blend: not at ends of struts, nor where one goes straight on."""
+        return self.kind.blended
+
+    def __str__(self) -> str:
+        sides = {0: "symmetric about an axis", 1: "no symmetry"}.get(self.symmetries, f"{self.symmetries} symmetries")
+        arms = len(self.kind.arms)
+        return f"{self.count} node{'s' * (self.count > 1)} of {arms} strut{'s' * (arms > 1)}, {sides}"
 
 
 def kinds_of(network: StrutGraph, clips: Any = AUTO) -> Kinds:
@@ -149,7 +218,7 @@ def kinds_of(network: StrutGraph, clips: Any = AUTO) -> Kinds:
     kinds = tuple(NodeKind(tuple(((x, y, z), *labels) for x, y, z, *labels in kind)) for kind in arms)
     kind_of = np.full(count, -1, dtype=np.int32)
     kind_of[used] = of
-    return Kinds(kinds, kind_of, slots.reshape(2, -1).T)
+    return Kinds(network, kinds, kind_of, slots.reshape(2, -1).T)
 
 
 def ranked(columns: Sequence[Any]) -> tuple[Numbers, Integers]:
@@ -162,6 +231,12 @@ def ranked(columns: Sequence[Any]) -> tuple[Numbers, Integers]:
     firsts = np.zeros(int(codes.max(initial=-1)) + 1, dtype=np.int64)
     firsts[codes[::-1]] = np.arange(len(codes))[::-1]  # where a number is set again, the last one stays
     return codes, firsts
+
+
+def grouped(of: Any, count: int) -> list[Numbers]:
+    """Where each of the numbers below a count stands in an array, which has others only where it is -1."""
+    order = np.argsort(of, kind="stable").astype(np.int32)
+    return np.split(order, np.searchsorted(of[order], np.arange(count)))[1:]
 
 
 def _ranks(values: Any) -> Numbers:

@@ -28,7 +28,6 @@ from pas.bernstein.search import Fate, Fates, Limits, search
 from pas.bernstein.simplices import Simplices
 from pas.certify.thickness import parted, slices
 from pas.network.classes import Kinds, ranked, turn
-from pas.network.graph import StrutGraph
 from pas.network.overlaps import NodeSolid, StrutSolid, common_point
 from pas.pipeline.result import Blend
 from pas.verdicts import Status
@@ -50,8 +49,8 @@ class NodeCovers:
     Distances are in the model's units.
     """
 
-    def __init__(self, network: StrutGraph, kinds: Kinds, blends: Mapping[Any, Blend]) -> None:
-        self.network, self.kinds, self.blends = network, kinds, blends
+    def __init__(self, kinds: Kinds, blends: Mapping[Any, Blend]) -> None:
+        self.network, self.kinds, self.blends = kinds.network, kinds, blends
         self._known: dict[tuple[int, ...], Found] = {}
 
     @cached_property
@@ -61,13 +60,12 @@ class NodeCovers:
         found, degree = {}, max((blend.surface.degree for blend in self.blends.values()), default=1)
         radii, step = np.array([float(radius) for radius in self.network.radii]), float(self.network.grid)
         for key in self.blends.keys() & self.kinds.classes:
-            surface, number = self.blends[key].surface, self.kinds.classes[key][0]
+            surface, one = self.blends[key].surface, self.kinds.classes[key]
             cells = [surface.local.corners(cell) for cell in surface.local.cells]
             forms, error = nearby_forms([surface.patches[p].raw for p in surface.local.piece_of], cells, degree)
             corners = surface.partition.frame.global_points(corner_points(cells)) * step
-            kind = self.kinds.kinds[number]
-            ends, vectors = self.kinds.ends[number, : len(kind.arms), None], kind.vectors * step
-            sizes, units = radii[np.array([arm[1:3] for arm in kind.arms])], np.asarray(unit(vectors))
+            ends, vectors = np.array(one.ends)[:, None], one.kind.vectors * step
+            sizes, units = radii[np.array([arm[1:3] for arm in one.kind.arms])], np.asarray(unit(vectors))
             widths = sizes[:, :1] + ends * (sizes[:, 1:] - sizes[:, :1])
             sines = np.sqrt(np.maximum(1 - (units @ units.T) ** 2, 0))
             along = (ends * vectors @ units.T + widths * sines).max(axis=0)
@@ -80,7 +78,7 @@ class NodeCovers:
         kind = self.kinds.kinds[self.kinds.of[node]]
         if kind.form.key not in self._first:
             return None
-        first, (cells, hull) = self.kinds.kinds[self.kinds.classes[kind.form.key][0]], self._first[kind.form.key]
+        first, (cells, hull) = self.kinds.classes[kind.form.key].kind, self._first[kind.form.key]
         matrix = np.array([to_floats(row) for row in turn(first, kind)]).T
         return replace(cells, corners=cells.corners @ matrix), hull @ matrix
 
@@ -89,13 +87,13 @@ class NodeCovers:
         """The radius of a ball around each point (N,) that holds its node; 0 where the node has no blend."""
         found = np.zeros(len(self.kinds.kinds))
         for key, (_, hull) in self._first.items():
-            found[self.kinds.classes[key]] = np.linalg.norm(hull, axis=1).max() + self.network.slack
+            found[list(self.kinds.classes[key].numbers)] = np.linalg.norm(hull, axis=1).max() + self.network.slack
         return np.where(self.kinds.of >= 0, found[self.kinds.of], 0.0)
 
     @cached_property
     def ends(self) -> Floats:
         """Where each strut begins and ends (E, 2), in parts of its length."""
-        return np.asarray(self.kinds.ends[self.kinds.of[self.network.edges], self.kinds.slots])
+        return self.kinds.ends
 
     def axes(self, struts: Any) -> Floats:
         """The axes (M, 2, 3) of some struts where these are straight."""
@@ -106,7 +104,7 @@ class NodeCovers:
     def node(self, number: int, about: int) -> NodeSolid:
         """The inside of a node that has a blend, about some point."""
         kind, places = self.kinds.kinds[self.kinds.of[number]], self.network.places
-        first = self.kinds.kinds[self.kinds.classes[kind.form.key][0]]
+        first = self.kinds.classes[kind.form.key].kind
         place = Affine(turn(first, kind), vector((places[number] - places[about]).tolist()))
         return NodeSolid(self.blends[kind.form.key].surface, place)
 

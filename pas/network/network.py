@@ -11,9 +11,8 @@ import numpy as np
 from pas.algebra.rational import Exact
 from pas.limits import WorkLimits, limited
 from pas.network import files, nodes, problems
-from pas.network.classes import kinds_of
+from pas.network.classes import NodeClass, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
-from pas.network.nodes import NodeClass
 from pas.network.part import NetworkPart
 
 
@@ -72,7 +71,7 @@ class Network(StrutGraph):
 
     def classes(self) -> tuple[NodeClass, ...]:
         """The classes of congruent nodes, the most frequent first: struts, radii, symmetries, numbers of points."""
-        return nodes.classes_of(kinds_of(self), self)
+        return kinds_of(self).by_frequency
 
     @limited("blending a network", "fewer cells, or a lower order")
     def blend(
@@ -102,7 +101,7 @@ class Network(StrutGraph):
             raise NetworkError(wrong)
         kinds = nodes.placed_ends(self, order)
         steps = None if thick is None else thick / self.grid
-        return NetworkPart.of(self, order, kinds, nodes.blends(self, kinds, order, degree, steps, cache, map), thick)
+        return NetworkPart.of(order, kinds, nodes.blends(kinds, order, degree, steps, cache, map), thick)
 
     def write(self, path: str | Path, *, unit: str | None = None) -> Path:
         """Write the graph itself: as beams (.3mf), arrays (.npz) or a table (.csv); returns the path."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -20,7 +20,7 @@ import numpy as np
 
 from pas.algebra.inputs import check_order
 from pas.algebra.rational import rational
-from pas.arrays import Floats, Numbers
+from pas.arrays import Floats
 from pas.contacts.contact import Contact, as_contact
 from pas.contacts.endless import Cone, Pipe
 from pas.errors import PasError, ProjectFileError
@@ -28,7 +28,7 @@ from pas.exchange.files import make_folder
 from pas.layouts.clips import with_clips
 from pas.limits import checkpoint
 from pas.network.blocks import results
-from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
+from pas.network.classes import AUTO, Kinds, NodeClass, NodeKind, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.network.problems import graph_problems, nearest
 from pas.pipeline.blend import blend
@@ -46,54 +46,6 @@ Degree = int | Literal["lowest"] | None
 Node = Blend | HollowBlend[Blend]
 
 
-@dataclass(frozen=True, eq=False)
-class NodeClass:
-    """Nodes that are one another turned: the `kind` that stands for them, and the numbers (M,) of their points.
-
-    `ends` are where its arms end, in parts of their vectors; None until they have been placed.
-    """
-
-    kind: NodeKind
-    nodes: Numbers
-    radii: tuple[Fraction, ...]
-    ends: tuple[float, ...] | None = None
-
-    @property
-    def count(self) -> int:
-        """The number of nodes."""
-        return len(self.nodes)
-
-    @property
-    def struts(self) -> tuple[tuple[tuple[int, int, int], Fraction, Fraction], ...]:
-        """Vector in steps of the grid, and radii (the model's units) here and at the other end, of each arm."""
-        return tuple((vector, self.radii[size], self.radii[far]) for vector, size, far, _ in self.kind.arms)
-
-    @property
-    def symmetries(self) -> int:
-        """The number of rotations and reflections that take it to itself; 0 where there are infinitely many."""
-        return self.kind.form.symmetries
-
-    @property
-    def blended(self) -> bool:
-        """Whether it takes a blend: not at ends of struts, nor where one goes straight on."""
-        return self.kind.blended
-
-    def __str__(self) -> str:
-        sides = {0: "symmetric about an axis", 1: "no symmetry"}.get(self.symmetries, f"{self.symmetries} symmetries")
-        arms = len(self.kind.arms)
-        return f"{self.count} node{'s' * (self.count > 1)} of {arms} strut{'s' * (arms > 1)}, {sides}"
-
-
-def classes_of(kinds: Kinds, network: StrutGraph) -> tuple[NodeClass, ...]:
-    """The classes of the kinds of a network, the most frequent first."""
-    made = []
-    for numbers in kinds.classes.values():
-        first = kinds.kinds[numbers[0]]
-        ends = tuple(kinds.ends[numbers[0], : len(first.arms)].tolist()) if len(kinds.ends) else None
-        made.append(NodeClass(first, kinds.nodes(numbers), network.radii, ends))
-    return tuple(sorted(made, key=lambda one: -one.count))
-
-
 def placed_ends(network: StrutGraph, order: int) -> Kinds:
     """The kinds of all nodes with the ends of their arms, see above.
 
@@ -108,12 +60,12 @@ def placed_ends(network: StrutGraph, order: int) -> Kinds:
     while True:
         kinds = kinds_of(network, clips)
         kinds = replace(kinds, kinds=tuple(seen.setdefault(kind, kind) for kind in kinds.kinds))
-        ends = _ends(kinds, network, order, known)
-        at = ends[kinds.of[network.edges], kinds.slots]
+        kinds = replace(kinds, arm_ends=_arm_ends(kinds, order, known))
+        at = kinds.ends
         short = at.sum(axis=1) > (PARTS - STRAIGHT) / PARTS
         if not short.any():
-            return replace(kinds, ends=ends)
-        needed = nearest(network, kinds)[short] / network.lengths[short, None]
+            return kinds
+        needed = nearest(kinds)[short] / network.lengths[short, None]
         least = np.ceil(PARTS * np.minimum(needed, at[short]))
         shared = (PARTS - STRAIGHT) * at[short] / at[short].sum(axis=1, keepdims=True)
         shared = np.floor(np.minimum(np.maximum(shared, least), PARTS - STRAIGHT - least[:, ::-1])).astype(np.int32)
@@ -125,30 +77,29 @@ def placed_ends(network: StrutGraph, order: int) -> Kinds:
         clips[short] = np.maximum(shared, at[short] > 0)
 
 
-def _ends(kinds: Kinds, network: StrutGraph, order: int, known: dict[Any, tuple[float, ...]]) -> Floats:
+def _arm_ends(kinds: Kinds, order: int, known: dict[Any, tuple[float, ...]]) -> Floats:
     """The ends of all kinds (K, most arms), those of a class found once; raises `NetworkError`."""
     table = np.zeros((len(kinds.kinds), max((len(kind.arms) for kind in kinds.kinds), default=0)))
     problems = []
-    for key, numbers in kinds.classes.items():
-        first = kinds.kinds[numbers[0]]
+    for key, one in kinds.classes.items():
         if key not in known:
             checkpoint(f"placing the ends of {len(kinds.classes)} classes of nodes")
             try:
-                pipes = pipes_of(first, network, order)
-                known[key] = tuple(float(pipes[i].clip) for i in first.form.order)
+                pipes = pipes_of(one.kind, kinds.network, order)
+                known[key] = tuple(float(pipes[i].clip) for i in one.kind.form.order)
             except PasError as error:
-                problems.append(of_nodes("no blend", kinds.nodes(numbers), error))
+                problems.append(of_nodes("no blend", one, error))
                 continue
-        for number in numbers:
+        for number in one.numbers:
             table[number, list(kinds.kinds[number].form.order)] = known[key]
     if problems:
         raise NetworkError(problems)
     return table
 
 
-def of_nodes(kind: str, points: Numbers, said: object) -> NetworkProblem:
-    """What is wrong with some nodes, with the numbers of the first three in the sentence."""
-    nodes = tuple(points.tolist())
+def of_nodes(kind: str, one: NodeClass, said: object) -> NetworkProblem:
+    """What is wrong with the nodes of a class, with the numbers of the first three in the sentence."""
+    nodes = tuple(one.nodes.tolist())
     told = ", ".join(map(str, nodes[:3])) + (f" and {len(nodes) - 3} more" if len(nodes) > 3 else "")
     return NetworkProblem(kind, nodes, f"the node{'s' * (len(nodes) > 1)} {told}: {said}")
 
@@ -167,7 +118,7 @@ def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe | Con
 
 
 def blends(
-    network: StrutGraph, kinds: Kinds, order: int, degree: Degree, wall: Fraction | None, cache: Any, map_: Any
+    kinds: Kinds, order: int, degree: Degree, wall: Fraction | None, cache: Any, map_: Any
 ) -> dict[tuple[Any, ...], Node]:
     """A proved blend for the first kind of each class that takes one, hollow with a `wall`, by the class's key.
 
@@ -178,13 +129,13 @@ def blends(
         make_folder(folder)
     elif map_ is not map:
         raise ValueError("the map of another engine hands blends over in files: give the folder as cache=")
-    wanted = dict(_jobs(network, kinds, order, degree, folder, wall))
+    wanted = _jobs(kinds, order, degree, folder, wall)
     found: dict[tuple[Any, ...], Node] = {}
     problems = []
     given = results(map_, solved, list(wanted.values()), folder, "blending nodes")
     for key, result in zip(wanted, given, strict=True):
         if isinstance(result, str):
-            problems.append(of_nodes("no blend", kinds.nodes(kinds.classes[key]), result))
+            problems.append(of_nodes("no blend", kinds.classes[key], result))
         else:
             found[key] = _kept(result, wanted[key]) if isinstance(result, Path) else result
     if problems:
@@ -208,24 +159,22 @@ def met(found: Any, wall: Fraction | None) -> tuple[Any, ...]:
     return outer.order, outer.contacts, *(() if wall is None else (found.inner.surface.contacts,))
 
 
-def _jobs(network: StrutGraph, kinds: Kinds, order: int, *how: Any) -> Iterator[tuple[tuple[Any, ...], Job]]:
-    """The key of each class that takes a blend, and the blend of its first kind that is to be found."""
-    for key, numbers in kinds.classes.items():
-        if kinds.kinds[numbers[0]].blended:
-            yield key, Job(tuple(pipes_of(kinds.kinds[numbers[0]], network, order)), order, *how)
+def _jobs(kinds: Kinds, order: int, *how: Any) -> dict[tuple[Any, ...], Job]:
+    """The blend that is to be found for the first kind of each class that takes one, by the class's key."""
+    blended = {key: one.kind for key, one in kinds.classes.items() if one.blended}
+    return {key: Job(tuple(pipes_of(kind, kinds.network, order)), order, *how) for key, kind in blended.items()}
 
 
 def matched(
-    network: StrutGraph, kinds: Kinds, order: int, found: Sequence[Node], wall: Fraction | None = None
+    kinds: Kinds, order: int, found: Sequence[Node], wall: Fraction | None = None
 ) -> dict[tuple[Any, ...], Node]:
     """Which of some blends is that of which class; raises `ValueError` for a class of which none is."""
     known = {met(blend, wall): blend for blend in found}
-    result = {}
-    for key, job in _jobs(network, kinds, order, None, None, wall):
+    jobs = _jobs(kinds, order, None, None, wall)
+    for key, job in jobs.items():
         if job.meets not in known:
-            raise ValueError(f"blends has none for the node {kinds.nodes(kinds.classes[key])[0]}")
-        result[key] = known[job.meets]
-    return result
+            raise ValueError(f"blends has none for the node {kinds.classes[key].nodes[0]}")
+    return {key: known[job.meets] for key, job in jobs.items()}
 
 
 @dataclass(frozen=True)

@@ -21,13 +21,13 @@ from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
 from pas.network.blocks import FACES, write_blocks
 from pas.network.certified_mesh import NetworkMesh
-from pas.network.classes import Kinds
+from pas.network.classes import Kinds, NodeClass
 from pas.network.clearance import clearance
 from pas.network.covers import NodeCovers
 from pas.network.graph import NetworkProblem, StrutGraph, told
-from pas.network.hollow import HollowPieces
-from pas.network.nodes import NodeClass, classes_of, of_nodes
+from pas.network.nodes import of_nodes
 from pas.network.placing import PlacedPieces
+from pas.network.sides import NetworkSide
 from pas.pipeline.hollow import HollowBlend
 from pas.pipeline.result import Blend
 from pas.pipeline.search import excess
@@ -50,7 +50,6 @@ class NetworkPart(Shape):
     grid.  Of a hollow body, with a `wall` in the model's units, `hollow` has those of its classes with their cavities.
     """
 
-    network: StrutGraph
     order: int
     kinds: Kinds
     blends: Mapping[Any, Blend]
@@ -59,12 +58,15 @@ class NetworkPart(Shape):
     kind = "network"
 
     @classmethod
-    def of(
-        cls, network: StrutGraph, order: int, kinds: Kinds, found: Mapping[Any, Any], wall: Fraction | None
-    ) -> NetworkPart:
+    def of(cls, order: int, kinds: Kinds, found: Mapping[Any, Any], wall: Fraction | None) -> NetworkPart:
         """The body with blends, hollow ones where there is a wall."""
         outer = {key: blend if wall is None else blend.outer for key, blend in found.items()}
-        return cls(network, order, kinds, outer, wall, {} if wall is None else found)
+        return cls(order, kinds, outer, wall, {} if wall is None else found)
+
+    @property
+    def network(self) -> StrutGraph:
+        """The graph."""
+        return self.kinds.network
 
     @cached_property
     def cavity(self) -> NetworkPart | None:
@@ -74,12 +76,13 @@ class NetworkPart(Shape):
         network, wall = self.network, self.wall
         radii = [(network.radii[a] - wall, network.radii[b] - wall) for a, b in network.sizes.tolist()]
         inner = StrutGraph(network.points, network.edges, radii, network.grid)
-        return NetworkPart(inner, self.order, self.kinds, {key: found.inner for key, found in self.hollow.items()})
+        kinds = replace(self.kinds, network=inner)
+        return NetworkPart(self.order, kinds, {key: found.inner for key, found in self.hollow.items()})
 
     @cached_property
     def classes(self) -> tuple[NodeClass, ...]:
         """The classes of its nodes with their ends, the most frequent first."""
-        return classes_of(self.kinds, self.network)
+        return self.kinds.by_frequency
 
     def blend_of(self, one: NodeClass) -> Blend | None:
         """The blend of a class of nodes, in steps of the grid around the origin; None where none is needed."""
@@ -108,7 +111,7 @@ class NetworkPart(Shape):
 
     @cached_property
     def _proofs(self) -> tuple[tuple[Verdict, tuple[NetworkProblem, ...]], ...]:
-        covers = NodeCovers(self.network, self.kinds, self.blends)
+        covers = NodeCovers(self.kinds, self.blends)
         return (self._nodes(), _straight(covers.ends), clearance(self.network, covers), *self._inside())
 
     def _inside(self) -> Iterator[tuple[Verdict, tuple[NetworkProblem, ...]]]:
@@ -124,7 +127,7 @@ class NetworkPart(Shape):
         for one in self.classes:
             found = self.hollow.get(one.kind.form.key)
             if one.blended and (found is None or not found.certificate.proved):
-                yield of_nodes("not proved", one.nodes, f"the cavity of {one} is not proved")
+                yield of_nodes("not proved", one, f"the cavity of {one} is not proved")
 
     def _nodes(self) -> tuple[Verdict, tuple[NetworkProblem, ...]]:
         turned = len(self.kinds.kinds)
@@ -142,7 +145,7 @@ class NetworkPart(Shape):
             elif not self._seen(one, found):
                 said = f"the blend of {one} has a centre away from its struts"
             if said:
-                yield of_nodes("not proved", one.nodes, said)
+                yield of_nodes("not proved", one, said)
 
     def _seen(self, one: NodeClass, blend: Blend) -> bool:
         """Whether the centre of a blend is inside of all struts, were they to go on.
@@ -193,8 +196,9 @@ class NetworkPart(Shape):
             usual = min(usual, float(self.wall) / 4)  # so that the meshes of both sides are apart
         wanted = usual if tolerance is None else check_tolerance(tolerance)
         if wanted not in self._made:
-            made = PlacedPieces(self.network, self.kinds, dict(self.blends), wanted)
-            self._made[wanted] = HollowPieces(made, self.cavity.pieces(wanted)) if self.cavity else made
+            outer, cavity = NetworkSide(self.kinds, self.blends, wanted), self.cavity
+            inner = [NetworkSide(cavity.kinds, cavity.blends, wanted, outer)] if cavity else []
+            self._made[wanted] = PlacedPieces([outer, *inner])
         return self._made[wanted]
 
     @limited("meshing a network", "a coarser tolerance")
@@ -208,12 +212,10 @@ class NetworkPart(Shape):
         """
         Quality.of(quality)
         pieces = self.pieces(tolerance)
-        counts = np.array([len(p.triangles) for p in pieces.nodes])
-        total = int(counts @ self.kinds.counts) + sum(len(s.triangles) * len(s.edges) for s in pieces.struts)
-        if total > MOST_TRIANGLES:
+        if pieces.count > MOST_TRIANGLES:
             raise MeshError(
-                f"the mesh would have {total} triangles, and {MOST_TRIANGLES} is the most; write a .3mf or .glb file, "
-                "which holds each kind of node once, or give a coarser tolerance"
+                f"the mesh would have {pieces.count} triangles, and {MOST_TRIANGLES} is the most; write a .3mf or .glb "
+                "file, which holds each kind of node once, or give a coarser tolerance"
             )
 
         def made() -> NetworkMesh:
@@ -228,8 +230,8 @@ class NetworkPart(Shape):
         """Two corners (2, 3) of the smallest box with sides along the axes, up to the usual tolerance."""
         pieces = self.pieces()
         found = []
-        for kind, piece in enumerate(pieces.nodes):
-            places = self.network.points[self.kinds.of == kind]
+        for piece in pieces.nodes:
+            places = self.network.points[piece.copies[:, 0]]
             found += [places.min(axis=0) + piece.points.min(axis=0), places.max(axis=0) + piece.points.max(axis=0)]
         return np.stack([np.min(found, axis=0), np.max(found, axis=0)])
 
@@ -256,7 +258,7 @@ class NetworkPart(Shape):
         Their one face has the name of the class.
         """
         found, kinds = self.pieces(settings.tolerance).bodies(), self.kinds
-        names = {number: str(one) for one in self.classes for number in kinds.classes[one.kind.form.key]}
+        names = {number: str(one) for one in self.classes for number in one.numbers}
         meshes = [replace(Mesh.from_triangles(p, t, names[kinds.of[at[0]]]), normals=n) for p, t, n, at in found]
         return [(mesh, self.network.points[nodes]) for mesh, (*_, nodes) in zip(meshes, found, strict=True)]
 

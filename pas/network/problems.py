@@ -28,8 +28,8 @@ def check(network: StrutGraph, whole: bool) -> tuple[NetworkProblem, ...]:
     found = [*graph_problems(network)]
     if not found:
         kinds = kinds_of(network)
-        found += [*_angles(network, kinds)]
-        found += [*([] if found else _short(network, kinds)), *_crossing(network)]
+        found += [*_angles(kinds)]
+        found += [*([] if found else _short(kinds)), *_crossing(network)]
     if whole:
         ends = np.flatnonzero(network.valence == 1).tolist()
         found += [NetworkProblem("dangling", (n,), f"point {n} has one strut only, which ends there") for n in ends]
@@ -75,34 +75,33 @@ def _least_angles(kinds: Kinds) -> tuple[Floats, Numbers]:
     return least, other
 
 
-def _narrow(network: StrutGraph, kinds: Kinds) -> Iterator[tuple[int, int, int, float]]:
+def _narrow(kinds: Kinds) -> Iterator[tuple[int, int, int, float]]:
     """Struts that meet at too small an angle: two numbers, the point, and the angle in degrees."""
-    least, other = _least_angles(kinds)
-    narrow = (least < radians(LEAST_ANGLE))[at := kinds.of[network.edges], kinds.slots]
-    struts = np.zeros((len(network.places), least.shape[1]), dtype=np.int32)
-    struts[network.edges, kinds.slots] = np.arange(len(network.edges))[:, None]
-    for strut, end in np.argwhere(narrow).tolist():
-        node, kind, slot = network.edges[strut, end], at[strut, end], kinds.slots[strut, end]
-        if strut < (second := int(struts[node, other[kind, slot]])):
-            yield strut, second, int(node), float(np.degrees(least[kind, slot]))
+    (least, other), edges = _least_angles(kinds), kinds.network.edges
+    struts = np.zeros((len(kinds.of), least.shape[1]), dtype=np.int32)
+    struts[edges, kinds.slots] = np.arange(len(edges))[:, None]
+    for strut, end in np.argwhere(kinds.at_ends(least < radians(LEAST_ANGLE))).tolist():
+        node, slot = int(edges[strut, end]), kinds.slots[strut, end]
+        if strut < (second := int(struts[node, other[kinds.of[node], slot]])):
+            yield strut, second, node, float(np.degrees(least[kinds.of[node], slot]))
 
 
-def _angles(network: StrutGraph, kinds: Kinds) -> Iterator[NetworkProblem]:
-    for first, second, node, angle in _narrow(network, kinds):
+def _angles(kinds: Kinds) -> Iterator[NetworkProblem]:
+    for first, second, node, angle in _narrow(kinds):
         meet = f"the struts {first} and {second} meet at point {node} at {angle:.3g} degrees"
         yield NetworkProblem("angle too small", (first, second), f"{meet}; {LEAST_ANGLE:g} are the least")
 
 
-def nearest(network: StrutGraph, kinds: Kinds) -> Floats:
+def nearest(kinds: Kinds) -> Floats:
     """From the ends of each strut the lengths (E, 2) below which no blends fit there, in the model's units."""
     angles = np.maximum(NEAREST * _least_angles(kinds)[0], 1e-9)
     near = 1 / np.tan(np.minimum(angles, radians(80)))
     near[[len(kind.arms) == 1 for kind in kinds.kinds]] = 0.0
-    return np.asarray(network.widths * near[kinds.of[network.edges], kinds.slots])
+    return np.asarray(kinds.network.widths * kinds.at_ends(near))
 
 
-def _short(network: StrutGraph, kinds: Kinds) -> Iterator[NetworkProblem]:
-    least = nearest(network, kinds).sum(axis=1)
+def _short(kinds: Kinds) -> Iterator[NetworkProblem]:
+    network, least = kinds.network, nearest(kinds).sum(axis=1)
     for number in np.flatnonzero(network.lengths < least).tolist():
         a, b = network.edges[number].tolist()
         radius = network.thickness[number] * network.lengths[number] / least[number]
@@ -140,11 +139,11 @@ def _unserved(network: StrutGraph) -> Integers:
     """Struts for whose ends there are no blends: too short ones; where there are none, of those that are between the
     ends of two the shortest, if these meet at too small an angle, or cross and are thicker together than it is long."""
     kinds = kinds_of(network)
-    short = np.flatnonzero(network.lengths < nearest(network, kinds).sum(axis=1))
+    short = np.flatnonzero(network.lengths < nearest(kinds).sum(axis=1))
     if len(short):
         return short
     numbers = {(min(edge), max(edge)): n for n, edge in enumerate(network.edges.tolist())}
-    pairs = [(i, j, np.inf) for i, j, *_ in _narrow(network, kinds)]
+    pairs = [(i, j, np.inf) for i, j, *_ in _narrow(kinds)]
     pairs += [(i, j, network.thickness[i] + network.thickness[j]) for i, j, _ in crossing(network)]
     found = set()
     for i, j, most in pairs:
