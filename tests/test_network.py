@@ -29,8 +29,9 @@ from pas.cli import main
 from pas.network import rings
 from pas.network.blocks import status
 from pas.network.classes import kinds_of, turn
-from pas.network.clearance import clearance, segment_distances
-from pas.network.covers import NodeCovers, _held
+from pas.network.clearance import clearance
+from pas.network.covers import NodeCovers, _held, reach_of
+from pas.network.near import nearest_points
 from pas.network.nodes import placed_ends
 from pas.network.overlaps import NodeSolid
 from pas.network.part import NetworkPart
@@ -173,7 +174,7 @@ def test_no_mesh_is_needed_to_prove_a_body(monkeypatch):
 def test_nodes_that_meet_are_not_proved_to_be_apart(gap, proved):
     """By a hair, far into one another, or nearly one in the place of the other; so by whichever comes first."""
     both = covers([*TEE, *moved(2 * tee()[1] + gap, sign=-1)], [(0, 1), (0, 2), (0, 3), (4, 5), (4, 6), (4, 7)])
-    found = both.nodes_apart(np.array([0, 4]), np.array([4, 0]))
+    found = both.apart(np.array([0, 4]), both.nodes, np.array([1, 0]))
     assert [apart is True for apart in found] == [proved] * 2
     assert all(
         both.node(n, a).holds(point) for point, a in zip(found, (0, 4), strict=True) for n in (0, 4) if not proved
@@ -186,7 +187,7 @@ def test_a_strut_that_meets_a_node_is_not_proved_to_be_apart(gap, proved):
     x = tee()[1] + 0.25 + gap
     others = [(x, 1, 0), (x, -1, 0), (x, 0, 0), (x + 2, 0, 0)]
     found = covers([*TEE, *others], [(0, 1), (0, 2), (0, 3), (4, 5), (6, 7)])
-    apart = found.struts_apart(np.array([0, 0]), np.array([3, 4]))
+    apart = found.apart(np.array([0, 0]), found.struts, np.array([3, 4]))
     assert [one is True for one in apart] == [proved] * 2
     assert proved or all(solid.holds(apart[0]) for solid in (found.node(0, 0), found.strut(3, 0)))
 
@@ -249,7 +250,7 @@ def test_what_is_inside_of_nodes_and_struts_is_exact():
 
 def test_ends_of_struts_are_rounded_inwards():
     found = NodeCovers(kinds_of(net := stars(2)), {})
-    vars(found).update(ends=np.full((len(net.edges), 2), 1 / 3))
+    vars(found.kinds).update(ends=np.full((len(net.edges), 2), 1 / 3))
     here, there = found.strut(0, 0).ends
     assert Fraction(1 / 3) < Fraction(1, 3) and 3 * here > 1 and 3 * there < 2
 
@@ -259,9 +260,7 @@ def test_how_far_nodes_reach_is_proved_on_their_polynomials():
     found, far = covers([*TEE, (3, 0, 0), (3, 1, 0)], [(0, 1), (0, 2), (0, 3), (4, 5)]), tee()[2]
     assert far <= found.reach[0] < 1.02 * far
     assert not found.reach[1:].any()
-    cells, _ = found.held(0)
-    for ways in (np.zeros((0, 3)), 2 * np.eye(3) / far):
-        assert far <= np.linalg.norm(_held(cells, ways, far / 2)[1], axis=1).max() < 1.1 * far
+    assert far <= reach_of(_held(found.held(0), far / 2)) < 1.1 * far
 
 
 def test_what_is_proved_of_a_pair_is_so_of_those_that_are_placed_alike():
@@ -271,8 +270,8 @@ def test_what_is_proved_of_a_pair_is_so_of_those_that_are_placed_alike():
     rods = [(y, 1, 0), (y, -1, 0), (y - 0.2, 21, 0), (y - 0.2, 19, 0)]
     edges = [(4 * n, 4 * n + m) for n in range(6) for m in (1, 2, 3)]
     found = covers([*chain.from_iterable(nodes), *rods], [*edges, (24, 25), (26, 27)])
-    nodes = found.nodes_apart(np.array([0, 8, 16]), np.array([4, 12, 20]))
-    struts = found.struts_apart(np.array([0, 8]), np.array([18, 19]))
+    nodes = found.apart(np.array([0, 8, 16]), found.nodes, np.array([1, 3, 5]))
+    struts = found.apart(np.array([0, 8]), found.struts, np.array([18, 19]))
     assert [[apart is True for apart in some] for some in (nodes, struts)] == [[True, False, False], [True, False]]
 
 
@@ -415,8 +414,8 @@ def test_struts_of_the_mesh_are_on_their_cylinders():
     mesh, tolerance = part().mesh(0.002), 0.002
     middles = mesh.points[mesh.triangles[mesh.faces == 1]].mean(axis=1)
     ends = frame().points[frame().edges]
-    apart = np.stack([segment_distances(np.stack([m, m], axis=1), np.broadcast_to(e, (len(m), 2, 3)))
-                      for e in ends for m in [middles]])  # fmt: skip
+    pairs = (nearest_points(np.stack([middles] * 2, axis=1), np.broadcast_to(e, (len(middles), 2, 3))) for e in ends)
+    apart = np.stack([np.linalg.norm(one - other, axis=1) for one, other in pairs])
     off = np.abs(apart.min(axis=0) - 0.1)
     assert 0 < off.max() < tolerance
 
@@ -838,8 +837,8 @@ def test_what_is_asked_of_a_whole():
 def cleared(net, reach=0.0, ends=0.0):
     """The verdict on what meets, of nodes that reach so far and struts that are straight from and to such ends."""
     found = NodeCovers(kinds_of(net), {})
-    reach, ends = np.broadcast_to(reach, len(net.points)), np.broadcast_to(ends, net.edges.shape)
-    vars(found).update(reach=reach, ends=ends)
+    vars(found.kinds).update(ends=np.broadcast_to(ends, net.edges.shape))
+    vars(found).update(reach=np.broadcast_to(reach, len(net.points)), apart=lambda *pairs: [False] * len(pairs[-1]))
     return clearance(net, found)[0]
 
 

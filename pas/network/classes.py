@@ -135,10 +135,10 @@ class Kinds:
         here, there = self.of[self.network.edges].T
         return ranked([here, self.slots[:, 0], there, self.slots[:, 1]])
 
-    @property
+    @cached_property
     def ends(self) -> Floats:
         """Where each strut begins and ends (E, 2), in parts of its length."""
-        return self.at_ends(self.arm_ends)
+        return np.asarray(self.at_ends(self.arm_ends))
 
     def at_ends(self, table: Any) -> Any:
         """What a table of the arms of all kinds (K, most arms) has for those that struts are at both ends (E, 2)."""
@@ -172,6 +172,13 @@ class NodeClass:
         """Where its arms end, in parts of their vectors; None until they have been placed."""
         known = self.kinds.arm_ends
         return tuple(known[self.numbers[0], : len(self.kind.arms)].tolist()) if len(known) else None
+
+    @property
+    def circles(self) -> Floats:
+        """How far away the end of each arm is, and the radius there (n, 2), in the model's units."""
+        ends, vectors = np.array(self.ends), self.kind.vectors * float(self.kinds.network.grid)
+        here, there = np.array([[float(r) for r in radii] for _, *radii in self.struts]).T
+        return np.stack([ends * np.linalg.norm(vectors, axis=1), here + (there - here) * ends], axis=1)
 
     @property
     def struts(self) -> tuple[tuple[tuple[int, int, int], Fraction, Fraction], ...]:

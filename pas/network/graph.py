@@ -20,6 +20,7 @@ from pas.algebra.rational import Exact, positive, to_fraction
 from pas.arrays import Floats, Integers, Numbers
 from pas.errors import GeometryError
 from pas.mesh.topology import connected
+from pas.network.near import Capsules, near
 
 LARGEST = 2**20
 """Components of a strut in the grid: their products in three factors fit into 64 bits with their sums."""
@@ -111,6 +112,25 @@ class StrutGraph:
         """The radius of each strut (E,) where it is widest, in the model's units."""
         known = np.array([float(r) for r in self.radii])
         return known[self.sizes.max(axis=1)] if len(known) > 1 else np.broadcast_to(known, len(self.edges))
+
+    def capsules(self, ends: Floats | None = None) -> Capsules:
+        """The struts, or where they are straight, which is between `ends` (E, 2) in parts of their lengths."""
+        here, there = np.zeros((2, 1)) if ends is None else ends.T
+        middles, step = np.empty((len(self.edges), 3)), float(self.grid)
+        for axis in range(3):  # as all three together take twice as much memory
+            middles[:, axis] = self.vectors[:, axis] * (step * (1 + here - there) / 2)
+            middles[:, axis] += self.points[self.edges[:, 0], axis]
+        share = np.broadcast_to(step * (1 - here - there) / 2, len(self.edges))
+        far = float(self.lengths.max(initial=0) / 2 + self.thickness.max(initial=0))
+        return Capsules(middles, self.vectors, share, self.thickness, far, self.edges)
+
+    @cached_property
+    def crossings(self) -> list[tuple[int, int, float]]:
+        """Struts without a common point that come nearer than their radii: two numbers and the distance of their
+        axes."""
+        struts = self.capsules()
+        found = (zip(*(column.tolist() for column in rows), strict=True) for rows in near(struts, struts, self.slack))
+        return [pair for pairs in found for pair in pairs]
 
     @property
     def even(self) -> bool:

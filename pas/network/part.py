@@ -112,7 +112,7 @@ class NetworkPart(Shape):
     @cached_property
     def _proofs(self) -> tuple[tuple[Verdict, tuple[NetworkProblem, ...]], ...]:
         covers = NodeCovers(self.kinds, self.blends)
-        return (self._nodes(), _straight(covers.ends), clearance(self.network, covers), *self._inside())
+        return (self._nodes(), _straight(self.kinds.ends), clearance(self.network, covers), *self._inside())
 
     def _inside(self) -> Iterator[tuple[Verdict, tuple[NetworkProblem, ...]]]:
         """Of a hollow body that its cavity meets its struts, and is inside: then nothing of it meets, as outside."""

@@ -13,7 +13,6 @@ from pas.algebra.inputs import shown
 from pas.algebra.lengths import unit
 from pas.arrays import Floats, Integers, Numbers
 from pas.network.classes import Kinds, kinds_of
-from pas.network.clearance import crossing
 from pas.network.graph import NetworkProblem, StrutGraph
 
 LEAST_ANGLE = 10.0
@@ -114,7 +113,7 @@ def _short(kinds: Kinds) -> Iterator[NetworkProblem]:
 
 
 def _crossing(network: StrutGraph) -> Iterator[NetworkProblem]:
-    for i, j, distance in crossing(network):
+    for i, j, distance in network.crossings:
         need = network.thickness[i] + network.thickness[j]
         passing = f"the struts {i} and {j} pass at {distance:.4g} from one another and are {need:.4g} thick together"
         yield NetworkProblem("crossing", (i, j), f"{passing}; thinner ones fit, or a point in which both end")
@@ -144,7 +143,7 @@ def _unserved(network: StrutGraph) -> Integers:
         return short
     numbers = {(min(edge), max(edge)): n for n, edge in enumerate(network.edges.tolist())}
     pairs = [(i, j, np.inf) for i, j, *_ in _narrow(kinds)]
-    pairs += [(i, j, network.thickness[i] + network.thickness[j]) for i, j, _ in crossing(network)]
+    pairs += [(i, j, network.thickness[i] + network.thickness[j]) for i, j, _ in network.crossings]
     found = set()
     for i, j, most in pairs:
         ends = sorted({*network.edges[[i, j]].ravel().tolist()})

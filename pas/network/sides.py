@@ -87,8 +87,7 @@ class NetworkSide:
         kind, copies = one.kind, one.nodes[:, None]
         if blend is not None:
             mesh = blend.surface.mesh(self.tolerance / self.step)
-            arms = [(kind.vectors[i], at, self._width(kind, i, at) / self.step) for i, at in enumerate(one.ends or ())]
-            rings = rings_of(mesh.points, mesh.boundary, arms)
+            rings = rings_of(mesh.points, mesh.boundary, unit(kind.vectors), one.circles / self.step)
             off = float("inf") if mesh.deviation is None else mesh.deviation * self.step
             known = mesh.points * self.step, mesh.triangles, mesh.normals, off
             return MeshPiece(*known, copies, np.zeros(len(mesh.points), np.int64), rings=rings)
