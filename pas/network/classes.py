@@ -14,11 +14,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
+from itertools import permutations
 from typing import Any
 
 import numpy as np
+from flint import fmpz_mat
 
-from pas.algebra.rational import Vector, cross, dot, vector
+from pas.algebra.rational import Vector, dot, vector
 from pas.arrays import Floats, Integers, Numbers
 from pas.network.graph import StrutGraph
 from pas.pipeline.session import linear_maps
@@ -42,31 +44,24 @@ class NodeKind:
     @cached_property
     def form(self) -> CanonicalForm:
         """Its canonical form, see above."""
-        exact = [self.exact(number) for number in range(len(self.arms))]
-        products = (self.vectors @ self.vectors.T).tolist()
-        frames: list[tuple[int, ...]] = [()]
-        told: list[tuple[int, ...]] = []
-        while len(frames[0]) < 3:
-            further = [
-                ((*arm[1:], products[i][i], *(products[i][j] for j in frame)), (*frame, i))
-                for frame in frames
-                for i, arm in enumerate(self.arms)
-                if _independent([exact[j] for j in (*frame, i)])
-            ]
-            if not further:
-                break
-            told.append(min(value for value, _ in further))
-            frames = [frame for value, frame in further if value == told[-1]]
-        written = [_written(self.arms, products, frame) for frame in frames]
-        best = min(rows for rows, _ in written)
-        same = [n for n, (rows, _) in enumerate(written) if rows == best]
-        rank = len(frames[0])
-        symmetries = (0, 0, 2 * len(same), len(same))[rank]
-        return CanonicalForm((tuple(told), best), written[same[0]][1], frames[same[0]], symmetries)
+        arms, products = range(len(self.arms)), (self.vectors @ self.vectors.T).tolist()
+        rank = int(fmpz_mat(products).rank())
 
-    def exact(self, number: int) -> Vector:
-        """The vector of an arm."""
-        return vector(self.arms[number][0])
+        def row(i: int, frame: tuple[int, ...]) -> tuple[int, ...]:
+            return (*self.arms[i][1:], products[i][i], *(products[i][j] for j in frame))
+
+        told = {
+            frame: tuple(row(i, frame[:n]) for n, i in enumerate(frame))
+            for frame in permutations(arms, rank)
+            if fmpz_mat(rank, rank, [products[i][j] for i in frame for j in frame]).det()  # they are independent
+        }
+        least = min(told.values())
+        frames = [frame for frame, rows in told.items() if rows == least]
+        orders = [tuple(sorted(arms, key=lambda i: row(i, frame))) for frame in frames]
+        written = [tuple(row(i, frame) for i in order) for order, frame in zip(orders, frames, strict=True)]
+        best = min(written)
+        symmetries = (0, 0, 2, 1)[rank] * written.count(best)
+        return CanonicalForm((least, best), orders[written.index(best)], rank, symmetries)
 
     @cached_property
     def blended(self) -> bool:
@@ -81,19 +76,14 @@ class NodeKind:
 class CanonicalForm:
     """A kind's `key`, which it shares with the kinds that are it turned; how it is turned to that, and its symmetries.
 
-    `order` lists its arms in the order of the key, `frame` those of the frame, `rank` of these are independent;
-    `symmetries` is the number of rotations and reflections that take it to itself, 0 where there are infinitely many.
+    `order` lists its arms in the order of the key, `rank` is the dimension that they span; `symmetries` is the number
+    of rotations and reflections that take it to itself, 0 where there are infinitely many.
     """
 
     key: tuple[Any, ...]
     order: tuple[int, ...]
-    frame: tuple[int, ...]
+    rank: int
     symmetries: int
-
-    @property
-    def rank(self) -> int:
-        """The dimension that its arms span."""
-        return len(self.frame)
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,21 +247,7 @@ def _ranks(values: Any) -> Numbers:
     return np.asarray((np.cumsum(known, dtype=np.int32) - 1)[values - least])
 
 
-def _written(arms: Any, products: Any, frame: tuple[int, ...]) -> tuple[tuple[Any, ...], tuple[int, ...]]:
-    """All arms as products with a frame, sorted, and their order."""
-    rows = [(*arm[1:], products[i][i], *(products[i][j] for j in frame)) for i, arm in enumerate(arms)]
-    order = tuple(sorted(range(len(arms)), key=rows.__getitem__))
-    return tuple(rows[i] for i in order), order
-
-
-def _independent(vectors: Sequence[Any]) -> bool:
-    if len(vectors) == 1:
-        return any(vectors[0])
-    normal = cross(vectors[0], vectors[1])
-    return any(normal) if len(vectors) == 2 else bool(dot(normal, vectors[2]))
-
-
 def turn(before: NodeKind, after: NodeKind) -> tuple[Vector, Vector, Vector]:
     """The exact rotation or reflection that takes one kind to another of its class, arms in the order of the key."""
-    old, new = ([kind.exact(i) for i in kind.form.order] for kind in (before, after))
+    old, new = ([vector(kind.arms[i][0]) for i in kind.form.order] for kind in (before, after))
     return linear_maps(old, new)[0][0].matrix

@@ -42,6 +42,10 @@ MOST_TRIANGLES = 40_000_000
 """Of one mesh, which take some 10 GB; more are written by pieces, see `NetworkPart.write`."""
 
 
+Proof = tuple[Verdict, tuple[NetworkProblem, ...]]
+"""A verdict, and all that keeps it from being proved."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class NetworkPart(Shape):
     """The body of a network: a blend for each class of its nodes, a cylinder or cone for each strut, flat ends.
@@ -110,26 +114,25 @@ class NetworkPart(Shape):
         return tuple(problem for _, problems in self._proofs for problem in problems)
 
     @cached_property
-    def _proofs(self) -> tuple[tuple[Verdict, tuple[NetworkProblem, ...]], ...]:
+    def _proofs(self) -> tuple[Proof, ...]:
         covers = NodeCovers(self.kinds, self.blends)
         return (self._nodes(), _straight(self.kinds.ends), clearance(self.network, covers), *self._inside())
 
-    def _inside(self) -> Iterator[tuple[Verdict, tuple[NetworkProblem, ...]]]:
+    def _inside(self) -> Iterator[Proof]:
         """Of a hollow body that its cavity meets its struts, and is inside: then nothing of it meets, as outside."""
         if self.cavity is None:
             return
         nodes, problems = self.cavity._nodes()
         yield replace(nodes, claim=nodes.claim.replace("its struts", "its struts inside")), problems
-        reason = f"of every node, and every strut has a wall of {self.wall} across its axis"
-        yield _found("the cavity is inside", self._cavities(), reason, len(self.hollow))
-
-    def _cavities(self) -> Iterator[NetworkProblem]:
+        wrong = []
         for one in self.classes:
             found = self.hollow.get(one.kind.form.key)
             if one.blended and (found is None or not found.certificate.proved):
-                yield of_nodes("not proved", one, f"the cavity of {one} is not proved")
+                wrong.append(of_nodes("not proved", one, f"the cavity of {one} is not proved"))
+        reason = f"of every node, and every strut has a wall of {self.wall} across its axis"
+        yield _found("the cavity is inside", wrong, reason, len(self.hollow))
 
-    def _nodes(self) -> tuple[Verdict, tuple[NetworkProblem, ...]]:
+    def _nodes(self) -> Proof:
         turned = len(self.kinds.kinds)
         reason = f"{len(self.blends)} proved blends in {turned} exact positions; exact struts between them"
         return _found(f"every node meets its struts with GC^{self.order}", self._wrong(), reason, turned)
@@ -280,20 +283,19 @@ class NetworkPart(Shape):
         return f"<NetworkPart: {len(self.network.places)} nodes, {len(self.network.edges)} struts, GC^{self.order}>"
 
 
-def _straight(ends: Floats) -> tuple[Verdict, tuple[NetworkProblem, ...]]:
+def _straight(ends: Floats) -> Proof:
     """The verdict on all struts being straight between their ends (E, 2), in parts of their lengths."""
     free = 1 - ends.sum(axis=1)
     number, short = int(free.argmin()), np.flatnonzero(free <= 0).tolist()
-    wrong = tuple(NetworkProblem("no straight part", (n,), f"strut {n} has no straight part") for n in short)
+    wrong = [NetworkProblem("no straight part", (n,), f"strut {n} has no straight part") for n in short]
     reason = f"at least {100 * free[number]:.3g} % of its length, of strut {number}"
-    status = Status.REFUTED if wrong else Status.PROVED
-    return Verdict(status, "every strut is straight between its nodes", reason), wrong
+    return _found("every strut is straight between its nodes", wrong, reason, status=Status.REFUTED)
 
 
 def _found(
-    claim: str, problems: Iterable[NetworkProblem], reason: str, measure: int
-) -> tuple[Verdict, tuple[NetworkProblem, ...]]:
-    """The verdict on a claim that problems leave undecided, and these."""
+    claim: str, problems: Iterable[NetworkProblem], reason: str, measure: int = 0, status: Status = Status.UNDECIDED
+) -> Proof:
+    """The verdict on a claim: proved, or what problems make of it, and these."""
     if wrong := tuple(problems):
-        return Verdict(Status.UNDECIDED, claim, told(wrong)), wrong
+        return Verdict(status, claim, told(wrong)), wrong
     return Verdict(Status.PROVED, claim, reason, measure=measure), ()

@@ -91,21 +91,17 @@ class NetworkSide:
             off = float("inf") if mesh.deviation is None else mesh.deviation * self.step
             known = mesh.points * self.step, mesh.triangles, mesh.normals, off
             return MeshPiece(*known, copies, np.zeros(len(mesh.points), np.int64), rings=rings)
-        radius, axis = self._width(kind, 0), unit(kind.vectors[0])
+        (radius, _), axis = self._radii(kind, 0), unit(kind.vectors[0])
         points = radius * circle(axis, count := self._fewest(radius))
         ring = np.arange(count)
         fan = lid(points, [ring], axis)[:, ::-1] if len(kind.arms) == 1 else np.zeros((0, 3), np.int64)  # a flat end
         normals = np.broadcast_to(-axis, (len(fan), 3, 3))
         return MeshPiece(points, fan, normals, 0.0, copies, 0 * ring, rings=(ring,) * len(kind.arms))
 
-    def _width(self, kind: NodeKind, arm: int, at: float = 0.0) -> float:
-        """The radius of an arm at some part of its vector."""
+    def _radii(self, kind: NodeKind, arm: int) -> tuple[float, float]:
+        """The radii of an arm here and at its other end."""
         here, there = (float(self.kinds.network.radii[size]) for size in kind.arms[arm][1:3])
-        return here + (there - here) * at
-
-    def _rise(self, kind: NodeKind, arm: int) -> float:
-        """By how much an arm is thicker at its other end."""
-        return self._width(kind, arm, 1.0) - self._width(kind, arm)
+        return here, there
 
     @cached_property
     def _arms(self) -> list[list[list[int]]]:
@@ -145,8 +141,8 @@ class NetworkSide:
         found, network, (of, firsts) = [], self.kinds.network, self.kinds.struts
         for arms, span, numbers in zip(self._arms, self._spans, grouped(of, len(firsts)), strict=True):
             kind, arm = arms[0]
-            rise, cut = self._rise(self.kinds.kinds[kind], arm), self._cut(span, *self._finest)
-            points, triangles, normals, widest = strip(*span, rise, *cut)
+            (here, there), cut = self._radii(self.kinds.kinds[kind], arm), self._cut(span, *self._finest)
+            points, triangles, normals, widest = strip(*span, there - here, *cut)
             off = float(network.thickness[numbers[0]]) * (1 - cos(widest / 2))
             owners = np.repeat([0, 1, 0], [*map(len, span[:2]), len(points)])
             shared = np.concatenate([self.vertices(*arm) for arm in arms])
@@ -183,6 +179,6 @@ class NetworkSide:
         vector = kind.vectors[arm] * self.step
         order = np.argsort(angles_around(points[ring], unit(vector)))
         span = points[ring[order]], np.zeros((0, 3)), cut * vector
-        count, places = self._cut(span, *self._finest)
-        there, triangles, normals, _ = strip(*span, cut * self._rise(kind, arm), count, places)
-        return self.vertices(number, arm)[order], there, *self._faced(triangles, normals), count
+        (here, there), (count, places) = self._radii(kind, arm), self._cut(span, *self._finest)
+        own, triangles, normals, _ = strip(*span, cut * (there - here), count, places)
+        return self.vertices(number, arm)[order], own, *self._faced(triangles, normals), count
