@@ -249,8 +249,8 @@ def test_what_is_inside_of_nodes_and_struts_is_exact():
 
 
 def test_ends_of_struts_are_rounded_inwards():
-    found = NodeCovers(kinds_of(net := stars(2)), {})
-    vars(found.kinds).update(ends=np.full((len(net.edges), 2), 1 / 3))
+    kinds = kinds_of(stars(2))
+    found = NodeCovers(replace(kinds, arm_ends=np.full((len(kinds.kinds), 3), 1 / 3)), {})
     here, there = found.strut(0, 0).ends
     assert Fraction(1 / 3) < Fraction(1, 3) and 3 * here > 1 and 3 * there < 2
 
@@ -836,8 +836,10 @@ def test_what_is_asked_of_a_whole():
 
 def cleared(net, reach=0.0, ends=0.0):
     """The verdict on what meets, of nodes that reach so far and struts that are straight from and to such ends."""
-    found = NodeCovers(kinds_of(net), {})
-    vars(found.kinds).update(ends=np.broadcast_to(ends, net.edges.shape))
+    kinds = kinds_of(net)
+    table = np.zeros((len(kinds.kinds), 3))
+    table[kinds.of[net.edges], kinds.slots] = ends
+    found = NodeCovers(replace(kinds, arm_ends=table), {})
     vars(found).update(reach=np.broadcast_to(reach, len(net.points)), apart=lambda *pairs: [False] * len(pairs[-1]))
     return clearance(net, found)[0]
 

@@ -10,11 +10,11 @@ reflection; so kinds have one form iff one is the other turned.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from itertools import permutations
+from itertools import chain, permutations
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from flint import fmpz_mat
 
 from pas.algebra.rational import Vector, dot, vector
 from pas.arrays import Floats, Integers, Numbers
+from pas.mesh.topology import MOST, first_rows, numbered
 from pas.network.graph import StrutGraph
 from pas.pipeline.session import linear_maps
 
@@ -125,14 +126,14 @@ class Kinds:
         here, there = self.of[self.network.edges].T
         return ranked([here, self.slots[:, 0], there, self.slots[:, 1]])
 
-    @cached_property
+    @property
     def ends(self) -> Floats:
         """Where each strut begins and ends (E, 2), in parts of its length."""
         return np.asarray(self.at_ends(self.arm_ends))
 
-    def at_ends(self, table: Any) -> Any:
-        """What a table of the arms of all kinds (K, most arms) has for those that struts are at both ends (E, 2)."""
-        return table[self.of[self.network.edges], self.slots]
+    def at_ends(self, table: Any, struts: Any = slice(None)) -> Any:
+        """What a table of the arms of all kinds (K, most arms) has for those of some struts at both ends (E, 2)."""
+        return table[self.of[self.network.edges[struts]], self.slots[struts]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,9 +197,9 @@ def kinds_of(network: StrutGraph, clips: Any = AUTO) -> Kinds:
     """The kinds of the points of a network with given clips (E, 2), in 64ths of the struts or 0."""
     edges, count = network.edges, len(network.places)
     clips = np.broadcast_to(clips, edges.shape)
-    labels = network.sizes.T.ravel(), network.sizes[:, ::-1].T.ravel(), clips.T.ravel()
-    columns = [*(np.concatenate([way, -way]) for way in network.vectors.T), *labels]
-    codes, firsts = ranked(columns)
+    labels = network.sizes, network.sizes[:, ::-1], clips
+    ways = (np.concatenate([way, -way]) for way in network.vectors.T)
+    codes, firsts = ranked(chain(ways, (some.T.ravel() for some in labels)))
     owners = edges.T.ravel()
     order = np.lexsort((codes, owners))
     valence = network.valence
@@ -209,8 +210,10 @@ def kinds_of(network: StrutGraph, clips: Any = AUTO) -> Kinds:
     table = np.full((count, int(valence.max(initial=1))), -1, dtype=np.int32)
     table[owners, slots] = codes
     used = np.flatnonzero(valence)
-    of, first = ranked(list(table[used].T))
-    rows = np.stack([column[firsts] for column in columns], axis=1).tolist()
+    of, first = ranked(table[used].T)
+    end, strut = np.divmod(firsts, len(edges))
+    vectors = network.vectors[strut] * (1 - 2 * end[:, None])
+    rows = np.column_stack([vectors, *(some[strut, end] for some in labels)]).tolist()
     arms = [[rows[code] for code in table[node] if code >= 0] for node in used[first]]
     kinds = tuple(NodeKind(tuple(((x, y, z), *labels) for x, y, z, *labels in kind)) for kind in arms)
     kind_of = np.full(count, -1, dtype=np.int32)
@@ -218,33 +221,23 @@ def kinds_of(network: StrutGraph, clips: Any = AUTO) -> Kinds:
     return Kinds(network, kinds, kind_of, slots.reshape(2, -1).T)
 
 
-def ranked(columns: Sequence[Any]) -> tuple[Numbers, Integers]:
+def ranked(columns: Iterable[Any]) -> tuple[Numbers, Integers]:
     """A number for each row of a table, equal for equal rows and in their order, and the first row of each number."""
-    codes = np.zeros(len(columns[0]), dtype=np.int32)
+    codes, size = np.zeros(1, dtype=np.int64), 1
     for column in columns:
-        ranks = _ranks(column)
-        if several := int(ranks.max(initial=0)):
-            codes = _ranks(codes * np.int64(several + 1) + ranks)
-    firsts = np.zeros(int(codes.max(initial=-1)) + 1, dtype=np.int64)
-    firsts[codes[::-1]] = np.arange(len(codes))[::-1]  # where a number is set again, the last one stays
-    return codes, firsts
+        values = np.subtract(column, column.min(initial=0), dtype=np.int64)
+        if size * (span := int(values.max(initial=0)) + 1) > MOST:
+            codes, values = numbered(codes)[1], numbered(values)[1]
+            size, span = (int(some.max(initial=0)) + 1 for some in (codes, values))
+        codes, size = codes * span + values, size * span
+    codes = numbered(codes)[1]
+    return codes.astype(np.int32), first_rows(codes, int(codes.max(initial=-1)) + 1)
 
 
 def grouped(of: Any, count: int) -> list[Numbers]:
     """Where each of the numbers below a count stands in an array, which has others only where it is -1."""
     order = np.argsort(of, kind="stable").astype(np.int32)
     return np.split(order, np.searchsorted(of[order], np.arange(count)))[1:]
-
-
-def _ranks(values: Any) -> Numbers:
-    """Which of the different whole numbers each is, the least first: by a table of them where they are close."""
-    least = int(values.min(initial=0))
-    span = int(values.max(initial=0)) - least + 1
-    if span > 4 * len(values):
-        return np.unique(values, return_inverse=True)[1].astype(np.int32)
-    known = np.zeros(span, dtype=np.int32)
-    known[values - least] = 1
-    return np.asarray((np.cumsum(known, dtype=np.int32) - 1)[values - least])
 
 
 def turn(before: NodeKind, after: NodeKind) -> tuple[Vector, Vector, Vector]:

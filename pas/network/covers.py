@@ -106,7 +106,7 @@ class NodeCovers:
         """The inside of what is straight of a strut, about some point; its ends are rounded inwards."""
         network = self.network
         start = network.places[network.edges[number, 0]] - network.places[about]
-        here, there = (exact(np.nextafter(end, 1.0)) for end in self.kinds.ends[number])
+        here, there = (exact(np.nextafter(end, 1.0)) for end in self.kinds.at_ends(self.kinds.arm_ends, number))
         radii = tuple(rational(network.radii[size] / network.grid) for size in network.sizes[number])
         return StrutSolid(vector(start.tolist()), vector(network.vectors[number].tolist()), (here, 1 - there), radii)
 

@@ -148,7 +148,7 @@ class PlacedPieces:
         A node has its struts up to the middle of what is straight of them, where they are cut off flat.
         """
         kinds, (of, firsts) = self.kinds, self.kinds.struts
-        at = kinds.arm_ends[kinds.of[self.network.edges[firsts]], kinds.slots[firsts]]
+        at = kinds.at_ends(kinds.arm_ends, firsts)
         cuts, codes = np.unique(((1 + at - at[:, ::-1]) / 2).round(9), return_inverse=True)
         table = np.zeros((len(kinds.of), kinds.arm_ends.shape[1]), dtype=np.int32)
         table[self.network.edges, kinds.slots] = codes.reshape(at.shape).astype(np.int32)[of]

@@ -12,7 +12,7 @@ import numpy as np
 from pas.algebra.inputs import shown
 from pas.algebra.lengths import unit
 from pas.arrays import Floats, Integers, Numbers
-from pas.network.classes import Kinds, kinds_of
+from pas.network.classes import Kinds, kinds_of, ranked
 from pas.network.graph import NetworkProblem, StrutGraph
 
 LEAST_ANGLE = 10.0
@@ -56,10 +56,15 @@ def graph_problems(network: StrutGraph) -> Iterator[NetworkProblem]:
 
 def _repeated(rows: Integers) -> list[tuple[int, int]]:
     """Numbers of rows with the number of the first row that is equal, that first."""
-    _, first, of = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-    before = first[of.ravel()]
+    before = _firsts(rows)
     again = np.flatnonzero(before != np.arange(len(rows)))
     return list(zip(before[again].tolist(), again.tolist(), strict=True))
+
+
+def _firsts(rows: Integers) -> Integers:
+    """Of each row the number of the first one that is equal."""
+    codes, firsts = ranked(rows.T)
+    return firsts[codes]
 
 
 def _least_angles(kinds: Kinds) -> tuple[Floats, Numbers]:
@@ -129,7 +134,7 @@ def repair(network: G, collapse: bool) -> tuple[G, tuple[str, ...]]:
         changes += [f"strut {n}, {found.lengths[n]:.4g} long, became a point" for n in first.tolist()]
         points = found.points.copy()
         points[found.edges[first]] = points[found.edges[first]].mean(axis=1, keepdims=True)
-        found, more = _mended(_changed(found, points, found.edges, np.arange(len(found.edges))))
+        found, more = _mended(_changed(found, points, found.edges, slice(None)))
         changes += [line for line in more if "twice" in line]
     return found, tuple(changes)
 
@@ -164,30 +169,23 @@ def _apart(network: StrutGraph, short: Integers) -> Integers:
     return np.array(chosen, dtype=np.int64)
 
 
-def _changed(network: G, points: Floats, edges: Any, kept: Integers) -> G:
-    """With other points and some of the struts, their radii as they were."""
+def _changed(network: G, points: Floats, edges: Any, kept: Any) -> G:
+    """With other points and ends of some of the struts, their radii as they were."""
     radii = [(network.radii[a], network.radii[b]) for a, b in network.sizes[kept].tolist()]
-    return type(network)(points, edges[kept], radii, network.grid)
+    return type(network)(points, edges, radii, network.grid)
 
 
 def _mended(network: G) -> tuple[G, list[str]]:
     """Without loops, double struts, double points and points without struts; what was changed."""
-    _, first, of = np.unique(network.places, axis=0, return_index=True, return_inverse=True)
-    target = first[of.ravel()]
     changes = [f"point {b} became point {a}, where it is" for a, b in _repeated(network.places)]
-    edges = target[network.edges]
+    edges = _firsts(network.places)[network.edges]
     loops = edges[:, 0] == edges[:, 1]
     changes += [f"strut {n} was a loop and went" for n in np.flatnonzero(loops).tolist()]
-    order = np.lexsort((np.arange(len(edges)), -network.sizes.max(axis=1), edges.max(axis=1), edges.min(axis=1)))
+    order = np.argsort(-network.sizes.max(axis=1), kind="stable")
     order = order[~loops[order]]
-    pairs = np.sort(edges[order], axis=1)
-    new = np.ones(len(order), dtype=bool)
-    new[1:] = (pairs[1:] != pairs[:-1]).any(axis=1)
-    changes += [f"strut {n} was there twice and went" for n in sorted(order[~new].tolist())]
-    kept = np.sort(order[new])
-    used = np.unique(edges[kept])
-    gone = set(range(len(network.places))) - set(used.tolist()) - set(network.edges.ravel().tolist())
-    changes += [f"point {n} had no strut and went" for n in sorted(gone)]
-    numbers = np.full(len(network.places), -1)
-    numbers[used] = np.arange(len(used))
-    return _changed(network, network.points[used], numbers[edges], kept), changes
+    kept = np.sort(order[np.unique(_firsts(np.sort(edges[order], axis=1)))])
+    changes += [f"strut {n} was there twice and went" for n in np.setdiff1d(order, kept).tolist()]
+    used, numbers = np.unique(edges[kept], return_inverse=True)
+    gone = np.setdiff1d(np.arange(len(network.places)), np.union1d(used, network.edges))
+    changes += [f"point {n} had no strut and went" for n in gone.tolist()]
+    return _changed(network, network.points[used], numbers.reshape(-1, 2), kept), changes
