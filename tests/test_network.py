@@ -89,7 +89,7 @@ def test_nodes_that_are_turned_are_one_class(seed):
     first, second = (kinds_of(net) for net in drawn(seed))
     one, other = first.kinds[first.of[0]], second.kinds[second.of[0]]
     assert one.form.key == other.form.key
-    matrix = np.array([[float(x) for x in row] for row in turn(one, other)])
+    matrix = turn(one, other).floats[0]
     np.testing.assert_allclose(matrix @ matrix.T, np.eye(3), atol=1e-12)
     images = one.vectors[list(one.form.order)] @ matrix.T
     np.testing.assert_allclose(images, other.vectors[list(other.form.order)], atol=1e-9)

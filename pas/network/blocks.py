@@ -22,8 +22,6 @@ from pas.exchange.formats.plain import save_stl
 from pas.limits import checkpoint, in_parts
 from pas.network.placing import MeshShare, PlacedPieces
 
-FACES = ("nodes", "struts")
-
 PLAN = "blocks.json"
 """The file that tells of what mesh the blocks of a folder are."""
 

@@ -20,7 +20,8 @@ from typing import Any
 import numpy as np
 from flint import fmpz_mat
 
-from pas.algebra.rational import Vector, dot, vector
+from pas.algebra.affine import Affine
+from pas.algebra.rational import dot, vector
 from pas.arrays import Floats, Integers, Numbers
 from pas.mesh.topology import MOST, first_rows, numbered
 from pas.network.graph import StrutGraph
@@ -240,7 +241,7 @@ def grouped(of: Any, count: int) -> list[Numbers]:
     return np.split(order, np.searchsorted(of[order], np.arange(count)))[1:]
 
 
-def turn(before: NodeKind, after: NodeKind) -> tuple[Vector, Vector, Vector]:
+def turn(before: NodeKind, after: NodeKind) -> Affine:
     """The exact rotation or reflection that takes one kind to another of its class, arms in the order of the key."""
     old, new = ([vector(kind.arms[i][0]) for i in kind.form.order] for kind in (before, after))
-    return linear_maps(old, new)[0][0].matrix
+    return linear_maps(old, new)[0][0]

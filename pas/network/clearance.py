@@ -14,13 +14,13 @@ of each the middle of a strut is in no node of another one, which is decided exa
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from pas.algebra.inputs import shown_point
 from pas.algebra.rational import to_floats
 from pas.arrays import Floats
+from pas.network.classes import grouped
 from pas.network.covers import Found, NodeCovers
 from pas.network.graph import NetworkProblem, StrutGraph, told
 from pas.network.near import Capsules, near, nearest_points
@@ -102,24 +102,20 @@ def _beside_nodes(network: StrutGraph, covers: NodeCovers, others: Capsules) -> 
 
 
 def _enclosed(network: StrutGraph, covers: NodeCovers) -> Iterator[Doubt]:
-    """The points of each piece none of whose struts has a middle that is outside of all nodes of others."""
+    """The points of each piece of which a strut's middle is in a node of another one, or all are on such surfaces."""
+    from scipy.spatial import cKDTree
+
     if network.pieces < 2:
         return
-    of, around = network.components, dict[int, list[int]]()
-    piece, none = of[network.edges[:, 0]], np.zeros(len(network.edges))
-    middles = replace(covers.struts, share=none, radii=none)
-    for strut, near_, _ in near(middles, covers.nodes, network.slack):
-        node = covers.nodes.of[near_, 0]
-        other = piece[strut] != of[node]
-        for i, j in zip(strut[other].tolist(), node[other].tolist(), strict=True):
-            around.setdefault(i, []).append(j)
-    for number in np.setdiff1d(piece, np.delete(piece, list(around))).tolist():
-        ids = tuple(np.flatnonzero(of == number).tolist())
-        for i in np.flatnonzero(piece == number).tolist():
+    of, nodes, tree = network.components, covers.nodes, cKDTree(covers.nodes.middles)
+    for number, struts in enumerate(grouped(of[network.edges[:, 0]], int(of.max()) + 1)):
+        side = 1
+        for i in struts.tolist():
             about = int(network.edges[i, 0])
             middle = covers.strut(i, about).middle
-            side = min(covers.node(j, about).side(middle) for j in around[i])
+            near_ = nodes.of[tree.query_ball_point(covers.struts.middles[i], nodes.far + network.slack), 0]
+            side = min((covers.node(j, about).side(middle) for j in near_[of[near_] != number].tolist()), default=1)
             if side:
                 break
         if side <= 0:
-            yield ids, 0.0, about, middle if side else False
+            yield tuple(np.flatnonzero(of == number).tolist()), 0.0, about, middle if side else False

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.affine import Affine
-from pas.algebra.rational import Vector, exact, rational, to_floats, vector
+from pas.algebra.rational import Vector, exact, rational, vector
 from pas.arrays import Floats, Integers
 from pas.bernstein.forms import corner_points, nearby_forms
 from pas.bernstein.search import Fate, Fates, Limits, search
@@ -69,10 +69,14 @@ class NodeCovers:
 
     def held(self, node: int) -> Simplices:
         """Tetrahedra that hold a node, which has a blend, around its point, turned as it is."""
-        kind = self.kinds.kinds[self.kinds.of[node]]
-        matrix = np.array([to_floats(row) for row in turn(self.kinds.classes[kind.form.key].kind, kind)])
-        cells = self._first[kind.form.key]
+        key, turned = self._turned(node)
+        matrix, cells = turned.floats[0], self._first[key]
         return replace(cells, corners=cells.corners @ matrix.T)
+
+    def _turned(self, node: int) -> tuple[Any, Affine]:
+        """The key of a node's class, and how the first kind of that is turned to it."""
+        kind = self.kinds.kinds[self.kinds.of[node]]
+        return kind.form.key, turn(self.kinds.classes[kind.form.key].kind, kind)
 
     @cached_property
     def reach(self) -> Floats:
@@ -97,10 +101,9 @@ class NodeCovers:
 
     def node(self, number: int, about: int) -> NodeSolid:
         """The inside of a node that has a blend, about some point."""
-        kind, places = self.kinds.kinds[self.kinds.of[number]], self.network.places
-        first = self.kinds.classes[kind.form.key].kind
-        place = Affine(turn(first, kind), vector((places[number] - places[about]).tolist()))
-        return NodeSolid(self.blends[kind.form.key].surface, place)
+        (key, turned), places = self._turned(number), self.network.places
+        place = replace(turned, shift=vector((places[number] - places[about]).tolist()))
+        return NodeSolid(self.blends[key].surface, place)
 
     def strut(self, number: int, about: int) -> StrutSolid:
         """The inside of what is straight of a strut, about some point; its ends are rounded inwards."""

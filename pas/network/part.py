@@ -19,7 +19,7 @@ from pas.errors import MeshError
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.network.blocks import FACES, write_blocks
+from pas.network.blocks import write_blocks
 from pas.network.certified_mesh import NetworkMesh
 from pas.network.classes import Kinds, NodeClass
 from pas.network.clearance import clearance
@@ -222,9 +222,7 @@ class NetworkPart(Shape):
             )
 
         def made() -> NetworkMesh:
-            points, triangles, normals, faces = pieces.mesh()
-            known = points, triangles, faces, FACES, normals
-            return NetworkMesh(*known, deviation=pieces.deviation, part=self, tolerance=pieces.tolerance)
+            return NetworkMesh(*pieces.mesh(), deviation=pieces.deviation, part=self, tolerance=pieces.tolerance)
 
         return self._kept((pieces.tolerance,), made)
 

@@ -91,8 +91,8 @@ class PlacedPieces:
         """The number of triangles."""
         return sum(len(piece.triangles) * len(piece.copies) for piece in self.pieces)
 
-    def mesh(self) -> tuple[Floats, Integers, Floats, Integers]:
-        """Points (N, 3), triangles (T, 3), normals at their corners (T, 3, 3), and whether each is of a strut (T,)."""
+    def mesh(self) -> tuple[Floats, Integers, Integers, tuple[str, ...], Floats]:
+        """Points (N, 3), triangles (T, 3), their faces (T,), the names of these, and normals at corners (T, 3, 3)."""
         starts, count = np.zeros(len(self.network.points), dtype=np.int64), 0
         points, triangles, normals = [], [np.zeros((0, 3), dtype=np.int64)], [np.zeros((0, 3, 3))]
         for piece in self.pieces:
@@ -107,7 +107,7 @@ class PlacedPieces:
             normals.append(np.tile(piece.normals, (copies, 1, 1)))
         of_nodes = sum(map(len, triangles[: 1 + len(self.nodes)]))
         faces = (np.arange(sum(map(len, triangles))) >= of_nodes).astype(np.int64)
-        return np.concatenate(points), np.concatenate(triangles), np.concatenate(normals), faces
+        return np.concatenate(points), np.concatenate(triangles), faces, ("nodes", "struts"), np.concatenate(normals)
 
     def shares(self, block: Integers, count: int) -> Iterator[MeshShare]:
         """The parts of the mesh that have the nodes of each of so many blocks, numbers (N,), and the struts that begin

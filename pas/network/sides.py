@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from pas.algebra.lengths import unit
-from pas.algebra.rational import to_floats
 from pas.arrays import Floats, Integers, Numbers
 from pas.errors import MeshError
 from pas.network.classes import Kinds, NodeClass, NodeKind, grouped, turn
@@ -69,7 +68,7 @@ class NetworkSide:
                 raise MeshError(f"the node {one.nodes[0]}, in steps of the grid: {error}") from None
             for number in one.numbers:
                 kind = self.kinds.kinds[number]
-                matrix = np.array([to_floats(row) for row in turn(one.kind, kind)])
+                matrix, _ = turn(one.kind, kind).floats
                 arms = dict(zip(kind.form.order, one.kind.form.order, strict=True))
                 way = -1 if np.linalg.det(matrix) < 0 else 1  # a reflection turns the order of corners around
                 found[number] = replace(
