@@ -245,6 +245,11 @@ def test_what_is_inside_of_nodes_and_struts_is_exact():
     held = [(node.holds(vector((x, 0, 0))), strut.holds(vector((x, 0, 0)))) for x in (at - 1, at, at + 1, 4095, 4096)]
     assert held == [(True, False), (False, False), (False, True), (False, True), (False, False)]
     assert [node.side(vector((x, 0, 0))) for x in (at - 1, at, at + 1)] == [-1, 0, 1]
+    inner, frame_ = vector((1, 2, 3)), node.surface.partition.frame
+    zero = frame_.local_point(node.place.inverse.exact(inner))  # where the patches, less their values there, are 0
+    patches = [patch - Fraction(str(patch.at(zero))) for patch in node.surface.patches]
+    level = SimpleNamespace(local=node.surface.local, partition=node.surface.partition, patches=patches)
+    assert NodeSolid(level, node.place).side(inner) == 0
     assert [strut.holds(vector((2000, 0, z))) for z in (255, Fraction(256) - Fraction(1, 10**30), 256)] == [1, 1, 0]
 
 
