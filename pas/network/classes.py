@@ -117,9 +117,9 @@ class Kinds:
         return tuple(sorted(self.classes.values(), key=lambda one: -one.count))
 
     @cached_property
-    def counts(self) -> Integers:
-        """The number of points of each kind."""
-        return np.bincount(self.of[self.of >= 0], minlength=len(self.kinds))
+    def nodes(self) -> list[Numbers]:
+        """The points of each kind."""
+        return grouped(self.of, len(self.kinds))
 
     @cached_property
     def struts(self) -> tuple[Numbers, Integers]:
@@ -152,12 +152,12 @@ class NodeClass:
     @cached_property
     def nodes(self) -> Numbers:
         """The numbers (M,) of the points of its nodes."""
-        return np.flatnonzero(np.isin(self.kinds.of, self.numbers)).astype(np.int32)
+        return np.sort(np.concatenate([self.kinds.nodes[number] for number in self.numbers]))
 
     @property
     def count(self) -> int:
         """The number of nodes."""
-        return int(self.kinds.counts[list(self.numbers)].sum())
+        return len(self.nodes)
 
     @property
     def ends(self) -> tuple[float, ...] | None:

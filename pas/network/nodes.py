@@ -143,14 +143,13 @@ def blends(
     return found
 
 
-def _kept(path: Path, job: Job) -> Node:
+def _kept(path: Path, job: Job) -> Any:
     """The blend of a file of the cache; raises `ProjectFileError` where it is not that of the node's struts."""
     found: Any = loaded(LOAD)(path)
     kind = "blend" if job.wall is None else "hollow blend"
     if found.kind != kind or met(found, job.wall) != job.meets:
         raise ProjectFileError(f"{path} is no blend of the struts after which it is named; remove it")
-    node: Node = found
-    return node
+    return found
 
 
 def met(found: Any, wall: Fraction | None) -> tuple[Any, ...]:

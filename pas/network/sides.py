@@ -60,7 +60,7 @@ class NetworkSide:
     @cached_property
     def nodes(self) -> list[MeshPiece]:
         """The piece of each kind of nodes."""
-        found, copies = dict[int, MeshPiece](), grouped(self.kinds.of, len(self.kinds.kinds))
+        found = dict[int, MeshPiece]()
         for key, one in self.kinds.classes.items():
             try:
                 made = self._node(one, self.blends.get(key))
@@ -76,7 +76,7 @@ class NetworkSide:
                     points=made.points @ matrix.T,
                     triangles=made.triangles[:, ::way],
                     normals=(made.normals @ matrix.T)[:, ::way],
-                    copies=copies[number][:, None],
+                    copies=self.kinds.nodes[number][:, None],
                     rings=tuple(made.rings[arms[i]] for i in range(len(arms))),
                 )
         return [found[number] for number in range(len(found))]
@@ -103,12 +103,11 @@ class NetworkSide:
         return here, there
 
     @cached_property
-    def _arms(self) -> list[list[list[int]]]:
+    def _arms(self) -> Any:
         """Of each kind of strut the kinds of its nodes and its arms there: [[kind, arm], [kind, arm]]."""
         firsts = self.kinds.struts[1]
         at = self.kinds.of[self.kinds.network.edges[firsts]], self.kinds.slots[firsts]
-        found: list[list[list[int]]] = np.stack(at, axis=2).tolist()
-        return found
+        return np.stack(at, axis=2).tolist()
 
     @cached_property
     def _spans(self) -> list[Span]:
@@ -124,7 +123,7 @@ class NetworkSide:
         Rings are as round as those of nodes if these are few, else as the tolerance asks, and then all struts are cut
         whose rings take fewer triangles than a bound.
         """
-        few = FEW * np.dot([len(node.triangles) for node in self.nodes], self.kinds.counts)
+        few = FEW * sum(len(node.triangles) * len(node.copies) for node in self.nodes)
         for coarse in (False, True):
             costs = np.array([2.0 * n * len(places) for n, places in (self._cut(span, coarse) for span in self._spans)])
             cheapest = np.argsort(costs)
