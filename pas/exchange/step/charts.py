@@ -21,7 +21,7 @@ from pas.exchange.step.parametrized import PlacedSurface, Wall, surface_of
 from pas.mesh.field import place_of
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
-from pas.mesh.projection import newton
+from pas.mesh.projection import CommonZeros
 from pas.mesh.topology import connected, twins_of
 from pas.solid.field import SolidField
 from pas.solid.functions import Pieces
@@ -52,22 +52,6 @@ class Sheet:
 
 
 Functions = tuple[Sheet | Wall, ...]
-
-
-@dataclass(frozen=True)
-class CommonZeros:
-    """Some functions by number, as Newton's method wants them."""
-
-    functions: Functions
-
-    def jets(self, points: Floats, labels: int | Integers) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3) of one function, whose number stands once or N times."""
-        return self.functions[int(np.ravel(labels)[0])].jets(points)
-
-    def placed(self, points: Floats) -> Floats:
-        """Points (N, 3) moved to where all functions are zero."""
-        reach = np.full(len(points), 0.05)  # how far a step may move a point
-        return newton(points, self, range(len(self.functions)), reach) if len(points) else points
 
 
 class Atlas:
