@@ -22,7 +22,6 @@ from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import Nodes, contracted, find_nodes
 from pas.mesh.octree import NOWHERE
 from pas.mesh.projection import least_norm, newton, placing
-from pas.mesh.refusals import Refusal
 from pas.mesh.rows import cross, dots, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, edge_table, pinched
@@ -72,11 +71,11 @@ class BoundaryCrossings:
         """The labels of the faces that it crosses."""
         return frozenset(self.crossed[1].tolist())
 
-    def mesh(self) -> Labelled | Floats | Refusal:
+    def mesh(self) -> Labelled | Floats:
         """The mesh, cut along the curves between faces, with crossings close to nodes merged.
 
         Where a face, a curve or a corner is not found so that a finer lattice is needed, the result is points
-        (K, 3) there; where none would do, why.
+        (K, 3) there.  Raises `RefusalError` where none would do.
         """
         if not len(self.edges):
             return _cut(np.empty((0, 3)), self.triangles, np.empty(0, dtype=np.intp))
@@ -87,10 +86,7 @@ class BoundaryCrossings:
         unclear, flat = _unclear(self.field, points, triangles, labels)
         nodes = Nodes(NOWHERE, np.empty(0))
         if 0 < len(unclear) + len(flat) <= MOST_UNCLEAR:
-            found = find_nodes(self.field, points, triangles, labels, unclear, flat)
-            if isinstance(found, Refusal):
-                return found
-            nodes = found
+            nodes = find_nodes(self.field, points, triangles, labels, unclear, flat)
         centers = points[triangles[unclear]].mean(axis=1)
         mesh, lost = _cut(points, triangles, labels), [centers[~nodes.reaches(centers)]]
         if len(nodes.points):
