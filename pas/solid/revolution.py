@@ -126,12 +126,9 @@ class Turned(SweptBody):
         """Whether it turns all round, so that it has no flat ends."""
         return self.angle == 2 * math.pi
 
-    def made(self, tolerance: float) -> Faces | None:
+    def made(self, tolerance: float) -> Faces:
         """Its faces: a row of points for each point of the polygons, one point on the axis."""
-        found = self.polygons(tolerance / 2)
-        if found is None:
-            return None
-        polygons, counts, triangles = found
+        polygons, counts, triangles = self.polygons(tolerance / 2)
         points = np.concatenate(polygons)
         widest = float(points[:, 0].max())
         step = 2 * math.acos(max(1 - tolerance / (2 * widest), 0.5))  # chords of a circle leave it by that

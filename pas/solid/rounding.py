@@ -258,16 +258,16 @@ class RoundedBody(FacedBody):
         corners = [_corner(tuple(vertex), np.ones((1, 3)), 0.0) for edge in self.edges for vertex in edge.vertices]
         return float(np.ptp(np.concatenate(corners), axis=0).max())
 
-    def made(self, tolerance: float) -> Faces | None:
+    def made(self, tolerance: float) -> Faces:
         """Its faces, all arcs in as many parts as it takes."""
         parts, finest = 4, 1 << 10
         while True:
             found = self._in_parts(parts)
-            if found is None or found.deviation <= tolerance or parts >= finest:
+            if found.deviation <= tolerance or parts >= finest:
                 return found
             parts = ceil(parts * max(1.1, sqrt(found.deviation / tolerance)))
 
-    def _in_parts(self, n: int) -> Faces | None:
+    def _in_parts(self, n: int) -> Faces:
         made, arcs = Faces(), dict[tuple[frozenset[PlaneFace], frozenset[PlaneFace]], Integers]()
         outlines: dict[PlaneFace, list[Integers]] = {}
         curved, radius = list[tuple[RoundPatch, Integers]](), to_float(self.radius)
@@ -310,10 +310,7 @@ class RoundedBody(FacedBody):
             away = points[numbers] - points[numbers].mean(axis=0)
             shown = away @ across(normal).T
             order = np.argsort(np.arctan2(shown[:, 1], shown[:, 0]))
-            found = flat([shown[order]])
-            if found is None:
-                return None
-            made.put_flat(plane.name, numbers[order][found], normal)
+            made.put_flat(plane.name, numbers[order][flat([shown[order]])], normal)
         return made
 
 
