@@ -37,6 +37,14 @@ def area_vectors(corners: Floats) -> Floats:
     return cross(b - a, c - a)
 
 
+def inside_sphere(corners: Floats, radius: float) -> float:
+    """How far triangles with corners (T, 3, 3) on a sphere about 0 are inside it at most: where their planes come
+    nearest to its centre."""
+    normals = area_vectors(corners)
+    heights = np.abs(dots(normals, corners[:, 0])) / np.maximum(norms(normals), 1e-300)
+    return float((radius - heights).max(initial=0.0))
+
+
 def spans(corners: Floats) -> tuple[Floats, Floats]:
     """The determinants (T,) of triangles (T, 3, 3), positive where they are seen from 0 with their outside away, and
     the products of the corners' distances from 0, (T,)."""
