@@ -195,6 +195,12 @@ def points_of(points: ArrayLike, name: str = "points") -> Floats:
     return array
 
 
+def set_fields(made: Any, **fields: Any) -> None:
+    """What a frozen object was given, as it keeps it: for its constructor alone."""
+    for name, value in fields.items():
+        object.__setattr__(made, name, value)
+
+
 def check_names(names: Iterable[Any]) -> None:
     """Raise `ValueError` for a name of a face that is no text, or an empty one, as walls have."""
     for name in names:
