@@ -22,7 +22,7 @@ from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import Nodes, contracted, find_nodes
 from pas.mesh.octree import NOWHERE
 from pas.mesh.projection import least_norm, newton, placing
-from pas.mesh.rows import cross, dots, norms
+from pas.mesh.rows import along_lines, cross, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, edge_table, pinched
 
@@ -178,12 +178,7 @@ def _roots(field: FaceField, labels: Integers, a: Floats, b: Floats) -> Floats:
     first, last = field.jets(a, labels)[:, 0], field.jets(b, labels)[:, 0]
     turned = np.where(first <= 0, 1.0, -1.0)
     start = np.clip(first / np.where(first != last, first - last, 1.0), 0.0, 1.0)
-
-    def jets(at: Floats, rows: Integers) -> tuple[Floats, Floats]:
-        along = b[rows] - a[rows]
-        found = field.jets(a[rows] + at[:, None] * along, labels[rows])
-        return turned[rows] * found[:, 0], turned[rows] * dots(found[:, 1:], along)
-
+    jets = along_lines(lambda here, rows: turned[rows, None] * field.jets(here, labels[rows]), a, b - a)
     root_still = 1e-10  # the step of Newton's method along a lattice edge, over the edge's length, where it ends
     return sign_change(jets, np.zeros(len(a)), np.ones(len(a)), start, root_still)
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from pas.algebra.bracket import Jets
 from pas.arrays import Bools, Floats, Integers
 
 
@@ -22,6 +23,17 @@ def norms(vectors: Floats) -> Floats:
 def off_zero(values: Floats, gradients: Floats) -> Floats:
     """How far points are from zeros of functions with values (N,) and gradients (N, 3) there, to first order, (N,)."""
     return np.asarray(np.abs(values) / np.maximum(norms(gradients), 1e-300))
+
+
+def along_lines(jets: Callable[[Floats, Integers], Floats], starts: Floats, ways: Floats) -> Jets:
+    """The values and slopes of functions on lines from points along vectors (N, 3), by the numbers of lines; `jets`
+    gives values and gradients (K, 4) at points (K, 3) of lines that are numbered so (K,)."""
+
+    def along(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
+        found = jets(starts[rows] + shares[:, None] * ways[rows], rows)
+        return found[:, 0], dots(found[:, 1:], ways[rows])
+
+    return along
 
 
 def cross(u: Floats, v: Floats) -> Floats:

@@ -22,6 +22,7 @@ from pas.mesh.field import place_of
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import CommonZeros
+from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, twins_of
 from pas.solid.field import SolidField
 from pas.solid.functions import Pieces
@@ -47,8 +48,7 @@ class Sheet:
 
     def normals(self, points: Floats) -> Floats:
         """Outward unit normals (N, 3)."""
-        slopes = self.jets(points)[:, 1:]
-        return np.asarray(slopes / np.maximum(np.linalg.norm(slopes, axis=1, keepdims=True), 1e-300))
+        return unit_rows(self.jets(points)[:, 1:])
 
 
 Functions = tuple[Sheet | Wall, ...]
