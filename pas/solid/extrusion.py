@@ -16,7 +16,7 @@ from pas.algebra.rational import near, plain, square_root, to_float
 from pas.arrays import Floats, Integers
 from pas.errors import GeometryError
 from pas.solid.edges import Loop, PlaneEdge, at, gradient, line, radius_of
-from pas.solid.faces import COARSE, Faces, SolidBoundary, SweptBody, cross, flat, jets_of
+from pas.solid.faces import COARSE, Faces, SolidBoundary, SweptBody, cross, flat
 from pas.solid.formulas import PlaneSet, formula
 from pas.solid.joints import Joint
 from pas.solid.solid import Solid
@@ -225,7 +225,7 @@ class Prism(SweptBody):
         for (rows, one), (k, edge) in product(bands, enumerate(loop.edges)):
             name, surface = one.faces[0 if loop.whole else k] if one else (edge.name, self.lean.surface(edge))
             across = rows[:, np.arange(borders[k], borders[k + 1] + 1) % rows.shape[1]]
-            made.put_side(name, [*across.T], jets_of(surface))
+            made.put_side(name, [*across.T], surface.jets)
         return sections[0][0][0], sections[-1][0][-1]
 
     def _ways(self, loop: Loop, points: Floats, counts: list[int]) -> Floats:

@@ -22,8 +22,8 @@ from pas.mesh.quality import Quality
 from pas.mesh.shading import unit_rows
 from pas.solid.edges import Loop
 
-Jets = Callable[[Floats], tuple[Floats, Floats]]
-"""From points (..., 3) to the values (...) and gradients (..., 3) of a function whose zero set a face is on."""
+JetsAt = Callable[[Floats], Floats]
+"""From points (N, 3) to the values and gradients (N, 4) of a function whose zero set a face is on."""
 
 
 COARSE = 2.0**-6
@@ -33,11 +33,6 @@ COARSE = 2.0**-6
 def off_surface(surface: Polynomial, points: Floats) -> Floats:
     """How far points (..., 3) are from a surface, (...), to first order."""
     return np.asarray(np.abs(surface(points)) / np.linalg.norm(surface.gradient(points), axis=-1))
-
-
-def jets_of(surface: Polynomial) -> Jets:
-    """The jets of a polynomial whose zeros a face is on."""
-    return lambda points: (surface(points), surface.gradient(points))
 
 
 @dataclass(frozen=True)
@@ -89,7 +84,7 @@ class Faces:
         else:
             triangles = ring(points, outer, inner, end.axis, name)
         self.deviation = max(self.deviation, end.off(points[triangles]))
-        self.put_curved(name, triangles, jets_of(end.surface))
+        self.put_curved(name, triangles, end.surface.jets)
         return True
 
     def put(self, mesh: Mesh, flipped: bool = False) -> int:
@@ -101,7 +96,7 @@ class Faces:
         self.deviation = max(self.deviation, mesh.deviation or 0.0)
         return first
 
-    def put_side(self, name: str, rows: Sequence[Integers], jets: Jets) -> None:
+    def put_side(self, name: str, rows: Sequence[Integers], jets: JetsAt) -> None:
         """The face between rows of vertices (N,): seen from outside, each is to the left of the one before it.
 
         A row may be one vertex, repeated.  `jets` are those of the surface, of either sign.
@@ -110,19 +105,20 @@ class Faces:
         corners = [np.stack(t, axis=1) for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
         self.put_curved(name, np.concatenate(corners), jets)
 
-    def put_curved(self, name: str, triangles: Integers, jets: Jets) -> None:
+    def put_curved(self, name: str, triangles: Integers, jets: JetsAt) -> None:
         """A face by triangles (T, 3), without those that have a vertex twice; `jets` as in `put_side`.
 
         How far the middles of their edges are from the surface is noted.
         """
         triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
         corners = self.points[triangles]
-        _, slopes = jets(corners)
+        slopes = jets(corners.reshape(-1, 3))[:, 1:].reshape(-1, 3, 3)
         facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         slopes *= np.sign((slopes * facing[:, None, :]).sum(axis=-1, keepdims=True))
         self.add(name, triangles, unit_rows(slopes))
-        values, slopes = jets((corners + np.roll(corners, 1, axis=1)) / 2)
-        self.deviation = max(self.deviation, float((np.abs(values) / np.linalg.norm(slopes, axis=-1)).max()))
+        found = jets(((corners + np.roll(corners, 1, axis=1)) / 2).reshape(-1, 3))
+        off = np.abs(found[:, 0]) / np.linalg.norm(found[:, 1:], axis=1)
+        self.deviation = max(self.deviation, float(off.max()))
 
     def put_flat(self, name: str, triangles: Integers, normal: Floats) -> None:
         """A flat face of vertices (T, 3) with a unit normal (3,)."""

@@ -39,7 +39,7 @@ from pas.algebra.rational import Vector, cross, dot, plain, to_float, to_floats
 from pas.arrays import Floats, Integers
 from pas.errors import GeometryError, meant
 from pas.solid.face_seams import PlaneFace
-from pas.solid.faces import FacedBody, Faces, SolidBoundary, flat, jets_of
+from pas.solid.faces import FacedBody, Faces, SolidBoundary, flat
 from pas.solid.joints import Joint
 from pas.solid.operands import Operands
 from pas.solid.solid import Solid
@@ -300,9 +300,9 @@ class RoundedBody(FacedBody):
             if pair in self.patches:
                 patch = self.patches[pair]
                 start, end = (arcs[pair, vertex] for vertex in edge.vertices)
-                made.put_side(patch.face, [*np.stack([end, start], axis=1)], jets_of(patch.surface))
+                made.put_side(patch.face, [*np.stack([end, start], axis=1)], patch.surface.jets)
         for patch, triangles in curved:
-            made.put_curved(patch.face, triangles, jets_of(patch.surface))
+            made.put_curved(patch.face, triangles, patch.surface.jets)
         points = made.points
         for plane, parts in outlines.items():
             normal = unit(to_floats(plane.normal))
