@@ -201,6 +201,13 @@ def set_fields(made: Any, **fields: Any) -> None:
         object.__setattr__(made, name, value)
 
 
+def check_count(given: Any, count: int, must: str, without: type[Exception] = TypeError) -> None:
+    """Raise `ValueError` for a text and for another number of things than there `must` be, and an error of some type
+    for what has no number."""
+    if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != count:
+        raise (ValueError if hasattr(given, "__len__") else without)(f"{must}, not {shown(given)}")
+
+
 def check_names(names: Iterable[Any]) -> None:
     """Raise `ValueError` for a name of a face that is no text, or an empty one, as walls have."""
     for name in names:
