@@ -26,7 +26,7 @@ import pas
 from pas import network, solid
 from pas.algebra.rational import vector
 from pas.cli import main
-from pas.network import rings
+from pas.network import nodes, rings
 from pas.network.blocks import status
 from pas.network.classes import kinds_of, turn
 from pas.network.clearance import clearance
@@ -818,6 +818,74 @@ WRONG = {
     "too short": ([*SQUARE, (0.1, 0.1, 0)], [(0, 1), (0, 4), (0, 3), (4, 2)], "strut 1 from point 0 to 4 is"),
     "crossing": ([*SQUARE, (1, 1, 1)], [(0, 2), (1, 3), (0, 4), (1, 4), (3, 4)], "the struts 0 and 1 pass at 0 from"),
 }
+
+
+CLOSE = [
+    *[(-2, -32, 18), (98, -22, -178), (237, 117, 51), (152, 155, 30), (48, 76, -19), (-19, -9, 11), (0, 0, 0)],
+    *[(37, 182, -77), (34, 39, -274), (44, 28, -99), (-63, -24, -30), (-77, 5, 52), (-114, 31, 80), (14, -87, 56)],
+    (46, -194, 2),
+]
+CLOSE_EDGES = [
+    *[(0, 5), (0, 6), (0, 13), (0, 14), (1, 8), (1, 9), (2, 4), (3, 4), (3, 7), (5, 6), (5, 10), (5, 11), (4, 6)],
+    *[(4, 12), (6, 9), (7, 4), (8, 9), (4, 9), (10, 11), (11, 12), (13, 14)],
+]
+"""A node of a foam, and what is within two struts of it: clips that share short struts leave its four no room."""
+
+
+def close(radius="2048/315"):
+    return network.Network(CLOSE, CLOSE_EDGES, radius, 1)
+
+
+def test_nodes_without_room_are_told_before_anything_is_solved(monkeypatch):
+    monkeypatch.setattr(nodes, "blend", None)
+    with pytest.raises(network.NetworkError, match="the node 6: no layout keeps these 4 contacts apart") as caught:
+        close().blend()
+    (problem,) = caught.value.problems
+    assert (problem.kind, problem.ids, problem.struts) == ("no blend", (6,), (9,))
+    assert "repair(collapse=...) with the numbers in `struts`" in str(caught.value)
+    assert placed_ends(close(5), 1).ends.sum(axis=1).max() < 1
+
+
+def test_struts_that_are_named_become_points():
+    """As an error offers them, until every node has room; several in a row become one point."""
+    net = close()
+    with pytest.raises(network.NetworkError) as caught:
+        placed_ends(net, 1)
+    mended, changes = net.repair(collapse=caught.value.struts)
+    assert changes[0] == "strut 9, 23.73 long, became a point"
+    assert (len(mended.points), len(mended.edges)) == (14, 19)
+    assert placed_ends(mended, 1).ends.sum(axis=1).max() < 1
+    row = network.Network([(0, 0, 0), (10, 0, 0), (20, 0, 0), (120, 0, 0)], [(0, 1), (1, 2), (2, 3)], 1, 1)
+    mended, changes = row.repair(collapse=[1, 0])
+    assert mended.points.tolist() == [[10, 0, 0], [120, 0, 0]]
+    assert changes[:2] == ("strut 0, 10 long, became a point", "strut 1, 10 long, became a point")
+    with pytest.raises(ValueError, match="collapse must be a whole number from 0 to 2"):
+        row.repair(collapse=[3])
+
+
+def test_struts_that_cross_are_joined():
+    """The diagonals of a square end in its middle, with the radius that a cone has there; those that pass at a
+    distance half way between; of two that cross a third in turn both."""
+    points, edges, _ = WRONG["crossing"]
+    net = network.Network(points, edges, [("1/20", "1/10"), *["1/20"] * 4], "1/1000")
+    mended, changes = net.repair(join=True)
+    assert changes == ("the struts 0 and 1, which crossed, end in a point between them",)
+    assert mended.check() == ()
+    assert mended.points[-1].tolist() == [0.5, 0.5, 0]
+    assert len(mended.edges) == len(edges) + 2
+    assert {mended.radii[s] for s in mended.sizes[[0, 5]].ravel()} == {
+        Fraction(1, 20),
+        Fraction(3, 40),
+        Fraction(1, 10),
+    }
+    apart = network.Network([(-100, 0, 0), (100, 0, 0), (0, -100, 6), (0, 100, 6)], [(0, 1), (2, 3)], 4, 1)
+    mended, _ = apart.repair(join=True)
+    assert mended.points[-1].tolist() == [0, 0, 3]
+    ladder = [*apart.points, (50, -100, 0), (50, 100, 0)]
+    mended, changes = network.Network(ladder, [(0, 1), (2, 3), (4, 5)], 4, 1).repair(join=True)
+    assert len(changes) == 2
+    assert mended.check() == ()
+    assert (mended.pieces, len(mended.edges)) == (1, 7)
 
 
 @pytest.mark.parametrize("kind", WRONG)

@@ -32,11 +32,15 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class NetworkProblem:
-    """What is wrong with a network: the kind in a word or two, the numbers of its points or struts, and a sentence."""
+    """What is wrong with a network: the kind in a word or two, the numbers of its points or struts, and a sentence.
+
+    `struts` are the numbers of those that may become points, which mends it (see `Network.repair`).
+    """
 
     kind: str
     ids: tuple[int, ...]
     sentence: str
+    struts: tuple[int, ...] = ()
 
     def __str__(self) -> str:
         return self.sentence
@@ -51,6 +55,11 @@ class NetworkError(GeometryError):
     def __init__(self, problems: Sequence[NetworkProblem]) -> None:
         super().__init__(told(problems))
         self.problems = tuple(problems)
+
+    @property
+    def struts(self) -> tuple[int, ...]:
+        """The numbers of all struts that may become points, by `repair(collapse=error.struts)`."""
+        return tuple(sorted({strut for problem in self.problems for strut in problem.struts}))
 
 
 def told(problems: Sequence[NetworkProblem]) -> str:
@@ -150,6 +159,14 @@ class StrutGraph:
     def valence(self) -> Numbers:
         """The number of struts at each point (N,)."""
         return np.bincount(self.edges.ravel(), minlength=len(self.places)).astype(np.int32)
+
+    @cached_property
+    def shortest(self) -> Integers:
+        """The number of the shortest strut at each point (N,), -1 where there is none."""
+        found = np.full(len(self.places), -1)
+        order = np.argsort(-self.lengths, kind="stable")
+        found[self.edges[order].ravel()] = order.repeat(2)  # of several at one point the last one stays
+        return found
 
     @property
     def pieces(self) -> int:

@@ -59,15 +59,17 @@ class Network(StrutGraph):
         """
         return problems.check(self, whole)
 
-    def repair(self, *, collapse: bool = False) -> tuple[Network, tuple[str, ...]]:
+    def repair(self, *, collapse: bool | Sequence[int] = False, join: bool = False) -> tuple[Network, tuple[str, ...]]:
         """The network without what is surely a mistake, and a sentence on each change with the numbers before it.
 
         Struts from a point to itself go, of several between two points the thickest stays, points in one place become
         one, points without struts go.  With `collapse` struts too short for any blend at their ends become a point
         in their middle, until there are none; then the shortest between the ends of two at too small an angle, or of
-        two that cross and are thicker than it is long.
+        two that cross and are thicker than it is long.  Numbers of struts, such as those that `NetworkError.struts`
+        offers where nodes have no blend, become points before all others.  With `join` struts that still cross end in
+        a point between them.  Raises `ValueError` for the number of no strut.
         """
-        return problems.repair(self, collapse)
+        return problems.repair(self, collapse, join)
 
     def classes(self) -> tuple[NodeClass, ...]:
         """The classes of congruent nodes, the most frequent first: struts, radii, symmetries, numbers of points."""

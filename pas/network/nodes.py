@@ -21,11 +21,12 @@ import numpy as np
 from pas.algebra.inputs import check_order
 from pas.algebra.rational import rational
 from pas.arrays import Floats
+from pas.blending.place import place
 from pas.contacts.contact import Contact, as_contact
 from pas.contacts.endless import Cone, Pipe
-from pas.errors import PasError, ProjectFileError
+from pas.errors import GeometryError, PasError, ProjectFileError
 from pas.exchange.files import make_folder
-from pas.layouts.clips import with_clips
+from pas.layouts.clips import has_layout, with_clips
 from pas.limits import checkpoint
 from pas.network.blocks import results
 from pas.network.classes import AUTO, Kinds, NodeClass, NodeKind, kinds_of
@@ -55,7 +56,7 @@ def placed_ends(network: StrutGraph, order: int) -> Kinds:
     if wrong := tuple(graph_problems(network)):
         raise NetworkError(wrong)
     clips = np.zeros((len(network.edges), 2), dtype=np.int32)
-    known: dict[Any, tuple[float, ...]] = {}
+    known: dict[Any, _Ends] = {}
     seen: dict[NodeKind, NodeKind] = {}  # whose forms are known from the rounds before
     while True:
         kinds = kinds_of(network, clips)
@@ -64,6 +65,7 @@ def placed_ends(network: StrutGraph, order: int) -> Kinds:
         at = kinds.ends
         short = at.sum(axis=1) > (PARTS - STRAIGHT) / PARTS
         if not short.any():
+            _check_layouts(kinds, order, known)
             return kinds
         needed = nearest(kinds)[short] / network.lengths[short, None]
         least = np.ceil(PARTS * np.minimum(needed, at[short]))
@@ -73,11 +75,19 @@ def placed_ends(network: StrutGraph, order: int) -> Kinds:
             numbers = np.flatnonzero(short)[fixed].tolist()
             said = "strut {} from point {} to {} is too short for the blends at its ends"
             told = [(n, said.format(n, *network.edges[n].tolist())) for n in numbers]
-            raise NetworkError([NetworkProblem("too short", (n,), sentence) for n, sentence in told])
+            raise NetworkError([NetworkProblem("too short", (n,), sentence, (n,)) for n, sentence in told])
         clips[short] = np.maximum(shared, at[short] > 0)
 
 
-def _arm_ends(kinds: Kinds, order: int, known: dict[Any, tuple[float, ...]]) -> Floats:
+@dataclass(frozen=True)
+class _Ends:
+    """Where the arms of a class end, in the order of its form, and whether a layout keeps them apart."""
+
+    parts: tuple[float, ...]
+    apart: bool
+
+
+def _arm_ends(kinds: Kinds, order: int, known: dict[Any, _Ends]) -> Floats:
     """The ends of all kinds (K, most arms), those of a class found once; raises `NetworkError`."""
     table = np.zeros((len(kinds.kinds), max((len(kind.arms) for kind in kinds.kinds), default=0)))
     problems = []
@@ -85,36 +95,66 @@ def _arm_ends(kinds: Kinds, order: int, known: dict[Any, tuple[float, ...]]) -> 
         if key not in known:
             checkpoint(f"placing the ends of {len(kinds.classes)} classes of nodes")
             try:
-                pipes = pipes_of(one.kind, kinds.network, order)
-                known[key] = tuple(float(pipes[i].clip) for i in one.kind.form.order)
+                arms = _arms(one, [clip / PARTS if clip != AUTO else None for *_, clip in one.kind.arms])
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore", UserWarning)  # on clips that are far out, which networks share
+                    pipes = with_clips(arms, order)
+                parts = tuple(float(pipes[i].clip) for i in one.kind.form.order)
+                known[key] = _Ends(parts, not one.blended or has_layout(arms, order))
             except PasError as error:
-                problems.append(of_nodes("no blend", one, error))
+                problems.append(no_blend(one, error))
                 continue
         for number in one.numbers:
-            table[number, list(kinds.kinds[number].form.order)] = known[key]
+            table[number, list(kinds.kinds[number].form.order)] = known[key].parts
     if problems:
         raise NetworkError(problems)
     return table
 
 
-def of_nodes(kind: str, one: NodeClass, said: object) -> NetworkProblem:
+def _check_layouts(kinds: Kinds, order: int, known: dict[Any, _Ends]) -> None:
+    """Raise `NetworkError` for the classes whose arms no layout keeps apart where they end: blends, which take much
+    longer than finding that, have none either."""
+    problems = []
+    for key, one in kinds.classes.items():
+        if not known[key].apart:
+            try:
+                place(pipes_of(one), order)
+            except GeometryError as error:
+                problems.append(no_blend(one, error))
+    if problems:
+        raise NetworkError(problems)
+
+
+def of_nodes(kind: str, one: NodeClass, said: object, struts: tuple[int, ...] = ()) -> NetworkProblem:
     """What is wrong with the nodes of a class, with the numbers of the first three in the sentence."""
     nodes = tuple(one.nodes.tolist())
     told = ", ".join(map(str, nodes[:3])) + (f" and {len(nodes) - 3} more" if len(nodes) > 3 else "")
-    return NetworkProblem(kind, nodes, f"the node{'s' * (len(nodes) > 1)} {told}: {said}")
+    return NetworkProblem(kind, nodes, f"the node{'s' * (len(nodes) > 1)} {told}: {said}", struts)
 
 
-def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe | Cone]:
-    """The arms of a kind as pipes or cones with ends, in steps of the grid; raises `GeometryError` where there is no
-    room."""
+def no_blend(one: NodeClass, why: object) -> NetworkProblem:
+    """That there is no blend for the nodes of a class; the shortest strut of each may become a point."""
+    struts = tuple(np.unique(one.kinds.network.shortest[one.nodes]).tolist())
+    advice = "thinner struts may fit, or repair(collapse=...) with the numbers in `struts` makes the shortest points"
+    return of_nodes("no blend", one, f"{why}; {advice}", struts)
+
+
+def pipes_of(one: NodeClass) -> list[Pipe | Cone]:
+    """The arms of a class that was placed as pipes or cones with their ends, in steps of the grid."""
+    assert one.ends is not None
+    return _arms(one, one.ends)
+
+
+def _arms(one: NodeClass, ends: Sequence[float | None]) -> list[Pipe | Cone]:
+    """The arms of a class, in steps of the grid, with ends in parts of their vectors; where a node that takes a blend
+    has none, wherever there is room."""
+    network = one.kinds.network
     radii, items = [radius / network.grid for radius in network.radii], list[Pipe | Cone]()
-    for vector, size, far, clip in kind.arms:
+    for (vector, size, far, _), end in zip(one.kind.arms, ends, strict=True):
         cone = size != far
         arm = Cone(vector, radii[size], "auto", radii[far] - radii[size]) if cone else Pipe(vector, radii[size], "auto")
-        items.append(arm if clip == AUTO and kind.blended else arm.clipped(Fraction(clip, PARTS)))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # on clips that are far out, which networks share anyway
-        return list(with_clips(items, order))
+        items.append(arm if end is None and one.blended else arm.clipped(Fraction(end or 0)))
+    return items
 
 
 def blends(
@@ -135,7 +175,7 @@ def blends(
     given = results(map_, solved, list(wanted.values()), folder, "blending nodes")
     for key, result in zip(wanted, given, strict=True):
         if isinstance(result, str):
-            problems.append(of_nodes("no blend", kinds.classes[key], result))
+            problems.append(no_blend(kinds.classes[key], result))
         else:
             found[key] = _kept(result, wanted[key]) if isinstance(result, Path) else result
     if problems:
@@ -160,8 +200,7 @@ def met(found: Any, wall: Fraction | None) -> tuple[Any, ...]:
 
 def _jobs(kinds: Kinds, order: int, *how: Any) -> dict[tuple[Any, ...], Job]:
     """The blend that is to be found for the first kind of each class that takes one, by the class's key."""
-    blended = {key: one.kind for key, one in kinds.classes.items() if one.blended}
-    return {key: Job(tuple(pipes_of(kind, kinds.network, order)), order, *how) for key, kind in blended.items()}
+    return {key: Job(tuple(pipes_of(one)), order, *how) for key, one in kinds.classes.items() if one.blended}
 
 
 def matched(

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from itertools import combinations
 from math import pi, radians
 from typing import Any, TypeVar
 
 import numpy as np
 
-from pas.algebra.inputs import shown
+from pas.algebra.inputs import shown, whole
 from pas.algebra.lengths import unit
 from pas.arrays import Floats, Integers, Numbers
+from pas.mesh.topology import connected
 from pas.network.classes import Kinds, kinds_of, ranked
 from pas.network.graph import NetworkProblem, StrutGraph
+from pas.network.near import nearest_points
 
 LEAST_ANGLE = 10.0
 """Degrees between struts at a node, below which no pipe ends apart from another (see `pas.struts`)."""
@@ -22,14 +25,14 @@ NEAREST = 0.45
 """Of the least angle at a node: circles seen under more are met by no blend, as those of two struts must be apart."""
 
 
-def check(network: StrutGraph, whole: bool) -> tuple[NetworkProblem, ...]:
+def check(network: StrutGraph, entire: bool) -> tuple[NetworkProblem, ...]:
     """See `Network.check`."""
     found = [*graph_problems(network)]
     if not found:
         kinds = kinds_of(network)
         found += [*_angles(kinds)]
         found += [*([] if found else _short(kinds)), *_crossing(network)]
-    if whole:
+    if entire:
         ends = np.flatnonzero(network.valence == 1).tolist()
         found += [NetworkProblem("dangling", (n,), f"point {n} has one strut only, which ends there") for n in ends]
         if len(network.edges) and network.pieces > 1:
@@ -114,29 +117,72 @@ def _short(kinds: Kinds) -> Iterator[NetworkProblem]:
             f"{network.thickness[number]:.4g} need {least[number]:.4g}; a radius of {radius:.3g} may fit, or "
             "repair(collapse=True) makes it a point"
         )
-        yield NetworkProblem("too short", (number,), sentence)
+        yield NetworkProblem("too short", (number,), sentence, (number,))
 
 
 def _crossing(network: StrutGraph) -> Iterator[NetworkProblem]:
     for i, j, distance in network.crossings:
         need = network.thickness[i] + network.thickness[j]
         passing = f"the struts {i} and {j} pass at {distance:.4g} from one another and are {need:.4g} thick together"
-        yield NetworkProblem("crossing", (i, j), f"{passing}; thinner ones fit, or a point in which both end")
+        yield NetworkProblem(
+            "crossing", (i, j), f"{passing}; thinner ones fit, or repair(join=True), by which both end in a point"
+        )
 
 
 G = TypeVar("G", bound=StrutGraph)
 
 
-def repair(network: G, collapse: bool) -> tuple[G, tuple[str, ...]]:
+def repair(network: G, collapse: bool | Sequence[int], join: bool) -> tuple[G, tuple[str, ...]]:
     """See `Network.repair`."""
-    found, changes = _mended(network)
-    while collapse and len(first := _apart(found, _unserved(found))):
-        changes += [f"strut {n}, {found.lengths[n]:.4g} long, became a point" for n in first.tolist()]
-        points = found.points.copy()
-        points[found.edges[first]] = points[found.edges[first]].mean(axis=1, keepdims=True)
-        found, more = _mended(_changed(found, points, found.edges, slice(None)))
-        changes += [line for line in more if "twice" in line]
-    return found, tuple(changes)
+    if not isinstance(collapse, bool):
+        struts = [whole(n, "collapse", 0, len(network.edges) - 1, "the struts") for n in collapse]
+        found, changes = _collapsed(network, np.unique(np.array(struts, dtype=np.int64)))
+    else:
+        found, changes = _mended(network)
+    crossings = np.inf
+    while True:
+        if collapse is not False and len(first := _apart(found, _unserved(found))):
+            found, more = _collapsed(found, first)
+            changes += [line for line in more if "became a point" in line or "twice" in line]
+        elif join and 0 < len(found.crossings) < crossings:
+            crossings = len(found.crossings)
+            found, more = _joined(found)
+            changes += more
+        else:
+            return found, tuple(changes)
+
+
+def _collapsed(network: G, struts: Integers) -> tuple[G, list[str]]:
+    """With some struts made points, in the middle of all points that they join; what was changed."""
+    joined = connected(network.edges[struts], len(network.points))
+    sums = [np.bincount(joined, weights=column) for column in network.points.T]
+    points = (np.stack(sums) / np.bincount(joined)).T[joined]
+    mended, changes = _mended(_changed(network, points, network.edges, slice(None)))
+    return mended, [f"strut {n}, {network.lengths[n]:.4g} long, became a point" for n in struts.tolist()] + changes
+
+
+def _joined(network: G) -> tuple[G, list[str]]:
+    """With a point between two struts that cross, in which both end now; of several that cross one strut the nearest
+    first, the others in a later round.  What was changed."""
+    points, edges, changes = [*network.points], network.edges.tolist(), list[str]()
+    radii = [(network.radii[a], network.radii[b]) for a, b in network.sizes.tolist()]
+    taken, parts = set[int](), 64  # of a cone, in which its radius there is found
+    for i, j, _ in sorted(network.crossings, key=lambda crossing: crossing[2]):
+        if taken & {i, j}:
+            continue
+        taken |= {i, j}
+        segments = network.points[network.edges[[i, j]]]
+        places = np.concatenate(nearest_points(segments[:1], segments[1:]))
+        for strut, way in zip((i, j), places - segments[:, 0], strict=True):
+            (start, end), (here, there) = edges[strut], radii[strut]
+            share = float(np.linalg.norm(way) / network.lengths[strut])
+            middle = here + (there - here) * Fraction(round(parts * share), parts)
+            edges[strut], radii[strut] = [start, len(points)], (here, middle)
+            edges.append([len(points), end])
+            radii.append((middle, there))
+        points.append(places.mean(axis=0))
+        changes.append(f"the struts {i} and {j}, which crossed, end in a point between them")
+    return type(network)(points, edges, radii, network.grid), changes
 
 
 def _unserved(network: StrutGraph) -> Integers:
