@@ -888,6 +888,17 @@ def test_struts_that_cross_are_joined():
     assert (mended.pieces, len(mended.edges)) == (1, 7)
 
 
+@pytest.mark.slow  # 13 blends
+def test_a_command_collapses_what_has_no_room(tmp_path, capsys):
+    source = close().write(tmp_path / "close.npz")
+    how = ["network", "build", str(source), "--grid", "1", "--degree", "lowest", "-o", str(tmp_path / "close.3mf")]
+    assert main(how) == 2
+    assert "the node 6: no layout keeps these 4 contacts apart" in capsys.readouterr().err
+    assert main([*how, "-o", str(tmp_path / "mended.npz"), "--collapse"]) == 0
+    assert len(network.Network.read(tmp_path / "mended.npz").points) == 14
+    assert "strut 9, 23.73 long, became a point" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("kind", WRONG)
 def test_what_is_wrong_is_said_with_numbers(kind):
     points, edges, sentence = WRONG[kind]

@@ -74,12 +74,9 @@ def _build(network: Network, options: argparse.Namespace) -> CommandResult:
         if not options.resume and any(Path(options.blocks).glob("block-*.stl")):
             raise ValueError(f"{options.blocks} has blocks of an earlier run; go on with it by --resume, or empty it")
     clock, mesh = Clock(), settings_of(MeshSettings, options)
-    changes: tuple[str, ...] = ()
-    if options.collapse or options.join:
-        network, changes = network.repair(collapse=options.collapse, join=options.join)
     with _engine(options) as map_:
         with share(1 / 3):  # of the time, as blends, proofs and files of large networks take it
-            part, more = _blended(network, options, map_)
+            part, network, changes = _blended(network, options, map_)
         clock.passed("blend")
         with share(1 / 2):
             certificate = part.certificate
@@ -88,34 +85,30 @@ def _build(network: Network, options: argparse.Namespace) -> CommandResult:
         blocks = part.write_blocks(options.blocks, mesh.tolerance, map=map_) if options.blocks else ()
     written = [*outputs, *blocks]
     record = {
-        "changes": [*changes, *more],
+        "changes": list(changes),
         "density": part.density,
         "genus": part.genus,
         **verdict_record(certificate),
         "unproved": [vars(problem) for problem in part.unproved],
         "written": list(map(str, written)),
     }
-    lines = [
-        *changes,
-        *more,
-        str(part),
-        *(f"not proved: {problem}" for problem in part.unproved),
-        *written_lines(written),
-    ]
+    lines = [*changes, str(part), *(f"not proved: {problem}" for problem in part.unproved), *written_lines(written)]
     return CommandResult("\n".join(lines), record, DONE if certificate.proved else FAILED)
 
 
 def _blended(
     network: Network, options: argparse.Namespace, map_: Callable[..., Any]
-) -> tuple[NetworkPart, tuple[str, ...]]:
-    """The body, with what became points where nodes had no blend."""
+) -> tuple[NetworkPart, Network, tuple[str, ...]]:
+    """The body of a network that is repaired as wished, this one, and what was changed."""
     from pas.network.graph import NetworkError
 
     changes: tuple[str, ...] = ()
+    if options.collapse or options.join:
+        network, changes = network.repair(collapse=options.collapse, join=options.join)
     while True:
         try:
             how = {"wall": options.wall, "cache": options.cache, "map": map_}
-            return network.blend(options.order, options.degree, **how), changes
+            return network.blend(options.order, options.degree, **how), network, changes
         except NetworkError as error:
             if not options.collapse or not all(problem.struts for problem in error.problems):
                 raise
