@@ -88,14 +88,23 @@ def foam(count: int, lowest: bool) -> None:
     net = network.voronoi(2000, "1/630", seed=1).repair(collapse=True)[0]
     print(f"{net}, {len(net.check())} problems", flush=True)
     net, wanted = around(net, count)
+    drawn = list(map(tuple, net.places[wanted].tolist()))
     clock = processor_seconds()
-    kinds = nodes.placed_ends(net, 1)
+    while True:
+        try:
+            kinds = nodes.placed_ends(net, 1)
+            break
+        except network.NetworkError as error:
+            print(f"{len(error.struts)} struts become points: {error}", flush=True)
+            net = net.repair(collapse=error.struts)[0]
+    numbers = {tuple(place): number for number, place in enumerate(net.places.tolist())}
+    wanted = [numbers[place] for place in drawn if place in numbers]
     print(f"{len(wanted)} nodes in {net}, placed in {processor_seconds() - clock:.0f} s", flush=True)
     made, beyond, seconds = 0, Counter[str](), []
     for node in wanted:
-        kind, clock, said = kinds.kinds[kinds.of[node]], processor_seconds(), "fair"
+        one, clock, said = kinds.classes[kinds.kinds[kinds.of[node]].form.key], processor_seconds(), "fair"
         try:
-            found = blend(nodes.pipes_of(kind, net, 1), 1, "lowest" if lowest else None) if kind.blended else None
+            found = blend(nodes.pipes_of(one), 1, "lowest" if lowest else None) if one.blended else None
         except PasError as error:
             said = f"not proved: {error}"
         else:

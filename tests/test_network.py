@@ -26,11 +26,12 @@ import pas
 from pas import network, solid
 from pas.algebra.rational import vector
 from pas.cli import main
-from pas.network import rings
+from pas.network import nodes, rings
 from pas.network.blocks import status
 from pas.network.classes import kinds_of, turn
-from pas.network.clearance import clearance, segment_distances
-from pas.network.covers import NodeCovers, _held
+from pas.network.clearance import clearance
+from pas.network.covers import NodeCovers, _held, reach_of
+from pas.network.near import nearest_points
 from pas.network.nodes import placed_ends
 from pas.network.overlaps import NodeSolid
 from pas.network.part import NetworkPart
@@ -88,7 +89,7 @@ def test_nodes_that_are_turned_are_one_class(seed):
     first, second = (kinds_of(net) for net in drawn(seed))
     one, other = first.kinds[first.of[0]], second.kinds[second.of[0]]
     assert one.form.key == other.form.key
-    matrix = np.array([[float(x) for x in row] for row in turn(one, other)])
+    matrix = turn(one, other).floats[0]
     np.testing.assert_allclose(matrix @ matrix.T, np.eye(3), atol=1e-12)
     images = one.vectors[list(one.form.order)] @ matrix.T
     np.testing.assert_allclose(images, other.vectors[list(other.form.order)], atol=1e-9)
@@ -156,7 +157,7 @@ def tee():
 def covers(points, struts):
     """What holds some nodes, all of which are that one turned or need no blend."""
     net = network.Network(points, struts, "1/4", "1/4096")
-    return NodeCovers(net, placed_ends(net, 1), tee()[0])
+    return NodeCovers(placed_ends(net, 1), tee()[0])
 
 
 def moved(x, y=0, sign=1):
@@ -173,7 +174,7 @@ def test_no_mesh_is_needed_to_prove_a_body(monkeypatch):
 def test_nodes_that_meet_are_not_proved_to_be_apart(gap, proved):
     """By a hair, far into one another, or nearly one in the place of the other; so by whichever comes first."""
     both = covers([*TEE, *moved(2 * tee()[1] + gap, sign=-1)], [(0, 1), (0, 2), (0, 3), (4, 5), (4, 6), (4, 7)])
-    found = both.nodes_apart(np.array([0, 4]), np.array([4, 0]))
+    found = both.apart(np.array([0, 4]), both.nodes, np.array([1, 0]))
     assert [apart is True for apart in found] == [proved] * 2
     assert all(
         both.node(n, a).holds(point) for point, a in zip(found, (0, 4), strict=True) for n in (0, 4) if not proved
@@ -186,7 +187,7 @@ def test_a_strut_that_meets_a_node_is_not_proved_to_be_apart(gap, proved):
     x = tee()[1] + 0.25 + gap
     others = [(x, 1, 0), (x, -1, 0), (x, 0, 0), (x + 2, 0, 0)]
     found = covers([*TEE, *others], [(0, 1), (0, 2), (0, 3), (4, 5), (6, 7)])
-    apart = found.struts_apart(np.array([0, 0]), np.array([3, 4]))
+    apart = found.apart(np.array([0, 0]), found.struts, np.array([3, 4]))
     assert [one is True for one in apart] == [proved] * 2
     assert proved or all(solid.holds(apart[0]) for solid in (found.node(0, 0), found.strut(3, 0)))
 
@@ -231,9 +232,8 @@ def test_a_strut_in_a_node_is_refuted(height, status):
 
 def test_what_is_inside_of_nodes_and_struts_is_exact():
     """In the cells of a blend, off the discs where its struts begin; of a strut between these, off its surface."""
-    net = stars(2)
-    part = net.blend(1, "lowest")
-    found = NodeCovers(net, part.kinds, part.blends)
+    part = stars(2).blend(1, "lowest")
+    found = NodeCovers(part.kinds, part.blends)
     (blend,) = part.blends.values()
     surface = blend.surface.mesh(10).points
     for node, image in ((4, surface), (0, surface * (-1, 1, 1))):
@@ -245,12 +245,17 @@ def test_what_is_inside_of_nodes_and_struts_is_exact():
     held = [(node.holds(vector((x, 0, 0))), strut.holds(vector((x, 0, 0)))) for x in (at - 1, at, at + 1, 4095, 4096)]
     assert held == [(True, False), (False, False), (False, True), (False, True), (False, False)]
     assert [node.side(vector((x, 0, 0))) for x in (at - 1, at, at + 1)] == [-1, 0, 1]
+    inner, frame_ = vector((1, 2, 3)), node.surface.partition.frame
+    zero = frame_.local_point(node.place.inverse.exact(inner))  # where the patches, less their values there, are 0
+    patches = [patch - Fraction(str(patch.at(zero))) for patch in node.surface.patches]
+    level = SimpleNamespace(local=node.surface.local, partition=node.surface.partition, patches=patches)
+    assert NodeSolid(level, node.place).side(inner) == 0
     assert [strut.holds(vector((2000, 0, z))) for z in (255, Fraction(256) - Fraction(1, 10**30), 256)] == [1, 1, 0]
 
 
 def test_ends_of_struts_are_rounded_inwards():
-    found = NodeCovers(net := stars(2), kinds_of(net), {})
-    vars(found).update(ends=np.full((len(net.edges), 2), 1 / 3))
+    kinds = kinds_of(stars(2))
+    found = NodeCovers(replace(kinds, arm_ends=np.full((len(kinds.kinds), 3), 1 / 3)), {})
     here, there = found.strut(0, 0).ends
     assert Fraction(1 / 3) < Fraction(1, 3) and 3 * here > 1 and 3 * there < 2
 
@@ -260,9 +265,7 @@ def test_how_far_nodes_reach_is_proved_on_their_polynomials():
     found, far = covers([*TEE, (3, 0, 0), (3, 1, 0)], [(0, 1), (0, 2), (0, 3), (4, 5)]), tee()[2]
     assert far <= found.reach[0] < 1.02 * far
     assert not found.reach[1:].any()
-    cells, _ = found.held(0)
-    for ways in (np.zeros((0, 3)), 2 * np.eye(3) / far):
-        assert far <= np.linalg.norm(_held(cells, ways, far / 2)[1], axis=1).max() < 1.1 * far
+    assert far <= reach_of(_held(found.held(0), far / 2)) < 1.1 * far
 
 
 def test_what_is_proved_of_a_pair_is_so_of_those_that_are_placed_alike():
@@ -272,8 +275,8 @@ def test_what_is_proved_of_a_pair_is_so_of_those_that_are_placed_alike():
     rods = [(y, 1, 0), (y, -1, 0), (y - 0.2, 21, 0), (y - 0.2, 19, 0)]
     edges = [(4 * n, 4 * n + m) for n in range(6) for m in (1, 2, 3)]
     found = covers([*chain.from_iterable(nodes), *rods], [*edges, (24, 25), (26, 27)])
-    nodes = found.nodes_apart(np.array([0, 8, 16]), np.array([4, 12, 20]))
-    struts = found.struts_apart(np.array([0, 8]), np.array([18, 19]))
+    nodes = found.apart(np.array([0, 8, 16]), found.nodes, np.array([1, 3, 5]))
+    struts = found.apart(np.array([0, 8]), found.struts, np.array([18, 19]))
     assert [[apart is True for apart in some] for some in (nodes, struts)] == [[True, False, False], [True, False]]
 
 
@@ -283,7 +286,7 @@ def test_neighbours_are_apart_that_no_plane_across_their_strut_parts():
     points = [(0, 0, 0), other, *ways, *(other - ways)]
     net = network.Network(points, [(0, 1), (0, 2), (0, 3), (1, 4), (1, 5)], "1/8", "1/64")
     found = net.blend(1, "lowest")
-    reach = NodeCovers(net, found.kinds, found.blends).reach
+    reach = NodeCovers(found.kinds, found.blends).reach
     assert reach[0] > 1.25  # and the strut is 0.75 long
     assert found.certificate.proved, found.certificate
 
@@ -416,8 +419,8 @@ def test_struts_of_the_mesh_are_on_their_cylinders():
     mesh, tolerance = part().mesh(0.002), 0.002
     middles = mesh.points[mesh.triangles[mesh.faces == 1]].mean(axis=1)
     ends = frame().points[frame().edges]
-    apart = np.stack([segment_distances(np.stack([m, m], axis=1), np.broadcast_to(e, (len(m), 2, 3)))
-                      for e in ends for m in [middles]])  # fmt: skip
+    pairs = (nearest_points(np.stack([middles] * 2, axis=1), np.broadcast_to(e, (len(middles), 2, 3))) for e in ends)
+    apart = np.stack([np.linalg.norm(one - other, axis=1) for one, other in pairs])
     off = np.abs(apart.min(axis=0) - 0.1)
     assert 0 < off.max() < tolerance
 
@@ -468,14 +471,19 @@ def test_the_shortest_sides_of_rings_are_seen_from_the_next_one(even):
         assert 40 * places[0] == pytest.approx(2.48 if even else 1.06, rel=0.01)
 
 
+def own(strut):
+    """The number of points that a strut does not share with its nodes."""
+    return len(strut.points) - len(strut.shared)
+
+
 def test_struts_are_cut_into_rings_where_that_takes_few_triangles(monkeypatch):
     body = network.lattice("cubic", 1, "1/8").blend(degree="lowest")
     cut = body.mesh()
-    assert cut.certificate.proved and all(len(strut.points) for strut in body.pieces().struts)
+    assert cut.certificate.proved and all(map(own, body.pieces().struts))
     assert least_angle(cut.points[cut.triangles[cut.faces == 1]]) > 5
-    monkeypatch.setattr("pas.network.placing.FEW", 0.0)
-    plain = NetworkPart.of(body.network, 1, body.kinds, body.blends, None)
-    assert not any(len(strut.points) for strut in plain.pieces().struts)
+    monkeypatch.setattr("pas.network.sides.FEW", 0.0)
+    plain = NetworkPart.of(1, body.kinds, body.blends, None)
+    assert not any(map(own, plain.pieces().struts))
     assert len(plain.mesh().triangles) < len(cut.triangles) < 1.25 * len(plain.mesh().triangles)
     assert plain.volume == pytest.approx(body.volume, rel=1e-3)
 
@@ -484,7 +492,7 @@ def test_rings_of_long_struts_are_as_round_as_the_tolerance_asks():
     """Where rings as round as those of nodes are too many; bodies of files have no small angles there either."""
     body = network.lattice("cubic", 1, "1/12").blend(degree="lowest")
     mesh, (strut, *_) = body.mesh(), body.pieces().struts
-    assert len(strut.points) == 2 * 13 < 2 * len(body.pieces().nodes[strut.kinds[0]].rings[strut.slots[0]])
+    assert own(strut) == 2 * 13 < np.count_nonzero(strut.owners[: len(strut.shared)]) * 2
     assert mesh.certificate.proved and mesh.deviation <= mesh.tolerance
     assert least_angle(mesh.points[mesh.triangles[mesh.faces == 1]]) > 5
     assert all(least_angle(one.points[one.triangles]) > 5 for one, _ in body.bodies(MeshSettings()))
@@ -495,13 +503,14 @@ def test_rings_of_long_struts_are_as_round_as_the_tolerance_asks():
 def test_the_shorter_struts_are_cut_where_all_would_take_too_many_triangles():
     points = np.array([*np.ndindex(2, 2, 2)]) * (1, 1, 8)
     body = network.Network(points, cube().edges, "1/12", "1/64").blend(1, "lowest")
-    found = {tuple(np.abs(strut.vector)): len(strut.points) for strut in body.pieces().struts}
+    ways = [np.ptp(body.network.points[strut.copies[0]], axis=0) for strut in body.pieces().struts]
+    found = {tuple(way): own(strut) for way, strut in zip(ways, body.pieces().struts, strict=True)}
     assert found[0, 0, 8] == 0 and found[0, 1, 0] == found[1, 0, 0] == 26
     mesh = body.mesh()
     wide = [least_angle(corners[None]) > 5 for corners in mesh.points[mesh.triangles[mesh.faces == 1]]]
     assert 0 < wide.count(False) <= 4 * 48
-    nodes = [len(piece.triangles) for piece in body.pieces().nodes]
-    assert sum(len(s.edges) * 2 * len(s.points) for s in body.pieces().struts) <= np.dot(nodes, body.kinds.counts) / 4
+    nodes = sum(len(piece.triangles) * len(piece.copies) for piece in body.pieces().nodes)
+    assert sum(len(s.copies) * 2 * own(s) for s in body.pieces().struts) <= nodes / 4
 
 
 def test_bodies_in_many_places_make_the_whole(tmp_path):
@@ -668,8 +677,7 @@ def test_short_struts_are_shared():
     """Clips that would overlap leave 1/32 of the strut between them."""
     net = network.Network([(0, 0, 0), (2, 0, 0), (0, 2, 0), (2, 2, 0), (0, 5, 1)],
                           [(0, 1), (0, 2), (1, 3), (2, 4)], "9/10", "1/8")  # fmt: skip
-    placed = placed_ends(net, 1)
-    ends = placed.ends[placed.of[net.edges], placed.slots].sum(axis=1)
+    ends = placed_ends(net, 1).ends.sum(axis=1)
     assert (ends <= 62 / 64).all()
     assert ends.max() > 0.9
 
@@ -784,9 +792,8 @@ def test_a_short_strut_leaves_both_of_its_ends_what_they_need(length):
     points = [(0, 0, 0), (length, 0, 0), (-60, 80, 0), (-60, -80, 0), (10, 0, 100), (400, 40, 0), (400, -40, 0)]
     net = network.Network(points, [(0, 1), (0, 2), (0, 3), (0, 4), (1, 5), (1, 6)], 8, 1)
     kinds = placed_ends(net, 1)
-    ends = kinds.ends[kinds.of[net.edges], kinds.slots]
-    assert (ends * net.lengths[:, None] >= nearest(net, kinds) - 1e-9).all()
-    assert ends[0].sum() <= 62 / 64
+    assert (kinds.ends * net.lengths[:, None] >= nearest(kinds) - 1e-9).all()
+    assert kinds.ends[0].sum() <= 62 / 64
 
 
 def test_a_network_without_struts_has_no_classes():
@@ -813,6 +820,85 @@ WRONG = {
 }
 
 
+CLOSE = [
+    *[(-2, -32, 18), (98, -22, -178), (237, 117, 51), (152, 155, 30), (48, 76, -19), (-19, -9, 11), (0, 0, 0)],
+    *[(37, 182, -77), (34, 39, -274), (44, 28, -99), (-63, -24, -30), (-77, 5, 52), (-114, 31, 80), (14, -87, 56)],
+    (46, -194, 2),
+]
+CLOSE_EDGES = [
+    *[(0, 5), (0, 6), (0, 13), (0, 14), (1, 8), (1, 9), (2, 4), (3, 4), (3, 7), (5, 6), (5, 10), (5, 11), (4, 6)],
+    *[(4, 12), (6, 9), (7, 4), (8, 9), (4, 9), (10, 11), (11, 12), (13, 14)],
+]
+"""A node of a foam, and what is within two struts of it: clips that share short struts leave its four no room."""
+
+
+def close(radius="2048/315"):
+    return network.Network(CLOSE, CLOSE_EDGES, radius, 1)
+
+
+def test_nodes_without_room_are_told_before_anything_is_solved(monkeypatch):
+    monkeypatch.setattr(nodes, "blend", None)
+    with pytest.raises(network.NetworkError, match="the node 6: no layout keeps these 4 contacts apart") as caught:
+        close().blend()
+    (problem,) = caught.value.problems
+    assert (problem.kind, problem.ids, problem.struts) == ("no blend", (6,), (9,))
+    assert "repair(collapse=...) with the numbers in `struts`" in str(caught.value)
+    assert placed_ends(close(5), 1).ends.sum(axis=1).max() < 1
+
+
+def test_struts_that_are_named_become_points():
+    """As an error offers them, until every node has room; several in a row become one point."""
+    net = close()
+    with pytest.raises(network.NetworkError) as caught:
+        placed_ends(net, 1)
+    mended, changes = net.repair(collapse=caught.value.struts)
+    assert changes[0] == "strut 9, 23.73 long, became a point"
+    assert (len(mended.points), len(mended.edges)) == (14, 19)
+    assert placed_ends(mended, 1).ends.sum(axis=1).max() < 1
+    row = network.Network([(0, 0, 0), (10, 0, 0), (20, 0, 0), (120, 0, 0)], [(0, 1), (1, 2), (2, 3)], 1, 1)
+    mended, changes = row.repair(collapse=[1, 0])
+    assert mended.points.tolist() == [[10, 0, 0], [120, 0, 0]]
+    assert changes[:2] == ("strut 0, 10 long, became a point", "strut 1, 10 long, became a point")
+    with pytest.raises(ValueError, match="collapse must be a whole number from 0 to 2"):
+        row.repair(collapse=[3])
+
+
+def test_struts_that_cross_are_joined():
+    """The diagonals of a square end in its middle, with the radius that a cone has there; those that pass at a
+    distance half way between; of two that cross a third in turn both."""
+    points, edges, _ = WRONG["crossing"]
+    net = network.Network(points, edges, [("1/20", "1/10"), *["1/20"] * 4], "1/1000")
+    mended, changes = net.repair(join=True)
+    assert changes == ("the struts 0 and 1, which crossed, end in a point between them",)
+    assert mended.check() == ()
+    assert mended.points[-1].tolist() == [0.5, 0.5, 0]
+    assert len(mended.edges) == len(edges) + 2
+    assert {mended.radii[s] for s in mended.sizes[[0, 5]].ravel()} == {
+        Fraction(1, 20),
+        Fraction(3, 40),
+        Fraction(1, 10),
+    }
+    apart = network.Network([(-100, 0, 0), (100, 0, 0), (0, -100, 6), (0, 100, 6)], [(0, 1), (2, 3)], 4, 1)
+    mended, _ = apart.repair(join=True)
+    assert mended.points[-1].tolist() == [0, 0, 3]
+    ladder = [*apart.points, (50, -100, 0), (50, 100, 0)]
+    mended, changes = network.Network(ladder, [(0, 1), (2, 3), (4, 5)], 4, 1).repair(join=True)
+    assert len(changes) == 2
+    assert mended.check() == ()
+    assert (mended.pieces, len(mended.edges)) == (1, 7)
+
+
+@pytest.mark.slow  # 13 blends
+def test_a_command_collapses_what_has_no_room(tmp_path, capsys):
+    source = close().write(tmp_path / "close.npz")
+    how = ["network", "build", str(source), "--grid", "1", "--degree", "lowest", "-o", str(tmp_path / "close.3mf")]
+    assert main(how) == 2
+    assert "the node 6: no layout keeps these 4 contacts apart" in capsys.readouterr().err
+    assert main([*how, "-o", str(tmp_path / "mended.npz"), "--collapse"]) == 0
+    assert len(network.Network.read(tmp_path / "mended.npz").points) == 14
+    assert "strut 9, 23.73 long, became a point" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("kind", WRONG)
 def test_what_is_wrong_is_said_with_numbers(kind):
     points, edges, sentence = WRONG[kind]
@@ -834,9 +920,11 @@ def test_what_is_asked_of_a_whole():
 
 def cleared(net, reach=0.0, ends=0.0):
     """The verdict on what meets, of nodes that reach so far and struts that are straight from and to such ends."""
-    found = NodeCovers(net, kinds_of(net), {})
-    reach, ends = np.broadcast_to(reach, len(net.points)), np.broadcast_to(ends, net.edges.shape)
-    vars(found).update(reach=reach, ends=ends)
+    kinds = kinds_of(net)
+    table = np.zeros((len(kinds.kinds), 3))
+    table[kinds.of[net.edges], kinds.slots] = ends
+    found = NodeCovers(replace(kinds, arm_ends=table), {})
+    vars(found).update(reach=np.broadcast_to(reach, len(net.points)), apart=lambda *pairs: [False] * len(pairs[-1]))
     return clearance(net, found)[0]
 
 

@@ -195,6 +195,19 @@ def points_of(points: ArrayLike, name: str = "points") -> Floats:
     return array
 
 
+def set_fields(made: Any, **fields: Any) -> None:
+    """What a frozen object was given, as it keeps it: for its constructor alone."""
+    for name, value in fields.items():
+        object.__setattr__(made, name, value)
+
+
+def check_count(given: Any, count: int, must: str, without: type[Exception] = TypeError) -> None:
+    """Raise `ValueError` for a text and for another number of things than there `must` be, and an error of some type
+    for what has no number."""
+    if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != count:
+        raise (ValueError if hasattr(given, "__len__") else without)(f"{must}, not {shown(given)}")
+
+
 def check_names(names: Iterable[Any]) -> None:
     """Raise `ValueError` for a name of a face that is no text, or an empty one, as walls have."""
     for name in names:

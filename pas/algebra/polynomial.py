@@ -129,6 +129,10 @@ class Polynomial:
         """Gradients at `points` (..., 3), shape (..., 3)."""
         return self._evaluate(points, self._columns[:, 1:])
 
+    def jets(self, points: ArrayLike) -> Floats:
+        """Values and gradients at `points` (..., 3), shape (..., 4)."""
+        return self._evaluate(points, self._columns)
+
     def hessian(self, points: ArrayLike) -> Floats:
         """Matrices of second derivatives at `points` (..., 3), shape (..., 3, 3)."""
         degree = max(self.degree, 0)

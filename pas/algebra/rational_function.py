@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
@@ -110,10 +110,9 @@ class RationalFunction:
 
     def substitute(self, first: RationalFunction, second: RationalFunction) -> RationalFunction:
         """Exact substitution for the two parameters; raises `ValueError` where it divides by zero."""
-        over = lcm(first.denominator, second.denominator)
-        top = [f.numerator * (over / f.denominator) for f in (first, second)]
+        tops, over = over_common((first, second))
         highest = self.degree
-        parts = [homogenised(p.to_dict(), [*top], over, highest) for p in (self.numerator, self.denominator)]
+        parts = [homogenised(p.to_dict(), tops, over, highest) for p in (self.numerator, self.denominator)]
         return RationalFunction.quotient(parts[0], parts[1], first.names)
 
     def at(self, t: Exact, h: Exact) -> Fraction:
@@ -214,11 +213,14 @@ class RationalFunction:
 
 def total(functions: Sequence[RationalFunction]) -> RationalFunction:
     """The sum, over the least common denominator, reduced once."""
-    over = ONE
-    for f in functions:
-        over = lcm(over, f.denominator)
-    above = sum((f.numerator * (over / f.denominator) for f in functions), ONE * 0)
-    return RationalFunction.quotient(above, over, functions[0].names if functions else PARAMETERS)
+    tops, over = over_common(functions)
+    return RationalFunction.quotient(sum(tops, ONE * 0), over, functions[0].names if functions else PARAMETERS)
+
+
+def over_common(functions: Sequence[RationalFunction]) -> tuple[list[fmpq_mpoly], fmpq_mpoly]:
+    """The numerators of functions over their least common denominator, and that, up to a constant."""
+    over = reduce(_lcm, (f.denominator for f in functions), ONE)
+    return [f.numerator * (over / f.denominator) for f in functions], over
 
 
 def _divided(a: RationalFunction, b: RationalFunction) -> RationalFunction:
@@ -227,7 +229,7 @@ def _divided(a: RationalFunction, b: RationalFunction) -> RationalFunction:
     return RationalFunction.quotient(a.numerator * b.denominator, a.denominator * b.numerator)
 
 
-def lcm(a: fmpq_mpoly, b: fmpq_mpoly) -> fmpq_mpoly:
+def _lcm(a: fmpq_mpoly, b: fmpq_mpoly) -> fmpq_mpoly:
     """The least common multiple, up to a constant."""
     if a == b or b.is_constant():
         return a

@@ -37,7 +37,7 @@ def contact_verdict(surface: PiecewisePolynomial, number: int) -> Verdict:
     """Exact GC^k with one contact, alpha > 0 on its curve, the curve closed, regular and in its place."""
     claim, join = Proposition(surface, f"contact {number + 1} GC^{surface.order}"), surface.joins[number]
     if join.opening:
-        return opening_verdict(claim, join)
+        return _opening_verdict(claim, join)
     if not join.faces:
         return free_verdict(claim, join)
     for met in incidences(surface, join, surface.order):
@@ -144,7 +144,7 @@ def _inside_cone(join: Join, other: Join) -> bool:
     return bool(other.faces) and result.status is Status.PROVED
 
 
-def opening_verdict(claim: Proposition, join: Join) -> Verdict:
+def _opening_verdict(claim: Proposition, join: Join) -> Verdict:
     """Whether the surface meets the contact through which its region is open."""
     surface = claim.surface
     k = surface.order

@@ -30,7 +30,7 @@ from pas.arrays import Floats
 from pas.bernstein.forms import corner_points, nearby_forms, on_simplex
 from pas.bernstein.signs import SignResult, positive_on, prove_positive
 from pas.certify.certificate import Certificate, Proposition
-from pas.certify.contact_proofs import contact_verdict, opening_verdict
+from pas.certify.contact_proofs import contact_verdict
 from pas.certify.incidence import alpha_signs
 from pas.registry import Registry
 from pas.surface.function import PiecewisePolynomial
@@ -51,11 +51,12 @@ CLAIMS: Registry[Claim] = Registry("claim about surfaces", {})
 
 def certify(surface: PiecewisePolynomial) -> Certificate:
     """Prove everything that is promised of the surface."""
+    contacts = tuple(contact_verdict(surface, i) for i in range(len(surface.contacts)))
     return Certificate(
-        tuple(contact_verdict(surface, i) for i in range(len(surface.contacts))),
+        contacts,
         tuple(face_verdict(surface, i) for i in range(len(surface.partition.interior_faces))),
         sheet_verdict(surface),
-        enclosed_verdict(surface),
+        enclosed_verdict(surface, contacts),
         tuple(verdict for claim in CLAIMS.values() for verdict in claim.prove(surface)),
     )
 
@@ -95,8 +96,8 @@ def sheet_verdict(surface: PiecewisePolynomial) -> Verdict:
     return claim.settled(_where_used(surface, result), wrong, said)
 
 
-def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
-    """The surface leaves the region through its contact curves only."""
+def enclosed_verdict(surface: PiecewisePolynomial, contacts: Sequence[Verdict]) -> Verdict:
+    """The surface leaves the region through its contact curves only, the verdicts on its contacts being known."""
     claim = Proposition(surface, "enclosed")
     if not surface.partition.cells:
         return claim.undecided("there is no region")
@@ -119,8 +120,7 @@ def enclosed_verdict(surface: PiecewisePolynomial) -> Verdict:
     examined = walls.examined
     for number, join in enumerate(surface.joins, start=1):
         if join.opening:
-            found = opening_verdict(claim, join)
-            if not found.proved:
+            if not (found := contacts[number - 1]).proved:
                 return claim.undecided(f"contact {number}: {found.reason}")
             continue
         result = alpha_signs(surface, join, on_curve=False)

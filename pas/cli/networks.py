@@ -19,6 +19,7 @@ from pas.settings import MeshSettings
 
 if TYPE_CHECKING:
     from pas.network.network import Network
+    from pas.network.part import NetworkPart
 
 
 def run_network(options: argparse.Namespace) -> CommandResult:
@@ -73,12 +74,9 @@ def _build(network: Network, options: argparse.Namespace) -> CommandResult:
         if not options.resume and any(Path(options.blocks).glob("block-*.stl")):
             raise ValueError(f"{options.blocks} has blocks of an earlier run; go on with it by --resume, or empty it")
     clock, mesh = Clock(), settings_of(MeshSettings, options)
-    changes: tuple[str, ...] = ()
-    if options.collapse:
-        network, changes = network.repair(collapse=True)
     with _engine(options) as map_:
         with share(1 / 3):  # of the time, as blends, proofs and files of large networks take it
-            part = network.blend(options.order, options.degree, wall=options.wall, cache=options.cache, map=map_)
+            part, network, changes = _blended(network, options, map_)
         clock.passed("blend")
         with share(1 / 2):
             certificate = part.certificate
@@ -96,6 +94,26 @@ def _build(network: Network, options: argparse.Namespace) -> CommandResult:
     }
     lines = [*changes, str(part), *(f"not proved: {problem}" for problem in part.unproved), *written_lines(written)]
     return CommandResult("\n".join(lines), record, DONE if certificate.proved else FAILED)
+
+
+def _blended(
+    network: Network, options: argparse.Namespace, map_: Callable[..., Any]
+) -> tuple[NetworkPart, Network, tuple[str, ...]]:
+    """The body of a network that is repaired as wished, this one, and what was changed."""
+    from pas.network.graph import NetworkError
+
+    changes: tuple[str, ...] = ()
+    if options.collapse or options.join:
+        network, changes = network.repair(collapse=options.collapse, join=options.join)
+    while True:
+        try:
+            how = {"wall": options.wall, "cache": options.cache, "map": map_}
+            return network.blend(options.order, options.degree, **how), network, changes
+        except NetworkError as error:
+            if not options.collapse or not all(problem.struts for problem in error.problems):
+                raise
+            network, more = network.repair(collapse=error.struts, join=options.join)
+            changes += more
 
 
 @contextmanager

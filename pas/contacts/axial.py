@@ -9,7 +9,7 @@ from typing import Any, Literal
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.affine import away, height
-from pas.algebra.inputs import shown
+from pas.algebra.inputs import set_fields, shown
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact, Vector, VectorLike, dot, listed, plain, rational, to_float, vector
 from pas.contacts.contact import Contact, Movable
@@ -34,8 +34,7 @@ class Axial(Movable):
         """Make what was given exact, and check it; raises `ValueError` for a zero axis, and for semi-axes, if there are
         some, that are not two across the axis and one another."""
         exact = {name: rational(value, name) for name, value in numbers.items()}
-        for name, value in ({"axis": vector(axis, "axis"), "point": vector(point, "point")} | exact).items():
-            object.__setattr__(self, name, value)
+        set_fields(self, axis=vector(axis, "axis"), point=vector(point, "point"), **exact)
         if all(a == 0 for a in self.axis):
             raise ValueError("axis must not be the zero vector")
         if semiaxes is not None:

@@ -28,10 +28,11 @@ from pas.algebra.rational import (
     three,
     to_floats,
 )
-from pas.arrays import Floats, Integers
+from pas.arrays import Floats
 from pas.contacts.axial import Axial
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
+from pas.mesh.rows import along_lines
 
 FARTHEST = 64.0
 """How far along rays, over the size of what is looked at, surfaces are looked for."""
@@ -85,11 +86,7 @@ def first_met(surface: Polynomial, rays: Floats, size: float = 1.0) -> Floats:
     outside = values >= 0
     place = outside.argmax(axis=0)
     low, high = steps[np.maximum(place - 1, 0)], steps[place]
-
-    def jets(at: Floats, rows: Integers) -> tuple[Floats, Floats]:
-        points = rays[rows] * at[:, None]
-        return surface(points), np.asarray((surface.gradient(points) * rays[rows]).sum(axis=1))
-
+    jets = along_lines(lambda here, _: surface.jets(here), np.zeros_like(rays), rays)
     return np.where(outside.any(axis=0), sign_change(jets, low, high, (low + high) / 2), np.nan)
 
 

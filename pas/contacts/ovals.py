@@ -77,13 +77,12 @@ class Oval:
         return np.asarray(middle + areas @ (a + b) / (3 * areas.sum()))
 
 
-def settled(curve: Polynomial, points: Floats) -> Floats:
-    """Points (N, 3) brought onto a curve, across it, by Newton's method."""
-    # Newton steps that bring a predicted point onto the curve: from half a step's turn they reach rounding.
-    corrections = 3
+def settled(surface: Polynomial, points: Floats, corrections: int = 3) -> Floats:
+    """Points (N, 3) brought onto a surface, as one that cuts out a curve in a plane, by so many steps of Newton's
+    method: from half a step's turn on a curve three reach rounding."""
     for _ in range(corrections):
-        slopes = curve.gradient(points)
-        points = points - (curve(points) / (slopes**2).sum(axis=-1))[..., None] * slopes
+        slopes = surface.gradient(points)
+        points = points - (surface(points) / (slopes**2).sum(axis=-1))[..., None] * slopes
     return points
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from flint import fmpq, fmpq_mpoly
 
 from pas.algebra.affine import height, slope_at, translation
-from pas.algebra.inputs import shown
+from pas.algebra.inputs import set_fields, shown
 from pas.algebra.polynomial import GENERATORS, RING, Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, dot, minus, rational, three, to_float, to_floats
 from pas.arrays import Floats
@@ -45,8 +45,7 @@ class QuadricContact(Movable):
         found = Contact(_polynomial(quadric), clip)
         if found.surface.degree != 2:
             raise ValueError(f"quadric must be of degree 2, and {found.surface} is of degree {found.surface.degree}")
-        object.__setattr__(self, "quadric", found.surface)
-        object.__setattr__(self, "clip", found.clip)
+        set_fields(self, quadric=found.surface, clip=found.clip)
 
     @cached_property
     def contact(self) -> Contact:

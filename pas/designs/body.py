@@ -16,10 +16,12 @@ from pas.designs.exact import Design, points
 from pas.errors import GeometryError, warn
 from pas.solid.solid import Solid, patch
 
+X, Y, Z = map(Polynomial.from_raw, GENERATORS)
+
 
 def below(height: Fraction) -> Polynomial:
     """The polynomial `height - z`, which is positive below."""
-    return Polynomial(height) - Polynomial.from_raw(GENERATORS[2])
+    return Polynomial(height) - Z
 
 
 def filleted(
@@ -100,8 +102,7 @@ class Body(Design):
     @property
     def rim_curve(self) -> tuple[Polynomial, Polynomial]:
         """The circle in which the lid lies on the body, as the cylinder and the plane that it is on."""
-        x, y, _ = map(Polynomial.from_raw, GENERATORS)
-        return x**2 + y**2 - self.rim**2, -below(self.top)
+        return X**2 + Y**2 - self.rim**2, -below(self.top)
 
     def solid(self, upper_walls: tuple[Polynomial, ...], lower_walls: tuple[Polynomial, ...]) -> Solid:
         """The two patches with their joint, each within walls where others continue it."""

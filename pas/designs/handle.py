@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import cos, pi, sin, sqrt
 
-from pas.algebra.polynomial import GENERATORS, Polynomial
-from pas.designs.body import Body, filleted
+from pas.algebra.polynomial import Polynomial
+from pas.designs.body import Body, X, Y, Z, filleted
 from pas.designs.exact import Design, Point, closest, even
 from pas.errors import GeometryError
 from pas.solid.solid import Solid, patch
@@ -59,15 +59,14 @@ class Handle(Design):
         upper, lower = (self.middle + sign * self.half * self.size for sign in (1, -1))
         self._check("upper", upper, body.seam, "the seam of the body", body.top, "the lid")
         self._check("lower", lower, body.bottom, "the bottom", body.seam, "the seam of the body")
-        x, y, z = map(Polynomial.from_raw, GENERATORS)
-        start = x + self.start
+        start = X + self.start
         solid |= patch("handle loop", self._loop(), -start)
         for name, surface, height in (("upper", body.upper, upper), ("lower", body.lower, lower)):
-            tube = y**2 + (z - height) ** 2 - self.thickness**2
-            solid |= patch(f"handle {name} tube", tube, start, -x, surface)
+            tube = Y**2 + (Z - height) ** 2 - self.thickness**2
+            solid |= patch(f"handle {name} tube", tube, start, -X, surface)
             solid = solid.joined("handle loop", f"handle {name} tube", (tube, start), 1)
             names = f"body {name}", f"handle {name} tube", f"handle {name} fillet"
-            solid = filleted(solid, names, (surface, tube), (self.body_side, self.tube_side), -x)
+            solid = filleted(solid, names, (surface, tube), (self.body_side, self.tube_side), -X)
         return solid
 
     def walls(self) -> tuple[tuple[Polynomial, ...], tuple[Polynomial, ...]]:
@@ -75,10 +74,9 @@ class Handle(Design):
         return (), ()
 
     def _loop(self) -> Polynomial:
-        x, y, z = map(Polynomial.from_raw, GENERATORS)
         half = self.half * self.size
-        flat = ((x + self.start) / self.reach) ** 2 + (z - self.middle) ** 2
-        return (flat + y**2 + half**2 - self.thickness**2) ** 2 - flat * (4 * half**2)
+        flat = ((X + self.start) / self.reach) ** 2 + (Z - self.middle) ** 2
+        return (flat + Y**2 + half**2 - self.thickness**2) ** 2 - flat * (4 * half**2)
 
     def _check(self, name: str, height: Fraction, low: Fraction, floor: str, high: Fraction, ceiling: str) -> None:
         reach = self.thickness**2 + self.tube_side  # squared

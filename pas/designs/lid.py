@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import sqrt
 
-from pas.algebra.polynomial import GENERATORS, Polynomial
+from pas.algebra.polynomial import Polynomial
 from pas.contacts.contact import Contact, contact_ideal
-from pas.designs.body import Body, below
+from pas.designs.body import Body, X, Y, below
 from pas.designs.exact import Design
 from pas.errors import GeometryError
 from pas.solid.primitives import cylinder
@@ -115,9 +115,7 @@ class Lid(Design):
         return cone - below(start) ** 3 * (-cone.at((0, 0, self.height)) / (self.height - start) ** 3)
 
     def _dome(self, body: Body) -> Polynomial:
-        x, y, _ = map(Polynomial.from_raw, GENERATORS)
-        return (x**2 + y**2) * (self.dome / body.rim) ** 2 + below(body.top) ** 2 - self.dome**2
+        return (X**2 + Y**2) * (self.dome / body.rim) ** 2 + below(body.top) ** 2 - self.dome**2
 
     def _cone(self, body: Body) -> Polynomial:
-        x, y, _ = map(Polynomial.from_raw, GENERATORS)
-        return x**2 + y**2 - below(body.top + self.apex) ** 2
+        return X**2 + Y**2 - below(body.top + self.apex) ** 2

@@ -13,7 +13,7 @@ from typing import Any, TypedDict, Unpack
 from flint import fmpq
 
 from pas.algebra.brief import brief
-from pas.algebra.inputs import check_flag, shown
+from pas.algebra.inputs import check_flag, set_fields, shown
 from pas.algebra.rational import Exact, Vector, VectorLike, amount, listed, plain, rational, to_float, vector
 from pas.arrays import AnyArray
 from pas.errors import meant
@@ -59,8 +59,7 @@ class ValueAt:
     value: fmpq = fmpq(-1)
 
     def __init__(self, point: VectorLike, value: Exact = -1) -> None:
-        object.__setattr__(self, "point", vector(point, "point"))
-        object.__setattr__(self, "value", rational(value, "value"))
+        set_fields(self, point=vector(point, "point"), value=rational(value, "value"))
         if self.value == 0:
             raise ValueError("value must not be 0, or the zero function would be an answer")
 
@@ -187,8 +186,7 @@ class Wishes:
         settled["limits"] = None if self.limits is None else check_limits(self.limits)
         settled["basis"] = None if self.basis is None else _members(self.basis)
         settled |= {name: check_flag(getattr(self, name), name) for name in ("prove", "guard")}
-        for name, value in settled.items():
-            object.__setattr__(self, name, value)
+        set_fields(self, **settled)
         if not isinstance(self.normalize, Normalization):
             raise TypeError(
                 "normalize must be pas.MeanAlpha(), pas.SumOfCoefficients(), pas.UnitCoefficients() or "

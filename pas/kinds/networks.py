@@ -58,7 +58,7 @@ def _part(
         raise ValueError("inner must have the cavity of each blend of a network with a wall, and none without one")
     found = blends if thick is None else [HollowBlend(a, b) for a, b in zip(blends, inner, strict=True)]
     steps = None if thick is None else thick / network.grid
-    return NetworkPart.of(network, order, kinds, matched(network, kinds, order, found, steps), thick)
+    return NetworkPart.of(order, kinds, matched(kinds, order, found, steps), thick)
 
 
 NETWORK = Kind(

@@ -56,12 +56,23 @@ def with_clips(items: Sequence[Any], order: int, wanted: Layout | str | None = N
     """
     if not any(map(is_free, items)):
         return items
-    known = all(isinstance(item, Hashable) and not isinstance(item, tuple) for item in items)
-    ended, node = (_known_clips if known else _clipped)(tuple(items), order, wanted)
+    ended, node = _found(items, order, wanted)
     if node is not None:
         for sentence in unusual([ContactEnd.of(item, node.center) for item in ended]):
             warn(sentence)
     return ended
+
+
+def has_layout(items: Sequence[Any], order: int) -> bool:
+    """Whether a layout keeps contacts apart, those with the clip "auto" where `with_clips` ends them."""
+    if any(map(is_free, items)):
+        return _found(items, order, None)[1] is not None
+    return _served(list(map(as_contact, items)), order, None, False) is not None
+
+
+def _found(items: Sequence[Any], order: int, wanted: Layout | str | None) -> tuple[Sequence[Any], ContactNode | None]:
+    known = all(isinstance(item, Hashable) and not isinstance(item, tuple) for item in items)
+    return (_known_clips if known else _clipped)(tuple(items), order, wanted)
 
 
 def _clipped(

@@ -24,11 +24,11 @@ from pas.mesh.first import THIN, first_lattice, first_mesh, unsound
 from pas.mesh.grading import LARGEST, Settings
 from pas.mesh.hollowed import mesh_apart, mesh_hollowed, together, too_thick
 from pas.mesh.labelled import Labelled
-from pas.mesh.nodes import SAME, Nodes, contracted, flat_nodes, pinched_at, where_edges_cross
+from pas.mesh.nodes import SAME, Nodes, check_crossing_edges, contracted, flat_nodes, pinched_at
 from pas.mesh.octree import Octree
 from pas.mesh.projection import distances, newton, project
 from pas.mesh.quality import Quality
-from pas.mesh.refusals import FaceMesh, Made, Refusal, not_reached, too_many
+from pas.mesh.refusals import FaceMesh, RefusalError, attempted, not_reached, too_many
 from pas.mesh.remesher import Failure, Remesher
 from pas.mesh.rows import norms
 from pas.mesh.topology import connected
@@ -48,35 +48,39 @@ def triangulate_faces(
     """
     made = None if first is None else _from_first(first, field, tolerance, quality)
     found = _bounded(field, tolerance, quality) if made is None else made
-    if first is not None and isinstance(found, FaceMesh):
+    if first is not None:
         missing = {*first.labels.tolist()} - {*found.mesh.labels.tolist()}
         lost = sorted(field.face(label) for label in missing if _begins(first, field, tolerance, label))
         if lost:
-            found = Refusal(f"the solid could not be meshed: {', '.join(lost)} did not come out; set another tolerance")
-    if made is None and isinstance(found, FaceMesh):
-        found = _touching(found.mesh, field, tolerance) or found
-    return _finished(found)
+            raise RefusalError(
+                f"the solid could not be meshed: {', '.join(lost)} did not come out; set another tolerance"
+            )
+    if made is None:
+        _check_apart(found.mesh, field, tolerance)
+    return found
 
 
-def _from_first(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> Made | None:
+def _from_first(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> FaceMesh | None:
     """The mesh of a boundary from a first one that need not be good; None where it is not of all of the boundary, or
     that is no surface."""
     joined = _joined(first, field)
     mesh = joined and cleaned(joined, field, tolerance)
     if mesh is None or unsound(mesh, field, tolerance)[0]:
         return None
-    found = _refined(mesh, field, tolerance, quality)
-    if isinstance(found, Refusal) or not _bounding(found.mesh, field, tolerance):
+    found = attempted(partial(refined_faces, mesh, field, tolerance, quality))
+    if isinstance(found, RefusalError) or not _bounding(found.mesh, field, tolerance):
         return None
-    return _touching(found.mesh, field, tolerance) or found
+    _check_apart(found.mesh, field, tolerance)
+    return found
 
 
-def _touching(mesh: Labelled, field: FaceField, tolerance: float) -> Refusal | None:
-    """That pieces touch: in a vertex of one, near where one is nearest to faces of others, or where edges cross."""
+def _check_apart(mesh: Labelled, field: FaceField, tolerance: float) -> None:
+    """Raise `RefusalError` where pieces touch: in a vertex of one, near where one is nearest to faces of others, or
+    where edges cross."""
     pieces, room = connected(mesh.topology.edges, len(mesh.points)), 4 * tolerance  # between a vertex and such a face
     owners, close = pieces[mesh.triangles[:, 0]], SAME * extent_of(field)
     if pieces.max() == 0:
-        return None
+        return
     corners, labels = mesh.points[mesh.triangles], mesh.labels
     close_by = near_pairs(np.concatenate([corners - room, corners + room], axis=1))
     close_by = close_by[owners[close_by] @ (1, -1) != 0]
@@ -91,22 +95,22 @@ def _touching(mesh: Labelled, field: FaceField, tolerance: float) -> Refusal | N
         around = (on[:, None] + beside).reshape(-1, 3)
         around, begins = _beginning(field, around, np.full(len(around), label), 10 * close)
         if begins.any():
-            return pinched_at(field, around[begins][0])
+            raise pinched_at(field, around[begins][0])
         feet, begins = _beginning(field, near, np.full(len(near), label), room)
         gaps = np.where(begins, norms(near - feet), np.inf)
         nearest = np.argsort(gaps)[: min(PLACES, np.isfinite(gaps).sum())]
         trouble = diagnosis(field, feet[nearest], room)
         if trouble is not None and trouble.stays:
-            return Refusal(f"the solid could not be meshed: {trouble.sentence}")
+            raise RefusalError(f"the solid could not be meshed: {trouble.sentence}")
     edges, sides = mesh.topology.edge_table
     rows = np.flatnonzero((sides[:, 0] != sides[:, 1]) & np.isin(pieces[edges[:, 0]], owners[close_by]))
     if not len(rows):
-        return None
+        return
     ends = mesh.points[edges[rows]]
     pairs = near_pairs(np.concatenate([ends - room, ends + room], axis=1))
     pairs = pairs[pieces[edges[rows[pairs], 0]] @ (1, -1) != 0]
     reach = norms(np.diff(ends, axis=1)[:, 0])[pairs].min(axis=1)
-    return where_edges_cross(field, ends[pairs], sides[rows[pairs]].reshape(-1, 4), reach, room)
+    check_crossing_edges(field, ends[pairs], sides[rows[pairs]].reshape(-1, 4), reach, room)
 
 
 def _joined(mesh: Labelled, field: FaceField) -> Labelled | None:
@@ -154,33 +158,22 @@ def _beginning(field: FaceField, points: Floats, labels: Integers, reach: float)
     return placed, bounds_set(field, placed, labels)
 
 
-def refined_faces(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> FaceMesh:
-    """A closed mesh with the faces of a first one, otherwise as of `triangulate_faces`."""
-    return _finished(_refined(first, field, tolerance, quality))
-
-
-def _finished(found: Made) -> FaceMesh:
-    if isinstance(found, Refusal):
-        raise found.error
-    return found
-
-
-def _bounded(field: FaceField, tolerance: float, quality: Quality) -> Made:
+def _bounded(field: FaceField, tolerance: float, quality: Quality) -> FaceMesh:
     """The mesh of a boundary: of a shell from that of its solid where that does, of all else from lattices."""
     wall = field.wall()
     if wall is None:
         return _from_lattices(field, tolerance, quality)
-    mesh, refined = (partial(make, quality=quality) for make in (_bounded, _refined))
-    hollowed = mesh_hollowed(field, wall, tolerance, mesh, refined)
-    found = _from_lattices(field, tolerance, quality) if hollowed is None else hollowed
-    if not isinstance(found, Refusal):
+    mesh, refined = (partial(make, quality=quality) for make in (_bounded, refined_faces))
+    hollowed = attempted(partial(mesh_hollowed, field, wall, tolerance, mesh, refined))
+    lattices = partial(_from_lattices, field, tolerance, quality)
+    found = hollowed if isinstance(hollowed, FaceMesh) else attempted(lattices)
+    if isinstance(found, FaceMesh):
         return found
-    solid = _bounded(wall.solid, tolerance, quality)
-    reason = solid.sentence if isinstance(solid, Refusal) else too_thick(solid.mesh, wall)
-    return Refusal(reason) if reason else found
+    reason = too_thick(_bounded(wall.solid, tolerance, quality).mesh, wall)
+    raise RefusalError(reason) if reason else found
 
 
-def _from_lattices(field: FaceField, tolerance: float, quality: Quality) -> Made:
+def _from_lattices(field: FaceField, tolerance: float, quality: Quality) -> FaceMesh:
     """The mesh of a boundary from lattices, by the first of three ways that serves, or why the first that tells fails.
 
     These are: all of it at once, surface by surface, and without functions that others imply, if what is left bounds
@@ -188,37 +181,37 @@ def _from_lattices(field: FaceField, tolerance: float, quality: Quality) -> Made
     """
     octree, mesh = first_lattice(field), partial(_made, quality=quality)
 
-    def apart() -> Made | None:
+    def apart() -> FaceMesh | None:
         shells = field.shells()
         return mesh_apart(field, shells, tolerance, mesh) if len(shells) > 1 else None
 
-    def needed() -> Made | None:
+    def needed() -> FaceMesh | None:
         rest = field.needed(tolerance / 4)
-        found = None if rest is field else mesh(rest, tolerance)
-        if found is None or isinstance(found, Refusal):
-            return found
+        if rest is field:
+            return None
+        found = mesh(rest, tolerance)
         labelled = together(field, [rest], [found.mesh])
         return FaceMesh(labelled, found.deviation) if _bounding(labelled, field, tolerance) else None
 
     whole = partial(mesh, field, tolerance, octree=octree)
-    refusals = list[Refusal]()
+    refusals = list[RefusalError]()
     for way in (apart, whole, needed) if octree.open_share > THIN else (whole, apart, needed):
-        found = way()
-        if isinstance(found, Refusal):
+        found = attempted(way)
+        if isinstance(found, RefusalError):
             refusals.append(found)
         elif found is not None:
             return found
-    return refusals[0]
+    raise refusals[0]
 
 
-def _made(field: FaceField, tolerance: float, quality: Quality, octree: Octree | None = None) -> Made:
+def _made(field: FaceField, tolerance: float, quality: Quality, octree: Octree | None = None) -> FaceMesh:
     """The mesh of one field with the functions that it has."""
-    first = first_mesh(field, tolerance, octree)
-    return first if isinstance(first, Refusal) else _refined(first, field, tolerance, quality)
+    return refined_faces(first_mesh(field, tolerance, octree), field, tolerance, quality)
 
 
-def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> Made:
-    """A first mesh remeshed; refused where that is not sound."""
+def refined_faces(first: Labelled, field: FaceField, tolerance: float, quality: Quality) -> FaceMesh:
+    """A closed mesh with the faces of a first one, otherwise as of `triangulate_faces`; raises `RefusalError` where
+    it would not be sound."""
     ground = FaceGround(field, int(first.labels.max()) + 1, long=quality is not Quality.ANGLES)
     remesher = Remesher(ground, tolerance, Settings(folded=FOLD, flat=quality.flat))
     mesh = remesher.begun(first)
@@ -232,16 +225,16 @@ def _refined(first: Labelled, field: FaceField, tolerance: float, quality: Quali
     found = remesher.refined(mesh)
     if isinstance(found, Failure):
         if found.crowded:
-            return too_many(field.scale, found.triangles, LARGEST, tolerance, found.reached)
+            raise too_many(field.scale, found.triangles, LARGEST, tolerance, found.reached)
         trouble = diagnosis(field, found.place[None], found.size)
         why = "a face may have a singular point" if trouble is None else trouble.sentence
-        return not_reached(field, found.triangles, tolerance, found.reached, why)
+        raise not_reached(field, found.triangles, tolerance, found.reached, why)
     reason, _ = unsound(found.mesh, field, tolerance)
     if reason:
-        return Refusal(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
+        raise RefusalError(f"the tolerance {tolerance * field.scale:.3g} was not reached: {reason}")
     pairs, places = crossings(found.mesh.points, found.mesh.triangles)
     if len(pairs):
         names = " and ".join(sorted({repr(field.face(label)) for label in found.mesh.labels[pairs[0]].tolist()}))
         where = f"near {place_of(field, places[0])} triangles of {names} cross, as it is no thicker there"
-        return Refusal(f"the tolerance {tolerance * field.scale:.3g} was not reached: {where}; take a finer one")
+        raise RefusalError(f"the tolerance {tolerance * field.scale:.3g} was not reached: {where}; take a finer one")
     return found

@@ -22,8 +22,7 @@ from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import Nodes, contracted, find_nodes
 from pas.mesh.octree import NOWHERE
 from pas.mesh.projection import least_norm, newton, placing
-from pas.mesh.refusals import Refusal
-from pas.mesh.rows import cross, dots, norms
+from pas.mesh.rows import along_lines, cross, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, edge_table, pinched
 
@@ -72,11 +71,11 @@ class BoundaryCrossings:
         """The labels of the faces that it crosses."""
         return frozenset(self.crossed[1].tolist())
 
-    def mesh(self) -> Labelled | Floats | Refusal:
+    def mesh(self) -> Labelled | Floats:
         """The mesh, cut along the curves between faces, with crossings close to nodes merged.
 
         Where a face, a curve or a corner is not found so that a finer lattice is needed, the result is points
-        (K, 3) there; where none would do, why.
+        (K, 3) there.  Raises `RefusalError` where none would do.
         """
         if not len(self.edges):
             return _cut(np.empty((0, 3)), self.triangles, np.empty(0, dtype=np.intp))
@@ -87,10 +86,7 @@ class BoundaryCrossings:
         unclear, flat = _unclear(self.field, points, triangles, labels)
         nodes = Nodes(NOWHERE, np.empty(0))
         if 0 < len(unclear) + len(flat) <= MOST_UNCLEAR:
-            found = find_nodes(self.field, points, triangles, labels, unclear, flat)
-            if isinstance(found, Refusal):
-                return found
-            nodes = found
+            nodes = find_nodes(self.field, points, triangles, labels, unclear, flat)
         centers = points[triangles[unclear]].mean(axis=1)
         mesh, lost = _cut(points, triangles, labels), [centers[~nodes.reaches(centers)]]
         if len(nodes.points):
@@ -182,12 +178,7 @@ def _roots(field: FaceField, labels: Integers, a: Floats, b: Floats) -> Floats:
     first, last = field.jets(a, labels)[:, 0], field.jets(b, labels)[:, 0]
     turned = np.where(first <= 0, 1.0, -1.0)
     start = np.clip(first / np.where(first != last, first - last, 1.0), 0.0, 1.0)
-
-    def jets(at: Floats, rows: Integers) -> tuple[Floats, Floats]:
-        along = b[rows] - a[rows]
-        found = field.jets(a[rows] + at[:, None] * along, labels[rows])
-        return turned[rows] * found[:, 0], turned[rows] * dots(found[:, 1:], along)
-
+    jets = along_lines(lambda here, rows: turned[rows, None] * field.jets(here, labels[rows]), a, b - a)
     root_still = 1e-10  # the step of Newton's method along a lattice edge, over the edge's length, where it ends
     return sign_change(jets, np.zeros(len(a)), np.ones(len(a)), start, root_still)
 

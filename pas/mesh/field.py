@@ -22,6 +22,13 @@ class HasJets(Protocol):
         """Values and gradients (N, 4) at points (N, 3) of one label's function, or of each point's own (N,)."""
 
 
+class OneFunction(Protocol):
+    """One function."""
+
+    def jets(self, points: Floats) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3)."""
+
+
 @dataclass(frozen=True)
 class ShellWall:
     """What a shell is the wall of: a `solid`, hollowed out up to a thickness.

@@ -21,7 +21,7 @@ from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.octree import DEEPEST, MOST_CUBES, NOWHERE, OPEN, QUIET, Octree
 from pas.mesh.projection import cosines, least_norm, placing
-from pas.mesh.refusals import Refusal
+from pas.mesh.refusals import RefusalError
 from pas.mesh.rows import norms
 
 PARTS, HALVINGS, COMPARED = 25, 9, 3
@@ -39,7 +39,7 @@ PATIENCE, UNCLEAR = 3, 1000
 """Lattices that show no less trouble than the first of them, and cubes in which the boundary is not clear, after which
 a reason is looked for why it does not come out."""
 
-CROWDED = Refusal(f"the solid is empty or too thin for its size: its lattice needs more than {MOST_CUBES} cubes")
+CROWDED = f"the solid is empty or too thin for its size: its lattice needs more than {MOST_CUBES} cubes"
 
 
 def first_lattice(field: FaceField) -> Octree:
@@ -47,27 +47,23 @@ def first_lattice(field: FaceField) -> Octree:
     return Octree(field, extent_of(field) / PARTS)
 
 
-def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None) -> Labelled | Refusal:
+def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None) -> Labelled:
     """The mesh of the coarsest lattice that shows all faces soundly, and as all finer ones looked at do.
 
-    The `octree` to begin with is that of `first_lattice`, if it is known.
+    The `octree` to begin with is that of `first_lattice`, if it is known.  Raises `RefusalError` where no lattice does.
     """
     start = _cleared(field, first_lattice(field) if octree is None else octree)
-    if isinstance(start, Refusal):
-        return start
     ahead, failures, reason = [_Lattice(field, start)], list[tuple[int, int]](), ""
     for _ in range(HALVINGS):
         found = _shown(ahead, tolerance)
-        if not isinstance(found, tuple):
+        if isinstance(found, Labelled):
             return found
         (last, places), first = found, ahead[0].octree
         reason = last or reason
         if len(places):
             failures.append((first.count, len(places)))
             room = 3 * start.count + 30_000  # cubes that all lattices in which the boundary does not come out may have
-            ending = _given_up(field, first, failures, room, last, places)
-            if ending is not None:
-                return ending
+            _check_hope(field, first, failures, room, last, places)
         if not any(len(one.crossings.edges) for one in ahead):
             ahead = [ahead[-1].refined(least=QUIET)]
         elif len(places) or len(ahead) == 1:
@@ -75,12 +71,12 @@ def first_mesh(field: FaceField, tolerance: float, octree: Octree | None = None)
         else:
             ahead = ahead[1:]
     if not reason:
-        return Refusal(f"the solid is empty, or thinner everywhere than {ahead[-1].octree.finest}")
+        raise RefusalError(f"the solid is empty, or thinner everywhere than {ahead[-1].octree.finest}")
     trouble = diagnosis(field, places, ahead[0].octree.spacing)
-    return Refusal(_sentence(trouble, ahead[-1].octree, reason))
+    raise RefusalError(_sentence(trouble, ahead[-1].octree, reason))
 
 
-def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
+def _cleared(field: FaceField, octree: Octree) -> Octree:
     """A lattice, refined until something of the set is seen, and the boundary is clear in most of its cubes.
 
     Or until no smaller share is clear in a finer one, if that is small: along a curve on which two faces are nearly
@@ -93,20 +89,22 @@ def _cleared(field: FaceField, octree: Octree) -> Octree | Refusal:
         most_unseen = 30_000
         if octree.count > most_unseen or octree.levels == DEEPEST:
             where = f"with a lattice of {octree.finest} nothing of it is seen"
-            return Refusal(f"the solid is empty or too thin for its size: {where}")
+            raise RefusalError(f"the solid is empty or too thin for its size: {where}")
         octree = octree.refined(least=QUIET)
     while not octree.crowded and octree.open_share > MANY and octree.levels < DEEPEST:
         places = octree.open_places
         found = diagnosis(field, places, octree.spacing) if len(places) > UNCLEAR else None
         if found is not None and found.stays:
-            return Refusal(_sentence(found, octree))
+            raise RefusalError(_sentence(found, octree))
         finer = octree.refined()
         # Along curves there are twice as many in the next lattice, and on surfaces that come close four times as many.
         fewer, more = 0.7 * len(octree.open_places), 3 * len(octree.open_places)
         if not finer.crowded and octree.open_share < THIN and fewer <= len(finer.open_places) <= more:
             break
         octree = finer
-    return CROWDED if octree.crowded else octree
+    if octree.crowded:
+        raise RefusalError(CROWDED)
+    return octree
 
 
 @dataclass(frozen=True)
@@ -125,23 +123,21 @@ class _Lattice:
         return _Lattice(self.field, self.octree.refined(places, least))
 
 
-def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | Refusal | tuple[str, Floats]:
+def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | tuple[str, Floats]:
     """The mesh of the first of some lattices, to which finer ones are added until there are enough to compare it.
 
     Or why it shows no boundary that can be trusted, and the places (K, 3), if it is because of some.
     """
     field, first = ahead[0].field, ahead[0]
     if first.octree.crowded:
-        return CROWDED
+        raise RefusalError(CROWDED)
     raw = first.crossings.mesh()
-    if isinstance(raw, Refusal):
-        return raw
     if not isinstance(raw, Labelled):
         return f"near {place_of(field, raw[0])} too many faces meet", raw
     while len(ahead) < COMPARED and ahead[-1].octree.open_share > 0:
         ahead.append(ahead[-1].refined())
     if ahead[-1].octree.crowded:
-        return CROWDED
+        raise RefusalError(CROWDED)
     others = [other.crossings for other in ahead[1:]]
     if any(first.crossings.shape != other.shape for other in others):
         return "its pieces or holes are too small", NOWHERE
@@ -154,21 +150,21 @@ def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | Refusal | tupl
     return (reason, places) if reason else mesh
 
 
-def _given_up(
+def _check_hope(
     field: FaceField, octree: Octree, failures: list[tuple[int, int]], most: int, reason: str, where: Floats
-) -> Refusal | None:
-    """Why no finer lattice is looked at: those that failed had more cubes than `most`, or no less places than before.
+) -> None:
+    """Raise `RefusalError` where no finer lattice is looked at: those that failed had more cubes than `most`, or no
+    less places than before.
 
     Of each of them the cubes and places are given, and the reason and the places (K, 3) of the last.
     """
     cubes, places = zip(*failures, strict=True)
     spent = sum(cubes) > most
     if not spent and (len(failures) < PATIENCE or 2 * places[-1] <= places[-PATIENCE]):
-        return None
+        return
     found = diagnosis(field, where, octree.spacing)
-    if not spent and (found is None or not found.stays):
-        return None
-    return Refusal(_sentence(found, octree, reason))
+    if spent or (found is not None and found.stays):
+        raise RefusalError(_sentence(found, octree, reason))
 
 
 def _sentence(found: Diagnosis | None, octree: Octree, reason: str = "") -> str:

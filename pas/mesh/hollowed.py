@@ -33,7 +33,7 @@ from pas.mesh.first import unsound
 from pas.mesh.halfedges import following
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import newton, pair_normals, project, second_derivatives
-from pas.mesh.refusals import FaceMesh, Made, Refusal
+from pas.mesh.refusals import FaceMesh
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, is_closed_manifold
 
@@ -48,8 +48,8 @@ SMOOTH = 0.97
 
 
 def mesh_apart(
-    field: FaceField, shells: Sequence[FaceField], tolerance: float, mesh: Callable[[FaceField, float], Made]
-) -> Made | None:
+    field: FaceField, shells: Sequence[FaceField], tolerance: float, mesh: Callable[[FaceField, float], FaceMesh]
+) -> FaceMesh | None:
     """The mesh of all of a boundary from those of its surfaces, by `mesh(shell, tolerance)`.
 
     None where they cross, or there is no room between them.
@@ -60,8 +60,6 @@ def mesh_apart(
         aim, found = tolerance / 2**halving, list[tuple[FaceField, Labelled, float]]()
         for shell in shells:
             made = mesh(shell, aim)
-            if isinstance(made, Refusal):
-                return made
             found.append((shell, made.mesh, made.deviation))
         pairs = [(one, other) for (_, one, _), (other, _, _) in permutations(found, 2)]
         within = (other.inside(other.signs(one.points)) for one, other in pairs)
@@ -112,24 +110,20 @@ def mesh_hollowed(
     field: FaceField,
     wall: ShellWall,
     tolerance: float,
-    meshed: Callable[[FaceField, float], Made],
-    refined: Callable[[Labelled, FaceField, float], Made],
+    meshed: Callable[[FaceField, float], FaceMesh],
+    refined: Callable[[Labelled, FaceField, float], FaceMesh],
 ) -> FaceMesh | None:
     """The mesh of a shell, from that of the solid by `meshed(solid, tolerance)`, `refined`.
 
-    None where it does not come out.
+    None where it does not come out, or `RefusalError` is raised.
     """
     checkpoint("meshing both sides of a wall")
     aim = min(tolerance, SHARE * wall.thickness)
     outer = meshed(wall.solid, aim)
-    if isinstance(outer, Refusal):
-        return None
     first = Doubled(outer.mesh, wall).projected(field)
     if not is_closed_manifold(first.triangles) or unsound(first, field, aim)[0]:
         return None
     found = refined(first, field, aim)
-    if isinstance(found, Refusal):
-        return None
     mesh, middles = found.mesh, found.mesh.points[found.mesh.triangles].mean(axis=1)
     at = newton(middles, field, mesh.labels[:, None], np.full(len(middles), wall.thickness / 2))
     return found if bounds_set(field, at, mesh.labels).all() else None

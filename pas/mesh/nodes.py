@@ -25,7 +25,7 @@ from pas.limits import checkpoint
 from pas.mesh.field import FaceField, extent_of, place_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import distances, least_norm, least_solutions, newton, second_derivatives
-from pas.mesh.refusals import Refusal
+from pas.mesh.refusals import RefusalError
 from pas.mesh.rows import any_of, cross, norms
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, edge_table, numbered, pinched, same_places
@@ -77,11 +77,11 @@ def find_nodes(
     labels: Integers,
     places: Integers,
     flat: Integers,
-) -> Nodes | Refusal:
+) -> Nodes:
     """The nodes near triangles `places` of a mesh (T, 3) whose vertices are on faces of given labels.
 
-    Near triangles `flat`, in which two faces meet flatly, they are looked for where these two touch.  Refused where
-    the solid touches itself in a node.
+    Near triangles `flat`, in which two faces meet flatly, they are looked for where these two touch.  Raises
+    `RefusalError` where the solid touches itself in a node.
     """
     all_places = np.concatenate([places, flat])
     corners = points[triangles[all_places]]
@@ -104,35 +104,28 @@ def find_nodes(
         own = np.linalg.norm(found - found[row], axis=1) < SAME * extent
         near = own & ((owners < len(places)) | (np.arange(len(own)) == row))  # where flat, curves come out elsewhere
         radius = float(np.linalg.norm(centers[owners[near]] - found[row], axis=1).max() + size[owners[near]].max())
-        cone = _is_cone(field, found[row], float(size[owners[row]]))
-        if isinstance(cone, Refusal):
-            return cone
-        if cone:
+        if _is_cone(field, found[row], float(size[owners[row]])):
             nodes.append(found[row])
             reach.append(radius)
             done[owners[own]] = True
     return _apart(np.array(nodes).reshape(-1, 3), np.array(reach))
 
 
-def pinched_at(field: FaceField, point: Floats) -> Refusal:
+def pinched_at(field: FaceField, point: Floats) -> RefusalError:
     """That the boundary is no surface at a point (3,)."""
-    return Refusal(
+    return RefusalError(
         f"the solid could not be meshed: near {place_of(field, point)} it touches itself in a point or an edge, "
         "so that its boundary is no surface there; let its parts overlap or keep them apart"
     )
 
 
-def where_edges_cross(
-    field: FaceField, ends: Floats, functions: Integers, reach: Floats, room: float
-) -> Refusal | None:
-    """That the boundary is no surface where two edges (N, 2, 2, 3) cross, within `room` of both, on curves of functions
-    (N, 4); None where none do."""
+def check_crossing_edges(field: FaceField, ends: Floats, functions: Integers, reach: Floats, room: float) -> None:
+    """Raise `RefusalError` where two edges (N, 2, 2, 3) cross, within `room` of both, on curves of functions (N, 4), so
+    that the boundary is no surface there."""
     found = _solved(field, ends.mean(axis=(1, 2)), [*map(tuple, functions.tolist())], reach)
     inside = (found[:, None] >= ends.min(axis=2) - room) & (found[:, None] <= ends.max(axis=2) + room)
     for row in np.flatnonzero(inside.all(axis=(1, 2))):
-        if isinstance(cone := _is_cone(field, found[row], float(reach[row])), Refusal):
-            return cone
-    return None
+        _is_cone(field, found[row], float(reach[row]))  # or it raises
 
 
 def flat_nodes(field: FaceField, mesh: Labelled) -> Nodes:
@@ -187,13 +180,13 @@ def _solved(field: FaceField, starts: Floats, systems: list[tuple[int, ...]], re
     return result
 
 
-def _is_cone(field: FaceField, node: Floats, spacing: float) -> bool | Refusal:
-    """Whether the boundary is one sheet at a node, as its links show; refused where it is pinched there."""
+def _is_cone(field: FaceField, node: Floats, spacing: float) -> bool:
+    """Whether the boundary is one sheet at a node, as its links show; raises `RefusalError` where it is pinched."""
     if all(len(inside) == len(outside) == 1 for inside, outside in _links(field, node, spacing, AROUND_NODE)):
         return True
     finer = _links(field, node, spacing, 4 * AROUND_NODE)
     if all(max(len(inside), len(outside)) > 1 and min(*inside, *outside, PARTS) == PARTS for inside, outside in finer):
-        return pinched_at(field, node)
+        raise pinched_at(field, node)
     return False
 
 

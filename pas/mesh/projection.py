@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from pas.arrays import Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, HasJets, extent_of
+from pas.mesh.field import FaceField, HasJets, OneFunction, extent_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import cross, dots, norms, off_zero
 from pas.mesh.shading import unit_rows, uprightness
@@ -28,6 +29,22 @@ def distances(field: HasJets, points: Floats, labels: int | Integers) -> Floats:
     first order."""
     jets = field.jets(points, labels)
     return off_zero(jets[:, 0], jets[:, 1:])
+
+
+@dataclass(frozen=True, eq=False)
+class CommonZeros:
+    """Some functions by number, as Newton's method wants them."""
+
+    functions: Sequence[OneFunction]
+
+    def jets(self, points: Floats, labels: int | Integers) -> Floats:
+        """Values and gradients (N, 4) at points (N, 3) of one function, whose number stands once or N times."""
+        return self.functions[int(np.max(labels, initial=0))].jets(points)
+
+    def placed(self, points: Floats, reach: float = 0.05, steps: int = NEWTON_STEPS) -> Floats:
+        """Points (N, 3) moved to where all functions are zero, none further than `reach` a step: by default that of a
+        box in local coordinates, which is of size 1."""
+        return newton(points, self, range(len(self.functions)), np.full(len(points), reach), steps)
 
 
 def second_derivatives(field: FaceField, points: Floats, labels: Integers) -> Floats:

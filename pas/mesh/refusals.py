@@ -1,8 +1,10 @@
-"""What meshers return: a mesh with its distance from the surface, or why there is none, which is raised."""
+"""What meshers return: a mesh with its distance from the surface; and why there is none, which is raised."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -11,6 +13,8 @@ from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.projection import pair_normals
+
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -48,34 +52,31 @@ class FaceMesh:
         )
 
 
-@dataclass(frozen=True)
-class Refusal:
-    """Why a mesh was not made, in a sentence."""
-
-    sentence: str
-
-    @property
-    def error(self) -> MeshError:
-        """The error to raise."""
-        return MeshError(self.sentence)
+class RefusalError(MeshError):
+    """Why one of several ways made no mesh; of the last one it is what the user is told."""
 
 
-Made = FaceMesh | Refusal
+def attempted(make: Callable[[], Made]) -> Made | RefusalError:
+    """What is made by one way of several, or why it is not."""
+    try:
+        return make()
+    except RefusalError as refusal:
+        return refusal.with_traceback(None)  # in which all that was tried is kept
 
 
-def too_many(scale: float, triangles: int, most: int, tolerance: float, reached: float) -> Refusal:
+def too_many(scale: float, triangles: int, most: int, tolerance: float, reached: float) -> RefusalError:
     """That a tolerance, in units of so much of the user's, needs more than `most` triangles, and what is reached with
     some: with those of the coarsest mesh if these are more."""
     near = f"{reached * scale:.2g} is reached"
     some = f"{near} with {triangles}"
     if triangles > most:
         some = f"even the coarsest mesh has {triangles}, and {near} by it"
-    return Refusal(f"the tolerance {tolerance * scale:.3g} needs more than {most} triangles; {some}")
+    return RefusalError(f"the tolerance {tolerance * scale:.3g} needs more than {most} triangles; {some}")
 
 
-def not_reached(field: FaceField, triangles: int, tolerance: float, reached: float, why: str) -> Refusal:
+def not_reached(field: FaceField, triangles: int, tolerance: float, reached: float, why: str) -> RefusalError:
     """That a tolerance was not reached, and why."""
-    return Refusal(
+    return RefusalError(
         f"the tolerance {tolerance * field.scale:g} was not reached with {triangles} triangles "
         f"({reached * field.scale:.2g} was): {why}"
     )

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from pas.algebra.bracket import Jets
 from pas.arrays import Bools, Floats, Integers
 
 
@@ -25,6 +26,18 @@ def off_zero(values: Floats, gradients: Floats) -> Floats:
     return np.asarray(np.abs(values) / np.maximum(norms(gradients), 1e-300))
 
 
+def along_lines(jets: Callable[[Floats, Integers], Floats], starts: Floats, ways: Floats) -> Jets:
+    """The values and slopes of functions on lines from points along vectors (N, 3), by the numbers of lines; `jets`
+    gives values and gradients (K, 4) at points (K, 3) of lines that are numbered so (K,)."""
+
+    def along(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
+        own = ways.take(rows, axis=0)
+        found = jets(starts.take(rows, axis=0) + shares[:, None] * own, rows)
+        return found[:, 0], dots(found[:, 1:], own)
+
+    return along
+
+
 def cross(u: Floats, v: Floats) -> Floats:
     """Vector products of rows (N, 3); several times faster than `np.cross`."""
     x, y, z = u.T
@@ -36,6 +49,14 @@ def area_vectors(corners: Floats) -> Floats:
     """Vectors (T, 3) at right angles to triangles of corners (T, 3, 3), outwards, as long as twice their areas."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     return cross(b - a, c - a)
+
+
+def inside_sphere(corners: Floats, radius: float) -> float:
+    """How far triangles with corners (T, 3, 3) on a sphere about 0 are inside it at most: where their planes come
+    nearest to its centre."""
+    normals = area_vectors(corners)
+    heights = np.abs(dots(normals, corners[:, 0])) / np.maximum(norms(normals), 1e-300)
+    return float((radius - heights).max(initial=0.0))
 
 
 def spans(corners: Floats) -> tuple[Floats, Floats]:

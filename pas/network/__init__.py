@@ -8,10 +8,10 @@ Public names are those of `__all__`.
 
 from pas.network.blocks import EngineLostError
 from pas.network.certified_mesh import NetworkMesh
+from pas.network.classes import NodeClass
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.network.lattices import UnitCell, lattice, voronoi
 from pas.network.network import Network
-from pas.network.nodes import NodeClass
 from pas.network.part import NetworkPart
 
 __all__ = [

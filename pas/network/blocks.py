@@ -22,8 +22,6 @@ from pas.exchange.formats.plain import save_stl
 from pas.limits import checkpoint, in_parts
 from pas.network.placing import MeshShare, PlacedPieces
 
-FACES = ("nodes", "struts")
-
 PLAN = "blocks.json"
 """The file that tells of what mesh the blocks of a folder are."""
 
@@ -70,21 +68,11 @@ def write_blocks(pieces: PlacedPieces, folder: Path, struts: int, map_: Callable
     numbers = np.unique(block[pieces.kinds.of >= 0])
     paths = [folder / "block-{}-{}-{}.stl".format(*np.unravel_index(n, (across,) * 3)) for n in numbers.tolist()]
     _begin(folder, {"mesh": pieces.digest, "struts": struts, "blocks": [path.name for path in paths]})
-    nodes, edges = (_grouped(of, numbers) for of in (block, block[network.edges[:, 0]]))
-    jobs = [
-        (path.absolute(), pieces.share(mine, begun))
-        for path, mine, begun in zip(paths, nodes, edges, strict=True)
-        if not path.exists()
-    ]
+    shares = zip(paths, pieces.shares(np.searchsorted(numbers, block), len(paths)), strict=True)
+    jobs = [(path.absolute(), share) for path, share in shares if not path.exists()]
     for _ in results(map_, written, jobs, folder, "writing blocks"):
         pass
     return paths
-
-
-def _grouped(of: Any, numbers: Any) -> list[Any]:
-    """The places of each of some sorted numbers in an array."""
-    order = np.argsort(of, kind="stable")
-    return np.split(order, np.searchsorted(of[order], numbers[1:]))
 
 
 def _begin(folder: Path, plan: dict[str, Any]) -> None:

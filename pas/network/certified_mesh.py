@@ -25,33 +25,27 @@ class NetworkMesh(Mesh):
     @cached_property
     def certificate(self) -> Findings:
         """Whether it is a closed manifold, each node's mesh has the topology of its surface, and how far it is off."""
-        sides = [self.part, *([self.part.cavity] if self.part.cavity else [])]
         topology = Verdict(Status.PROVED, "the topology of every node", "by the meshes of their classes")
         distances = []
-        for side in sides:
-            said, distance = self._side(side)
-            distances.append(max([distance, *(strut.deviation for strut in side.pieces(self.tolerance).struts)]))
-            topology = topology if said is None else replace(topology, status=said.status, reason=said.reason)
+        for side in self.part.pieces(self.tolerance).sides:
+            distances.append(max(strut.deviation for strut in side.struts))
+            for one in self.part.classes:
+                if (blend := side.blends.get(one.kind.form.key)) is None:
+                    continue
+                found = blend.surface.mesh(side.tolerance / side.step).certificate
+                open_ = [verdict for verdict in found.verdicts if not (verdict.proved or verdict.measured)]
+                for verdict in open_:
+                    reason = f"{one}: {verdict.claim}: {verdict.reason}"
+                    topology = replace(topology, status=verdict.status, reason=reason)
+                # a mesh that may lack a part of its surface, though near to it where it is, is not near the body
+                off = np.inf if open_ or found.distance is None else side.step * found.distance
+                distances[-1] = max(distances[-1], off)
         bound = max(distances) + float(np.abs(self.points).max()) * 2.0**-50
         near = Verdict(Status.UNDECIDED, "near the surface", "of some class the distance is not proved")
         if np.isfinite(bound):
             reason = f"within {bound:.3g}: nodes by their classes, strips by their widest angle"
             near = Verdict(Status.PROVED, near.claim, reason)
         return Findings((manifold(self.triangles), topology, near, *self._apart(sum(distances))))
-
-    def _side(self, side: Any) -> tuple[Verdict | None, float]:
-        """What is not proved of the meshes of a body's nodes, outside or of its cavity, and how far off these are."""
-        failed, distance, step = None, 0.0, float(side.network.grid)
-        for one in side.classes:
-            if (blend := side.blend_of(one)) is None:
-                continue
-            found = blend.surface.mesh(self.tolerance / step).certificate
-            open_ = [verdict for verdict in found.verdicts if not (verdict.proved or verdict.measured)]
-            for verdict in open_:
-                failed = replace(verdict, reason=f"{one}: {verdict.claim}: {verdict.reason}")
-            # a mesh that may lack a part of its surface, though near to it where it is, is not near the body
-            distance = max(distance, np.inf if open_ or found.distance is None else step * found.distance)
-        return failed, distance
 
     def _apart(self, distance: float) -> Iterator[Verdict]:
         """Of a hollow body that the meshes of both its sides, so far off together, are apart."""

@@ -10,15 +10,20 @@ reflection; so kinds have one form iff one is the other turned.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
+from itertools import chain, permutations
 from typing import Any
 
 import numpy as np
+from flint import fmpz_mat
 
-from pas.algebra.rational import Vector, cross, dot, vector
+from pas.algebra.affine import Affine
+from pas.algebra.rational import dot, vector
 from pas.arrays import Floats, Integers, Numbers
+from pas.mesh.topology import MOST, first_rows, numbered
 from pas.network.graph import StrutGraph
 from pas.pipeline.session import linear_maps
 
@@ -41,31 +46,24 @@ class NodeKind:
     @cached_property
     def form(self) -> CanonicalForm:
         """Its canonical form, see above."""
-        exact = [self.exact(number) for number in range(len(self.arms))]
-        products = (self.vectors @ self.vectors.T).tolist()
-        frames: list[tuple[int, ...]] = [()]
-        told: list[tuple[int, ...]] = []
-        while len(frames[0]) < 3:
-            further = [
-                ((*arm[1:], products[i][i], *(products[i][j] for j in frame)), (*frame, i))
-                for frame in frames
-                for i, arm in enumerate(self.arms)
-                if _independent([exact[j] for j in (*frame, i)])
-            ]
-            if not further:
-                break
-            told.append(min(value for value, _ in further))
-            frames = [frame for value, frame in further if value == told[-1]]
-        written = [_written(self.arms, products, frame) for frame in frames]
-        best = min(rows for rows, _ in written)
-        same = [n for n, (rows, _) in enumerate(written) if rows == best]
-        rank = len(frames[0])
-        symmetries = (0, 0, 2 * len(same), len(same))[rank]
-        return CanonicalForm((tuple(told), best), written[same[0]][1], frames[same[0]], symmetries)
+        arms, products = range(len(self.arms)), (self.vectors @ self.vectors.T).tolist()
+        rank = int(fmpz_mat(products).rank())
 
-    def exact(self, number: int) -> Vector:
-        """The vector of an arm."""
-        return vector(self.arms[number][0])
+        def row(i: int, frame: tuple[int, ...]) -> tuple[int, ...]:
+            return (*self.arms[i][1:], products[i][i], *(products[i][j] for j in frame))
+
+        told = {
+            frame: tuple(row(i, frame[:n]) for n, i in enumerate(frame))
+            for frame in permutations(arms, rank)
+            if fmpz_mat(rank, rank, [products[i][j] for i in frame for j in frame]).det()  # they are independent
+        }
+        least = min(told.values())
+        frames = [frame for frame, rows in told.items() if rows == least]
+        orders = [tuple(sorted(arms, key=lambda i: row(i, frame))) for frame in frames]
+        written = [tuple(row(i, frame) for i in order) for order, frame in zip(orders, frames, strict=True)]
+        best = min(written)
+        symmetries = (0, 0, 2, 1)[rank] * written.count(best)
+        return CanonicalForm((least, best), orders[written.index(best)], rank, symmetries)
 
     @cached_property
     def blended(self) -> bool:
@@ -80,59 +78,129 @@ class NodeKind:
 class CanonicalForm:
     """A kind's `key`, which it shares with the kinds that are it turned; how it is turned to that, and its symmetries.
 
-    `order` lists its arms in the order of the key, `frame` those of the frame, `rank` of these are independent;
-    `symmetries` is the number of rotations and reflections that take it to itself, 0 where there are infinitely many.
+    `order` lists its arms in the order of the key, `rank` is the dimension that they span; `symmetries` is the number
+    of rotations and reflections that take it to itself, 0 where there are infinitely many.
     """
 
     key: tuple[Any, ...]
     order: tuple[int, ...]
-    frame: tuple[int, ...]
+    rank: int
     symmetries: int
-
-    @property
-    def rank(self) -> int:
-        """The dimension that its arms span."""
-        return len(self.frame)
 
 
 @dataclass(frozen=True, eq=False)
 class Kinds:
-    """The kinds of a network: that of each point (N,), and which of its kind's arms each strut is at both ends (E, 2).
+    """The kinds of a network's nodes: that of each point (N,), and which of its kind's arms each strut is at both ends
+    (E, 2).
 
-    Points without struts have the kind -1.  `ends[kind, arm]` says where arms end, in parts of their vectors, once they
-    have been placed.
+    Points without struts have the kind -1.  `arm_ends[kind, arm]` says where arms end, in parts of their vectors, once
+    they have been placed.
     """
 
+    network: StrutGraph
     kinds: tuple[NodeKind, ...]
     of: Numbers
     slots: Numbers
-    ends: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    arm_ends: Floats = field(default_factory=lambda: np.zeros((0, 0)))
 
     @cached_property
-    def classes(self) -> dict[tuple[Any, ...], list[int]]:
-        """The numbers of the kinds of each class, by its key."""
+    def classes(self) -> dict[tuple[Any, ...], NodeClass]:
+        """The classes of the kinds, by their keys."""
         found: dict[tuple[Any, ...], list[int]] = {}
         for number, kind in enumerate(self.kinds):
             found.setdefault(kind.form.key, []).append(number)
-        return found
+        return {key: NodeClass(self, tuple(numbers)) for key, numbers in found.items()}
+
+    @property
+    def by_frequency(self) -> tuple[NodeClass, ...]:
+        """The classes, the most frequent first."""
+        return tuple(sorted(self.classes.values(), key=lambda one: -one.count))
 
     @cached_property
-    def counts(self) -> Integers:
-        """The number of points of each kind."""
-        return np.bincount(self.of[self.of >= 0], minlength=len(self.kinds))
+    def nodes(self) -> list[Numbers]:
+        """The points of each kind."""
+        return grouped(self.of, len(self.kinds))
 
-    def nodes(self, kinds: Sequence[int]) -> Numbers:
-        """The numbers of the points of some kinds."""
-        return np.flatnonzero(np.isin(self.of, kinds)).astype(np.int32)
+    @cached_property
+    def struts(self) -> tuple[Numbers, Integers]:
+        """The kind of each strut (E,), by the kinds of its nodes and its arms there, and the first of each."""
+        here, there = self.of[self.network.edges].T
+        return ranked([here, self.slots[:, 0], there, self.slots[:, 1]])
+
+    @property
+    def ends(self) -> Floats:
+        """Where each strut begins and ends (E, 2), in parts of its length."""
+        return np.asarray(self.at_ends(self.arm_ends))
+
+    def at_ends(self, table: Any, struts: Any = slice(None)) -> Any:
+        """What a table of the arms of all kinds (K, most arms) has for those of some struts at both ends (E, 2)."""
+        return table[self.of[self.network.edges[struts]], self.slots[struts]]
+
+
+@dataclass(frozen=True, eq=False)
+class NodeClass:
+    """Nodes that are one another turned, with the numbers of their kinds, of which the first stands for them."""
+
+    kinds: Kinds
+    numbers: tuple[int, ...]
+
+    @property
+    def kind(self) -> NodeKind:
+        """The kind that stands for it."""
+        return self.kinds.kinds[self.numbers[0]]
+
+    @cached_property
+    def nodes(self) -> Numbers:
+        """The numbers (M,) of the points of its nodes."""
+        return np.sort(np.concatenate([self.kinds.nodes[number] for number in self.numbers]))
+
+    @property
+    def count(self) -> int:
+        """The number of nodes."""
+        return len(self.nodes)
+
+    @property
+    def ends(self) -> tuple[float, ...] | None:
+        """Where its arms end, in parts of their vectors; None until they have been placed."""
+        known = self.kinds.arm_ends
+        return tuple(known[self.numbers[0], : len(self.kind.arms)].tolist()) if len(known) else None
+
+    @property
+    def circles(self) -> Floats:
+        """How far away the end of each arm is, and the radius there (n, 2), in the model's units."""
+        ends, vectors = np.array(self.ends), self.kind.vectors * float(self.kinds.network.grid)
+        here, there = np.array([[float(r) for r in radii] for _, *radii in self.struts]).T
+        return np.stack([ends * np.linalg.norm(vectors, axis=1), here + (there - here) * ends], axis=1)
+
+    @property
+    def struts(self) -> tuple[tuple[tuple[int, int, int], Fraction, Fraction], ...]:
+        """Vector in steps of the grid, and radii (the model's units) here and at the other end, of each arm."""
+        radii = self.kinds.network.radii
+        return tuple((vector, radii[size], radii[far]) for vector, size, far, _ in self.kind.arms)
+
+    @property
+    def symmetries(self) -> int:
+        """The number of rotations and reflections that take it to itself; 0 where there are infinitely many."""
+        return self.kind.form.symmetries
+
+    @property
+    def blended(self) -> bool:
+        """Whether it takes a blend: not at ends of struts, nor where one goes straight on."""
+        return self.kind.blended
+
+    def __str__(self) -> str:
+        sides = {0: "symmetric about an axis", 1: "no symmetry"}.get(self.symmetries, f"{self.symmetries} symmetries")
+        arms = len(self.kind.arms)
+        return f"{self.count} node{'s' * (self.count > 1)} of {arms} strut{'s' * (arms > 1)}, {sides}"
 
 
 def kinds_of(network: StrutGraph, clips: Any = AUTO) -> Kinds:
     """The kinds of the points of a network with given clips (E, 2), in 64ths of the struts or 0."""
     edges, count = network.edges, len(network.places)
     clips = np.broadcast_to(clips, edges.shape)
-    labels = network.sizes.T.ravel(), network.sizes[:, ::-1].T.ravel(), clips.T.ravel()
-    columns = [*(np.concatenate([way, -way]) for way in network.vectors.T), *labels]
-    codes, firsts = ranked(columns)
+    labels = network.sizes, network.sizes[:, ::-1], clips
+    ways = (np.concatenate([way, -way]) for way in network.vectors.T)
+    codes, firsts = ranked(chain(ways, (some.T.ravel() for some in labels)))
     owners = edges.T.ravel()
     order = np.lexsort((codes, owners))
     valence = network.valence
@@ -143,53 +211,37 @@ def kinds_of(network: StrutGraph, clips: Any = AUTO) -> Kinds:
     table = np.full((count, int(valence.max(initial=1))), -1, dtype=np.int32)
     table[owners, slots] = codes
     used = np.flatnonzero(valence)
-    of, first = ranked(list(table[used].T))
-    rows = np.stack([column[firsts] for column in columns], axis=1).tolist()
+    of, first = ranked(table[used].T)
+    end, strut = np.divmod(firsts, len(edges))
+    vectors = network.vectors[strut] * (1 - 2 * end[:, None])
+    rows = np.column_stack([vectors, *(some[strut, end] for some in labels)]).tolist()
     arms = [[rows[code] for code in table[node] if code >= 0] for node in used[first]]
     kinds = tuple(NodeKind(tuple(((x, y, z), *labels) for x, y, z, *labels in kind)) for kind in arms)
     kind_of = np.full(count, -1, dtype=np.int32)
     kind_of[used] = of
-    return Kinds(kinds, kind_of, slots.reshape(2, -1).T)
+    return Kinds(network, kinds, kind_of, slots.reshape(2, -1).T)
 
 
-def ranked(columns: Sequence[Any]) -> tuple[Numbers, Integers]:
+def ranked(columns: Iterable[Any]) -> tuple[Numbers, Integers]:
     """A number for each row of a table, equal for equal rows and in their order, and the first row of each number."""
-    codes = np.zeros(len(columns[0]), dtype=np.int32)
+    codes, size = np.zeros(1, dtype=np.int64), 1
     for column in columns:
-        ranks = _ranks(column)
-        if several := int(ranks.max(initial=0)):
-            codes = _ranks(codes * np.int64(several + 1) + ranks)
-    firsts = np.zeros(int(codes.max(initial=-1)) + 1, dtype=np.int64)
-    firsts[codes[::-1]] = np.arange(len(codes))[::-1]  # where a number is set again, the last one stays
-    return codes, firsts
+        values = np.subtract(column, column.min(initial=0), dtype=np.int64)
+        if size * (span := int(values.max(initial=0)) + 1) > MOST:
+            codes, values = numbered(codes)[1], numbered(values)[1]
+            size, span = (int(some.max(initial=0)) + 1 for some in (codes, values))
+        codes, size = codes * span + values, size * span
+    codes = numbered(codes)[1]
+    return codes.astype(np.int32), first_rows(codes, int(codes.max(initial=-1)) + 1)
 
 
-def _ranks(values: Any) -> Numbers:
-    """Which of the different whole numbers each is, the least first: by a table of them where they are close."""
-    least = int(values.min(initial=0))
-    span = int(values.max(initial=0)) - least + 1
-    if span > 4 * len(values):
-        return np.unique(values, return_inverse=True)[1].astype(np.int32)
-    known = np.zeros(span, dtype=np.int32)
-    known[values - least] = 1
-    return np.asarray((np.cumsum(known, dtype=np.int32) - 1)[values - least])
+def grouped(of: Any, count: int) -> list[Numbers]:
+    """Where each of the numbers below a count stands in an array, which has others only where it is -1."""
+    order = np.argsort(of, kind="stable").astype(np.int32)
+    return np.split(order, np.searchsorted(of[order], np.arange(count)))[1:]
 
 
-def _written(arms: Any, products: Any, frame: tuple[int, ...]) -> tuple[tuple[Any, ...], tuple[int, ...]]:
-    """All arms as products with a frame, sorted, and their order."""
-    rows = [(*arm[1:], products[i][i], *(products[i][j] for j in frame)) for i, arm in enumerate(arms)]
-    order = tuple(sorted(range(len(arms)), key=rows.__getitem__))
-    return tuple(rows[i] for i in order), order
-
-
-def _independent(vectors: Sequence[Any]) -> bool:
-    if len(vectors) == 1:
-        return any(vectors[0])
-    normal = cross(vectors[0], vectors[1])
-    return any(normal) if len(vectors) == 2 else bool(dot(normal, vectors[2]))
-
-
-def turn(before: NodeKind, after: NodeKind) -> tuple[Vector, Vector, Vector]:
+def turn(before: NodeKind, after: NodeKind) -> Affine:
     """The exact rotation or reflection that takes one kind to another of its class, arms in the order of the key."""
-    old, new = ([kind.exact(i) for i in kind.form.order] for kind in (before, after))
-    return linear_maps(old, new)[0][0].matrix
+    old, new = ([vector(kind.arms[i][0]) for i in kind.form.order] for kind in (before, after))
+    return linear_maps(old, new)[0][0]

@@ -20,6 +20,7 @@ from pas.algebra.rational import Exact, positive, to_fraction
 from pas.arrays import Floats, Integers, Numbers
 from pas.errors import GeometryError
 from pas.mesh.topology import connected
+from pas.network.near import Capsules, near
 
 LARGEST = 2**20
 """Components of a strut in the grid: their products in three factors fit into 64 bits with their sums."""
@@ -31,11 +32,15 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class NetworkProblem:
-    """What is wrong with a network: the kind in a word or two, the numbers of its points or struts, and a sentence."""
+    """What is wrong with a network: the kind in a word or two, the numbers of its points or struts, and a sentence.
+
+    `struts` are the numbers of those that may become points, which mends it (see `Network.repair`).
+    """
 
     kind: str
     ids: tuple[int, ...]
     sentence: str
+    struts: tuple[int, ...] = ()
 
     def __str__(self) -> str:
         return self.sentence
@@ -50,6 +55,11 @@ class NetworkError(GeometryError):
     def __init__(self, problems: Sequence[NetworkProblem]) -> None:
         super().__init__(told(problems))
         self.problems = tuple(problems)
+
+    @property
+    def struts(self) -> tuple[int, ...]:
+        """The numbers of all struts that may become points, by `repair(collapse=error.struts)`."""
+        return tuple(sorted({strut for problem in self.problems for strut in problem.struts}))
 
 
 def told(problems: Sequence[NetworkProblem]) -> str:
@@ -112,6 +122,25 @@ class StrutGraph:
         known = np.array([float(r) for r in self.radii])
         return known[self.sizes.max(axis=1)] if len(known) > 1 else np.broadcast_to(known, len(self.edges))
 
+    def capsules(self, ends: Floats | None = None) -> Capsules:
+        """The struts, or where they are straight, which is between `ends` (E, 2) in parts of their lengths."""
+        here, there = np.zeros((2, 1)) if ends is None else ends.T
+        middles, step = np.empty((len(self.edges), 3)), float(self.grid)
+        for axis in range(3):  # as all three together take twice as much memory
+            middles[:, axis] = self.vectors[:, axis] * (step * (1 + here - there) / 2)
+            middles[:, axis] += self.points[self.edges[:, 0], axis]
+        share = np.broadcast_to(step * (1 - here - there) / 2, len(self.edges))
+        far = float(self.lengths.max(initial=0) / 2 + self.thickness.max(initial=0))
+        return Capsules(middles, self.vectors, share, self.thickness, far, self.edges)
+
+    @cached_property
+    def crossings(self) -> list[tuple[int, int, float]]:
+        """Struts without a common point that come nearer than their radii: two numbers and the distance of their
+        axes."""
+        struts = self.capsules()
+        found = (zip(*(column.tolist() for column in rows), strict=True) for rows in near(struts, struts, self.slack))
+        return [pair for pairs in found for pair in pairs]
+
     @property
     def even(self) -> bool:
         """Whether all struts have one radius, so that they are cylinders."""
@@ -130,6 +159,14 @@ class StrutGraph:
     def valence(self) -> Numbers:
         """The number of struts at each point (N,)."""
         return np.bincount(self.edges.ravel(), minlength=len(self.places)).astype(np.int32)
+
+    @cached_property
+    def shortest(self) -> Integers:
+        """The number of the shortest strut at each point (N,), -1 where there is none."""
+        found = np.full(len(self.places), -1)
+        order = np.argsort(-self.lengths, kind="stable")
+        found[self.edges[order].ravel()] = order.repeat(2)  # of several at one point the last one stays
+        return found
 
     @property
     def pieces(self) -> int:

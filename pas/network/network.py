@@ -11,9 +11,8 @@ import numpy as np
 from pas.algebra.rational import Exact
 from pas.limits import WorkLimits, limited
 from pas.network import files, nodes, problems
-from pas.network.classes import kinds_of
+from pas.network.classes import NodeClass, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
-from pas.network.nodes import NodeClass
 from pas.network.part import NetworkPart
 
 
@@ -60,19 +59,21 @@ class Network(StrutGraph):
         """
         return problems.check(self, whole)
 
-    def repair(self, *, collapse: bool = False) -> tuple[Network, tuple[str, ...]]:
+    def repair(self, *, collapse: bool | Sequence[int] = False, join: bool = False) -> tuple[Network, tuple[str, ...]]:
         """The network without what is surely a mistake, and a sentence on each change with the numbers before it.
 
         Struts from a point to itself go, of several between two points the thickest stays, points in one place become
         one, points without struts go.  With `collapse` struts too short for any blend at their ends become a point
         in their middle, until there are none; then the shortest between the ends of two at too small an angle, or of
-        two that cross and are thicker than it is long.
+        two that cross and are thicker than it is long.  Numbers of struts, such as those that `NetworkError.struts`
+        offers where nodes have no blend, become points before all others.  With `join` struts that still cross end in
+        a point between them.  Raises `ValueError` for the number of no strut.
         """
-        return problems.repair(self, collapse)
+        return problems.repair(self, collapse, join)
 
     def classes(self) -> tuple[NodeClass, ...]:
         """The classes of congruent nodes, the most frequent first: struts, radii, symmetries, numbers of points."""
-        return nodes.classes_of(kinds_of(self), self)
+        return kinds_of(self).by_frequency
 
     @limited("blending a network", "fewer cells, or a lower order")
     def blend(
@@ -102,7 +103,7 @@ class Network(StrutGraph):
             raise NetworkError(wrong)
         kinds = nodes.placed_ends(self, order)
         steps = None if thick is None else thick / self.grid
-        return NetworkPart.of(self, order, kinds, nodes.blends(self, kinds, order, degree, steps, cache, map), thick)
+        return NetworkPart.of(order, kinds, nodes.blends(kinds, order, degree, steps, cache, map), thick)
 
     def write(self, path: str | Path, *, unit: str | None = None) -> Path:
         """Write the graph itself: as beams (.3mf), arrays (.npz) or a table (.csv); returns the path."""

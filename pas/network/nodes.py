@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -20,15 +20,16 @@ import numpy as np
 
 from pas.algebra.inputs import check_order
 from pas.algebra.rational import rational
-from pas.arrays import Floats, Numbers
+from pas.arrays import Floats
+from pas.blending.place import place
 from pas.contacts.contact import Contact, as_contact
 from pas.contacts.endless import Cone, Pipe
-from pas.errors import PasError, ProjectFileError
+from pas.errors import GeometryError, PasError, ProjectFileError
 from pas.exchange.files import make_folder
-from pas.layouts.clips import with_clips
+from pas.layouts.clips import has_layout, with_clips
 from pas.limits import checkpoint
 from pas.network.blocks import results
-from pas.network.classes import AUTO, Kinds, NodeKind, kinds_of
+from pas.network.classes import AUTO, Kinds, NodeClass, NodeKind, kinds_of
 from pas.network.graph import NetworkError, NetworkProblem, StrutGraph
 from pas.network.problems import graph_problems, nearest
 from pas.pipeline.blend import blend
@@ -46,54 +47,6 @@ Degree = int | Literal["lowest"] | None
 Node = Blend | HollowBlend[Blend]
 
 
-@dataclass(frozen=True, eq=False)
-class NodeClass:
-    """Nodes that are one another turned: the `kind` that stands for them, and the numbers (M,) of their points.
-
-    `ends` are where its arms end, in parts of their vectors; None until they have been placed.
-    """
-
-    kind: NodeKind
-    nodes: Numbers
-    radii: tuple[Fraction, ...]
-    ends: tuple[float, ...] | None = None
-
-    @property
-    def count(self) -> int:
-        """The number of nodes."""
-        return len(self.nodes)
-
-    @property
-    def struts(self) -> tuple[tuple[tuple[int, int, int], Fraction, Fraction], ...]:
-        """Vector in steps of the grid, and radii (the model's units) here and at the other end, of each arm."""
-        return tuple((vector, self.radii[size], self.radii[far]) for vector, size, far, _ in self.kind.arms)
-
-    @property
-    def symmetries(self) -> int:
-        """The number of rotations and reflections that take it to itself; 0 where there are infinitely many."""
-        return self.kind.form.symmetries
-
-    @property
-    def blended(self) -> bool:
-        """Whether it takes a blend: not at ends of struts, nor where one goes straight on."""
-        return self.kind.blended
-
-    def __str__(self) -> str:
-        sides = {0: "symmetric about an axis", 1: "no symmetry"}.get(self.symmetries, f"{self.symmetries} symmetries")
-        arms = len(self.kind.arms)
-        return f"{self.count} node{'s' * (self.count > 1)} of {arms} strut{'s' * (arms > 1)}, {sides}"
-
-
-def classes_of(kinds: Kinds, network: StrutGraph) -> tuple[NodeClass, ...]:
-    """The classes of the kinds of a network, the most frequent first."""
-    made = []
-    for numbers in kinds.classes.values():
-        first = kinds.kinds[numbers[0]]
-        ends = tuple(kinds.ends[numbers[0], : len(first.arms)].tolist()) if len(kinds.ends) else None
-        made.append(NodeClass(first, kinds.nodes(numbers), network.radii, ends))
-    return tuple(sorted(made, key=lambda one: -one.count))
-
-
 def placed_ends(network: StrutGraph, order: int) -> Kinds:
     """The kinds of all nodes with the ends of their arms, see above.
 
@@ -103,17 +56,18 @@ def placed_ends(network: StrutGraph, order: int) -> Kinds:
     if wrong := tuple(graph_problems(network)):
         raise NetworkError(wrong)
     clips = np.zeros((len(network.edges), 2), dtype=np.int32)
-    known: dict[Any, tuple[float, ...]] = {}
+    known: dict[Any, _Ends] = {}
     seen: dict[NodeKind, NodeKind] = {}  # whose forms are known from the rounds before
     while True:
         kinds = kinds_of(network, clips)
         kinds = replace(kinds, kinds=tuple(seen.setdefault(kind, kind) for kind in kinds.kinds))
-        ends = _ends(kinds, network, order, known)
-        at = ends[kinds.of[network.edges], kinds.slots]
+        kinds = replace(kinds, arm_ends=_arm_ends(kinds, order, known))
+        at = kinds.ends
         short = at.sum(axis=1) > (PARTS - STRAIGHT) / PARTS
         if not short.any():
-            return replace(kinds, ends=ends)
-        needed = nearest(network, kinds)[short] / network.lengths[short, None]
+            _check_layouts(kinds, order, known)
+            return kinds
+        needed = nearest(kinds)[short] / network.lengths[short, None]
         least = np.ceil(PARTS * np.minimum(needed, at[short]))
         shared = (PARTS - STRAIGHT) * at[short] / at[short].sum(axis=1, keepdims=True)
         shared = np.floor(np.minimum(np.maximum(shared, least), PARTS - STRAIGHT - least[:, ::-1])).astype(np.int32)
@@ -121,53 +75,90 @@ def placed_ends(network: StrutGraph, order: int) -> Kinds:
             numbers = np.flatnonzero(short)[fixed].tolist()
             said = "strut {} from point {} to {} is too short for the blends at its ends"
             told = [(n, said.format(n, *network.edges[n].tolist())) for n in numbers]
-            raise NetworkError([NetworkProblem("too short", (n,), sentence) for n, sentence in told])
+            raise NetworkError([NetworkProblem("too short", (n,), sentence, (n,)) for n, sentence in told])
         clips[short] = np.maximum(shared, at[short] > 0)
 
 
-def _ends(kinds: Kinds, network: StrutGraph, order: int, known: dict[Any, tuple[float, ...]]) -> Floats:
+@dataclass(frozen=True)
+class _Ends:
+    """Where the arms of a class end, in the order of its form, and whether a layout keeps them apart."""
+
+    parts: tuple[float, ...]
+    apart: bool
+
+
+def _arm_ends(kinds: Kinds, order: int, known: dict[Any, _Ends]) -> Floats:
     """The ends of all kinds (K, most arms), those of a class found once; raises `NetworkError`."""
     table = np.zeros((len(kinds.kinds), max((len(kind.arms) for kind in kinds.kinds), default=0)))
     problems = []
-    for key, numbers in kinds.classes.items():
-        first = kinds.kinds[numbers[0]]
+    for key, one in kinds.classes.items():
         if key not in known:
             checkpoint(f"placing the ends of {len(kinds.classes)} classes of nodes")
             try:
-                pipes = pipes_of(first, network, order)
-                known[key] = tuple(float(pipes[i].clip) for i in first.form.order)
+                arms = _arms(one, [clip / PARTS if clip != AUTO else None for *_, clip in one.kind.arms])
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore", UserWarning)  # on clips that are far out, which networks share
+                    pipes = with_clips(arms, order)
+                parts = tuple(float(pipes[i].clip) for i in one.kind.form.order)
+                known[key] = _Ends(parts, not one.blended or has_layout(arms, order))
             except PasError as error:
-                problems.append(of_nodes("no blend", kinds.nodes(numbers), error))
+                problems.append(no_blend(one, error))
                 continue
-        for number in numbers:
-            table[number, list(kinds.kinds[number].form.order)] = known[key]
+        for number in one.numbers:
+            table[number, list(kinds.kinds[number].form.order)] = known[key].parts
     if problems:
         raise NetworkError(problems)
     return table
 
 
-def of_nodes(kind: str, points: Numbers, said: object) -> NetworkProblem:
-    """What is wrong with some nodes, with the numbers of the first three in the sentence."""
-    nodes = tuple(points.tolist())
+def _check_layouts(kinds: Kinds, order: int, known: dict[Any, _Ends]) -> None:
+    """Raise `NetworkError` for the classes whose arms no layout keeps apart where they end: blends, which take much
+    longer than finding that, have none either."""
+    problems = []
+    for key, one in kinds.classes.items():
+        if not known[key].apart:
+            try:
+                place(pipes_of(one), order)
+            except GeometryError as error:
+                problems.append(no_blend(one, error))
+    if problems:
+        raise NetworkError(problems)
+
+
+def of_nodes(kind: str, one: NodeClass, said: object, struts: tuple[int, ...] = ()) -> NetworkProblem:
+    """What is wrong with the nodes of a class, with the numbers of the first three in the sentence."""
+    nodes = tuple(one.nodes.tolist())
     told = ", ".join(map(str, nodes[:3])) + (f" and {len(nodes) - 3} more" if len(nodes) > 3 else "")
-    return NetworkProblem(kind, nodes, f"the node{'s' * (len(nodes) > 1)} {told}: {said}")
+    return NetworkProblem(kind, nodes, f"the node{'s' * (len(nodes) > 1)} {told}: {said}", struts)
 
 
-def pipes_of(kind: NodeKind, network: StrutGraph, order: int) -> list[Pipe | Cone]:
-    """The arms of a kind as pipes or cones with ends, in steps of the grid; raises `GeometryError` where there is no
-    room."""
+def no_blend(one: NodeClass, why: object) -> NetworkProblem:
+    """That there is no blend for the nodes of a class; the shortest strut of each may become a point."""
+    struts = tuple(np.unique(one.kinds.network.shortest[one.nodes]).tolist())
+    advice = "thinner struts may fit, or repair(collapse=...) with the numbers in `struts` makes the shortest points"
+    return of_nodes("no blend", one, f"{why}; {advice}", struts)
+
+
+def pipes_of(one: NodeClass) -> list[Pipe | Cone]:
+    """The arms of a class that was placed as pipes or cones with their ends, in steps of the grid."""
+    assert one.ends is not None
+    return _arms(one, one.ends)
+
+
+def _arms(one: NodeClass, ends: Sequence[float | None]) -> list[Pipe | Cone]:
+    """The arms of a class, in steps of the grid, with ends in parts of their vectors; where a node that takes a blend
+    has none, wherever there is room."""
+    network = one.kinds.network
     radii, items = [radius / network.grid for radius in network.radii], list[Pipe | Cone]()
-    for vector, size, far, clip in kind.arms:
+    for (vector, size, far, _), end in zip(one.kind.arms, ends, strict=True):
         cone = size != far
         arm = Cone(vector, radii[size], "auto", radii[far] - radii[size]) if cone else Pipe(vector, radii[size], "auto")
-        items.append(arm if clip == AUTO and kind.blended else arm.clipped(Fraction(clip, PARTS)))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # on clips that are far out, which networks share anyway
-        return list(with_clips(items, order))
+        items.append(arm if end is None and one.blended else arm.clipped(Fraction(end or 0)))
+    return items
 
 
 def blends(
-    network: StrutGraph, kinds: Kinds, order: int, degree: Degree, wall: Fraction | None, cache: Any, map_: Any
+    kinds: Kinds, order: int, degree: Degree, wall: Fraction | None, cache: Any, map_: Any
 ) -> dict[tuple[Any, ...], Node]:
     """A proved blend for the first kind of each class that takes one, hollow with a `wall`, by the class's key.
 
@@ -178,13 +169,13 @@ def blends(
         make_folder(folder)
     elif map_ is not map:
         raise ValueError("the map of another engine hands blends over in files: give the folder as cache=")
-    wanted = dict(_jobs(network, kinds, order, degree, folder, wall))
+    wanted = _jobs(kinds, order, degree, folder, wall)
     found: dict[tuple[Any, ...], Node] = {}
     problems = []
     given = results(map_, solved, list(wanted.values()), folder, "blending nodes")
     for key, result in zip(wanted, given, strict=True):
         if isinstance(result, str):
-            problems.append(of_nodes("no blend", kinds.nodes(kinds.classes[key]), result))
+            problems.append(no_blend(kinds.classes[key], result))
         else:
             found[key] = _kept(result, wanted[key]) if isinstance(result, Path) else result
     if problems:
@@ -192,14 +183,13 @@ def blends(
     return found
 
 
-def _kept(path: Path, job: Job) -> Node:
+def _kept(path: Path, job: Job) -> Any:
     """The blend of a file of the cache; raises `ProjectFileError` where it is not that of the node's struts."""
     found: Any = loaded(LOAD)(path)
     kind = "blend" if job.wall is None else "hollow blend"
     if found.kind != kind or met(found, job.wall) != job.meets:
         raise ProjectFileError(f"{path} is no blend of the struts after which it is named; remove it")
-    node: Node = found
-    return node
+    return found
 
 
 def met(found: Any, wall: Fraction | None) -> tuple[Any, ...]:
@@ -208,24 +198,21 @@ def met(found: Any, wall: Fraction | None) -> tuple[Any, ...]:
     return outer.order, outer.contacts, *(() if wall is None else (found.inner.surface.contacts,))
 
 
-def _jobs(network: StrutGraph, kinds: Kinds, order: int, *how: Any) -> Iterator[tuple[tuple[Any, ...], Job]]:
-    """The key of each class that takes a blend, and the blend of its first kind that is to be found."""
-    for key, numbers in kinds.classes.items():
-        if kinds.kinds[numbers[0]].blended:
-            yield key, Job(tuple(pipes_of(kinds.kinds[numbers[0]], network, order)), order, *how)
+def _jobs(kinds: Kinds, order: int, *how: Any) -> dict[tuple[Any, ...], Job]:
+    """The blend that is to be found for the first kind of each class that takes one, by the class's key."""
+    return {key: Job(tuple(pipes_of(one)), order, *how) for key, one in kinds.classes.items() if one.blended}
 
 
 def matched(
-    network: StrutGraph, kinds: Kinds, order: int, found: Sequence[Node], wall: Fraction | None = None
+    kinds: Kinds, order: int, found: Sequence[Node], wall: Fraction | None = None
 ) -> dict[tuple[Any, ...], Node]:
     """Which of some blends is that of which class; raises `ValueError` for a class of which none is."""
     known = {met(blend, wall): blend for blend in found}
-    result = {}
-    for key, job in _jobs(network, kinds, order, None, None, wall):
+    jobs = _jobs(kinds, order, None, None, wall)
+    for key, job in jobs.items():
         if job.meets not in known:
-            raise ValueError(f"blends has none for the node {kinds.nodes(kinds.classes[key])[0]}")
-        result[key] = known[job.meets]
-    return result
+            raise ValueError(f"blends has none for the node {kinds.classes[key].nodes[0]}")
+    return {key: known[job.meets] for key, job in jobs.items()}
 
 
 @dataclass(frozen=True)

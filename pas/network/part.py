@@ -19,15 +19,15 @@ from pas.errors import MeshError
 from pas.limits import WorkLimits, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.network.blocks import FACES, write_blocks
+from pas.network.blocks import write_blocks
 from pas.network.certified_mesh import NetworkMesh
-from pas.network.classes import Kinds
+from pas.network.classes import Kinds, NodeClass
 from pas.network.clearance import clearance
 from pas.network.covers import NodeCovers
 from pas.network.graph import NetworkProblem, StrutGraph, told
-from pas.network.hollow import HollowPieces
-from pas.network.nodes import NodeClass, classes_of, of_nodes
+from pas.network.nodes import of_nodes
 from pas.network.placing import PlacedPieces
+from pas.network.sides import NetworkSide
 from pas.pipeline.hollow import HollowBlend
 from pas.pipeline.result import Blend
 from pas.pipeline.search import excess
@@ -42,6 +42,10 @@ MOST_TRIANGLES = 40_000_000
 """Of one mesh, which take some 10 GB; more are written by pieces, see `NetworkPart.write`."""
 
 
+Proof = tuple[Verdict, tuple[NetworkProblem, ...]]
+"""A verdict, and all that keeps it from being proved."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class NetworkPart(Shape):
     """The body of a network: a blend for each class of its nodes, a cylinder or cone for each strut, flat ends.
@@ -50,7 +54,6 @@ class NetworkPart(Shape):
     grid.  Of a hollow body, with a `wall` in the model's units, `hollow` has those of its classes with their cavities.
     """
 
-    network: StrutGraph
     order: int
     kinds: Kinds
     blends: Mapping[Any, Blend]
@@ -59,12 +62,15 @@ class NetworkPart(Shape):
     kind = "network"
 
     @classmethod
-    def of(
-        cls, network: StrutGraph, order: int, kinds: Kinds, found: Mapping[Any, Any], wall: Fraction | None
-    ) -> NetworkPart:
+    def of(cls, order: int, kinds: Kinds, found: Mapping[Any, Any], wall: Fraction | None) -> NetworkPart:
         """The body with blends, hollow ones where there is a wall."""
         outer = {key: blend if wall is None else blend.outer for key, blend in found.items()}
-        return cls(network, order, kinds, outer, wall, {} if wall is None else found)
+        return cls(order, kinds, outer, wall, {} if wall is None else found)
+
+    @property
+    def network(self) -> StrutGraph:
+        """The graph."""
+        return self.kinds.network
 
     @cached_property
     def cavity(self) -> NetworkPart | None:
@@ -74,12 +80,13 @@ class NetworkPart(Shape):
         network, wall = self.network, self.wall
         radii = [(network.radii[a] - wall, network.radii[b] - wall) for a, b in network.sizes.tolist()]
         inner = StrutGraph(network.points, network.edges, radii, network.grid)
-        return NetworkPart(inner, self.order, self.kinds, {key: found.inner for key, found in self.hollow.items()})
+        kinds = replace(self.kinds, network=inner)
+        return NetworkPart(self.order, kinds, {key: found.inner for key, found in self.hollow.items()})
 
     @cached_property
     def classes(self) -> tuple[NodeClass, ...]:
         """The classes of its nodes with their ends, the most frequent first."""
-        return classes_of(self.kinds, self.network)
+        return self.kinds.by_frequency
 
     def blend_of(self, one: NodeClass) -> Blend | None:
         """The blend of a class of nodes, in steps of the grid around the origin; None where none is needed."""
@@ -107,26 +114,25 @@ class NetworkPart(Shape):
         return tuple(problem for _, problems in self._proofs for problem in problems)
 
     @cached_property
-    def _proofs(self) -> tuple[tuple[Verdict, tuple[NetworkProblem, ...]], ...]:
-        covers = NodeCovers(self.network, self.kinds, self.blends)
-        return (self._nodes(), _straight(covers.ends), clearance(self.network, covers), *self._inside())
+    def _proofs(self) -> tuple[Proof, ...]:
+        covers = NodeCovers(self.kinds, self.blends)
+        return (self._nodes(), _straight(self.kinds.ends), clearance(self.network, covers), *self._inside())
 
-    def _inside(self) -> Iterator[tuple[Verdict, tuple[NetworkProblem, ...]]]:
+    def _inside(self) -> Iterator[Proof]:
         """Of a hollow body that its cavity meets its struts, and is inside: then nothing of it meets, as outside."""
         if self.cavity is None:
             return
         nodes, problems = self.cavity._nodes()
         yield replace(nodes, claim=nodes.claim.replace("its struts", "its struts inside")), problems
-        reason = f"of every node, and every strut has a wall of {self.wall} across its axis"
-        yield _found("the cavity is inside", self._cavities(), reason, len(self.hollow))
-
-    def _cavities(self) -> Iterator[NetworkProblem]:
+        wrong = []
         for one in self.classes:
             found = self.hollow.get(one.kind.form.key)
             if one.blended and (found is None or not found.certificate.proved):
-                yield of_nodes("not proved", one.nodes, f"the cavity of {one} is not proved")
+                wrong.append(of_nodes("not proved", one, f"the cavity of {one} is not proved"))
+        reason = f"of every node, and every strut has a wall of {self.wall} across its axis"
+        yield _found("the cavity is inside", wrong, reason, len(self.hollow))
 
-    def _nodes(self) -> tuple[Verdict, tuple[NetworkProblem, ...]]:
+    def _nodes(self) -> Proof:
         turned = len(self.kinds.kinds)
         reason = f"{len(self.blends)} proved blends in {turned} exact positions; exact struts between them"
         return _found(f"every node meets its struts with GC^{self.order}", self._wrong(), reason, turned)
@@ -142,7 +148,7 @@ class NetworkPart(Shape):
             elif not self._seen(one, found):
                 said = f"the blend of {one} has a centre away from its struts"
             if said:
-                yield of_nodes("not proved", one.nodes, said)
+                yield of_nodes("not proved", one, said)
 
     def _seen(self, one: NodeClass, blend: Blend) -> bool:
         """Whether the centre of a blend is inside of all struts, were they to go on.
@@ -193,8 +199,9 @@ class NetworkPart(Shape):
             usual = min(usual, float(self.wall) / 4)  # so that the meshes of both sides are apart
         wanted = usual if tolerance is None else check_tolerance(tolerance)
         if wanted not in self._made:
-            made = PlacedPieces(self.network, self.kinds, dict(self.blends), wanted)
-            self._made[wanted] = HollowPieces(made, self.cavity.pieces(wanted)) if self.cavity else made
+            outer, cavity = NetworkSide(self.kinds, self.blends, wanted), self.cavity
+            inner = [NetworkSide(cavity.kinds, cavity.blends, wanted, outer)] if cavity else []
+            self._made[wanted] = PlacedPieces([outer, *inner])
         return self._made[wanted]
 
     @limited("meshing a network", "a coarser tolerance")
@@ -208,18 +215,14 @@ class NetworkPart(Shape):
         """
         Quality.of(quality)
         pieces = self.pieces(tolerance)
-        counts = np.array([len(p.triangles) for p in pieces.nodes])
-        total = int(counts @ self.kinds.counts) + sum(len(s.triangles) * len(s.edges) for s in pieces.struts)
-        if total > MOST_TRIANGLES:
+        if pieces.count > MOST_TRIANGLES:
             raise MeshError(
-                f"the mesh would have {total} triangles, and {MOST_TRIANGLES} is the most; write a .3mf or .glb file, "
-                "which holds each kind of node once, or give a coarser tolerance"
+                f"the mesh would have {pieces.count} triangles, and {MOST_TRIANGLES} is the most; write a .3mf or .glb "
+                "file, which holds each kind of node once, or give a coarser tolerance"
             )
 
         def made() -> NetworkMesh:
-            points, triangles, normals, faces = pieces.mesh()
-            known = points, triangles, faces, FACES, normals
-            return NetworkMesh(*known, deviation=pieces.deviation, part=self, tolerance=pieces.tolerance)
+            return NetworkMesh(*pieces.mesh(), deviation=pieces.deviation, part=self, tolerance=pieces.tolerance)
 
         return self._kept((pieces.tolerance,), made)
 
@@ -228,8 +231,8 @@ class NetworkPart(Shape):
         """Two corners (2, 3) of the smallest box with sides along the axes, up to the usual tolerance."""
         pieces = self.pieces()
         found = []
-        for kind, piece in enumerate(pieces.nodes):
-            places = self.network.points[self.kinds.of == kind]
+        for piece in pieces.nodes:
+            places = self.network.points[piece.copies[:, 0]]
             found += [places.min(axis=0) + piece.points.min(axis=0), places.max(axis=0) + piece.points.max(axis=0)]
         return np.stack([np.min(found, axis=0), np.max(found, axis=0)])
 
@@ -256,7 +259,7 @@ class NetworkPart(Shape):
         Their one face has the name of the class.
         """
         found, kinds = self.pieces(settings.tolerance).bodies(), self.kinds
-        names = {number: str(one) for one in self.classes for number in kinds.classes[one.kind.form.key]}
+        names = {number: str(one) for one in self.classes for number in one.numbers}
         meshes = [replace(Mesh.from_triangles(p, t, names[kinds.of[at[0]]]), normals=n) for p, t, n, at in found]
         return [(mesh, self.network.points[nodes]) for mesh, (*_, nodes) in zip(meshes, found, strict=True)]
 
@@ -278,20 +281,19 @@ class NetworkPart(Shape):
         return f"<NetworkPart: {len(self.network.places)} nodes, {len(self.network.edges)} struts, GC^{self.order}>"
 
 
-def _straight(ends: Floats) -> tuple[Verdict, tuple[NetworkProblem, ...]]:
+def _straight(ends: Floats) -> Proof:
     """The verdict on all struts being straight between their ends (E, 2), in parts of their lengths."""
     free = 1 - ends.sum(axis=1)
     number, short = int(free.argmin()), np.flatnonzero(free <= 0).tolist()
-    wrong = tuple(NetworkProblem("no straight part", (n,), f"strut {n} has no straight part") for n in short)
+    wrong = [NetworkProblem("no straight part", (n,), f"strut {n} has no straight part") for n in short]
     reason = f"at least {100 * free[number]:.3g} % of its length, of strut {number}"
-    status = Status.REFUTED if wrong else Status.PROVED
-    return Verdict(status, "every strut is straight between its nodes", reason), wrong
+    return _found("every strut is straight between its nodes", wrong, reason, status=Status.REFUTED)
 
 
 def _found(
-    claim: str, problems: Iterable[NetworkProblem], reason: str, measure: int
-) -> tuple[Verdict, tuple[NetworkProblem, ...]]:
-    """The verdict on a claim that problems leave undecided, and these."""
+    claim: str, problems: Iterable[NetworkProblem], reason: str, measure: int = 0, status: Status = Status.UNDECIDED
+) -> Proof:
+    """The verdict on a claim: proved, or what problems make of it, and these."""
     if wrong := tuple(problems):
-        return Verdict(Status.UNDECIDED, claim, told(wrong)), wrong
+        return Verdict(status, claim, told(wrong)), wrong
     return Verdict(Status.PROVED, claim, reason, measure=measure), ()

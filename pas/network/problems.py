@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from itertools import combinations
 from math import pi, radians
 from typing import Any, TypeVar
 
 import numpy as np
 
-from pas.algebra.inputs import shown
+from pas.algebra.inputs import shown, whole
 from pas.algebra.lengths import unit
 from pas.arrays import Floats, Integers, Numbers
-from pas.network.classes import Kinds, kinds_of
-from pas.network.clearance import crossing
+from pas.mesh.topology import connected
+from pas.network.classes import Kinds, kinds_of, ranked
 from pas.network.graph import NetworkProblem, StrutGraph
+from pas.network.near import nearest_points
 
 LEAST_ANGLE = 10.0
 """Degrees between struts at a node, below which no pipe ends apart from another (see `pas.struts`)."""
@@ -23,14 +25,14 @@ NEAREST = 0.45
 """Of the least angle at a node: circles seen under more are met by no blend, as those of two struts must be apart."""
 
 
-def check(network: StrutGraph, whole: bool) -> tuple[NetworkProblem, ...]:
+def check(network: StrutGraph, entire: bool) -> tuple[NetworkProblem, ...]:
     """See `Network.check`."""
     found = [*graph_problems(network)]
     if not found:
         kinds = kinds_of(network)
-        found += [*_angles(network, kinds)]
-        found += [*([] if found else _short(network, kinds)), *_crossing(network)]
-    if whole:
+        found += [*_angles(kinds)]
+        found += [*([] if found else _short(kinds)), *_crossing(network)]
+    if entire:
         ends = np.flatnonzero(network.valence == 1).tolist()
         found += [NetworkProblem("dangling", (n,), f"point {n} has one strut only, which ends there") for n in ends]
         if len(network.edges) and network.pieces > 1:
@@ -57,10 +59,15 @@ def graph_problems(network: StrutGraph) -> Iterator[NetworkProblem]:
 
 def _repeated(rows: Integers) -> list[tuple[int, int]]:
     """Numbers of rows with the number of the first row that is equal, that first."""
-    _, first, of = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-    before = first[of.ravel()]
+    before = _firsts(rows)
     again = np.flatnonzero(before != np.arange(len(rows)))
     return list(zip(before[again].tolist(), again.tolist(), strict=True))
+
+
+def _firsts(rows: Integers) -> Integers:
+    """Of each row the number of the first one that is equal."""
+    codes, firsts = ranked(rows.T)
+    return firsts[codes]
 
 
 def _least_angles(kinds: Kinds) -> tuple[Floats, Numbers]:
@@ -75,34 +82,33 @@ def _least_angles(kinds: Kinds) -> tuple[Floats, Numbers]:
     return least, other
 
 
-def _narrow(network: StrutGraph, kinds: Kinds) -> Iterator[tuple[int, int, int, float]]:
+def _narrow(kinds: Kinds) -> Iterator[tuple[int, int, int, float]]:
     """Struts that meet at too small an angle: two numbers, the point, and the angle in degrees."""
-    least, other = _least_angles(kinds)
-    narrow = (least < radians(LEAST_ANGLE))[at := kinds.of[network.edges], kinds.slots]
-    struts = np.zeros((len(network.places), least.shape[1]), dtype=np.int32)
-    struts[network.edges, kinds.slots] = np.arange(len(network.edges))[:, None]
-    for strut, end in np.argwhere(narrow).tolist():
-        node, kind, slot = network.edges[strut, end], at[strut, end], kinds.slots[strut, end]
-        if strut < (second := int(struts[node, other[kind, slot]])):
-            yield strut, second, int(node), float(np.degrees(least[kind, slot]))
+    (least, other), edges = _least_angles(kinds), kinds.network.edges
+    struts = np.zeros((len(kinds.of), least.shape[1]), dtype=np.int32)
+    struts[edges, kinds.slots] = np.arange(len(edges))[:, None]
+    for strut, end in np.argwhere(kinds.at_ends(least < radians(LEAST_ANGLE))).tolist():
+        node, slot = int(edges[strut, end]), kinds.slots[strut, end]
+        if strut < (second := int(struts[node, other[kinds.of[node], slot]])):
+            yield strut, second, node, float(np.degrees(least[kinds.of[node], slot]))
 
 
-def _angles(network: StrutGraph, kinds: Kinds) -> Iterator[NetworkProblem]:
-    for first, second, node, angle in _narrow(network, kinds):
+def _angles(kinds: Kinds) -> Iterator[NetworkProblem]:
+    for first, second, node, angle in _narrow(kinds):
         meet = f"the struts {first} and {second} meet at point {node} at {angle:.3g} degrees"
         yield NetworkProblem("angle too small", (first, second), f"{meet}; {LEAST_ANGLE:g} are the least")
 
 
-def nearest(network: StrutGraph, kinds: Kinds) -> Floats:
+def nearest(kinds: Kinds) -> Floats:
     """From the ends of each strut the lengths (E, 2) below which no blends fit there, in the model's units."""
     angles = np.maximum(NEAREST * _least_angles(kinds)[0], 1e-9)
     near = 1 / np.tan(np.minimum(angles, radians(80)))
     near[[len(kind.arms) == 1 for kind in kinds.kinds]] = 0.0
-    return np.asarray(network.widths * near[kinds.of[network.edges], kinds.slots])
+    return np.asarray(kinds.network.widths * kinds.at_ends(near))
 
 
-def _short(network: StrutGraph, kinds: Kinds) -> Iterator[NetworkProblem]:
-    least = nearest(network, kinds).sum(axis=1)
+def _short(kinds: Kinds) -> Iterator[NetworkProblem]:
+    network, least = kinds.network, nearest(kinds).sum(axis=1)
     for number in np.flatnonzero(network.lengths < least).tolist():
         a, b = network.edges[number].tolist()
         radius = network.thickness[number] * network.lengths[number] / least[number]
@@ -111,41 +117,84 @@ def _short(network: StrutGraph, kinds: Kinds) -> Iterator[NetworkProblem]:
             f"{network.thickness[number]:.4g} need {least[number]:.4g}; a radius of {radius:.3g} may fit, or "
             "repair(collapse=True) makes it a point"
         )
-        yield NetworkProblem("too short", (number,), sentence)
+        yield NetworkProblem("too short", (number,), sentence, (number,))
 
 
 def _crossing(network: StrutGraph) -> Iterator[NetworkProblem]:
-    for i, j, distance in crossing(network):
+    for i, j, distance in network.crossings:
         need = network.thickness[i] + network.thickness[j]
         passing = f"the struts {i} and {j} pass at {distance:.4g} from one another and are {need:.4g} thick together"
-        yield NetworkProblem("crossing", (i, j), f"{passing}; thinner ones fit, or a point in which both end")
+        yield NetworkProblem(
+            "crossing", (i, j), f"{passing}; thinner ones fit, or repair(join=True), by which both end in a point"
+        )
 
 
 G = TypeVar("G", bound=StrutGraph)
 
 
-def repair(network: G, collapse: bool) -> tuple[G, tuple[str, ...]]:
+def repair(network: G, collapse: bool | Sequence[int], join: bool) -> tuple[G, tuple[str, ...]]:
     """See `Network.repair`."""
-    found, changes = _mended(network)
-    while collapse and len(first := _apart(found, _unserved(found))):
-        changes += [f"strut {n}, {found.lengths[n]:.4g} long, became a point" for n in first.tolist()]
-        points = found.points.copy()
-        points[found.edges[first]] = points[found.edges[first]].mean(axis=1, keepdims=True)
-        found, more = _mended(_changed(found, points, found.edges, np.arange(len(found.edges))))
-        changes += [line for line in more if "twice" in line]
-    return found, tuple(changes)
+    if not isinstance(collapse, bool):
+        struts = [whole(n, "collapse", 0, len(network.edges) - 1, "the struts") for n in collapse]
+        found, changes = _collapsed(network, np.unique(np.array(struts, dtype=np.int64)))
+    else:
+        found, changes = _mended(network)
+    crossings = np.inf
+    while True:
+        if collapse is not False and len(first := _apart(found, _unserved(found))):
+            found, more = _collapsed(found, first)
+            changes += [line for line in more if "became a point" in line or "twice" in line]
+        elif join and 0 < len(found.crossings) < crossings:
+            crossings = len(found.crossings)
+            found, more = _joined(found)
+            changes += more
+        else:
+            return found, tuple(changes)
+
+
+def _collapsed(network: G, struts: Integers) -> tuple[G, list[str]]:
+    """With some struts made points, in the middle of all points that they join; what was changed."""
+    joined = connected(network.edges[struts], len(network.points))
+    sums = [np.bincount(joined, weights=column) for column in network.points.T]
+    points = (np.stack(sums) / np.bincount(joined)).T[joined]
+    mended, changes = _mended(_changed(network, points, network.edges, slice(None)))
+    return mended, [f"strut {n}, {network.lengths[n]:.4g} long, became a point" for n in struts.tolist()] + changes
+
+
+def _joined(network: G) -> tuple[G, list[str]]:
+    """With a point between two struts that cross, in which both end now; of several that cross one strut the nearest
+    first, the others in a later round.  What was changed."""
+    points, edges, changes = [*network.points], network.edges.tolist(), list[str]()
+    radii = [(network.radii[a], network.radii[b]) for a, b in network.sizes.tolist()]
+    taken, parts = set[int](), 64  # of a cone, in which its radius there is found
+    for i, j, _ in sorted(network.crossings, key=lambda crossing: crossing[2]):
+        if taken & {i, j}:
+            continue
+        taken |= {i, j}
+        segments = network.points[network.edges[[i, j]]]
+        places = np.concatenate(nearest_points(segments[:1], segments[1:]))
+        for strut, way in zip((i, j), places - segments[:, 0], strict=True):
+            (start, end), (here, there) = edges[strut], radii[strut]
+            share = float(np.linalg.norm(way) / network.lengths[strut])
+            middle = here + (there - here) * Fraction(round(parts * share), parts)
+            edges[strut], radii[strut] = [start, len(points)], (here, middle)
+            edges.append([len(points), end])
+            radii.append((middle, there))
+        points.append(places.mean(axis=0))
+        changes.append(f"the struts {i} and {j}, which crossed, end in a point between them")
+    return type(network)(points, edges, radii, network.grid), changes
 
 
 def _unserved(network: StrutGraph) -> Integers:
     """Struts for whose ends there are no blends: too short ones; where there are none, of those that are between the
     ends of two the shortest, if these meet at too small an angle, or cross and are thicker together than it is long."""
     kinds = kinds_of(network)
-    short = np.flatnonzero(network.lengths < nearest(network, kinds).sum(axis=1))
+    short = np.flatnonzero(network.lengths < nearest(kinds).sum(axis=1))
     if len(short):
         return short
     numbers = {(min(edge), max(edge)): n for n, edge in enumerate(network.edges.tolist())}
-    pairs = [(i, j, np.inf) for i, j, *_ in _narrow(network, kinds)]
-    pairs += [(i, j, network.thickness[i] + network.thickness[j]) for i, j, _ in crossing(network)]
+    pairs = [(i, j, np.inf) for i, j, *_ in _narrow(kinds)]
+    pairs += [(i, j, network.thickness[i] + network.thickness[j]) for i, j, _ in network.crossings]
     found = set()
     for i, j, most in pairs:
         ends = sorted({*network.edges[[i, j]].ravel().tolist()})
@@ -166,30 +215,23 @@ def _apart(network: StrutGraph, short: Integers) -> Integers:
     return np.array(chosen, dtype=np.int64)
 
 
-def _changed(network: G, points: Floats, edges: Any, kept: Integers) -> G:
-    """With other points and some of the struts, their radii as they were."""
+def _changed(network: G, points: Floats, edges: Any, kept: Any) -> G:
+    """With other points and ends of some of the struts, their radii as they were."""
     radii = [(network.radii[a], network.radii[b]) for a, b in network.sizes[kept].tolist()]
-    return type(network)(points, edges[kept], radii, network.grid)
+    return type(network)(points, edges, radii, network.grid)
 
 
 def _mended(network: G) -> tuple[G, list[str]]:
     """Without loops, double struts, double points and points without struts; what was changed."""
-    _, first, of = np.unique(network.places, axis=0, return_index=True, return_inverse=True)
-    target = first[of.ravel()]
     changes = [f"point {b} became point {a}, where it is" for a, b in _repeated(network.places)]
-    edges = target[network.edges]
+    edges = _firsts(network.places)[network.edges]
     loops = edges[:, 0] == edges[:, 1]
     changes += [f"strut {n} was a loop and went" for n in np.flatnonzero(loops).tolist()]
-    order = np.lexsort((np.arange(len(edges)), -network.sizes.max(axis=1), edges.max(axis=1), edges.min(axis=1)))
+    order = np.argsort(-network.sizes.max(axis=1), kind="stable")
     order = order[~loops[order]]
-    pairs = np.sort(edges[order], axis=1)
-    new = np.ones(len(order), dtype=bool)
-    new[1:] = (pairs[1:] != pairs[:-1]).any(axis=1)
-    changes += [f"strut {n} was there twice and went" for n in sorted(order[~new].tolist())]
-    kept = np.sort(order[new])
-    used = np.unique(edges[kept])
-    gone = set(range(len(network.places))) - set(used.tolist()) - set(network.edges.ravel().tolist())
-    changes += [f"point {n} had no strut and went" for n in sorted(gone)]
-    numbers = np.full(len(network.places), -1)
-    numbers[used] = np.arange(len(used))
-    return _changed(network, network.points[used], numbers[edges], kept), changes
+    kept = np.sort(order[np.unique(_firsts(np.sort(edges[order], axis=1)))])
+    changes += [f"strut {n} was there twice and went" for n in np.setdiff1d(order, kept).tolist()]
+    used, numbers = np.unique(edges[kept], return_inverse=True)
+    gone = np.setdiff1d(np.arange(len(network.places)), np.union1d(used, network.edges))
+    changes += [f"point {n} had no strut and went" for n in gone.tolist()]
+    return _changed(network, network.points[used], numbers.reshape(-1, 2), kept), changes

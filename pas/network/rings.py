@@ -29,21 +29,16 @@ Span = tuple[Floats, Floats, Floats]
 """A ring around the beginning of a vector, one around its end, which may have no points, and the vector."""
 
 
-def rings_of(points: Floats, boundary: Integers, arms: Any) -> tuple[Integers, ...]:
-    """The boundary vertices on the circle of each arm (vector, end in parts of it, radius).
+def rings_of(points: Floats, boundary: Integers, axes: Floats, circles: Floats) -> tuple[Integers, ...]:
+    """The boundary vertices on the circle of each arm, along a unit vector so far away, with such a radius.
 
     Raises `AssertionError` where a vertex is on none: blends end on the circles of their contacts.
     """
-    found, seen = [], np.zeros(len(boundary), dtype=bool)
-    for vector, end, radius in arms:
-        length = float(np.linalg.norm(vector))
-        along = points[boundary] @ vector / length
-        outside = np.linalg.norm(points[boundary] - along[:, None] * vector / length, axis=1)
-        on = (np.abs(along - end * length) < 1e-6 * length) & (np.abs(outside - radius) < 1e-6 * length)
-        found.append(boundary[on])
-        seen |= on
-    assert seen.all() and sum(map(len, found)) == len(boundary)
-    return tuple(found)
+    along = points[boundary] @ axes.T
+    off = np.linalg.norm(points[boundary, None] - along[..., None] * axes, axis=2)
+    on = (np.abs(np.stack([along, off], axis=2) - circles) < 1e-6 * circles[:, :1].max()).all(axis=2)
+    assert (on.sum(axis=1) == 1).all()
+    return tuple(boundary[some] for some in on.T)
 
 
 def angles_around(points: Floats, axis: Floats) -> Floats:

@@ -19,7 +19,7 @@ import numpy as np
 from flint import fmpq, fmpq_poly
 
 from pas.algebra.brief import brief
-from pas.algebra.inputs import MOST_SURFACES, check_order, short, shown
+from pas.algebra.inputs import MOST_SURFACES, check_order, set_fields, short, shown
 from pas.algebra.rational import Exact, plain, rational, three, to_float, to_fraction
 from pas.algebra.rational_function import ONE, RationalFunction
 from pas.errors import GeometryError
@@ -85,8 +85,7 @@ class BlendingData:
         at = distinct(range(len(items)) if values is None else values)
         if len(at) != len(items):
             raise ValueError(f"there are {len(items)} surfaces but {len(at)} values; give one value for each")
-        object.__setattr__(self, "surfaces", items)
-        object.__setattr__(self, "values", at)
+        set_fields(self, surfaces=items, values=at)
         for i, value in enumerate(at):
             self.require_defined(i, value)
 

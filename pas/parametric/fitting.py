@@ -88,14 +88,15 @@ def fit_patch(
         spans = [2 * s for s in spans]
 
 
-def _knots(interval: tuple[float, float], spans: int) -> Floats:
+def even_knots(interval: tuple[float, float], spans: int, degree: int = DEGREE) -> Floats:
+    """The knots of a B-spline over so many equal spans, those at both ends degree + 1 times."""
     inner = np.linspace(*interval, spans + 1)
-    return np.concatenate([np.full(DEGREE, interval[0]), inner, np.full(DEGREE, interval[1])])
+    return np.concatenate([np.full(degree, interval[0]), inner, np.full(degree, interval[1])])
 
 
-def _sites(knots: Floats) -> Floats:
-    """Greville abscissae: means of DEGREE successive knots."""
-    windows = np.lib.stride_tricks.sliding_window_view(knots[1:-1], DEGREE)
+def sites(knots: Floats, degree: int = DEGREE) -> Floats:
+    """Greville abscissae: means of so many successive knots as the degree says."""
+    windows = np.lib.stride_tricks.sliding_window_view(knots[1:-1], degree)
     return np.asarray(np.clip(windows.mean(axis=1), knots[0], knots[-1]))
 
 
@@ -103,7 +104,7 @@ def _spline(knots: Floats, values: Floats) -> Floats:
     """Coefficients of the B-spline that has the values (r, ...) at the sites."""
     from scipy.interpolate import make_interp_spline
 
-    return np.asarray(make_interp_spline(_sites(knots), values, k=DEGREE, t=knots).c)
+    return np.asarray(make_interp_spline(sites(knots), values, k=DEGREE, t=knots).c)
 
 
 def _spans(surface: ParametricMap, axis: int, tolerance: float) -> int:
@@ -120,8 +121,8 @@ def _spans(surface: ParametricMap, axis: int, tolerance: float) -> int:
 
     spans = 1
     while spans < MOST:
-        knots, dense = _knots(surface.domain[axis], spans), np.linspace(*surface.domain[axis], DENSE * spans + 1)
-        errors = along(dense) - BSpline(knots, _spline(knots, along(_sites(knots))), DEGREE)(dense)
+        knots, dense = even_knots(surface.domain[axis], spans), np.linspace(*surface.domain[axis], DENSE * spans + 1)
+        errors = along(dense) - BSpline(knots, _spline(knots, along(sites(knots))), DEGREE)(dense)
         if np.linalg.norm(errors, axis=-1).max() <= tolerance:
             break
         spans *= 2
@@ -129,8 +130,8 @@ def _spans(surface: ParametricMap, axis: int, tolerance: float) -> int:
 
 
 def _interpolated(surface: ParametricMap, spans: list[int]) -> tuple[Knots, Floats]:
-    first, second = (_knots(interval, s) for interval, s in zip(surface.domain, spans, strict=True))
-    values = surface.on_grid(_sites(first), _sites(second))
+    first, second = (even_knots(interval, s) for interval, s in zip(surface.domain, spans, strict=True))
+    values = surface.on_grid(sites(first), sites(second))
     rows = _spline(first, values)
     return (first, second), np.swapaxes(_spline(second, np.swapaxes(rows, 0, 1)), 0, 1)
 

@@ -25,7 +25,7 @@ from pas.algebra.brief import cut
 from pas.algebra.callables import ComponentLike, Derivatives, Values, component, from_derivatives, is_function
 from pas.algebra.evaluation import Bundle
 from pas.algebra.expressions import Names, as_text
-from pas.algebra.inputs import check_derivative, shown
+from pas.algebra.inputs import check_count, check_derivative, shown
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import scaled, unit
 from pas.algebra.polynomial import Polynomial, PolynomialLike
@@ -320,16 +320,14 @@ def read_domain(domain: DomainLike, names: Names) -> tuple[Domain, ExactDomain]:
     Raises `ValueError` for anything else, empty intervals and ends that doubles do not hold or tell apart.
     """
     domain = (None, None) if domain is None else domain
-    if not hasattr(domain, "__len__") or len(domain) != 2:
-        raise ValueError(f"domain must be two intervals such as ((0, 1), (None, 2)), not {shown(domain)}")
+    check_count(domain, 2, "domain must be two intervals such as ((0, 1), (None, 2))", ValueError)
     first, second = (_interval(i, name) for i, name in zip(domain, names, strict=True))
     return (first[0], second[0]), (first[1], second[1])
 
 
 def _interval(given: IntervalLike, name: str) -> tuple[Interval, Ends]:
     interval = (None, None) if given is None else given
-    if isinstance(interval, str) or not hasattr(interval, "__len__") or len(interval) != 2:
-        raise ValueError(f"the domain of {name} must be an interval such as (0, 1), not {shown(interval)}")
+    check_count(interval, 2, f"the domain of {name} must be an interval such as (0, 1)", ValueError)
     infinite = [end is None or (isinstance(end, float) and math.isinf(end)) for end in interval]
     what = f"an end of the domain of {name}"
     ends = [None if no else rational(end, what) for end, no in zip(interval, infinite, strict=True)]

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from pas.algebra.jets import Jet
 from pas.algebra.rational import rational, to_float
-from pas.algebra.rational_function import GENERATORS, ONE, RING, lcm
+from pas.algebra.rational_function import GENERATORS, RING, over_common
 from pas.arrays import AnyArray, Floats, Integers
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.bernstein.search import Cells
@@ -236,11 +236,8 @@ def exact_net(surface: ParametricMap, rectangle: Rectangle, framed: Framed | Non
     """The net of an exact surface, as it is or in a frame, over the least common denominator; raises `ValueError` for
     any other."""
     center, exponent = ([0.0] * 3, 0) if framed is None else (framed.center.tolist(), framed.exponent)
-    below = ONE
-    for c in surface.components:
-        below = lcm(below, c.denominator)
+    tops, below = over_common(surface.components)
     moved = [low + (high - low) * g for g, (low, high) in zip(GENERATORS, rectangle, strict=True)]
-    tops = [c.numerator * (below / c.denominator) for c in surface.components]
     whole = [*((top - rational(c) * below) / fmpq(2) ** exponent for top, c in zip(tops, center, strict=True)), below]
     parts = [p.compose(*moved, ctx=RING) for p in whole]
     sizes = [p.degrees() for p in parts if not p.is_zero()]

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 from pas.algebra.brief import brief
 from pas.algebra.callables import on_series
 from pas.algebra.expressions import Names
-from pas.algebra.inputs import short
+from pas.algebra.inputs import set_fields, short
 from pas.algebra.rational import plain, rational, three, to_float, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE, PARAMETERS, RationalFunction
 from pas.arrays import AnyArray, Floats
@@ -82,8 +82,7 @@ class RationalPatch(Shape):
             raise ValueError("points must be finite, and weights finite and positive")
         given = self.knots or tuple(np.repeat([0.0, 1.0], size) for size in weights.shape)
         knots = tuple(_checked(k, size, name) for k, size, name in zip(given, weights.shape, "uv", strict=True))
-        for name, value in (("points", points), ("weights", weights), ("knots", knots)):
-            object.__setattr__(self, name, value)
+        set_fields(self, points=points, weights=weights, knots=knots)
 
     @cached_property
     def certificate(self) -> Findings:

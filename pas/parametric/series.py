@@ -8,7 +8,7 @@ from flint import fmpq, fmpq_mpoly, fmpq_poly
 
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
-from pas.algebra.rational_function import GENERATORS, ONE, RING, RationalFunction, homogenised, lcm
+from pas.algebra.rational_function import GENERATORS, RING, RationalFunction, homogenised, over_common
 from pas.algebra.roots import middle_of, of_coefficients, rational_root, real_roots
 
 Components = tuple[RationalFunction, RationalFunction, RationalFunction]
@@ -16,10 +16,7 @@ Components = tuple[RationalFunction, RationalFunction, RationalFunction]
 
 def composed(polynomial: Polynomial, functions: Sequence[RationalFunction]) -> RationalFunction:
     """The polynomial in x, y, z of three rational functions."""
-    over = ONE
-    for f in functions:
-        over = lcm(over, f.denominator)
-    tops = [f.numerator * (over / f.denominator) for f in functions]
+    tops, over = over_common(functions)
     highest = max(polynomial.degree, 0)
     above = homogenised(polynomial.raw.to_dict(), tops, over, highest)
     return RationalFunction.quotient(above, over**highest, functions[0].names)

@@ -18,12 +18,12 @@ points where a side of a patch shrinks to a point (poles and apexes).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence, Sized
+from collections.abc import Sequence
 
 import numpy as np
 from flint import fmpq
 
-from pas.algebra.inputs import short, shown
+from pas.algebra.inputs import check_count, short
 from pas.algebra.lengths import across
 from pas.algebra.rational import Exact, VectorLike, dot, minus, plain, positive, rational, to_float, to_floats, vector
 from pas.algebra.rational_function import FunctionLike
@@ -192,9 +192,7 @@ def _positive(**sizes: Exact) -> tuple[fmpq, ...]:
 
 
 def _triple(items: Sequence[FunctionLike], name: str) -> tuple[str, ...]:
-    if isinstance(items, str) or not isinstance(items, Sized) or len(items) != 3:
-        error = ValueError if isinstance(items, str | Sized) else TypeError
-        raise error(f"{name} must be three expressions in t, such as ('cos(t)', 'sin(t)', 0), not {shown(items)}")
+    check_count(items, 3, f"{name} must be three expressions in t, such as ('cos(t)', 'sin(t)', 0)")
     return tuple(map(str, items))
 
 

@@ -21,7 +21,7 @@ from pas.algebra.affine import Affine, AffineShape
 from pas.algebra.brief import brief
 from pas.algebra.callables import ComponentLike, component, is_function
 from pas.algebra.expressions import Formula, Names
-from pas.algebra.inputs import check_derivative, check_tolerance, short, shown
+from pas.algebra.inputs import check_derivative, check_tolerance, set_fields, short, shown
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import unit
 from pas.algebra.rational import Exact, plain, rational, three
@@ -131,10 +131,7 @@ class SurfaceCurve:
             component(one_parameter(e), names, name) for e, name in zip((t, h), surface.parameters, strict=True)
         )
         exact = None if first.exact is None or second.exact is None else (first.exact, second.exact)
-        object.__setattr__(self, "surface", surface)
-        object.__setattr__(self, "parameter", parameter)
-        object.__setattr__(self, "path", (first.formula, second.formula))
-        object.__setattr__(self, "exact_path", exact)
+        set_fields(self, surface=surface, parameter=parameter, path=(first.formula, second.formula), exact_path=exact)
 
     @property
     def components(self) -> Components:

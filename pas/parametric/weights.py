@@ -25,7 +25,7 @@ import numpy as np
 from flint import fmpq, fmpq_poly
 from numpy.typing import ArrayLike
 
-from pas.algebra.inputs import HIGHEST_EXPONENT, check_order, short, shown, whole
+from pas.algebra.inputs import HIGHEST_EXPONENT, check_order, set_fields, short, shown, whole
 from pas.algebra.jets import Jet, power
 from pas.algebra.rational import Exact, plain, rational, to_float
 from pas.algebra.rational_function import RationalFunction
@@ -74,9 +74,7 @@ class Weights:
         if exponent is None:
             exponent = k + 1 if len(at) == 2 or k % 2 else k + 2
         m = whole(exponent, "exponent", k + 1, HIGHEST_EXPONENT, f"for contact of order {k}")
-        fields = {"values": at, "balance": _balance(balance, len(at)), "exponent": m, "normalized": normalized}
-        for name, value in fields.items():
-            object.__setattr__(self, name, value)
+        set_fields(self, values=at, balance=_balance(balance, len(at)), exponent=m, normalized=normalized)
 
     @cached_property
     def functions(self) -> tuple[RationalFunction, ...]:

@@ -23,7 +23,7 @@ from itertools import combinations, permutations, product
 from typing import Any
 
 from pas.algebra.affine import Affine
-from pas.algebra.inputs import shown
+from pas.algebra.inputs import check_count
 from pas.algebra.rational import Vector, VectorLike, cross, dot, listed, minus, plain, texts, three, vector
 from pas.errors import GeometryError
 from pas.partition.cells import Partition
@@ -128,8 +128,7 @@ class AlfeldSplit(Partition):
     name = "alfeld split"
 
     def __init__(self, corners: Sequence[VectorLike] = UNIT, center: VectorLike | None = None) -> None:
-        if isinstance(corners, str) or not hasattr(corners, "__len__") or len(corners) != 4:
-            raise ValueError(f"corners must be four points, not {shown(corners)}")
+        check_count(corners, 4, "corners must be four points", ValueError)
         self.tetrahedron = tuple(vector(corner, f"corners[{i}]") for i, corner in enumerate(corners))
         inner = _centroid(self.tetrahedron) if center is None else vector(center, "center")
         _check_inside(self.tetrahedron, inner)
@@ -209,8 +208,7 @@ class SixTetrahedra(Partition):
         self, center: VectorLike = (0, 0, 0), legs: Sequence[VectorLike] = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
     ) -> None:
         origin = vector(center, "center")
-        if isinstance(legs, str) or not hasattr(legs, "__len__") or len(legs) != 3:
-            raise ValueError(f"legs must be three vectors, not {shown(legs)}")
+        check_count(legs, 3, "legs must be three vectors", ValueError)
         self.legs = tuple(vector(leg, f"legs[{i}]") for i, leg in enumerate(legs))
         if dot(self.legs[0], cross(self.legs[1], self.legs[2])) == 0:
             raise GeometryError("the three legs of the corner lie in one plane")

@@ -10,6 +10,7 @@ from pas.algebra.lengths import unit
 from pas.algebra.polynomial import Polynomial
 from pas.arrays import Floats, Integers
 from pas.contacts.contact import Contact
+from pas.contacts.ovals import settled
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import area_vectors, off_zero
 from pas.mesh.topology import chains
@@ -66,11 +67,9 @@ def strip(f: Polynomial, start: Floats, away: Floats, step: float) -> list[Float
     """
 
     def advance(points: Floats, away: Floats) -> Floats | None:
-        aimed = moved = points + step * away
-        for _ in range(4):
-            slope = f.gradient(moved)
-            with np.errstate(all="ignore"):
-                moved = moved - (f(moved) / (slope * slope).sum(axis=1))[:, None] * slope
+        aimed = points + step * away
+        with np.errstate(all="ignore"):
+            moved = settled(f, aimed, 4)
         near = np.linalg.norm(moved - aimed, axis=1).max() <= step / 2
         return np.stack([moved, unit(f.gradient(moved))]) if near else None
 

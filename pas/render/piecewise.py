@@ -7,13 +7,12 @@ of the curve.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
 
 from pas.algebra.lengths import arc_lengths, resampled, unit
-from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import to_float
 from pas.arrays import Floats
 from pas.mesh.mesh import Mesh
@@ -21,6 +20,7 @@ from pas.mesh.topology import chains
 from pas.piecewise import PiecewiseSurface
 from pas.render.neighbours import contact_rim, neighbours
 from pas.render.scene import BLEND_COLOR, PIPE_COLOR, Comb, Layer, Scene
+from pas.solid.faces import JetsAt
 from pas.surface.fairness_limits import neighbour
 from pas.surface.geometry import FIRST, Geometry
 
@@ -76,9 +76,6 @@ def _frame(surface: PiecewiseSurface) -> Floats:
 FEWEST = 8
 """Points of a curve below which it is not shown: corners that a plane just touches."""
 
-Jet = Callable[[Floats], tuple[Floats, Floats]]
-"""Values (n,) and gradients (n, 3) at points (n, 3)."""
-
 
 def combs(surface: PiecewiseSurface, mesh: Mesh) -> tuple[Comb, ...]:
     """The combs of a surface; `mesh` is its own."""
@@ -90,7 +87,7 @@ def combs(surface: PiecewiseSurface, mesh: Mesh) -> tuple[Comb, ...]:
         if not len(rim):
             continue
         curves = [_resampled(mesh.points[chain], spacing) for chain in chains(rim)]
-        there = [_comb(surface, curve, _jet(contact.clip)) for curve in curves]
+        there = [_comb(surface, curve, contact.clip.jets) for curve in curves]
         found += there
         for part in _neighbours([comb.points for comb in there], spacing):
             mean = _middle(part)
@@ -134,24 +131,20 @@ def _same(place: Floats, normal: Floats, other: Floats, way: Floats) -> bool:
     return bool(np.linalg.norm(np.cross(normal, way)) < 1e-4 and abs(way @ (place - other)) < 1e-4 * size)
 
 
-def _jet(polynomial: Polynomial) -> Jet:
-    return lambda p: (polynomial(p), polynomial.gradient(p))
+def _plane(place: Floats, normal: Floats) -> JetsAt:
+    return lambda p: np.column_stack([(p - place) @ normal, np.broadcast_to(normal, p.shape)])
 
 
-def _plane(place: Floats, normal: Floats) -> Jet:
-    return lambda p: ((p - place) @ normal, np.broadcast_to(normal, p.shape))
-
-
-def _comb(surface: PiecewiseSurface, points: Floats, other: Jet) -> Comb:
+def _comb(surface: PiecewiseSurface, points: Floats, other: JetsAt) -> Comb:
     """The comb of the curve where the surface meets another one, near to `points` (n, 3)."""
     scale = to_float(surface.partition.frame.scale)
     for _ in range(6):  # of Newton's method, from points within the mesh's tolerance
         found, _ = geometry_at(surface, points)
-        values, slopes = other(points)
-        rows = np.stack([found[:, FIRST] / scale, slopes], axis=1)
-        points = points - (np.linalg.pinv(rows) @ np.stack([found[:, 0], values], axis=1)[:, :, None])[:, :, 0]
+        jets = other(points)
+        rows = np.stack([found[:, FIRST] / scale, jets[:, 1:]], axis=1)
+        points = points - (np.linalg.pinv(rows) @ np.stack([found[:, 0], jets[:, 0]], axis=1)[:, :, None])[:, :, 0]
     _, geometry = geometry_at(surface, points)
-    tangents = unit(np.cross(geometry.normals, other(points)[1]))
+    tangents = unit(np.cross(geometry.normals, other(points)[:, 1:]))
     parts = np.einsum("nij,ni->nj", geometry.frame[:, :, :2], tangents)
     curvatures = (parts**2 * geometry.principal).sum(axis=1) / scale
     known = np.isfinite(points).all(axis=1) & np.isfinite(curvatures)

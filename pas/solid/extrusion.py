@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import pairwise, product
 
@@ -15,7 +16,7 @@ from pas.algebra.rational import near, plain, square_root, to_float
 from pas.arrays import Floats, Integers
 from pas.errors import GeometryError
 from pas.solid.edges import Loop, PlaneEdge, at, gradient, line, radius_of
-from pas.solid.faces import COARSE, Faces, SolidBoundary, SweptBody, cross, flat, jets_of
+from pas.solid.faces import COARSE, Faces, SolidBoundary, SweptBody, cross, flat
 from pas.solid.formulas import PlaneSet, formula
 from pas.solid.joints import Joint
 from pas.solid.solid import Solid
@@ -169,31 +170,27 @@ class Prism(SweptBody):
     lean: Lean = field(default=Lean(fmpq(0)))
     rounds: tuple[Rounds, ...] = ()
 
-    def made(self, tolerance: float) -> Faces | None:
+    def made(self, tolerance: float) -> Faces:
         """Its faces, finer where they are nearly singular, as tori are that nearly meet themselves."""
         finer, finest = tolerance, min(tolerance, 2.0**-20 * self.extent)
-        while (found := self._rows(finer)) is not None and found.deviation > tolerance and finer > finest:
+        while (found := self._rows(finer)).deviation > tolerance and finer > finest:
             finer /= 4
         return found
 
-    def _rows(self, tolerance: float) -> Faces | None:
+    def _rows(self, tolerance: float) -> Faces:
         """Rows of the loops' polygons, moved along the rounds, all between them, and both ends."""
-        found = self.polygons(tolerance / 3 if self.rounds else tolerance)
-        if found is None:
-            return None
-        made, rims = Faces(), list[tuple[Integers, Integers]]()
-        for number, polygon in enumerate(zip(*found[:2], strict=True)):
-            ends = self._put_sides(made, number, polygon, tolerance)
-            if ends is None:
-                return None
-            rims.append(ends)
+        made, (points, counts, _) = Faces(), self.polygons(tolerance / 3 if self.rounds else tolerance)
+        polygons = enumerate(zip(points, counts, strict=True))
+        rims = [self._put_sides(made, number, polygon, tolerance) for number, polygon in polygons]
         tops, bottoms = zip(*rims, strict=True)
-        return made if made.put_level("top", tops, 1) and made.put_level("bottom", bottoms, -1) else None
+        made.put_level("top", tops, 1)
+        made.put_level("bottom", bottoms, -1)
+        return made
 
     def _sections(
         self, made: Faces, number: int, polygon: tuple[Floats, list[int]], tolerance: float
-    ) -> list[tuple[Integers, Rounds | None]] | None:
-        """The rows of vertices of a loop, from above: those of its rounds, and others; None where rounds meet."""
+    ) -> list[tuple[Integers, Rounds | None]]:
+        """The rows of vertices of a loop, from above: those of its rounds, and others."""
         rounds = [one for one in self.rounds if one.loop == number]
         found: list[tuple[Floats, Rounds | None]] = [(one.rows(tolerance), one) for one in rounds]
         ends, slope = {self.height, 0.0} - {one.level for one in rounds}, to_float(self.lean.slope)
@@ -202,7 +199,7 @@ class Prism(SweptBody):
         rows, last = np.concatenate([some for some, _ in sections]), np.cumsum([len(some) for some, _ in sections])
         falls = -np.diff(rows[:, 1])
         if falls.min() < 0 or falls[last[:-1] - 1].min() == 0:
-            return None
+            raise FloatingPointError("rounds meet")
         aside = rows[:, :1, None]
         moved = polygon[0] + aside * (self._ways(self.loops[number], *polygon) if aside.any() else 1.0)
         heights = np.broadcast_to(rows[:, 1, None, None], (*moved.shape[:2], 1))
@@ -214,24 +211,21 @@ class Prism(SweptBody):
 
     def _put_sides(
         self, made: Faces, number: int, polygon: tuple[Floats, list[int]], tolerance: float
-    ) -> tuple[Integers, Integers] | None:
-        """The faces of a loop but for both ends, whose rows of vertices are given back; None where they cross."""
+    ) -> tuple[Integers, Integers]:
+        """The faces of a loop but for both ends, whose rows of vertices are given back."""
         loop, sections = self.loops[number], self._sections(made, number, polygon, tolerance)
-        if sections is None:
-            return None
         bands: list[tuple[Integers, Rounds | None]] = [(rows, one) for rows, one in sections if one]
         bands += [(np.stack([above[-1], below[0]]), None) for (above, _), (below, _) in pairwise(sections)]
         for place, (rows, one) in enumerate(bands):
             if one and one.foot:
                 *arc, rim, inner = rows[:: one.up]
-                if not made.put_level(one.faces[0][0], (rim, inner[::-1]), -one.up):
-                    return None
+                made.put_level(one.faces[0][0], (rim, inner[::-1]), -one.up)
                 bands[place] = np.stack([*arc, rim])[:: one.up], one
         borders = np.cumsum([0, *polygon[1]])
         for (rows, one), (k, edge) in product(bands, enumerate(loop.edges)):
             name, surface = one.faces[0 if loop.whole else k] if one else (edge.name, self.lean.surface(edge))
             across = rows[:, np.arange(borders[k], borders[k + 1] + 1) % rows.shape[1]]
-            made.put_side(name, [*across.T], jets_of(surface))
+            made.put_side(name, [*across.T], surface.jets)
         return sections[0][0][0], sections[-1][0][-1]
 
     def _ways(self, loop: Loop, points: Floats, counts: list[int]) -> Floats:
@@ -269,8 +263,11 @@ class Prism(SweptBody):
             tops.append(top)
         areas = [cross(p, np.roll(p, -1, axis=0)).sum() for p in tops]
         signs = [1 if loop.is_counterclockwise else -1 for loop in self.loops]
-        if flat(tops) is None or min(area * sign for area, sign in zip(areas, signs, strict=True)) <= 0:
-            raise GeometryError("the taper is too much: sides meet below the top; take a smaller height or taper")
+        with suppress(FloatingPointError):
+            flat(tops)
+            if min(area * sign for area, sign in zip(areas, signs, strict=True)) > 0:
+                return
+        raise GeometryError("the taper is too much: sides meet below the top; take a smaller height or taper")
 
 
 def square_of(edge: PlaneEdge) -> fmpq:

@@ -17,9 +17,8 @@ from pas.algebra.rational import Vector, decimal, dot, near, square_root, to_flo
 from pas.arrays import Floats, Integers
 from pas.errors import GeometryError, meant
 from pas.mesh.mesh import Mesh
-from pas.mesh.projection import distances, newton
+from pas.mesh.projection import CommonZeros, distances, newton
 from pas.solid.joints import Joint
-from pas.solid.sections import Levels
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree
 
@@ -74,7 +73,7 @@ class FaceSeam:
         first, second = (_polynomial(solid, mesh, name, np.unique(edges)) for name in names)
         faces = first, second
         points, reach = _along(mesh.points[edges])
-        points = newton(points, Levels(faces), (0, 1), np.full(len(points), reach))
+        points = CommonZeros(faces).placed(points, reach)
         middles, ways = mesh.points[edges].mean(axis=1), mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
         crossed = np.cross(faces[0].gradient(middles), faces[1].gradient(middles))
         above = (crossed * ways).sum(axis=1) < 0
@@ -167,7 +166,7 @@ class FaceSeam:
         """Points (2 N, 3) on the faces in which a fillet ends, in points alone where that is no curve; None where a
         face does not go that far."""
         one, other = self.faces
-        levels = Levels((one, other, one - heights[0] * self.sign, other - heights[1] * self.sign))
+        levels = CommonZeros((one, other, one - heights[0] * self.sign, other - heights[1] * self.sign))
         tangents = radius * np.sqrt((1 - self.cosines) / (1 + self.cosines))[:, None]
         found = []
         for mine, its in ((0, 1), (1, 0)):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -21,8 +22,8 @@ from pas.mesh.quality import Quality
 from pas.mesh.shading import unit_rows
 from pas.solid.edges import Loop
 
-Jets = Callable[[Floats], tuple[Floats, Floats]]
-"""From points (..., 3) to the values (...) and gradients (..., 3) of a function whose zero set a face is on."""
+JetsAt = Callable[[Floats], Floats]
+"""From points (N, 3) to the values and gradients (N, 4) of a function whose zero set a face is on."""
 
 
 COARSE = 2.0**-6
@@ -32,11 +33,6 @@ COARSE = 2.0**-6
 def off_surface(surface: Polynomial, points: Floats) -> Floats:
     """How far points (..., 3) are from a surface, (...), to first order."""
     return np.asarray(np.abs(surface(points)) / np.linalg.norm(surface.gradient(points), axis=-1))
-
-
-def jets_of(surface: Polynomial) -> Jets:
-    """The jets of a polynomial whose zeros a face is on."""
-    return lambda points: (surface(points), surface.gradient(points))
 
 
 @dataclass(frozen=True)
@@ -88,7 +84,7 @@ class Faces:
         else:
             triangles = ring(points, outer, inner, end.axis, name)
         self.deviation = max(self.deviation, end.off(points[triangles]))
-        self.put_curved(name, triangles, jets_of(end.surface))
+        self.put_curved(name, triangles, end.surface.jets)
         return True
 
     def put(self, mesh: Mesh, flipped: bool = False) -> int:
@@ -100,7 +96,7 @@ class Faces:
         self.deviation = max(self.deviation, mesh.deviation or 0.0)
         return first
 
-    def put_side(self, name: str, rows: Sequence[Integers], jets: Jets) -> None:
+    def put_side(self, name: str, rows: Sequence[Integers], jets: JetsAt) -> None:
         """The face between rows of vertices (N,): seen from outside, each is to the left of the one before it.
 
         A row may be one vertex, repeated.  `jets` are those of the surface, of either sign.
@@ -109,35 +105,35 @@ class Faces:
         corners = [np.stack(t, axis=1) for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
         self.put_curved(name, np.concatenate(corners), jets)
 
-    def put_curved(self, name: str, triangles: Integers, jets: Jets) -> None:
+    def put_curved(self, name: str, triangles: Integers, jets: JetsAt) -> None:
         """A face by triangles (T, 3), without those that have a vertex twice; `jets` as in `put_side`.
 
         How far the middles of their edges are from the surface is noted.
         """
         triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
         corners = self.points[triangles]
-        _, slopes = jets(corners)
+        slopes = jets(corners.reshape(-1, 3))[:, 1:].reshape(-1, 3, 3)
         facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         slopes *= np.sign((slopes * facing[:, None, :]).sum(axis=-1, keepdims=True))
         self.add(name, triangles, unit_rows(slopes))
-        values, slopes = jets((corners + np.roll(corners, 1, axis=1)) / 2)
-        self.deviation = max(self.deviation, float((np.abs(values) / np.linalg.norm(slopes, axis=-1)).max()))
+        found = jets(((corners + np.roll(corners, 1, axis=1)) / 2).reshape(-1, 3))
+        off = np.abs(found[:, 0]) / np.linalg.norm(found[:, 1:], axis=1)
+        self.deviation = max(self.deviation, float(off.max()))
 
     def put_flat(self, name: str, triangles: Integers, normal: Floats) -> None:
         """A flat face of vertices (T, 3) with a unit normal (3,)."""
         self.add(name, triangles, np.broadcast_to(normal, (len(triangles), 3, 3)))
 
-    def put_level(self, name: str, rows: Sequence[Integers], sign: int) -> bool:
+    def put_level(self, name: str, rows: Sequence[Integers], sign: int) -> None:
         """Add the flat face inside rows of vertices, seen from above or, where `sign` is -1, from below.
 
-        Returns whether there is one; nothing is added where the rows bound none.
+        Raises `FloatingPointError` where the rows bound none.
         """
         rims = [row[row != np.roll(row, 1)] for row in rows]
         triangles = flat([self.points[rim, :2] for rim in rims])
-        if triangles is None or not len(triangles):
-            return False
+        if not len(triangles):
+            raise FloatingPointError(f"nothing is inside the face {name!r}")
         self.put_flat(name, np.concatenate(rims)[triangles][:, ::sign], np.array([0.0, 0.0, sign]))
-        return True
 
     @property
     def mesh(self) -> Mesh:
@@ -194,14 +190,15 @@ class FacedBody(PlacedBody):
     """What bounds a solid all faces of which are made at once."""
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        faces = self.made(tolerance / self.stretch)
-        if faces is None or faces.deviation * self.stretch > tolerance:
-            return None
-        return faces.mesh if self.place is None else faces.mesh._moved(self.place)
+        with suppress(FloatingPointError):
+            faces = self.made(tolerance / self.stretch)
+            if faces.deviation * self.stretch <= tolerance:
+                return faces.mesh if self.place is None else faces.mesh._moved(self.place)
+        return None
 
     @abstractmethod
-    def made(self, tolerance: float) -> Faces | None:
-        """Its faces before it was moved, within a tolerance; None where rounding spoils them."""
+    def made(self, tolerance: float) -> Faces:
+        """Its faces before it was moved, within a tolerance; raises `FloatingPointError` where rounding spoils them."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -214,25 +211,26 @@ class SweptBody(FacedBody):
     def extent(self) -> float:
         return max(loop.size for loop in self.loops)
 
-    def polygons(self, tolerance: float) -> tuple[list[Floats], list[list[int]], Integers] | None:
+    def polygons(self, tolerance: float) -> tuple[list[Floats], list[list[int]], Integers]:
         """Points (N, 2) of each loop, how many are of each edge, and triangles (T, 3) of all points inside.
 
-        Chords are as short as the tolerance needs, and so that they do not cross; None where they do to rounding.
+        Chords are as short as the tolerance needs, and so that they do not cross; raises `FloatingPointError` where
+        they do to rounding.
         """
         finest = 2.0**-40  # over the profile's size: where chords cross even then, so do edges, to rounding
         while tolerance > finest * self.extent:
             found = [loop.polygon(tolerance / loop.size) for loop in self.loops]
-            triangles = flat([points for points, _ in found])
-            if triangles is not None:
-                return [points for points, _ in found], [counts for _, counts in found], triangles
+            points, counts = [points for points, _ in found], [counts for _, counts in found]
+            with suppress(FloatingPointError):
+                return points, counts, flat(points)
             tolerance /= 4
-        return None
+        raise FloatingPointError("the chords of a profile cross")
 
 
-def flat(polygons: Sequence[Floats]) -> Integers | None:
+def flat(polygons: Sequence[Floats]) -> Integers:
     """Triangles (T, 3) between the points of polygons (N, 2), which are numbered in order.
 
-    The polygons have what is inside to their left.  None where they cross.
+    The polygons have what is inside to their left.  Raises `FloatingPointError` where they cross.
     """
     from manifold3d import triangulate
 
@@ -244,7 +242,9 @@ def flat(polygons: Sequence[Floats]) -> Integers | None:
     areas = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     inside = sum(float(cross(p, np.roll(p, -1, axis=0)).sum()) for p in moved)
     whole = abs(areas.sum() - inside) <= 1e-12 * size * size
-    return made if whole and areas.min(initial=1.0) >= -1e-14 * size * size else None
+    if not whole or areas.min(initial=1.0) < -1e-14 * size * size:
+        raise FloatingPointError("polygons cross")
+    return made
 
 
 def cross(u: Floats, v: Floats) -> Floats:

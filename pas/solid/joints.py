@@ -18,7 +18,7 @@ from pas.algebra.brief import brief
 from pas.algebra.components import Components, LostError
 from pas.algebra.curve import CurvePart, SpaceCurve, SplitError
 from pas.algebra.ideal import Ideal
-from pas.algebra.inputs import check_order, short
+from pas.algebra.inputs import check_order, set_fields, short
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.arrays import Floats
 from pas.solid.arcs import AlongCurve, Arc, Around, arcs
@@ -60,11 +60,8 @@ class Joint:
             raise ValueError(
                 f"along must be two polynomials whose surfaces meet in curves; {g} and {h} share a surface"
             )
-        object.__setattr__(self, "first", first)
-        object.__setattr__(self, "second", second)
-        object.__setattr__(self, "along", (g, h))
-        object.__setattr__(self, "order", check_order(order))
-        object.__setattr__(self, "within", tuple(map(Polynomial, within)))
+        walls = tuple(map(Polynomial, within))
+        set_fields(self, first=first, second=second, along=(g, h), order=check_order(order), within=walls)
 
     def moved(self, map_: Affine) -> Joint:
         """The claim on the image under an affine map."""

@@ -25,7 +25,7 @@ from pas.algebra.rational import rational
 from pas.arrays import Floats
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
-from pas.solid.faces import Faces, SolidBoundary, jets_of, ring
+from pas.solid.faces import Faces, SolidBoundary, ring
 from pas.solid.runs import gap_between
 from pas.solid.sheets import EQUAL, ROOM, Loops, SheetBody
 
@@ -89,7 +89,7 @@ class LinkedBodies(SolidBoundary):
             flat = np.concatenate([points[loop], other.carried(strip, points[begin], link.share or 1.0)])
             found = ring(flat, np.arange(len(loop)), np.arange(len(loop), len(flat)), axis, strip.name)
             triangles = np.concatenate([loop, begin])[found if side == 0 else found[:, ::-1]]
-            made.put_curved(strip.name, triangles, jets_of(tube))
+            made.put_curved(strip.name, triangles, tube.jets)
 
 
 def united(one: SolidBoundary | None, other: SolidBoundary | None) -> LinkedBodies | None:

@@ -27,7 +27,7 @@ from pas.mesh.closed import refined_faces
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import SAME
 from pas.mesh.quality import Quality
-from pas.mesh.rows import cross, dots, norms
+from pas.mesh.rows import area_vectors, norms, spans
 from pas.mesh.topology import connected, euler_characteristic, piece_count
 from pas.settings import RELATIVE_TOLERANCE
 from pas.solid.bounds import hull, overlap
@@ -163,17 +163,16 @@ def _cut(part: Operand, field: SolidField, tolerance: float, parts: int) -> Tria
 
 def _areas(cut: Triangles) -> Floats:
     """The area of each label that occurs, in their order (K,)."""
-    a, b, c = np.moveaxis(cut.points[cut.triangles], 1, 0)
-    areas = norms(cross(b - a, c - a)) / 2
+    areas = norms(area_vectors(cut.points[cut.triangles])) / 2
     return np.asarray(np.bincount(np.unique(cut.faces, return_inverse=True)[1], areas), dtype=np.float64)
 
 
 def _is_flat(cut: Triangles) -> bool:
     """Whether a piece encloses no volume, in coordinates of about one."""
-    a, b, c = np.moveaxis(cut.points[cut.triangles], 1, 0)
+    corners = cut.points[cut.triangles]
     owners = connected(cut.triangles[:, [0, 1, 1, 2]].reshape(-1, 2), len(cut.points))[cut.triangles[:, 0]]
-    volumes = np.bincount(owners, dots(a, cross(b, c)))
-    return bool((np.abs(volumes) <= SAME * np.bincount(owners, norms(cross(b - a, c - a))))[owners].any())
+    volumes = np.bincount(owners, spans(corners)[0])
+    return bool((np.abs(volumes) <= SAME * np.bincount(owners, norms(area_vectors(corners))))[owners].any())
 
 
 def _shape(cut: Triangles) -> tuple[int, int, set[int]]:

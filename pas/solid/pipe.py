@@ -46,7 +46,7 @@ from pas.algebra.rational import (
 from pas.arrays import Floats, Integers
 from pas.errors import GeometryError
 from pas.mesh.shading import unit_rows
-from pas.solid.faces import FacedBody, Faces, jets_of
+from pas.solid.faces import FacedBody, Faces
 from pas.solid.joints import Joint
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, Tree, combined, complement
@@ -175,7 +175,7 @@ class PipeBody(FacedBody):
                     ways = ways - np.outer(ways @ onward, normal + onward) / (1 + normal @ onward)  # the smallest turn
                     normal, row = onward, made.added(center + radius * ways)
                     rows.append(np.append(row, row[0]))
-                made.put_side(piece.name, rows[begin:][:: -1 if number else 1], jets_of(piece.surface))
+                made.put_side(piece.name, rows[begin:][:: -1 if number else 1], piece.surface.jets)
             rims += [rows[0], rows[-1]]
         for side, name in enumerate(("start", "end")):
             outer, inner = rims[side], rims[side - 2]

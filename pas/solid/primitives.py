@@ -12,7 +12,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.affine import Affine, away, height, translation
-from pas.algebra.inputs import shown, whole
+from pas.algebra.inputs import check_count, whole
 from pas.algebra.lengths import across
 from pas.algebra.polynomial import GENERATORS, Polynomial, PolynomialLike
 from pas.algebra.rational import (
@@ -270,6 +270,5 @@ def transition(
 
 def _half_axes(given: Sequence[Exact], name: str) -> tuple[fmpq, fmpq]:
     """Two positive lengths."""
-    if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != 2:
-        raise ValueError(f"{name} must be two half axes, such as (3, 2), not {shown(given)}")
+    check_count(given, 2, f"{name} must be two half axes, such as (3, 2)", ValueError)
     return positive(given[0], f"{name}[0]"), positive(given[1], f"{name}[1]")

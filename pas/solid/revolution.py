@@ -94,16 +94,15 @@ def _at_most_zero(raw: fmpq_mpoly, face: str) -> Truth:
     return Atom(Polynomial.from_raw(raw), face)
 
 
-def _jets(curve: Polynomial, points: Floats) -> tuple[Floats, Floats]:
-    """Values and gradients of a polynomial in the distance from the axis and the height, at points (..., 3).
+def _jets(curve: Polynomial, points: Floats) -> Floats:
+    """Values and gradients (N, 4) of a polynomial in the distance from the axis and the height, at points (N, 3).
 
     On the axis, where an edge may end in an apex, the gradient is that of a plane through it.
     """
-    r = np.linalg.norm(points[..., :2], axis=-1)
-    flat = np.stack([r, points[..., 2], np.zeros_like(r)], axis=-1)
-    slopes = curve.gradient(flat)
-    away = points[..., :2] / np.where(r > 0, r, 1.0)[..., None]
-    return curve(flat), np.concatenate([slopes[..., :1] * away, slopes[..., 1:2]], axis=-1)
+    r = np.linalg.norm(points[:, :2], axis=1)
+    found = curve.jets(np.stack([r, points[:, 2], np.zeros_like(r)], axis=1))
+    away = points[:, :2] / np.where(r > 0, r, 1.0)[:, None]
+    return np.concatenate([found[:, :1], found[:, 1:2] * away, found[:, 2:3]], axis=1)
 
 
 def _joints(loop: Loop) -> Iterator[Joint]:
@@ -126,12 +125,9 @@ class Turned(SweptBody):
         """Whether it turns all round, so that it has no flat ends."""
         return self.angle == 2 * math.pi
 
-    def made(self, tolerance: float) -> Faces | None:
+    def made(self, tolerance: float) -> Faces:
         """Its faces: a row of points for each point of the polygons, one point on the axis."""
-        found = self.polygons(tolerance / 2)
-        if found is None:
-            return None
-        polygons, counts, triangles = found
+        polygons, counts, triangles = self.polygons(tolerance / 2)
         points = np.concatenate(polygons)
         widest = float(points[:, 0].max())
         step = 2 * math.acos(max(1 - tolerance / (2 * widest), 0.5))  # chords of a circle leave it by that

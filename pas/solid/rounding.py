@@ -39,7 +39,7 @@ from pas.algebra.rational import Vector, cross, dot, plain, to_float, to_floats
 from pas.arrays import Floats, Integers
 from pas.errors import GeometryError, meant
 from pas.solid.face_seams import PlaneFace
-from pas.solid.faces import FacedBody, Faces, SolidBoundary, flat, jets_of
+from pas.solid.faces import FacedBody, Faces, SolidBoundary, flat
 from pas.solid.joints import Joint
 from pas.solid.operands import Operands
 from pas.solid.solid import Solid
@@ -258,16 +258,16 @@ class RoundedBody(FacedBody):
         corners = [_corner(tuple(vertex), np.ones((1, 3)), 0.0) for edge in self.edges for vertex in edge.vertices]
         return float(np.ptp(np.concatenate(corners), axis=0).max())
 
-    def made(self, tolerance: float) -> Faces | None:
+    def made(self, tolerance: float) -> Faces:
         """Its faces, all arcs in as many parts as it takes."""
         parts, finest = 4, 1 << 10
         while True:
             found = self._in_parts(parts)
-            if found is None or found.deviation <= tolerance or parts >= finest:
+            if found.deviation <= tolerance or parts >= finest:
                 return found
             parts = ceil(parts * max(1.1, sqrt(found.deviation / tolerance)))
 
-    def _in_parts(self, n: int) -> Faces | None:
+    def _in_parts(self, n: int) -> Faces:
         made, arcs = Faces(), dict[tuple[frozenset[PlaneFace], frozenset[PlaneFace]], Integers]()
         outlines: dict[PlaneFace, list[Integers]] = {}
         curved, radius = list[tuple[RoundPatch, Integers]](), to_float(self.radius)
@@ -300,9 +300,9 @@ class RoundedBody(FacedBody):
             if pair in self.patches:
                 patch = self.patches[pair]
                 start, end = (arcs[pair, vertex] for vertex in edge.vertices)
-                made.put_side(patch.face, [*np.stack([end, start], axis=1)], jets_of(patch.surface))
+                made.put_side(patch.face, [*np.stack([end, start], axis=1)], patch.surface.jets)
         for patch, triangles in curved:
-            made.put_curved(patch.face, triangles, jets_of(patch.surface))
+            made.put_curved(patch.face, triangles, patch.surface.jets)
         points = made.points
         for plane, parts in outlines.items():
             normal = unit(to_floats(plane.normal))
@@ -310,10 +310,7 @@ class RoundedBody(FacedBody):
             away = points[numbers] - points[numbers].mean(axis=0)
             shown = away @ across(normal).T
             order = np.argsort(np.arctan2(shown[:, 1], shown[:, 0]))
-            found = flat([shown[order]])
-            if found is None:
-                return None
-            made.put_flat(plane.name, numbers[order][found], normal)
+            made.put_flat(plane.name, numbers[order][flat([shown[order]])], normal)
         return made
 
 

@@ -23,7 +23,7 @@ from pas.arrays import Floats, Integers
 from pas.contacts.contact import Contact
 from pas.mesh.quality import Quality
 from pas.mesh.sweep import between_loops
-from pas.solid.faces import COARSE, Faces, jets_of
+from pas.solid.faces import COARSE, Faces
 from pas.solid.sheets import ROOM, Loose, SheetBody, Side, merged
 from pas.solid.strips import Chain, chain_between, go_on
 from pas.solid.tree import Atom, Node, Tree, complement, parts_of
@@ -100,7 +100,7 @@ class RunSide:
         triangles = between_loops(np.stack([np.arctan2(y, x), heights], axis=1), (loops[0], loops[1]), holes)
         if triangles is None:
             return None
-        made.put_curved(self.name, triangles, jets_of(self.ends[0].contact.surface))
+        made.put_curved(self.name, triangles, self.ends[0].contact.surface.jets)
         if not go_on(made, self.ends, loops, tolerance, without):
             return None
         whole = made.mesh

@@ -6,7 +6,6 @@ Guaranteed: exact, but for where on a section the faces are, which is seen at so
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import combinations, permutations
 
 import numpy as np
@@ -17,8 +16,8 @@ from pas.algebra.ideal import Ideal
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import cross
-from pas.arrays import Bools, Floats, Integers
-from pas.mesh.projection import least_norm, newton
+from pas.arrays import Bools, Floats
+from pas.mesh.projection import CommonZeros, least_norm
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.tree import Tree, atoms
 
@@ -107,22 +106,10 @@ def _bounds(evaluator: TreeEvaluator, function: Polynomial, points: Floats) -> B
     return np.asarray(near & (both[0] != both[1]))
 
 
-@dataclass(frozen=True, eq=False)
-class Levels:
-    """Polynomials by number, whose common zeros are looked for."""
-
-    functions: tuple[Polynomial, ...]
-
-    def jets(self, points: Floats, labels: int | Integers) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3) of the polynomial that has the number, one for all of them."""
-        function = self.functions[int(np.max(labels, initial=0))]
-        return np.concatenate([function(points)[:, None], function.gradient(points)], axis=1)
-
-
 def _near(points: Floats, functions: tuple[Polynomial, ...]) -> tuple[Floats, Bools]:
     """Common zeros (N, 3) of one function or two near points (N, 3), and which are some."""
-    levels, numbers, far = Levels(functions), range(len(functions)), np.inf
+    zeros = CommonZeros(functions)
     with np.errstate(all="ignore"):  # some go so far away that they overflow
-        points = newton(points, levels, numbers, np.full(len(points), far), 20)
-        left = lengths(least_norm(levels, numbers, points))
+        points = zeros.placed(points, np.inf, 20)
+        left = lengths(least_norm(zeros, range(len(functions)), points))
     return points, np.asarray(left <= 1e-9 * np.maximum(lengths(points), 1.0))

@@ -27,7 +27,7 @@ from pas.arrays import Floats, Integers
 from pas.contacts.cones import first_met
 from pas.contacts.contact import Contact
 from pas.errors import GeometryError
-from pas.solid.faces import End, Faces, jets_of, off_surface
+from pas.solid.faces import End, Faces, off_surface
 
 Rows = Callable[[Floats, float], Floats]
 """From the points (N, 3) of a loop to those of the loop a share of the way along a strip: the strip's end with 1."""
@@ -229,7 +229,7 @@ def go_on(
                 return False
             rows = [strip.rows(begin, (k + 1) / many) for k in range(many)]
         every = [loops[number], *map(made.added, rows)]
-        made.put_side(strip.name, [np.append(row, row[0]) for row in every[::-1]], jets_of(strip.surface))
+        made.put_side(strip.name, [np.append(row, row[0]) for row in every[::-1]], strip.surface.jets)
         loops[number] = every[-1]
     return True
 

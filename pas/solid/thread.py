@@ -18,7 +18,7 @@ from flint import fmpq
 from pas.algebra.polynomial import GENERATORS, Polynomial
 from pas.algebra.rational import Exact, plain, positive, square_root, to_float
 from pas.arrays import Floats
-from pas.solid.faces import FacedBody, Faces, jets_of
+from pas.solid.faces import FacedBody, Faces
 from pas.solid.functions import Distance, Parametrized
 from pas.solid.solid import Solid
 from pas.solid.tree import Atom, combined
@@ -76,11 +76,6 @@ class Flank(Distance, Parametrized):
         x, y = radial * e[:, 0] - around * e[:, 1], radial * e[:, 1] + around * e[:, 0]
         return np.stack([value, x, y, sign * share], axis=1) / self._steepest
 
-    def jets_at(self, points: Floats) -> tuple[Floats, Floats]:
-        """Values and gradients at points (..., 3)."""
-        found = self.jets(points.reshape(-1, 3)).reshape(*points.shape[:-1], 4)
-        return found[..., 0], found[..., 1:]
-
     def to_record(self) -> dict[str, Any]:
         return {"diameter": plain(self.exact_diameter), "pitch": plain(self.exact_pitch)}
 
@@ -132,8 +127,8 @@ class Wound(FacedBody):
         used = np.unique(np.concatenate([np.arange(2 * columns), number.ravel()]))
         made = Faces(np.concatenate([*flat, wall])[used], np.array([[0, 0, 0], [0, 0, self.height]]))
         number, after = (np.searchsorted(used, n) for n in (number, after))
-        crest, root = (jets_of(_round(r)) for r in (flank.exact_crest, flank.exact_root))
-        bands = {"crest": ([1], crest), "root": ([3], root), "flank": ([0, 2], flank.jets_at)}
+        crest, root = (_round(r).jets for r in (flank.exact_crest, flank.exact_root))
+        bands = {"crest": ([1], crest), "root": ([3], root), "flank": ([0, 2], flank.jets)}
         for name, (kinds, jets) in bands.items():
             some = np.flatnonzero(np.isin(np.arange(lines - 5) % 4, kinds))
             a, b, c, d = number[:, some], after[:, some], after[:, some + 1], number[:, some + 1]

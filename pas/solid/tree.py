@@ -12,17 +12,15 @@ from pas.algebra.affine import Affine
 from pas.algebra.inputs import check_coefficients
 from pas.algebra.polynomial import Polynomial
 from pas.arrays import Bools, Floats
+from pas.mesh.field import OneFunction
 
 
-class ScalarField(Protocol):
-    """A function that is no polynomial, such as a distance or a piecewise polynomial, over `2^exponent`."""
+class ScalarField(OneFunction, Protocol):
+    """A function that is no polynomial, such as a distance or a piecewise polynomial, scaled: over `2^exponent`."""
 
     @property
     def exponent(self) -> int:
         """Of the power of two that it is scaled by (see `pas.algebra.scaling`); 0 for distances."""
-
-    def jets(self, points: Floats) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3), scaled."""
 
     def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Whether it is certainly <= 0, and certainly > 0, in boxes of given centres and half edges (N, 3)."""

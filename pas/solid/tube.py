@@ -6,7 +6,7 @@ to rounding as long as the radius is below the curve's radius of curvature, whic
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Sized
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -16,7 +16,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 from scipy.spatial import cKDTree
 
 from pas.algebra.callables import component
-from pas.algebra.inputs import shown, whole
+from pas.algebra.inputs import check_count, whole
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import across, arc_lengths
 from pas.algebra.rational import Exact, Symbolic, plain, positive, rational, to_float
@@ -38,17 +38,12 @@ class TubeCurve:
     """
 
     def __init__(self, formulas: Sequence[Any], interval: Sequence[Any]) -> None:
-        if isinstance(formulas, str) or not isinstance(formulas, Sized) or len(formulas) != 3:
-            error = ValueError if isinstance(formulas, str | Sized) else TypeError
-            example = "('cos(t)', 'sin(t)', 't/10')"
-            raise error(f"curve must be three formulas in t, such as {example}, not {shown(formulas)}")
+        check_count(formulas, 3, "curve must be three formulas in t, such as ('cos(t)', 'sin(t)', 't/10')")
         self.formulas = tuple(str(f) for f in formulas)
         self._parts = [
             component(f, ("t", ""), f"the curve's {n}").formula for f, n in zip(formulas, "xyz", strict=True)
         ]
-        if isinstance(interval, str) or not isinstance(interval, Sized) or len(interval) != 2:
-            error = ValueError if isinstance(interval, str | Sized) else TypeError
-            raise error(f"interval must be two rising numbers, such as (0, 1), not {shown(interval)}")
+        check_count(interval, 2, "interval must be two rising numbers, such as (0, 1)")
         low, high = (rational(end, "an end of the interval") for end in interval)
         if low >= high:
             raise ValueError(f"interval must be two rising numbers, not {plain(low)} and {plain(high)}")

@@ -46,7 +46,7 @@ def bisected(field: RadialField, tolerance: float, settings: Settings) -> Mesh:
             require_once(field, mesh.points[mesh.kinds == VertexKind.INSIDE])
             return in_world(field, FaceMesh(mesh.value, float(off.max())), tolerance, settings)
         if len(mesh.labels) + 2 * len(halves) > settings.most:
-            raise too_many(field.scale, len(mesh.labels), settings.most, tolerance, float(off.max())).error
+            raise too_many(field.scale, len(mesh.labels), settings.most, tolerance, float(off.max()))
         size, middles, rims = len(mesh.points), mesh.middles(NONE, halves), mesh.rims_of(halves)
         mesh.split(halves)
         mesh.points[size:] = field.met(middles)

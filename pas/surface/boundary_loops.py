@@ -19,7 +19,7 @@ from pas.algebra.polynomial import Polynomial
 from pas.arrays import Bools, Floats, Integers
 from pas.contacts.cones import first_met, nappe_rays
 from pas.contacts.joins import Join
-from pas.mesh.rows import dots, norms, off_zero
+from pas.mesh.rows import along_lines, dots, norms, off_zero
 from pas.surface.geometry import derivative_batch
 
 STEPS = 40
@@ -65,11 +65,7 @@ class ConeLoop:
         aside = np.linalg.solve(self.axes.T, points.T)[1:]
         aside = aside / np.maximum(np.sqrt((aside * aside).sum(axis=0)), 1e-300)
         rays = self.axes[0] + aside.T @ self.axes[1:]
-
-        def jets(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
-            here = rays[rows] * shares[:, None]
-            return self.surface(here), dots(self.surface.gradient(here), rays[rows])
-
+        jets = along_lines(lambda here, _: self.surface.jets(here), np.zeros_like(rays), rays)
         return np.asarray(rays * _settled(jets, dots(points, rays) / dots(rays, rays))[:, None])
 
     def distances(self, points: Floats) -> Floats:
@@ -159,12 +155,7 @@ class Loops:
         middles, normals = self._middles.take(places, axis=0), self._normals.take(places, axis=0)
         ways = points[flat] - middles
         ways = ways - dots(ways, normals)[:, None] * normals
-
-        def jets(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
-            way = ways.take(rows, axis=0)
-            found = self.jets(middles.take(rows, axis=0) + shares[:, None] * way, places[rows])
-            return found[:, 0], dots(found[:, 1:], way)
-
+        jets = along_lines(lambda here, rows: self.jets(here, places[rows]), middles, ways)
         result[flat] = middles + _settled(jets, np.ones(len(ways)))[:, None] * ways
         for number, curve in self._openings.items():
             result[numbers == number] = curve.at(points[numbers == number])

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from pas.algebra.inputs import check_order, shown
+from pas.algebra.inputs import check_order, set_fields, shown
 from pas.algebra.lengths import unit
 from pas.algebra.rational import amount, to_float
 from pas.arrays import Floats
@@ -66,8 +66,7 @@ class FairnessLimits:
     waist: float = WAIST
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            object.__setattr__(self, name, to_float(amount(value, name)))
+        set_fields(self, **{name: to_float(amount(value, name)) for name, value in vars(self).items()})
 
     @property
     def told(self) -> str:

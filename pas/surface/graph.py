@@ -26,9 +26,6 @@ from pas.surface.boundary_loops import BoundaryLoop
 from pas.surface.radial_field import RadialField
 from pas.surface.sheet import open_mesh
 
-LEVELS = 3
-"""Halvings of the icosahedron at most: directions are taken from the first that do."""
-
 AROUND = 12
 """Points of a ring to begin with."""
 
@@ -67,18 +64,11 @@ def first(field: RadialField) -> Labelled:
 def delaunay(field: RadialField, around: int = AROUND) -> Labelled:
     """Delaunay's triangles of few directions, at least so many of them on each ring, on the surface; raises
     `ArithmeticError` where they are not seen once from the centre."""
-    for level in range(1, LEVELS + 1):
-        if not field.rims:  # most of what is in boxes ends at their walls: a few rays say so
-            require_once(field, icosphere(level)[0])
-        checkpoint("triangulating directions")
-        try:
-            points, triangles = hull(field, level, around)
-        except ArithmeticError:
-            if level == LEVELS:
-                raise
-            continue
-        return open_mesh(field, points, triangles, rim_numbers(field, points, triangles))
-    raise AssertionError
+    if not field.rims:  # most of what is in boxes ends at their walls: a few rays say so
+        require_once(field, icosphere()[0])
+    checkpoint("triangulating directions")
+    points, triangles = hull(field, around)
+    return open_mesh(field, points, triangles, rim_numbers(field, points, triangles))
 
 
 def _parted(field: RadialField, mesh: Labelled) -> Labelled:
@@ -116,15 +106,14 @@ def rim_numbers(field: RadialField, points: Floats, triangles: Integers) -> Inte
 
 
 @cache
-def icosphere(level: int) -> tuple[Floats, float]:
-    """The vertices (N, 3) of an icosahedron halved so often, turned, and their spacing in radians."""
+def icosphere() -> tuple[Floats, float]:
+    """The vertices (N, 3) of an icosahedron and the middles of its edges, turned, and their spacing in radians."""
     golden = (1 + 5**0.5) / 2
     corners = [(0, s, t * golden) for s in (-1, 1) for t in (-1, 1)]
     units = unit_rows(np.array([np.roll(c, k) for c in corners for k in range(3)], dtype=float))
-    for _ in range(level):
-        pairs = edge_table(ConvexHull(units).simplices.astype(np.intp))[0]
-        units = np.concatenate([units, unit_rows(units[pairs].sum(axis=1))])
-    return units @ TURN.T, 1.107 / 2**level
+    pairs = edge_table(ConvexHull(units).simplices.astype(np.intp))[0]
+    units = np.concatenate([units, unit_rows(units[pairs].sum(axis=1))])
+    return units @ TURN.T, 1.107 / 2
 
 
 def seen(points: Floats, triangles: Integers) -> Bools:
@@ -133,12 +122,12 @@ def seen(points: Floats, triangles: Integers) -> Bools:
     return np.asarray(volumes > SEEN * SEEN * lengths)
 
 
-def hull(field: RadialField, level: int, around: int) -> tuple[Floats, Integers]:
+def hull(field: RadialField, around: int) -> tuple[Floats, Integers]:
     """Points on the surface (N, 3) and triangles seen once from 0, whose rim is on the rings.
 
     Raises `ArithmeticError` where these directions do not do.
     """
-    units, spacing = icosphere(level)
+    units, spacing = icosphere()
     rings = [ring.round(around) for ring in field.rims]
     for ring in field.rims:
         units = units[ring.inside(units) == ring.opening]

@@ -14,7 +14,7 @@ from pas.algebra.bracket import jets_of_columns, sign_change
 from pas.algebra.evaluation import strided
 from pas.arrays import Bools, Floats, Integers
 from pas.kernels.library import compiled
-from pas.mesh.rows import dots
+from pas.mesh.rows import along_lines, dots
 from pas.surface.boundary_loops import BoundaryLoop, Loops
 from pas.surface.function import PiecewisePolynomial
 from pas.surface.geometry import profile_batch
@@ -112,11 +112,7 @@ class RadialField(LocalSurface):
             farthest = np.where(beyond & (farthest == 0), share, farthest)
         met = np.flatnonzero(farthest > 0)
         feet, ways = feet[met], ways[met]
-
-        def along(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
-            jets = self.jets(feet[rows] + shares[:, None] * ways[rows])
-            return jets[:, 0], dots(jets[:, 1:], ways[rows])
-
+        along = along_lines(lambda here, _: self.jets(here), feet, ways)
         before = AROUND[np.searchsorted(AROUND, farthest[met]) - 1]
         found = sign_change(along, before, farthest[met], np.ones(len(met)).clip(before, farthest[met]), SETTLED)
         result = np.array(otherwise)

@@ -277,7 +277,7 @@ def in_world(field: LocalSurface, found: FaceMesh | Failure, tolerance: float, s
     """What was found in the user's coordinates; raises `ArithmeticError` where it leaves the region."""
     if isinstance(found, Failure):
         if found.crowded:
-            raise too_many(field.scale, found.triangles, settings.most, tolerance, found.reached).error
+            raise too_many(field.scale, found.triangles, settings.most, tolerance, found.reached)
         raise BadMeshError(found.why, found.place)
     mesh = found.mesh
     if not field.within(mesh.points):

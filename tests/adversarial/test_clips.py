@@ -25,13 +25,13 @@ PIPE = "y^2 + z^2 - 1/4"
 def examine(case: Case) -> None:
     """That the verdicts are allowed and that a witness witnesses."""
     surface = case.surface()
-    verdict = contact_verdict(surface, 0)
+    verdict, *others = (contact_verdict(surface, number) for number in range(len(surface.contacts)))
     assert verdict.status in case.allowed, str(verdict)
     if verdict.status is Status.REFUTED:
         assert verdict.witness is not None
         assert case.wrong is None or case.wrong(case.back(verdict.witness)), str(verdict)
     if case.enclosed is not None:
-        enclosed = enclosed_verdict(surface)
+        enclosed = enclosed_verdict(surface, [verdict, *others])
         assert enclosed.status in case.enclosed, str(enclosed)
 
 

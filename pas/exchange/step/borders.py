@@ -17,10 +17,11 @@ from scipy.interpolate import BSpline, make_interp_spline
 from pas.algebra.lengths import arc_lengths, resampled
 from pas.arrays import Floats, Integers
 from pas.errors import GeometryError
-from pas.exchange.step.charts import NEAR, Atlas, CommonZeros, Functions, Sheet
+from pas.exchange.step.charts import NEAR, Atlas, Functions, Sheet
 from pas.exchange.step.parametrized import Wall
 from pas.limits import checkpoint
 from pas.mesh.halfedges import following
+from pas.mesh.projection import CommonZeros
 from pas.mesh.topology import chains
 
 DEGREE = 5

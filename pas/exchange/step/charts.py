@@ -21,7 +21,8 @@ from pas.exchange.step.parametrized import PlacedSurface, Wall, surface_of
 from pas.mesh.field import place_of
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
-from pas.mesh.projection import newton
+from pas.mesh.projection import CommonZeros
+from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected, twins_of
 from pas.solid.field import SolidField
 from pas.solid.functions import Pieces
@@ -47,27 +48,10 @@ class Sheet:
 
     def normals(self, points: Floats) -> Floats:
         """Outward unit normals (N, 3)."""
-        slopes = self.jets(points)[:, 1:]
-        return np.asarray(slopes / np.maximum(np.linalg.norm(slopes, axis=1, keepdims=True), 1e-300))
+        return unit_rows(self.jets(points)[:, 1:])
 
 
 Functions = tuple[Sheet | Wall, ...]
-
-
-@dataclass(frozen=True)
-class CommonZeros:
-    """Some functions by number, as Newton's method wants them."""
-
-    functions: Functions
-
-    def jets(self, points: Floats, labels: int | Integers) -> Floats:
-        """Values and gradients (N, 4) at points (N, 3) of one function, whose number stands once or N times."""
-        return self.functions[int(np.ravel(labels)[0])].jets(points)
-
-    def placed(self, points: Floats) -> Floats:
-        """Points (N, 3) moved to where all functions are zero."""
-        reach = np.full(len(points), 0.05)  # how far a step may move a point
-        return newton(points, self, range(len(self.functions)), reach) if len(points) else points
 
 
 class Atlas:

@@ -37,6 +37,7 @@ from pas.exchange.step.parameters import (
 from pas.exchange.step.parametrized import ParameterWall, PlacedSurface, Wall
 from pas.limits import checkpoint
 from pas.mesh.field import place_of
+from pas.parametric.fitting import even_knots, sites
 
 STEEP = 0.55
 """Cosine between a chart's mean normal and the others' below which it is divided before a graph is looked for."""
@@ -222,10 +223,7 @@ def fitted(sheet: Sheet, points: Floats, frame: Floats, tolerance: float, angle:
     before = np.inf
     for size in (9, 14, 21, 31):  # coefficients a side; a chart that needs more is divided
         checkpoint()
-        knots = [
-            np.r_[[a] * DEGREE, np.linspace(a, b, size - DEGREE + 1), [b] * DEGREE]
-            for a, b in zip(low, high, strict=True)
-        ]
+        knots = [even_knots(ends, size - DEGREE, DEGREE) for ends in zip(low, high, strict=True)]
         step = float((high - low).max()) / (size - DEGREE)
         share = (np.arange(3 * (size - DEGREE)) + 0.5) / (3 * (size - DEGREE))
         places = [a + share * (b - a) for a, b in zip(low, high, strict=True)]
@@ -249,7 +247,7 @@ def fitted(sheet: Sheet, points: Floats, frame: Floats, tolerance: float, angle:
 
 def _through(origin: Floats, frame: Floats, knots: list[Floats], heights: Floats) -> SeenPatch:
     """The graph of a spline with coefficients (m, m)."""
-    u, v = (np.array([k[i + 1 : i + 1 + DEGREE].mean() for i in range(len(k) - DEGREE - 1)]) for k in knots)
+    u, v = (sites(k, DEGREE) for k in knots)
     poles = origin + np.stack([*np.meshgrid(u, v, indexing="ij"), heights], axis=-1) @ frame
     return SeenPatch(degree=DEGREE, knots=(knots[0], knots[1]), poles=poles, origin=origin, frame=frame)
 

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.callables import ComponentLike, component
 from pas.algebra.expressions import Names
-from pas.algebra.inputs import shown
+from pas.algebra.inputs import check_count, shown
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.polynomial import Polynomial
 from pas.algebra.rational import Exact, cross, dot, rational, three, to_float
@@ -51,8 +51,7 @@ with nine digits pass, a wrong formula does not."""
 
 def on_unit_interval(interval: Sequence[Exact], name: str) -> tuple[tuple[float, float], RationalFunction]:
     """The ends of an interval of s, and the map low + (high - low) s; raises `ValueError` for a bad one."""
-    if isinstance(interval, str) or not hasattr(interval, "__len__") or len(interval) != 2:
-        raise ValueError(f"the interval of {name} must be two numbers (low, high), not {shown(interval)}")
+    check_count(interval, 2, f"the interval of {name} must be two numbers (low, high)", ValueError)
     low, high = (rational(end, f"an end of the interval of {name}") for end in interval)
     if not low < high:
         raise ValueError(f"the interval of {name} must have low < high, not {shown(interval)}")

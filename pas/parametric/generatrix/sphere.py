@@ -26,6 +26,7 @@ from pas.errors import GeometryError, MeshError
 from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
+from pas.mesh.rows import inside_sphere
 from pas.parametric.generatrix.blend import GeneratrixBlend, generatrix_blend, refuse_both
 from pas.parametric.generatrix.boundary import Boundary
 from pas.parametric.generatrix.sections import plane_section
@@ -105,7 +106,8 @@ class SphereBlend(Shape):
     def _measured(self, grid: tuple[int, int]) -> Mesh:
         """The mesh on a grid, and how near it is."""
         mesh = self._gridded(grid)
-        away = [*(_grid_deviation(blend, grid) for blend in self.blends), _sphere_deviation(mesh, self)]
+        middle = mesh.points[mesh.triangles[mesh.faces == mesh.names.index(SPHERE)]] - self.center
+        away = [*(_grid_deviation(blend, grid) for blend in self.blends), inside_sphere(middle, self.radius)]
         return replace(mesh, deviation=max(away))
 
     def _gridded(self, size: tuple[int, int]) -> Mesh:
@@ -139,14 +141,6 @@ class SphereBlend(Shape):
         for blend in self.blends:
             blend.require()
         return self
-
-
-def _sphere_deviation(mesh: Mesh, blend: SphereBlend) -> float:
-    """How far the triangles on the sphere are inside it at most: where their planes come nearest to the centre."""
-    a, b, c = (mesh.points[mesh.triangles[mesh.faces == mesh.names.index(SPHERE)]] - blend.center).transpose(1, 0, 2)
-    normal = np.cross(b - a, c - a)
-    heights = np.abs((normal * a).sum(axis=1)) / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
-    return float((blend.radius - heights).max(initial=0.0))
 
 
 def _grid_deviation(blend: GeneratrixBlend, size: tuple[int, int]) -> float:
