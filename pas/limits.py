@@ -197,6 +197,13 @@ def checkpoint(task: str = "", done: float | None = None) -> None:
         reports.tell(work, now - reports.started)
 
 
+def blocks(number: int, size: int, task: str = "") -> Iterator[slice]:
+    """So many things in parts of a size that are worked on at once, with a look at the clock before each."""
+    for start in range(0, number, size):
+        checkpoint(task)
+        yield slice(start, start + size)
+
+
 @contextmanager
 def part(share: float) -> Iterator[None]:
     """What is done inside is so large a share of what is left of the part around it, the first of which is the call.

@@ -227,10 +227,10 @@ def test_points_are_drawn_towards_a_surface_and_onto_its_rims(name):
     local, points = noisy(field, surface.mesh(2e-2))
     still = np.arange(len(points)) % 5 == 0
     rim = np.arange(len(points)) % len(field.rims)
-    drawn, _, _ = field.nearer(points, still)
+    drawn, _ = field.nearer(points, still, 1)
     assert np.array_equal(drawn[still], points[still])
     assert (field.distances(drawn)[~still] < 0.2 * field.distances(points)[~still] + 1e-10).mean() > 0.95
-    assert np.abs(field.distances(field.closed(local + 1e-4)[0])).max() < 1e-12
+    assert np.abs(field.distances(field.closed(local + 1e-4, field.jets(local + 1e-4))[0])).max() < 1e-12
     each = [off_rim(field, field.rims[k], point) for k, point in zip(rim.tolist(), points, strict=True)]
     assert field.rim_distances(points, rim) == pytest.approx(each, rel=1e-9)
     assert field.rim_distances(points, rim).max() > 1e-3
@@ -242,7 +242,7 @@ def test_points_that_are_not_near_are_drawn_along_rays(share):
     surface = solved(EQUAL, 2).surface
     field = surface.mesher.radial_field
     points = share * field.frame.local_points(surface.mesh(2e-2).points)
-    drawn, _, _ = field.nearer(points, np.zeros(len(points), dtype=bool))
+    drawn, _ = field.nearer(points, np.zeros(len(points), dtype=bool), 1)
     assert (field.distances(drawn) < 0.11 * np.linalg.norm(drawn - points, axis=1)).all()
 
 
@@ -252,7 +252,12 @@ def test_pieces_by_rays_and_pieces_of_cells_give_the_same_field():
     local, points = noisy(fields[0], surface.mesh(2e-2), 1e-3)
     still = np.arange(len(points)) % 5 == 0
     looked = [
-        [*field.nearer(points, still), *field.closed(points), field.distances(points), *field.bending(local)]
+        [
+            *field.nearer(points, still, 2),
+            *field.closed(points, field.jets(points)),
+            field.distances(points),
+            *field.bending(local),
+        ]
         for field in fields
     ]
     for one, other in zip(*looked, strict=True):

@@ -63,7 +63,8 @@ def test_the_header_has_the_functions_of_the_sources():
 def test_arguments_are_declared_as_in_the_header():
     run = declared("pas_leaving")
     assert run.restype is ctypes.c_int
-    assert run.argtypes == (*(ctypes.c_ssize_t, ctypes.c_void_p) * 2, ctypes.c_void_p, ctypes.c_void_p)
+    number, array = ctypes.c_ssize_t, ctypes.c_void_p
+    assert run.argtypes == (number, array, array, number, array, number, number, array, array)
     structure = signatures()["pas_mesh_bends"]
     assert structure.arguments == (ctypes.c_void_p,) and structure.arrays == (None,)
     assert declared("pas_fans").argtypes[:2] == (ctypes.c_ssize_t, ctypes.c_void_p)

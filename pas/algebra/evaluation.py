@@ -60,29 +60,24 @@ class PolynomialBatch:
         table = np.array(degrees, dtype=np.intp).reshape(len(pieces), number)
         return cls(table, starts, np.concatenate([np.empty(0), *ordered]))
 
-    @property
-    def arrays(self) -> tuple[Integers, Integers, Floats]:
-        """What compiled code takes."""
-        return self.degrees, self.starts, self.coefficients
-
     def __call__(self, points: Floats, pieces: Integers) -> Floats:
         """The values (N, m) at points (N, 3) in pieces of given numbers (N,); NaN in piece -1.
 
         In memory those of each polynomial follow one another.
         """
-        result = np.empty((self.degrees.shape[1], len(points)))
-        tables = (*self.degrees.shape, *self.arrays)
-        for start in range(0, len(points), BLOCK):
-            checkpoint()
-            here, whole = slice(start, start + BLOCK), len(points) <= BLOCK
-            number = len(pieces[here])
-            out = result if whole else np.empty((len(result), number))
-            by_coordinates = whole and points.T.flags.c_contiguous
-            places = (points.T, 1, number) if by_coordinates else (points[here], 3, 1)
-            compiled().call("pas_mixed", *tables, number, *places, pieces[here], out)
-            if not whole:
-                result[:, here] = out
+        number, result = len(points), np.empty((self.degrees.shape[1], len(points)))
+        tables, places = (*self.degrees.shape, self.degrees, self.starts, self.coefficients), strided(points)
+        for start in range(0, number, BLOCK):
+            if start:
+                checkpoint()
+            here = number, start, min(start + BLOCK, number)
+            compiled().call("pas_mixed", *tables, *here, *places, pieces, result)
         return result.T
+
+
+def strided(points: Floats) -> tuple[Floats, int, int]:
+    """Points (N, 3) as compiled code takes them: an array, how far apart points stand there, and coordinates."""
+    return (points.T, 1, len(points)) if points.T.flags.c_contiguous else (points, 3, 1)
 
 
 def horner(coefficients: Floats, degree: int, points: Floats) -> Floats:

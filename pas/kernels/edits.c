@@ -22,7 +22,7 @@ static whole new_wedge(Mesh *m, whole vertex, whole label, whole i, whole j)
     const whole w = m->wedges++;
     double sum[3];
     for (int x = 0; x < 3; x++) sum[x] = m->normals[3 * i + x] + m->normals[3 * j + x];
-    const double length = sqrt(fmax(dot(sum, sum), 1e-300));
+    const double length = sqrt(larger(dot(sum, sum), 1e-300));
     for (int x = 0; x < 3; x++) m->normals[3 * w + x] = sum[x] / length;
     m->bends[w] = (m->bends[i] + m->bends[j]) / 2;
     m->vertex_of[w] = vertex;
@@ -56,7 +56,7 @@ static void split(Mesh *m, whole h)
     const int curve = on_curve(m, h);
     for (int x = 0; x < 3; x++) m->points[3 * v + x] = (m->points[3 * a + x] + m->points[3 * b + x]) / 2;
     m->sizes[v] = (m->sizes[a] + m->sizes[b]) / 2;
-    m->caps[v] = fmin(m->caps[a], m->caps[b]);
+    m->caps[v] = smaller(m->caps[a], m->caps[b]);
     m->kinds[v] = curve ? ON_CURVE : INSIDE;
     m->marks[v] = 0;
     m->fresh[v] = 1;
@@ -96,7 +96,7 @@ static double beyond(const Mesh *m, whole a, whole b, whole c, whole d)
     cross(r, s, v);
     const double sin_c = sqrt(dot(u, u)), sin_d = sqrt(dot(v, v));
     const double size = sqrt((cos_c * cos_c + sin_c * sin_c) * (cos_d * cos_d + sin_d * sin_d));
-    return -(sin_c * cos_d + cos_c * sin_d) / fmax(size, 1e-300);
+    return -(sin_c * cos_d + cos_c * sin_d) / larger(size, 1e-300);
 }
 
 /* Whether a flip turns no triangle away from the normals, makes no edge between opposite sides, and none twice. */
@@ -106,9 +106,9 @@ static int may_flip(const Mesh *m, whole h, double turned)
     const whole wa = m->wedge_of[h], wb = m->wedge_of[g], wc = m->wedge_of[previous(h)], wd = m->wedge_of[previous(g)];
     const double facing = dot(m->normals + 3 * wc, m->normals + 3 * wd);
     if (facing < 0 && facing < dot(m->normals + 3 * wa, m->normals + 3 * wb)) return 0;
-    const double before = fmin(upright(m, a, b, c, wa, wb, wc), upright(m, b, a, d, wb, wa, wd));
-    const double after = fmin(upright(m, c, a, d, wc, wa, wd), upright(m, c, d, b, wc, wd, wb));
-    return after >= fmin(before, turned) && c != d && between(m, c, d) < 0;
+    const double before = smaller(upright(m, a, b, c, wa, wb, wc), upright(m, b, a, d, wb, wa, wd));
+    const double after = smaller(upright(m, c, a, d, wc, wa, wd), upright(m, c, d, b, wc, wd, wb));
+    return after >= smaller(before, turned) && c != d && between(m, c, d) < 0;
 }
 
 static void flip(Mesh *m, whole h)
@@ -136,7 +136,7 @@ static int better_flipped(const Mesh *m, whole h, double limit)
     if (m->faces[m->label_of[h / 3]] == RULED) {
         const double before = sag(m, a, b, m->wedge_of[h], m->wedge_of[g]);
         const double after = sag(m, c, d, m->wedge_of[previous(h)], m->wedge_of[previous(g)]);
-        if (fmax(before, after) > limit) return after < before * (1 - TIE);
+        if (larger(before, after) > limit) return after < before * (1 - TIE);
     }
     return beyond(m, a, b, c, d) > TIE;
 }
@@ -148,12 +148,8 @@ int pas_mesh_flip(Mesh *m, double turned, double limit, whole only_fresh, whole 
     const whole most = passes * m->triangles;
     whole *stack = malloc((3 * m->triangles + 1) * sizeof(whole)), top = 0, flips = 0;
     char *waiting = calloc(3 * m->triangles + 1, 1);
-    if (!stack || !waiting) {
-        free(stack);
-        free(waiting);
-        return -1;
-    }
-    for (whole h = 3 * m->triangles - 1; h >= 0; h--) {
+    const int state = stack && waiting ? 0 : -1;
+    for (whole h = 3 * m->triangles - 1; state == 0 && h >= 0; h--) {
         if (m->twins[h] < h || (only_fresh && !m->fresh[m->corners[h]] && !m->fresh[end_of(m, h)])) continue;
         stack[top++] = h;
         waiting[h] = 1;
@@ -174,7 +170,7 @@ int pas_mesh_flip(Mesh *m, double turned, double limit, whole only_fresh, whole 
     }
     free(stack);
     free(waiting);
-    return 0;
+    return state;
 }
 
 /* What a collapse must keep: `longer` is how long edges may be over what they should be, 0 for any length; `kept` and
@@ -190,8 +186,8 @@ static double height(const Mesh *m, whole a, whole b, whole c)
 {
     double n[3];
     across(m, a, b, c, n);
-    const double longest = fmax(distance(m, a, b), fmax(distance(m, b, c), distance(m, c, a)));
-    return sqrt(dot(n, n)) / fmax(longest * longest, 1e-300);
+    const double longest = larger(distance(m, a, b), larger(distance(m, b, c), distance(m, c, a)));
+    return sqrt(dot(n, n)) / larger(longest * longest, 1e-300);
 }
 
 static inline char face_at(const Mesh *m, whole h) { return m->plain ? BENT : m->faces[m->label_of[h / 3]]; }
@@ -253,7 +249,7 @@ static int keeps_curve(const Mesh *m, whole h, double off)
     minus(m->points + 3 * gone, m->points + 3 * k, way);
     cross(chord, way, n);
     const int ruled = m->faces[m->label_of[h / 3]] && (g < 0 || m->faces[m->label_of[g / 3]]);
-    return sqrt(dot(n, n) / fmax(dot(chord, chord), 1e-300)) <= off * (ruled ? m->fine : m->coarse);
+    return sqrt(dot(n, n) / larger(dot(chord, chord), 1e-300)) <= off * (ruled ? m->fine : m->coarse);
 }
 
 /* Into how many parts half edge h will be cut: more than one only beside a face that is not ruled. */
@@ -270,7 +266,7 @@ static double height_when_cut(const Mesh *m, whole e, whole k)
     const whole before = m->twins[e], after = m->twins[previous(e)];
     const whole first = before >= 0 && apex_of(m, before) == k ? previous(before) : e;
     const whole last = after >= 0 && apex_of(m, after) == k ? next(after) : previous(e);
-    const double parts = fmax(parts_of(m, first), fmax(parts_of(m, next(e)), parts_of(m, last)));
+    const double parts = larger(parts_of(m, first), larger(parts_of(m, next(e)), parts_of(m, last)));
     return height(m, k, end_of(m, e), apex_of(m, e)) / parts;
 }
 
@@ -280,7 +276,7 @@ static int lies_flat(const Mesh *m, whole e, whole k, whole w, const Limits *l, 
     const whole a = end_of(m, e), b = apex_of(m, e), wa = m->wedge_of[next(e)], wb = m->wedge_of[previous(e)];
     const char face = face_at(m, e);
     const double most = l->off * m->fine, flat = l->flat[m->kinds[m->corners[e]] == INSIDE ? face : 0];
-    if (height_when_cut(m, e, k) < fmin(flattest, flat)) return 0;
+    if (height_when_cut(m, e, k) < smaller(flattest, flat)) return 0;
     if (face == RULED && (sag(m, k, a, w, wa) > most || sag(m, k, b, w, wb) > most)) return 0;
     double n[3];
     across(m, k, a, b, n);
@@ -301,7 +297,7 @@ static int short_enough(const Mesh *m, whole k, whole a, whole w, whole wa, doub
 static int keeps_triangles(const Mesh *m, whole gone, whole k, const Limits *l)
 {
     double flattest = INFINITY;
-    AROUND(m, gone, e) if (face_at(m, e)) flattest = fmin(flattest, height_when_cut(m, e, gone));
+    AROUND(m, gone, e) if (face_at(m, e)) flattest = smaller(flattest, height_when_cut(m, e, gone));
     AROUND(m, gone, e)
     {
         const whole a = end_of(m, e), b = apex_of(m, e);

@@ -10,7 +10,6 @@
 #include "kernel.h"
 
 #define BLOCK 64
-#define LANES 16 /* points that are looked for among faces at once */
 
 /* Rows of a matrix (rows, columns) times blocks of numbers (columns, BLOCK). */
 FAST
@@ -40,15 +39,6 @@ static void extend(whole rows, const double *numbers, double *low, double *high)
         }
 }
 
-/* Corners (9, BLOCK) of the triangles from `start` on, the last one again and again where there are no more. */
-static void gather(whole count, whole start, const double *corners, double *block)
-{
-    for (whole r = 0; r < BLOCK; r++) {
-        const whole row = start + r < count ? start + r : count - 1;
-        for (int i = 0; i < 9; i++) block[i * BLOCK + r] = corners[9 * row + i];
-    }
-}
-
 /* The values (m, BLOCK) at the lattice points with barycentric coordinates (m, 3). */
 FAST
 static void at_lattice(whole n, whole m, const double *lattice, const double *coefficients, const double *block,
@@ -74,7 +64,7 @@ int pas_ranges(whole n, whole m, const double *lattice, const double *inverse, w
     if (!room) return -1;
     for (whole start = 0; start < count; start += BLOCK) {
         double *values = room, *forms = room + m * BLOCK, *raised = forms + m * BLOCK;
-        gather(count, start, corners, block);
+        gather(BLOCK, count, start, 9, corners, block);
         at_lattice(n, m, lattice, coefficients, block, values);
         times(m, m, inverse, values, forms);
         if (higher) times(higher, m, raising, forms, raised);
@@ -112,10 +102,8 @@ int pas_slopes(whole n, whole m, const double *lattice, const double *inverse, c
     double *room = malloc(4 * m * BLOCK * sizeof(double));
     if (!room) return -1;
     for (whole start = 0; start < count; start += BLOCK) {
-        gather(count, start, corners, block);
-        for (whole r = 0; r < BLOCK; r++)
-            for (int i = 0; i < 3; i++)
-                unit[i * BLOCK + r] = normals[3 * (start + r < count ? start + r : count - 1) + i];
+        gather(BLOCK, count, start, 9, corners, block);
+        gather(BLOCK, count, start, 3, normals, unit);
         for (int i = 0; i < 3; i++) {
             at_lattice(n, m, lattice, coefficients + i * stride, block, room);
             times(m, m, inverse, room, room + (i + 1) * m * BLOCK);
@@ -130,23 +118,25 @@ int pas_slopes(whole n, whole m, const double *lattice, const double *inverse, c
     return 0;
 }
 
-/* The multiples of points at which their rays leave the region, and through which face: that with the largest of the
-   least weights, the first of several. */
+/* The multiples of points at which their rays leave the region, and the piece of the face through which: that with the
+   largest of the least weights, the first of several.  For `stride` and `step` see `pas_mixed`. */
 FAST
-int pas_leaving(whole faces, const double *weights, whole count, const double *points, double *multiples, whole *face)
+int pas_leaving(whole faces, const double *weights, const whole *piece_of, whole count, const double *points, whole stride,
+                whole step, double *multiples, whole *pieces)
 {
-    for (whole start = 0; start < count; start += LANES) {
-        const whole size = count - start < LANES ? count - start : LANES;
-        double x[LANES] = {0}, y[LANES] = {0}, z[LANES] = {0}, best[LANES], total[LANES];
-        whole chosen[LANES] = {0};
+    for (whole start = 0; start < count; start += BLOCK) {
+        const whole size = count - start < BLOCK ? count - start : BLOCK;
+        double x[BLOCK] = {0}, y[BLOCK] = {0}, z[BLOCK] = {0}, best[BLOCK], total[BLOCK];
+        whole chosen[BLOCK] = {0};
         for (whole r = 0; r < size; r++) {
-            x[r] = points[3 * (start + r)];
-            y[r] = points[3 * (start + r) + 1];
-            z[r] = points[3 * (start + r) + 2];
+            const double *point = points + stride * (start + r);
+            x[r] = point[0];
+            y[r] = point[step];
+            z[r] = point[2 * step];
         }
         for (whole f = 0; f < faces; f++) {
             const double *w = weights + 9 * f;
-            for (int r = 0; r < LANES; r++) {
+            for (int r = 0; r < BLOCK; r++) {
                 const double a = w[0] * x[r] + w[1] * y[r] + w[2] * z[r], b = w[3] * x[r] + w[4] * y[r] + w[5] * z[r];
                 const double c = w[6] * x[r] + w[7] * y[r] + w[8] * z[r], lower = a < b ? a : b;
                 const double least = lower < c ? lower : c, sum = a + b + c;
@@ -158,7 +148,7 @@ int pas_leaving(whole faces, const double *weights, whole count, const double *p
         }
         for (whole r = 0; r < size; r++) {
             multiples[start + r] = 1.0 / total[r];
-            face[start + r] = chosen[r];
+            pieces[start + r] = piece_of[chosen[r]];
         }
     }
     return 0;

@@ -80,26 +80,34 @@ int pas_fans(whole count, const whole *corners, whole size, const whole *twins, 
     return 0;
 }
 
-/* The kinds of all vertices, of which some are pinned. */
+/* The half edges with which those around vertices begin, and the kinds of vertices, of which some are pinned. */
 int pas_mesh_classify(Mesh *m)
 {
-    for (whole v = 0; v < m->vertices; v++)
-        if (m->outgoing[v] >= 0) m->kinds[v] = kind_of(m, v);
+    for (whole v = 0; v < m->vertices; v++) m->outgoing[v] = -1;
+    for (whole h = 0; h < 3 * m->triangles; h++) {
+        whole *out = m->outgoing + m->corners[h];
+        if (*out < 0 || m->twins[h] < 0 || m->twins[*out] >= 0) *out = h;
+    }
+    for (whole h = 0; h < 3 * m->triangles; h++) /* others are inside faces */
+        if (on_curve(m, h)) {
+            const whole a = m->corners[h], b = end_of(m, h);
+            m->kinds[a] = kind_of(m, a);
+            m->kinds[b] = kind_of(m, b);
+        }
     return 0;
 }
 
-/* New numbers of the vertices, wedges and triangles that are left, -1 of others. */
-static void numbers_left(Mesh *m, whole *vertex, whole *wedge, whole *triangle)
+/* New numbers of the vertices, wedges and triangles that are left, -1 of others; how many these are into `left`. */
+static void numbers_left(Mesh *m, whole *vertex, whole *wedge, whole *triangle, whole *left)
 {
-    whole vertices = 0, wedges = 0, triangles = 0;
-    for (whole v = 0; v < m->vertices; v++) vertex[v] = m->outgoing[v] >= 0 ? vertices++ : -1;
+    for (whole v = 0; v < m->vertices; v++) vertex[v] = m->outgoing[v] >= 0 ? left[0]++ : -1;
     for (whole w = 0; w < m->wedges; w++) wedge[w] = -1;
     for (whole t = 0; t < m->triangles; t++) {
-        triangle[t] = m->corners[3 * t] >= 0 ? triangles++ : -1;
+        triangle[t] = m->corners[3 * t] >= 0 ? left[2]++ : -1;
         for (int k = 0; triangle[t] >= 0 && k < 3; k++) wedge[m->wedge_of[3 * t + k]] = 0;
     }
     for (whole w = 0; w < m->wedges; w++)
-        if (wedge[w] == 0) wedge[w] = wedges++;
+        if (wedge[w] == 0) wedge[w] = left[1]++;
 }
 
 static void pack_triangles(Mesh *m, const whole *vertex, const whole *wedge, const whole *triangle)
@@ -145,17 +153,13 @@ int pas_mesh_pack(Mesh *m)
 {
     whole *vertex = malloc((m->vertices + m->wedges + m->triangles + 1) * sizeof(whole));
     if (!vertex) return -1;
-    whole *wedge = vertex + m->vertices, *triangle = wedge + m->wedges;
-    numbers_left(m, vertex, wedge, triangle);
+    whole *wedge = vertex + m->vertices, *triangle = wedge + m->wedges, left[3] = {0, 0, 0};
+    numbers_left(m, vertex, wedge, triangle, left);
     pack_triangles(m, vertex, wedge, triangle);
     pack_vertices(m, vertex, wedge, triangle);
-    whole left[3] = {0, 0, 0};
-    for (whole v = 0; v < m->vertices; v++) left[0] += vertex[v] >= 0;
-    for (whole t = 0; t < m->triangles; t++) left[1] += triangle[t] >= 0;
-    for (whole w = 0; w < m->wedges; w++) left[2] += wedge[w] >= 0;
     m->vertices = left[0];
-    m->triangles = left[1];
-    m->wedges = left[2];
+    m->wedges = left[1];
+    m->triangles = left[2];
     free(vertex);
     return 0;
 }
@@ -178,18 +182,17 @@ int pas_mesh_labels_about(const Mesh *m, whole count, const whole *chosen, whole
     return 0;
 }
 
-/* The centres of triangles in given rows, and the middles of given half edges. */
-int pas_mesh_middles(const Mesh *m, whole count, const whole *rows, double *centres, whole some, const whole *halves,
-                double *middles)
+/* The centres of triangles in given rows, then the middles of given half edges. */
+int pas_mesh_middles(const Mesh *m, whole count, const whole *rows, whole some, const whole *halves, double *middles)
 {
     for (whole i = 0; i < count; i++) {
         const whole *v = m->corners + 3 * rows[i];
         const double *a = m->points + 3 * v[0], *b = m->points + 3 * v[1], *c = m->points + 3 * v[2];
-        for (int x = 0; x < 3; x++) centres[3 * i + x] = (a[x] + b[x] + c[x]) / 3;
+        for (int x = 0; x < 3; x++) *middles++ = (a[x] + b[x] + c[x]) / 3;
     }
     for (whole i = 0; i < some; i++) {
         const double *a = m->points + 3 * m->corners[halves[i]], *b = m->points + 3 * end_of(m, halves[i]);
-        for (int x = 0; x < 3; x++) middles[3 * i + x] = (a[x] + b[x]) / 2;
+        for (int x = 0; x < 3; x++) *middles++ = (a[x] + b[x]) / 2;
     }
     return 0;
 }

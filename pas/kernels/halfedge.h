@@ -73,7 +73,7 @@ static inline double upright(const Mesh *m, whole a, whole b, whole c, whole i, 
     double n[3], sum[3];
     across(m, a, b, c, n);
     for (int x = 0; x < 3; x++) sum[x] = m->normals[3 * i + x] + m->normals[3 * j + x] + m->normals[3 * k + x];
-    return dot(n, sum) / sqrt(fmax(dot(n, n) * dot(sum, sum), 1e-300));
+    return dot(n, sum) / sqrt(larger(dot(n, n) * dot(sum, sum), 1e-300));
 }
 
 static inline double upright_at(const Mesh *m, whole triangle)
@@ -97,7 +97,7 @@ static inline double sine(const Mesh *m, whole a, whole b, whole c)
     double n[3];
     across(m, a, b, c, n);
     const double x = distance(m, a, b), y = distance(m, b, c), z = distance(m, c, a);
-    return sqrt(dot(n, n)) / fmax(fmax(x * y, fmax(y * z, z * x)), 1e-300);
+    return sqrt(dot(n, n)) / larger(larger(x * y, larger(y * z, z * x)), 1e-300);
 }
 
 /* The half edge from a to b, or on the boundary that from b to a; negative where there is none. */

@@ -14,4 +14,13 @@
 #define FAST
 #endif
 
+/* Rows (m) of so many from `start` on, as a block of that width; the last stands for those that are missing. */
+static inline void gather(whole width, whole count, whole start, whole m, const double *rows, double *block)
+{
+    for (whole r = 0; r < width; r++) {
+        const double *row = rows + (start + r < count ? start + r : count - 1) * m;
+        for (whole i = 0; i < m; i++) block[i * width + r] = row[i];
+    }
+}
+
 #endif

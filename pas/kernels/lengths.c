@@ -16,9 +16,9 @@ int pas_mesh_bends(Mesh *m)
         double way[3], turn[3];
         minus(m->points + 3 * end_of(m, h), m->points + 3 * m->corners[h], way);
         minus(m->normals + 3 * j, m->normals + 3 * i, turn);
-        const double bend = sqrt(dot(turn, turn) / fmax(dot(way, way), 1e-300));
-        m->bends[i] = fmax(m->bends[i], bend);
-        m->bends[j] = fmax(m->bends[j], bend);
+        const double bend = sqrt(dot(turn, turn) / larger(dot(way, way), 1e-300));
+        m->bends[i] = larger(m->bends[i], bend);
+        m->bends[j] = larger(m->bends[j], bend);
     }
     return 0;
 }
@@ -38,31 +38,42 @@ static int sizes_on_curves(Mesh *m, double bent)
         double way[3];
         minus(m->points + 3 * b, m->points + 3 * a, way);
         for (int i = 0; i < 3; i++) {
-            turn[3 * a + i] += way[i] / fmax(length, 1e-300);
-            turn[3 * b + i] -= way[i] / fmax(length, 1e-300);
+            turn[3 * a + i] += way[i] / larger(length, 1e-300);
+            turn[3 * b + i] -= way[i] / larger(length, 1e-300);
         }
         span[a] += length;
         span[b] += length;
     }
     for (whole v = 0; v < m->vertices; v++) {
         if (m->kinds[v] != ON_CURVE) continue;
-        const double bend = 2 * sqrt(dot(turn + 3 * v, turn + 3 * v)) / fmax(span[v], 1e-300);
-        m->sizes[v] = fmin(m->sizes[v], bent / fmax(bend, 1e-300));
+        const double bend = 2 * sqrt(dot(turn + 3 * v, turn + 3 * v)) / larger(span[v], 1e-300);
+        m->sizes[v] = smaller(m->sizes[v], bent / larger(bend, 1e-300));
     }
     free(turn);
     return 0;
 }
 
-/* Sizes that grow by at most `grade` over the way along edges, in three rounds. */
-static void grow(Mesh *m, double grade)
+/* Sizes that grow by at most `grade` over the way along edges, in three rounds at most. */
+static int grow(Mesh *m, double grade)
 {
-    for (int round = 0; round < 3; round++)
+    double *ways = malloc((3 * m->triangles + 1) * sizeof(double));
+    if (!ways) return -1;
+    for (whole h = 0; h < 3 * m->triangles; h++) {
+        const whole g = m->twins[h];
+        ways[h] = g >= 0 && g < h ? ways[g] : grade * distance(m, m->corners[h], end_of(m, h));
+    }
+    for (int round = 0, more = 1; more && round < 3; round++) {
+        more = 0;
         for (whole h = 0; h < 3 * m->triangles; h++) {
-            const whole a = m->corners[h], b = end_of(m, h);
-            const double way = grade * distance(m, a, b);
-            m->sizes[a] = fmin(m->sizes[a], m->sizes[b] + way);
-            m->sizes[b] = fmin(m->sizes[b], m->sizes[a] + way);
+            double *a = m->sizes + m->corners[h], *b = m->sizes + end_of(m, h);
+            if (*b + ways[h] < *a) *a = *b + ways[h];
+            else if (*a + ways[h] < *b) *b = *a + ways[h];
+            else continue;
+            more = 1;
         }
+    }
+    free(ways);
+    return 0;
 }
 
 /* Sizes for the sag `fine` after a cut into parts, so that they may have a larger sag before on faces that are not ruled;
@@ -73,16 +84,14 @@ int pas_mesh_sizes(Mesh *m, double parts, double fine, double longest, double be
     m->coarse = tolerance;
     m->fine = fine;
     m->plain = 0;
-    for (whole v = 0; v < m->vertices; v++) m->sizes[v] = longest;
+    for (whole v = 0; v < m->vertices; v++) m->sizes[v] = smaller(longest, parts * m->caps[v]);
     for (whole w = 0; w < m->wedges; w++) {
-        const double bend = fmax(m->bends[w], 1e-300), length = fmin(sqrt(8 * tolerance / bend), bent / bend);
+        const double bend = larger(m->bends[w], 1e-300), length = smaller(sqrt(8 * tolerance / bend), bent / bend);
         double *size = m->sizes + m->vertex_of[w];
         if (m->faces[m->face_of[w]] == BENT && length < *size) *size = length;
     }
     if (sizes_on_curves(m, bent)) return -1;
-    for (whole v = 0; v < m->vertices; v++) m->sizes[v] = fmin(m->sizes[v], parts * m->caps[v]);
-    grow(m, grade);
-    return 0;
+    return grow(m, grade);
 }
 
 /* Sizes that are the mean lengths of the edges at vertices; on curves, of those along these. */
@@ -102,7 +111,7 @@ int pas_mesh_mean_sizes(Mesh *m)
                 count++;
             }
         }
-        m->sizes[v] = sum / fmax(count, 1);
+        m->sizes[v] = sum / larger(count, 1);
     }
     return 0;
 }
@@ -111,15 +120,15 @@ int pas_mesh_mean_sizes(Mesh *m)
 static double ratio(const Mesh *m, whole h)
 {
     const whole a = m->corners[h], b = end_of(m, h), g = m->twins[h];
-    if (m->plain) return distance(m, a, b) / fmin(m->sizes[a], m->sizes[b]);
+    if (m->plain) return distance(m, a, b) / smaller(m->sizes[a], m->sizes[b]);
     const int ruled = m->faces[m->label_of[h / 3]] != BENT, other = g >= 0 ? m->faces[m->label_of[g / 3]] != BENT : ruled;
     const double tolerance = ruled && other ? m->fine : m->coarse; /* those beside other faces are cut later */
     double result = ruled && other ? 0 : 2 * distance(m, a, b) / (m->sizes[a] + m->sizes[b]);
     if (!ruled && dot(m->normals + 3 * m->wedge_of[h], m->normals + 3 * m->wedge_of[next(h)]) < 0)
-        result = fmax(result, ACROSS);
-    if (ruled) result = fmax(result, sqrt(sag(m, a, b, m->wedge_of[h], m->wedge_of[next(h)]) / tolerance));
+        result = larger(result, ACROSS);
+    if (ruled) result = larger(result, sqrt(sag(m, a, b, m->wedge_of[h], m->wedge_of[next(h)]) / tolerance));
     if (g >= 0 && other && on_curve(m, h))
-        result = fmax(result, sqrt(sag(m, a, b, m->wedge_of[next(g)], m->wedge_of[g]) / tolerance));
+        result = larger(result, sqrt(sag(m, a, b, m->wedge_of[next(g)], m->wedge_of[g]) / tolerance));
     return result;
 }
 

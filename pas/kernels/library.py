@@ -102,7 +102,7 @@ class Functions:
 
     def __init__(self) -> None:
         library()
-        self._declared: dict[str, tuple[Callable[..., int], tuple[Array | None, ...]]] = {}
+        self._declared: dict[str, tuple[Callable[..., int], int, list[tuple[int, Array]]]] = {}
 
     def call(self, name: str, *arguments: AnyArray | float | None) -> None:
         """Call a function with arrays, for which it takes their addresses (None for an array that is not there), and
@@ -111,29 +111,29 @@ class Functions:
         Arrays that it only reads are copied where they are not contiguous, or of a type that fits into the right one.
         Raises `TypeError` for others, `MemoryError` where there was no room.
         """
-        function, arrays = self._declared.get(name) or self._declare(name)
-        if len(arguments) != len(arrays):
-            raise TypeError(f"{name} takes {len(arrays)} arguments, not {len(arguments)}")
-        given: list[float] = []
+        function, number, arrays = self._declared.get(name) or self._declare(name)
+        if len(arguments) != number:
+            raise TypeError(f"{name} takes {number} arguments, not {len(arguments)}")
+        given: list[Any] = list(arguments)
         held = []  # copies, which live until the function is done
-        for value, array in zip(arguments, arrays, strict=True):  # without calls: meshes make a hundred of microseconds
-            if array is None:
-                given.append(value)  # type: ignore[arg-type]
-                continue
-            if value is None or not value.size:  # type: ignore[union-attr]
-                given.append(NOWHERE)
-                continue
-            if value.dtype.char != array.code or not value.flags.c_contiguous:  # type: ignore[union-attr]
-                held.append(value := _held(value, array, name))
+        for place, array in arrays:  # without calls: meshes make a hundred of microseconds
+            value = given[place]
             try:
-                given.append(_addressof(_from_buffer(value)))  # type: ignore[arg-type]
-            except (TypeError, ValueError):
-                given.append(address_of(value))  # type: ignore[arg-type]
+                given[place] = _addressof(_from_buffer(value))
+                taken = value.dtype.char == array.code
+            except (TypeError, ValueError):  # not contiguous, not to be written to, empty or none
+                given[place] = NOWHERE
+                taken = value is None or not value.size
+            if not taken:
+                held.append(_held(value, array, name))
+                given[place] = address_of(held[-1])
         if function(*given):
             raise MemoryError(f"there is no memory for {name}")
 
-    def _declare(self, name: str) -> tuple[Callable[..., int], tuple[Array | None, ...]]:
-        self._declared[name] = declared(name), signatures()[name].arrays
+    def _declare(self, name: str) -> tuple[Callable[..., int], int, list[tuple[int, Array]]]:
+        function, arrays = declared(name), signatures()[name].arrays
+        places = [(place, array) for place, array in enumerate(arrays) if array is not None]
+        self._declared[name] = function, len(arrays), places
         return self._declared[name]
 
 
@@ -149,7 +149,7 @@ def _held(value: Any, array: Array, name: str) -> AnyArray:
     if array.written or not np.can_cast(given.dtype, array.code):
         what = "writes to contiguous arrays of" if array.written else "takes"
         raise TypeError(f"{name} {what} {np.dtype(array.code)}, not {given.dtype}")
-    return np.ascontiguousarray(given, dtype=array.code)
+    return np.ascontiguousarray(given, dtype=array.code)  # itself, where only to be read
 
 
 _addressof, _from_buffer = ctypes.addressof, ctypes.c_char.from_buffer

@@ -27,7 +27,8 @@ int pas_ranges(whole n, whole m, const double *lattice, const double *inverse, w
                const double *coefficients, whole count, const double *corners, double *low, double *high);
 int pas_slopes(whole n, whole m, const double *lattice, const double *inverse, const double *coefficients, whole count,
                const double *corners, const double *normals, double *least, double *sizes);
-int pas_leaving(whole faces, const double *weights, whole count, const double *points, double *multiples, whole *face);
+int pas_leaving(whole faces, const double *weights, const whole *piece_of, whole count, const double *points, whole stride,
+                whole step, double *multiples, whole *pieces);
 int pas_located(const whole *sizes, const double *maps, const whole *piece_of, const double *normals, const whole *table,
                 const whole *starts, const double *walls, whole count, const double *points, double tolerance,
                 whole *pieces);
@@ -38,14 +39,14 @@ int pas_fans(whole count, const whole *corners, whole size, const whole *twins, 
 int pas_mesh_classify(Mesh *m);
 int pas_mesh_pack(Mesh *m);
 int pas_mesh_labels_about(const Mesh *m, whole count, const whole *chosen, whole width, whole *labels);
-int pas_mesh_middles(const Mesh *m, whole count, const whole *rows, double *centres, whole some, const whole *halves,
-                     double *middles);
+int pas_mesh_middles(const Mesh *m, whole count, const whole *rows, whole some, const whole *halves, double *middles);
 
 /* horner.c */
 int pas_horner(whole n, whole points, const double *coefficients, const double *x, const double *y, const double *z,
                double *values);
 int pas_mixed(whole pieces, whole count, const whole *degrees, const whole *starts, const double *tables, whole points,
-              const double *places, whole stride, whole step, const whole *piece_of, double *values);
+              whole first, whole last, const double *places, whole stride, whole step, const whole *piece_of,
+              double *values);
 
 /* keys.c */
 int pas_numbered(whole count, const whole *keys, whole wanted, whole *distinct, whole *inverse, whole *number);

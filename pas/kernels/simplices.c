@@ -96,15 +96,6 @@ static void span(whole m, const double *forms, double *low, double *high)
         }
 }
 
-/* Rows of so many from `start` on, as blocks; the last stands for those that are missing. */
-static void gather(whole count, whole start, whole m, const double *rows, double *block)
-{
-    for (int r = 0; r < BLOCK; r++) {
-        const double *row = rows + (start + r < count ? start + r : count - 1) * m;
-        for (whole i = 0; i < m; i++) block[i * BLOCK + r] = row[i];
-    }
-}
-
 /* Of simplices (count) with forms (m), off by `bound`, and corners (d + 1, 3) whether the function rises along a
    direction, is nothing but rounding, has coefficients of one sign, or is open. */
 int pas_judged(whole count, whole m, whole d, whole lower, const whole *up, const double *forms, const double *corners,
@@ -114,10 +105,10 @@ int pas_judged(whole count, whole m, whole d, whole lower, const whole *up, cons
     double gram[3][3][BLOCK], mean[3][BLOCK], unused[3][BLOCK], u[3][BLOCK], least[BLOCK], low[BLOCK], high[BLOCK];
     if (!block) return -1;
     for (whole start = 0; start < count; start += BLOCK) {
-        gather(count, start, m, forms, block);
+        gather(BLOCK, count, start, m, forms, block);
         span(m, block, low, high);
         if (d) {
-            gather(count, start, 3 * d + 3, corners, block + m * BLOCK);
+            gather(BLOCK, count, start, 3 * d + 3, corners, block + m * BLOCK);
             products((int)d, block + m * BLOCK, gram);
             steps((int)d, lower, up, block, NULL, mean, least);
             direction((int)d, gram, mean, u);

@@ -50,7 +50,7 @@ int pas_mesh_targets(const Mesh *m, double *to)
         const double *n = m->normals + 3 * w, *sum = sums + 4 * v;
         if (m->kinds[v] != INSIDE || (!m->plain && m->faces[m->face_of[w]] == RULED) || !(dot(n, n) > 0.5)) continue;
         double move[3];
-        for (int i = 0; i < 3; i++) move[i] = sum[i] / fmax(sum[3], 1e-300) - m->points[3 * v + i];
+        for (int i = 0; i < 3; i++) move[i] = sum[i] / larger(sum[3], 1e-300) - m->points[3 * v + i];
         const double off = dot(move, n);
         for (int i = 0; i < 3; i++) to[3 * v + i] += move[i] - off * n[i];
     }
@@ -92,7 +92,7 @@ int pas_mesh_settle(Mesh *m, const double *to, const double *normals, const doub
     const int state = before && back ? 0 : -1;
     if (state == 0) {
         memcpy(before, m->points, 3 * size * sizeof(double));
-        for (whole t = 0; t < count; t++) least[t] = fmin(upright_at(m, t), turned);
+        for (whole t = 0; t < count; t++) least[t] = smaller(upright_at(m, t), turned);
         memcpy(m->points, to, 3 * size * sizeof(double));
         for (whole t = 0; t < count; t++) open[t] = 1;
     }
@@ -134,7 +134,7 @@ static double lacking(const Mesh *m, whole v, const double *normal, double aim, 
         double n[3];
         across(m, v, end_of(m, h), apex_of(m, h), n);
         const double found = dot(n, normal) > 0 ? sine(m, v, end_of(m, h), apex_of(m, h)) : -1;
-        *least = fmin(*least, found);
+        *least = smaller(*least, found);
         if (found < aim) sum += (aim - found) * (aim - found);
     }
     return sum;
@@ -153,7 +153,7 @@ static void tangents(const Mesh *m, whole v, const double *normal, double *first
     minus(m->points + 3 * end_of(m, m->outgoing[v]), m->points + 3 * v, first);
     const double off = dot(first, normal);
     for (int i = 0; i < 3; i++) first[i] -= off * normal[i];
-    const double length = sqrt(fmax(dot(first, first), 1e-300));
+    const double length = sqrt(larger(dot(first, first), 1e-300));
     for (int i = 0; i < 3; i++) first[i] *= reach / ((double)count * length);
     cross(normal, first, second);
 }
@@ -177,7 +177,7 @@ static int better_place(Mesh *m, whole v, double aim, double *best)
             for (int i = 0; i < 3; i++)
                 place[i] = middle[i] + reach * (turns[way][0] * first[i] + turns[way][1] * second[i]);
             const double found = lacking(m, v, normal, aim, &least);
-            if (!(least >= fmin(floor, aim) && found < left)) continue;
+            if (!(least >= smaller(floor, aim) && found < left)) continue;
             left = found;
             memcpy(best, place, sizeof(here));
         }
@@ -240,7 +240,7 @@ int pas_mesh_move(Mesh *m, whole count, const whole *vertices, const double *pla
         memcpy(normal, normals + 3 * i, sizeof(old));
         lacking(m, v, normal, aim, &least);
         AROUND(m, v, h) if (!(upright_at(m, h / 3) >= held)) least = -1;
-        if (least < fmin(floor, aim)) {
+        if (least < smaller(floor, aim)) {
             memcpy(place, here, sizeof(here));
             memcpy(normal, old, sizeof(old));
             continue;

@@ -1,7 +1,12 @@
-/* Vectors of three doubles, with sums and products in the order of pas/mesh/rows.py. */
+/* Vectors of three doubles, with sums and products in the order of pas/mesh/rows.py; and the larger and the smaller of two
+   numbers, the second where one is none. */
 
 #ifndef PAS_VECTORS_H
 #define PAS_VECTORS_H
+
+static inline double larger(double a, double b) { return a > b ? a : b; }
+
+static inline double smaller(double a, double b) { return a < b ? a : b; }
 
 static inline double dot(const double *u, const double *v)
 {

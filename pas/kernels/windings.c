@@ -5,16 +5,13 @@
 #include <stddef.h>
 
 #include "pas.h"
-
-static inline double dot(const double *u, const double *v)
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-}
+#include "vectors.h"
 
 static inline double determinant(const double *a, const double *b, const double *c, double product, double *error,
                                  double sure)
 {
-    const double w[3] = {b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]};
+    double w[3];
+    cross(b, c, w);
     *error = sure * sqrt(product);
     return dot(a, w);
 }
@@ -42,12 +39,6 @@ static int sign_of(const double *way, double length, double corners[3][3], const
     return hit ? sign : 0;
 }
 
-static inline double length_of(double square)
-{
-    const double length = sqrt(square);
-    return length > 1e-300 ? length : 1e-300;
-}
-
 /* Into `times` and `known` (ends) what segments from `origin` along `ways` (ends, 3), unit vectors `towards`, come to. */
 int pas_crossed(whole count, const whole *triangles, const double *points, const double *origin, whole ends,
                 const double *ways, const double *towards, double grazing, double sure, whole *times, char *known)
@@ -61,17 +52,14 @@ int pas_crossed(whole count, const whole *triangles, const double *points, const
         for (int k = 0; k < 3; k++) {
             for (int i = 0; i < 3; i++) corners[k][i] = points[3 * triangles[3 * t + k] + i] - origin[i];
             lengths[k] = dot(corners[k], corners[k]);
-            const double length = length_of(lengths[k]);
+            const double length = larger(sqrt(lengths[k]), 1e-300);
             for (int i = 0; i < 3; i++) units[k][i] = corners[k][i] / length;
         }
         for (int i = 0; i < 3; i++) middle[i] = units[0][i] + units[1][i] + units[2][i];
-        const double size = length_of(dot(middle, middle));
+        const double size = larger(sqrt(dot(middle, middle)), 1e-300);
         for (int i = 0; i < 3; i++) middle[i] /= size;
         double cap = dot(units[0], middle);
-        for (int k = 1; k < 3; k++) {
-            const double other = dot(units[k], middle);
-            cap = other < cap ? other : cap;
-        }
+        for (int k = 1; k < 3; k++) cap = smaller(dot(units[k], middle), cap);
         cap = (cap > 0 ? cap : -1.0) - grazing;
         for (whole e = 0; e < ends; e++) {
             if (!(dot(towards + 3 * e, middle) >= cap)) continue;

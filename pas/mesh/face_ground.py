@@ -37,7 +37,7 @@ class FaceGround:
         """Places for vertices that move, one step towards their faces, or two towards curves; and normals."""
         move = np.flatnonzero((to != mesh.points).any(axis=1))
         points, inside = mesh.points.copy(), move[mesh.kinds[move] == VertexKind.INSIDE]
-        steps = least_norm(self.field, mesh.label_of[inside][:, None], to[inside])
+        steps = least_norm(self.field, mesh.labels_at(inside)[:, None], to[inside])
         points[inside] = to[inside] - self._capped(steps)
         on = move[mesh.kinds[move] != VertexKind.INSIDE]
         points[on] = to[on]
@@ -68,7 +68,7 @@ class FaceGround:
     def measured(self, mesh: HalfEdges, rows: Integers, halves: Integers) -> tuple[Floats, Floats]:
         """Distances of points inside triangles from their faces, and of edges' middles from faces or curves."""
         inside = self._inside(mesh.points[mesh.triangles[rows]], mesh.labels[rows])
-        middles = mesh.middles(rows[:0], halves)[1]
+        middles = mesh.middles(rows[:0], halves)
         label, other = mesh.labels[halves // 3], mesh.labels[mesh.twins[halves] // 3]
         labels = np.stack([np.minimum(label, other), np.where(label == other, -1, np.maximum(label, other))], axis=1)
         along = np.zeros(len(middles))

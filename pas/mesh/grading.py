@@ -17,6 +17,7 @@ from pas.limits import checkpoint
 from pas.mesh.halfedges import TURNED, HalfEdges, VertexKind, following
 from pas.mesh.labelled import NONE, Labelled
 from pas.mesh.rows import dots, norms
+from pas.mesh.topology import first_rows
 
 KEPT = 0.35
 """Cosine with the normals below which triangles about folded ones are not made."""
@@ -157,12 +158,11 @@ class Grading:
 
     def _collapse(self, mesh: HalfEdges, only_fresh: bool = False) -> int:
         """Collapse edges that are too short, the shortest for what they should be first."""
-        ratios, corners, ends = mesh.ratios, mesh.corners, mesh.ends
-        chosen = (ratios < self.settings.short) & (mesh.twins < np.arange(len(corners)))
+        ratios = mesh.ratios
+        rows = np.flatnonzero((ratios < self.settings.short) & (mesh.twins < np.arange(len(ratios))))
         if only_fresh:
-            chosen &= mesh.fresh[corners] | mesh.fresh[ends]
+            rows = rows[mesh.fresh[mesh.corners[rows]] | mesh.fresh[mesh.corners[following(rows)]]]
             mesh.fresh[:] = False
-        rows = np.flatnonzero(chosen)
         order, straight = ratios[rows], np.flatnonzero(ratios[rows] <= 0.05)
         order[straight] = 1e-3 * mesh.lengths(rows[straight])  # along lines of ruled faces
         rows = rows[np.argsort(order, kind="stable")]
@@ -208,8 +208,7 @@ class Grading:
         rows = rows[ratios[rows] > self.settings.long]
         rows = rows[np.argsort(-ratios[rows], kind="stable")]
         edge = np.maximum(rows, mesh.twins[rows])
-        first = np.unique(edge, return_index=True)[1]
-        return rows[np.sort(first)]
+        return rows[first_rows(edge, len(ratios))[edge] == np.arange(len(edge))]
 
     def _split(self, mesh: HalfEdges, halves: Integers, careful: bool = False) -> None:
         """Split half edges, the new vertices on the surface.
@@ -222,20 +221,29 @@ class Grading:
         other = np.where(twins < 0, -1, mesh.labels[twins // 3])
         labels = np.stack([np.where(other < 0, own, np.minimum(own, other)), np.maximum(own, other)], axis=1)
         labels[other == own, 1] = labels[other < 0, 1] = -1
-        middles, lengths = mesh.middles(NONE, halves)[1], mesh.lengths(halves)
+        middles, lengths = mesh.middles(NONE, halves), mesh.lengths(halves)
         places = self.ground.placed(middles, labels, mesh.rims_of(halves), lengths)
+        normals, bends = self.ground.looked(places, own)
         if careful:
-            normals = self.ground.looked(places, own)[0]
             ends = mesh.normals[mesh.wedge_of[halves]], mesh.normals[mesh.wedge_of[following(halves)]]
             good = (dots(normals, ends[0]) > 0) & (dots(normals, ends[1]) > 0)
             good &= 2 * norms(places - middles) < lengths
-            halves, places = halves[good], places[good]
+            halves, places, normals = halves[good], places[good], normals[good]
+            bends = None if bends is None else bends[good]
         mesh.split(halves)
         mesh.points[size:] = places
-        self._look(mesh, np.flatnonzero(mesh.vertex_of >= size))
+        wedges = np.flatnonzero(mesh.vertex_of >= size)
+        known = np.diff(mesh.vertex_of[wedges], prepend=-1) > 0  # the first of a vertex has the half edge's label
+        self._looked(mesh, wedges[known], normals, bends)
+        self._look(mesh, wedges[~known])
 
     def _look(self, mesh: HalfEdges, wedges: Integers) -> None:
-        normals, bends = self.ground.looked(mesh.points[mesh.vertex_of[wedges]], mesh.face_of[wedges])
+        if len(wedges):
+            found = self.ground.looked(mesh.points[mesh.vertex_of[wedges]], mesh.face_of[wedges])
+            self._looked(mesh, wedges, *found)
+
+    @staticmethod
+    def _looked(mesh: HalfEdges, wedges: Integers, normals: Floats, bends: Floats | None) -> None:
         mesh.normals[wedges] = normals
         mesh.bends[wedges] = 0.0 if bends is None else bends
 
@@ -292,7 +300,7 @@ class Grading:
         """Move chosen vertices (V,) to the middles of their triangles, or along curves, and project them."""
         to, rows = mesh.targets, np.flatnonzero(about & (mesh.kinds < VertexKind.CORNER))
         labels, reach = mesh.labels_about(rows), mesh.sizes[rows] / 4
-        mesh.points[rows] = self.ground.placed(to[rows], labels, mesh.rim_of[rows], reach)
+        mesh.points[rows] = self.ground.placed(to[rows], labels, mesh.rims_of(mesh.outgoing[rows]), reach)
         moved = np.zeros(len(mesh.points), dtype=bool)
         moved[rows] = True
         self._look(mesh, np.flatnonzero(moved[mesh.vertex_of]))

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import replace
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,13 +29,13 @@ PASSES = 12
 """Flips at most, over the number of triangles."""
 
 
-class VertexKind(IntEnum):
-    """Where a vertex is: inside a face, on a curve, or in a corner, where it stays as those do that are pinned."""
+class VertexKind:
+    """Where a vertex is: inside a face, on a curve, or in a corner, where it stays as those do that are pinned.
 
-    INSIDE = 0
-    CURVE = 1
-    CORNER = 2
-    PINNED = 3
+    Plain numbers, as numpy compares arrays with members of an enumeration several times as slowly.
+    """
+
+    INSIDE, CURVE, CORNER, PINNED = range(4)
 
 
 def following(halves: Integers) -> Integers:
@@ -54,7 +53,7 @@ class _Array:
         self.name = name
 
     def __get__(self, mesh: HalfEdges, owner: type) -> AnyArray:
-        return mesh.arrays[self.name][: mesh.count(self.of) * self.times]
+        return mesh.arrays[self.name][: getattr(mesh._struct, self.of) * self.times]  # not `count`: it is asked often
 
 
 class HalfEdges:
@@ -86,23 +85,24 @@ class HalfEdges:
         twins = first.topology.twins
         if twins.min(initial=0) < -1:
             raise ArithmeticError("some edge does not have one or two triangles")
-        span = int(labels.max(initial=0)) + 1
-        pairs, wedge_of = numbered((triangles * span + labels[:, None]).ravel())
         self._struct.vertices, self._struct.triangles = len(first.points), len(triangles)
-        self._struct.wedges = len(pairs)
         self.reserve(0, 0, 0)
-        self.points[:], self.corners[:], self.labels[:] = first.points, triangles.ravel(), labels
-        self.wedge_of[:], self.vertex_of[:], self.face_of[:] = wedge_of, pairs // span, pairs % span
-        rims = np.zeros(len(twins), dtype=np.intp) if first.topology.rims is None else first.topology.rims.ravel()
-        self.twins[:] = np.where(twins < 0, -1 - np.maximum(rims, 0), twins)
-        self.marks[:], self.fresh[:], self.normals[:], self.caps[:] = 0, True, 0.0, np.inf
-        self.outgoing[:] = -1
-        self.outgoing[self.corners] = np.arange(len(twins))
-        open_ = np.flatnonzero(twins < 0)
-        self.outgoing[self.corners[open_]] = open_
-        self.kinds[:] = VertexKind.INSIDE
+        self.points[:], self.corners[:], self.twins[:], self.labels[:] = first.points, triangles.ravel(), twins, labels
+        if first.topology.rims is not None:
+            open_ = np.flatnonzero(twins < 0)
+            self.twins[open_] = -1 - np.maximum(first.topology.rims.ravel()[open_], 0)
+        self.marks[:], self.fresh[:], self.caps[:], self.kinds[:] = 0, True, np.inf, VertexKind.INSIDE
         self.kinds[first.topology.pinned] = VertexKind.PINNED
         self._call("pas_mesh_classify")
+        span = int(labels.max(initial=0)) + 1
+        wedge_of, vertex_of = self.corners, np.arange(len(first.points))
+        face_of = np.zeros_like(vertex_of)
+        if span > 1 or self.outgoing.min(initial=0) < 0:  # some vertex is not one wedge
+            pairs, wedge_of = numbered((triangles * span + labels[:, None]).ravel())
+            vertex_of, face_of = pairs // span, pairs % span
+        self._struct.wedges = len(vertex_of)
+        self.reserve(0, 0, 0)
+        self.wedge_of[:], self.vertex_of[:], self.face_of[:], self.normals[:] = wedge_of, vertex_of, face_of, 0.0
 
     def count(self, of: str) -> int:
         """How many vertices, triangles or wedges there are."""
@@ -111,8 +111,9 @@ class HalfEdges:
     def reserve(self, vertices: int, triangles: int, wedges: int) -> None:
         """Have room for so many more of each."""
         more = {"vertices": vertices, "triangles": triangles, "wedges": wedges}
+        total = {of: self.count(of) + number for of, number in more.items()}
         for name, array in _ARRAYS.items():
-            needed = (self.count(array.of) + more[array.of]) * array.times
+            needed = total[array.of] * array.times
             old = self.arrays.get(name)
             if old is None or len(old) < needed:
                 room = needed + needed // 2  # of which what is not needed costs nothing
@@ -153,23 +154,13 @@ class HalfEdges:
         rows = np.flatnonzero(self.twins < 0)
         return rows, -1 - self.twins[rows]
 
-    @property
-    def rim_of(self) -> Integers:
-        """The number of a boundary curve that a vertex is on (V,), -1 inside."""
-        result, (rows, curves) = np.full(len(self.points), -1), self.boundary
-        result[self.corners[rows]] = result[self.ends[rows]] = curves
-        return result
-
     def rims_of(self, halves: Integers) -> Integers:
         """The numbers of the boundary curves (K,) on which half edges are, -1 inside."""
         return np.maximum(-1 - self.twins[halves], -1)
 
-    @property
-    def label_of(self) -> Integers:
-        """The label of a vertex (V,), one of those about it."""
-        result = np.empty(len(self.points), dtype=np.intp)
-        result[self.vertex_of] = self.face_of
-        return result
+    def labels_at(self, vertices: Integers) -> Integers:
+        """The labels (K,) about vertices inside faces."""
+        return self.labels[self.outgoing[vertices] // 3]
 
     def labels_about(self, vertices: Integers) -> Integers:
         """The labels about vertices (K, k), ascending, then -1."""
@@ -221,7 +212,7 @@ class HalfEdges:
 
     def split(self, halves: Integers) -> None:
         """Split half edges (K,) in this order, each edge given once; the new vertices are the last."""
-        ends = np.stack([self.corners[halves], self.ends[halves]], axis=1)
+        ends = np.stack([self.corners[halves], self.corners[following(halves)]], axis=1)
         self.reserve(len(halves), 2 * len(halves), 2 * len(halves))
         self._call("pas_mesh_split", len(halves), halves, ends)
 
@@ -253,11 +244,11 @@ class HalfEdges:
         given = np.empty(0) if bends is None else bends
         self._call("pas_mesh_settle", points, normals, given, int(bends is not None), TURNED)
 
-    def middles(self, rows: Integers, halves: Integers) -> tuple[Floats, Floats]:
-        """The centres (K, 3) of triangles and the middles (H, 3) of half edges."""
-        centres, middles = np.empty((len(rows), 3)), np.empty((len(halves), 3))
-        self._call("pas_mesh_middles", len(rows), rows, centres, len(halves), halves, middles)
-        return centres, middles
+    def middles(self, rows: Integers, halves: Integers) -> Floats:
+        """The centres of triangles and the middles of half edges, (K + H, 3)."""
+        result = np.empty((len(rows) + len(halves), 3))
+        self._call("pas_mesh_middles", len(rows), rows, len(halves), halves, result)
+        return result
 
     def better(self, aim: float, vertices: Integers) -> tuple[Integers, Floats]:
         """Some of the vertices given that are fresh, and places (K, 3) where triangles are less slender."""
@@ -296,15 +287,12 @@ class HalfEdges:
     @property
     def value(self) -> Labelled:
         """The mesh as it is now, with the normals at its vertices."""
-        rows, curves = self.boundary
-        rims = np.full(len(self.corners), -1)
-        rims[rows] = curves
+        rims = np.maximum(-1 - self.twins, -1).reshape(-1, 3) if self.twins.min(initial=0) < 0 else None
         pinned = np.flatnonzero(self.kinds >= VertexKind.CORNER)
-        given = self.points.copy(), self.triangles.copy(), self.labels.copy(), pinned
-        mesh = Labelled.of(*given, rims.reshape(-1, 3) if len(rows) else None)
+        mesh = Labelled.of(self.points.copy(), self.triangles.copy(), self.labels.copy(), pinned, rims)
         span = int(self.labels.max(initial=0)) + 1
         order = np.argsort(self.vertex_of * span + self.face_of, kind="stable")  # that of the rows of `pairs`
-        return Labelled(mesh.points, mesh.topology, self.normals[order])
+        return Labelled(mesh.points, mesh.topology, self.normals.take(order, axis=0))
 
 
 def halved(mesh: Labelled, rows: Integers) -> Labelled:

@@ -73,7 +73,7 @@ class Mesh(AffineShape["Mesh"], Shape):
         """
         if triangles.min(initial=0) < 0 or triangles.max(initial=-1) >= len(points):
             raise ValueError("triangles must be numbers of points")
-        faces, corners = np.zeros(len(triangles), dtype=np.intp), np.take(normals, triangles, axis=0)
+        faces, corners = np.zeros(len(triangles), dtype=np.intp), normals.take(triangles, axis=0)
         known = parameters, deviation, proved
         return Mesh(points, triangles, faces, (name,), corners, *known, smooth_normals=normals)
 

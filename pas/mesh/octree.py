@@ -15,7 +15,7 @@ import numpy as np
 
 from pas.arrays import Bools, Floats, Integers
 from pas.kernels.library import compiled
-from pas.limits import checkpoint
+from pas.limits import blocks, checkpoint
 from pas.mesh.field import FaceField, extent_of
 from pas.mesh.topology import numbered
 
@@ -204,9 +204,7 @@ class Octree:
         On the first levels cubes in which it is not met at all are not quiet: there it may hide.
         """
         result = np.empty(len(centers), dtype=bool)
-        for start in range(0, len(centers), CHUNK):
-            checkpoint()
-            part = slice(start, start + CHUNK)
+        for part in blocks(len(centers), CHUNK):
             inside = self._samples(centers[part], half)
             along = inside[:, _LINES]
             times = (along[..., 1:] != along[..., :-1]).sum(axis=2).max(axis=1)

@@ -67,7 +67,7 @@ class Remesher(Grading):
                 break
             parts = max(1, parts // 4)  # next to curves that are close to one another finer triangles fold
             self.graded(mesh, parts, thin=False)
-        return self.within(cut)
+        return self.within(cut, upright=parts > 1)
 
     def _fewest_parts(self, mesh: HalfEdges, inside: Floats, along: Floats) -> int:
         """Into how many parts to cut edges, so that few triangles come out after the rest is halved."""
@@ -85,31 +85,31 @@ class Remesher(Grading):
 
     def measured(self, mesh: HalfEdges, before: tuple[Integers, Floats, Floats] | None = None) -> tuple[Floats, Floats]:
         """Distances of triangles' insides (T,) and half edges (3 T,); those of triangles `before` are known."""
-        stale, count = np.ones(len(mesh.labels), dtype=bool), 0
         inside, along = np.empty(len(mesh.labels)), np.empty(len(mesh.corners))
+        rows, halves = np.arange(len(inside)), np.flatnonzero(mesh.twins < np.arange(len(along)))
         if before is not None:
             old, known_inside, known_along = before
-            count = len(old)
+            stale, count = np.ones(len(inside), dtype=bool), len(old)
             stale[:count] = any_of(mesh.triangles[:count] != old)
             inside[:count], along[: 3 * count] = known_inside, known_along
-        rows = np.flatnonzero(stale)
-        halves = (3 * rows[:, None] + np.arange(3)).ravel()
-        twins = mesh.twins[halves]
-        known = (twins >= 0) & ~stale[twins // 3]
-        along[halves[known]] = along[twins[known]]
-        halves = halves[~known & (twins < halves)]
+            rows = np.flatnonzero(stale)
+            halves = (3 * rows[:, None] + np.arange(3)).ravel()
+            twins = mesh.twins[halves]
+            known = (twins >= 0) & ~stale[twins // 3]
+            along[halves[known]] = along[twins[known]]
+            halves = halves[~known & (twins < halves)]
         inside[rows], found = self.ground.measured(mesh, rows, halves)
-        along[halves] = found
         twins = mesh.twins[halves]
-        along[twins[twins >= 0]] = found[twins >= 0]
+        along[halves] = along[np.where(twins < 0, halves, twins)] = found
         return inside, along
 
-    def within(self, mesh: HalfEdges, mend: bool = True) -> FaceMesh | Failure:
-        """The mesh with edges halved until all that is measured is within the tolerance."""
+    def within(self, mesh: HalfEdges, mend: bool = True, upright: bool = False) -> FaceMesh | Failure:
+        """The mesh, of which no triangle is folded if it is `upright`, with edges halved until all that is measured is
+        within the tolerance."""
         before, worst, last = None, np.inf, np.inf
         for step in range(self.REFINEMENTS):
             checkpoint(f"measuring the mesh ({len(mesh.labels)} triangles)")
-            if self.untangle(mesh, self.settings.folded):
+            if not (upright and step == 0) and self.untangle(mesh, self.settings.folded):
                 before = None
             checkpoint()
             inside, along = self.measured(mesh, before)
@@ -168,10 +168,11 @@ class Remesher(Grading):
     def mended(self, mesh: HalfEdges) -> float:
         """Move vertices of slender triangles inside faces to better places; how far what changed is at most."""
         mesh.fresh[:], worst, good = True, 0.0, self.settings.good
-        free, bent = self._free(mesh), self.ground.faces[mesh.labels] == 0
+        free = self._free(mesh)
         for _ in range(self.ROUNDS):
             sines = mesh.fresh_sines
-            rows = np.flatnonzero((sines < good) & bent)
+            rows = np.flatnonzero(sines < good)
+            rows = rows[self.ground.faces[mesh.labels[rows]] == 0]
             corners = mesh.triangles[rows[np.argsort(sines[rows], kind="stable")]].ravel()
             slender = np.zeros(len(mesh.points), dtype=bool)
             slender[corners] = True
@@ -180,7 +181,7 @@ class Remesher(Grading):
             if not len(vertices):
                 break
             checkpoint(f"mending slender triangles ({len(rows)})")
-            labels, far = mesh.label_of[vertices], np.full(len(vertices), np.inf)
+            labels, far = mesh.labels_at(vertices), np.full(len(vertices), np.inf)
             places = self.ground.placed(places, labels[:, None], np.full(len(labels), -1), far)
             off = self._off(mesh, vertices, places)
             near = off <= self.tolerance
@@ -192,8 +193,8 @@ class Remesher(Grading):
     @staticmethod
     def _free(mesh: HalfEdges) -> Bools:
         """The vertices (V,) inside faces, not beside the boundary, so that no move takes one out of the region."""
-        result, edge = mesh.kinds == VertexKind.INSIDE, mesh.rim_of >= 0
-        result[mesh.triangles[any_of(edge[mesh.triangles])]] = False
+        result, edge = mesh.kinds == VertexKind.INSIDE, mesh.twins[mesh.outgoing] < 0
+        result[mesh.triangles[any_of(edge.take(mesh.triangles))]] = False
         return result
 
     def _off(self, mesh: HalfEdges, vertices: Integers, places: Floats) -> Floats:
@@ -201,7 +202,7 @@ class Remesher(Grading):
         rows, owners = mesh.stars(vertices)
         triangles = mesh.triangles[rows]
         own = (triangles == vertices[owners][:, None])[..., None]
-        corners = np.where(own, places[owners][:, None], mesh.points[triangles])
+        corners = np.where(own, places[owners][:, None], mesh.points.take(triangles, axis=0))
         result = np.zeros(len(vertices))
         np.maximum.at(result, owners, self.ground.farthest(corners, mesh.labels[rows]))
         return result

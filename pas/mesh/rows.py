@@ -12,7 +12,8 @@ from pas.arrays import Bools, Floats, Integers
 
 def dots(u: Floats, v: Floats) -> Floats:
     """The products (N,) of vectors (N, 3), summed from the first to the third."""
-    return np.asarray(u[:, 0] * v[:, 0] + u[:, 1] * v[:, 1] + u[:, 2] * v[:, 2])
+    products = u * v
+    return np.asarray(products[:, 0] + products[:, 1] + products[:, 2])
 
 
 def norms(vectors: Floats) -> Floats:
@@ -30,8 +31,9 @@ def along_lines(jets: Callable[[Floats, Integers], Floats], starts: Floats, ways
     gives values and gradients (K, 4) at points (K, 3) of lines that are numbered so (K,)."""
 
     def along(shares: Floats, rows: Integers) -> tuple[Floats, Floats]:
-        found = jets(starts[rows] + shares[:, None] * ways[rows], rows)
-        return found[:, 0], dots(found[:, 1:], ways[rows])
+        own = ways.take(rows, axis=0)
+        found = jets(starts.take(rows, axis=0) + shares[:, None] * own, rows)
+        return found[:, 0], dots(found[:, 1:], own)
 
     return along
 

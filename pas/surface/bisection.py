@@ -47,7 +47,7 @@ def bisected(field: RadialField, tolerance: float, settings: Settings) -> Mesh:
             return in_world(field, FaceMesh(mesh.value, float(off.max())), tolerance, settings)
         if len(mesh.labels) + 2 * len(halves) > settings.most:
             raise too_many(field.scale, len(mesh.labels), settings.most, tolerance, float(off.max()))
-        size, middles, rims = len(mesh.points), mesh.middles(NONE, halves)[1], mesh.rims_of(halves)
+        size, middles, rims = len(mesh.points), mesh.middles(NONE, halves), mesh.rims_of(halves)
         mesh.split(halves)
         mesh.points[size:] = field.met(middles)
         mesh.points[size:][rims >= 0] = field.on_rims(middles[rims >= 0], rims[rims >= 0])
@@ -59,7 +59,7 @@ def _begun(field: RadialField) -> HalfEdges:
     for doubling in range(finest + 1):
         mesh = HalfEdges(delaunay(field, AROUND << doubling), np.zeros(1, dtype=np.int8))
         rim = mesh.boundary[0]
-        arcs = field.rim_distances(mesh.middles(NONE, rim)[1], mesh.rims_of(rim))
+        arcs = field.rim_distances(mesh.middles(NONE, rim), mesh.rims_of(rim))
         if (arcs <= _room(mesh, rim)).all():
             return mesh
     raise ArithmeticError("the rings are too close to one another for a triangulation of directions")
@@ -68,14 +68,14 @@ def _begun(field: RadialField) -> HalfEdges:
 def _measured(field: RadialField, mesh: HalfEdges) -> tuple[Floats, Floats]:
     """Distances of triangles' middles (T,) and of those of half edges (3 T,)."""
     halves = np.flatnonzero(mesh.twins < np.arange(len(mesh.corners)))
-    centres, middles = mesh.middles(np.arange(len(mesh.labels)), halves)
-    points = np.concatenate([centres, middles])
+    count = len(mesh.labels)
+    points = mesh.middles(np.arange(count), halves)
     found = np.minimum(field.distances(points), norms(points - field.met(points)))
     along, twins, rims = np.empty(len(mesh.corners)), mesh.twins[halves], mesh.rims_of(halves)
-    along[halves] = found[len(centres) :]
-    along[halves[rims >= 0]] = field.rim_distances(middles[rims >= 0], rims[rims >= 0])
+    along[halves] = found[count:]
+    along[halves[rims >= 0]] = field.rim_distances(points[count:][rims >= 0], rims[rims >= 0])
     along[twins[twins >= 0]] = along[halves[twins >= 0]]
-    return found[: len(centres)], along
+    return found[:count], along
 
 
 def _room(mesh: HalfEdges, halves: Integers) -> Floats:

@@ -116,9 +116,7 @@ class PlaneLoop:
 
     def distances(self, points: Floats) -> Floats:
         """Distances (N,) of points in the plane from the curve, to first order."""
-        jets = self.jets(points)
-        slope = jets[:, 1:] - np.outer(jets[:, 1:] @ self.normal, self.normal)
-        return off_zero(jets[:, 0], slope)
+        return self._alone.distances(points, np.zeros(len(points), dtype=np.intp))
 
     def off(self, points: Floats) -> Floats:
         """How far points (N, 3) are from the curve, out of its plane or in it, to first order."""
@@ -144,22 +142,34 @@ class Loops:
     def __init__(self, curves: Sequence[BoundaryLoop]) -> None:
         self._openings = {number: curve for number, curve in enumerate(curves) if isinstance(curve, ConeLoop)}
         loops = [curve for curve in curves if isinstance(curve, PlaneLoop)]
-        self._place = np.cumsum([isinstance(curve, PlaneLoop) for curve in curves], dtype=np.intp) - 1
+        self._flat = np.array([isinstance(curve, PlaneLoop) for curve in curves], dtype=bool)
+        self._place = np.cumsum(self._flat, dtype=np.intp) - 1
         self._middles = np.array([loop.middle for loop in loops]).reshape(-1, 3)
         self._normals = np.array([loop.normal for loop in loops]).reshape(-1, 3)
         self.jets = derivative_batch([loop.column for loop in loops], (0, 1))
 
     def at(self, points: Floats, numbers: Integers) -> Floats:
         """Where rays from the middles of curves of given numbers (N,) through points (N, 3) meet these."""
-        result, flat = np.empty_like(points), ~np.isin(numbers, list(self._openings))
+        result, flat = np.empty_like(points), self._flat[numbers]
         places = self._place[numbers[flat]]
-        middles, normals = self._middles[places], self._normals[places]
+        middles, normals = self._middles.take(places, axis=0), self._normals.take(places, axis=0)
         ways = points[flat] - middles
         ways = ways - dots(ways, normals)[:, None] * normals
         jets = along_lines(lambda here, rows: self.jets(here, places[rows]), middles, ways)
         result[flat] = middles + _settled(jets, np.ones(len(ways)))[:, None] * ways
         for number, curve in self._openings.items():
             result[numbers == number] = curve.at(points[numbers == number])
+        return result
+
+    def distances(self, points: Floats, numbers: Integers) -> Floats:
+        """Distances (N,) of points from curves of given numbers (N,), in whose planes they are."""
+        result, flat = np.empty(len(points)), self._flat[numbers]
+        places = self._place[numbers[flat]]
+        jets, normals = self.jets(points[flat], places), self._normals.take(places, axis=0)
+        slopes = jets[:, 1:] - dots(jets[:, 1:], normals)[:, None] * normals
+        result[flat] = off_zero(jets[:, 0], slopes)
+        for number, curve in self._openings.items():
+            result[numbers == number] = curve.distances(points[numbers == number])
         return result
 
 

@@ -29,7 +29,7 @@ from pas.algebra.polynomial import GENERATORS, RING, Polynomial
 from pas.algebra.rational import Vector, exact_vector, to_float
 from pas.algebra.roots import RealRoot, between, in_one, middle_of, rational_root, real_roots
 from pas.arrays import Floats, Integers
-from pas.limits import checkpoint
+from pas.limits import blocks, checkpoint
 from pas.surface.rays import Found, LocalRays, RayTarget
 
 BLOCK = 1 << 13
@@ -77,13 +77,11 @@ class Crossings:
 def crossings(target: RayTarget, origins: Floats, directions: Floats) -> Crossings:
     """All crossings of rays (N, 3), t >= 0."""
     parts: list[tuple[Integers, Floats, Floats, NDArray[np.int8]]] = []
-    for start in range(0, len(origins), BLOCK):
-        checkpoint("shooting rays")
-        here = slice(start, start + BLOCK)
+    for here in blocks(len(origins), BLOCK, "shooting rays"):
         local = LocalRays.of(target, origins[here], directions[here])
         rays, lengths, sides = _ordered(_of_block(target, local, origins[here], directions[here]))
         points = local.points(target, origins[here], rays, lengths)
-        parts.append((rays + start, local.parameters(rays, lengths), points, sides.astype(np.int8)))
+        parts.append((rays + here.start, local.parameters(rays, lengths), points, sides.astype(np.int8)))
     rays, parameters, points, kinds = (np.concatenate(part) for part in zip(*parts, strict=True))
     return Crossings(rays, parameters, points, kinds, len(origins))
 

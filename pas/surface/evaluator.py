@@ -22,7 +22,7 @@ from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import to_float, to_floats
 from pas.algebra.scaling import Scaled
 from pas.arrays import Bools, Floats
-from pas.limits import checkpoint
+from pas.limits import blocks
 from pas.partition.boxes import SingleCell
 from pas.partition.cells import Partition
 from pas.surface.crossings import Crossings, crossings
@@ -140,9 +140,7 @@ class Evaluator:
         """The derivatives of the scaled patches (..., entries), and which points (...) are in the region."""
         flat, batch = np.asarray(points, dtype=float).reshape(-1, 3), self.batch(*orders)
         result, inside = np.empty((len(flat), batch.degrees.shape[1])), np.empty(len(flat), dtype=bool)
-        for start in range(0, len(flat), BLOCK):
-            checkpoint()
-            here = slice(start, start + BLOCK)
+        for here in blocks(len(flat), BLOCK):
             local = np.array(flat[here].T, order="C")
             local -= self._origin
             local /= self.scale

@@ -17,7 +17,7 @@ from pas.algebra.monomials import homogeneous_exponents
 from pas.arrays import Bools, Floats, Integers
 from pas.bernstein.search import Cells, Fate, Fates, Limits, search
 from pas.bernstein.simplices import Means, means, raised
-from pas.limits import checkpoint
+from pas.limits import blocks, checkpoint
 from pas.mesh.rows import any_of
 from pas.mesh.topology import MOST, first_with
 from pas.surface.local_field import LocalField
@@ -135,11 +135,10 @@ def _cut(degree: int, keys: Integers, points: Floats, forms: Floats) -> tuple[In
     """The eighths that may hold zeros of tetrahedra with keys (T, 4), corners (T, 4, 3) and forms (T, m)."""
     corners, parts = eighths(degree)
     found = []
-    for start in range(0, len(forms), AT_ONCE):
-        some = slice(start, start + AT_ONCE)
+    for some in blocks(len(forms), AT_ONCE):
         of_parts = parts(forms[some]).transpose(1, 0, 2)
         kept = np.nonzero(_kept(of_parts))
-        own, ends = kept[0] + start, corners[kept[1]]
+        own, ends = kept[0] + some.start, corners[kept[1]]
         with np.errstate(over="ignore"):  # keys wrap around
             found.append(((ends @ keys[own, :, None])[:, :, 0], ends / 2 @ points[own], of_parts[kept]))
     new_keys, new_points, new_forms = (np.concatenate(rows) for rows in zip(*found, strict=True))

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from pas.algebra.bracket import jets_of_columns, sign_change
+from pas.algebra.evaluation import strided
 from pas.arrays import Bools, Floats, Integers
 from pas.kernels.library import compiled
 from pas.mesh.rows import along_lines, dots
@@ -54,9 +55,10 @@ class RadialField(LocalSurface):
 
     def leaving(self, points: Floats) -> tuple[Floats, Integers]:
         """The multiples (N,) of points (N, 3) at which their rays leave the region, and the pieces (N,)."""
-        leave, faces = np.empty(len(points)), np.empty(len(points), dtype=np.intp)
-        compiled().call("pas_leaving", len(self._weights), self._weights, len(points), points, leave, faces)
-        return leave, self._piece[faces]
+        leave, pieces, number = np.empty(len(points)), np.empty(len(points), dtype=np.intp), len(points)
+        tables = len(self._weights), self._weights, self._piece
+        compiled().call("pas_leaving", *tables, number, *strided(points), leave, pieces)
+        return leave, pieces
 
     def pieces(self, points: Floats) -> Integers:
         """Those through whose outer faces rays to points leave the region."""
@@ -87,10 +89,7 @@ class RadialField(LocalSurface):
         return self._loops.at(points, rim)
 
     def rim_distances(self, points: Floats, rim: Integers) -> Floats:
-        result = np.zeros(len(points))
-        for number in np.unique(rim).tolist():
-            result[rim == number] = self.rims[number].distances(points[rim == number])
-        return result
+        return self._loops.distances(points, rim)
 
     def near(self, points: Floats) -> Floats:
         """The surface's points (N, 3) on rays through points, from the skeleton where those from 0 graze or miss it."""

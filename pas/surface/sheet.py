@@ -9,16 +9,19 @@ import numpy as np
 
 from pas.algebra.rational import to_fraction
 from pas.arrays import Bools, Floats, Integers
+from pas.limits import blocks
 from pas.mesh.grading import Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.refusals import FaceMesh, too_many
 from pas.mesh.remesher import Failure, Remesher
-from pas.mesh.rows import dots, largest_of, off_zero
+from pas.mesh.rows import dots, largest_of, norms, off_zero
 from pas.mesh.shading import unit_rows
 from pas.mesh.topology import Edges
+from pas.surface.evaluator import BLOCK
 from pas.surface.function import PiecewisePolynomial
+from pas.surface.geometry import SECOND
 
 CLOSE = 1e-11
 """The last step along a gradient, in local units, that is worth another."""
@@ -53,7 +56,7 @@ class LocalSurface(ABC):
         self.frame = surface.partition.frame
         self.scale = float(to_fraction(self.frame.scale))
         self.reach = float(np.sqrt((local.points**2).sum(axis=1).max()))
-        self._value, self._jets, self._bends = (self.evaluator.batch(*range(n)) for n in (1, 2, 3))
+        self._batches = [self.evaluator.batch(*range(order + 1)) for order in range(3)]
 
     @abstractmethod
     def pieces(self, points: Floats) -> Integers:
@@ -90,13 +93,17 @@ class LocalSurface(ABC):
         """The user's coordinates of points (..., 3)."""
         return self.frame.global_points(points)
 
+    def derivatives(self, points: Floats, order: int) -> Floats:
+        """The partial derivatives (N, 1, 4 or 10) up to an order of at most 2, beginning with the values."""
+        return self._batches[order](points, self.pieces(points))
+
     def values(self, points: Floats) -> Floats:
         """The values (N,)."""
-        return self._value(points, self.pieces(points))[:, 0]
+        return self.derivatives(points, 0)[:, 0]
 
     def jets(self, points: Floats) -> Floats:
         """Values and gradients (N, 4)."""
-        return self._jets(points, self.pieces(points))
+        return self.derivatives(points, 1)
 
     def gradients(self, points: Floats) -> Floats:
         """The gradients (N, 3)."""
@@ -104,80 +111,72 @@ class LocalSurface(ABC):
 
     def distances(self, points: Floats) -> Floats:
         """The distances |f| / |grad f| (N,), to first order."""
-        jets = self.jets(points)
-        return off_zero(jets[:, 0], jets[:, 1:])
+        result = np.empty(len(points))
+        for here in blocks(len(points), BLOCK):
+            jets = self.jets(points[here])
+            result[here] = off_zero(jets[:, 0], jets[:, 1:])
+        return result
 
-    def nearer(self, points: Floats, still: Bools) -> tuple[Floats, Floats, Floats]:
-        """Points near the surface moved towards it, but for those that are `still` (N,), and gradients and curvatures
-        there.
+    def nearer(self, points: Floats, still: Bools, order: int) -> tuple[Floats, Floats]:
+        """Points near the surface moved towards it, but for those that are `still` (N,), and the derivatives there.
 
         By a step along the gradient, or as `near` does where the next one would be more than a tenth of it.
         """
         left = 0.1  # a larger share means that a point was not near the surface
         ways = gradient_steps(self.jets(points))
-        moved = np.where(still[:, None], points, points + ways)
-        values, gradients, bends = self._bent(moved)
-        allowed = (left**2 * dots(ways, ways) + CLOSE**2) * dots(gradients, gradients)
-        lost = ~still & ~(values * values <= allowed)
-        if lost.any():
+        moved = np.where(still, points.T, points.T + ways.T).T
+        jets = self.derivatives(moved, order)
+        allowed = (left**2 * dots(ways, ways) + CLOSE**2) * dots(jets[:, 1:4], jets[:, 1:4])
+        lost = np.flatnonzero(~still & ~(jets[:, 0] * jets[:, 0] <= allowed))
+        if len(lost):
             moved[lost] = self.near(points[lost])
-            gradients[lost], bends[lost] = self.bending(moved[lost])
-        return moved, gradients, bends
+            jets[lost] = self.derivatives(moved[lost], order)
+        return moved, jets
 
     def bending(self, points: Floats) -> tuple[Floats, Floats]:
         """Gradients (N, 3) and the larger of the principal curvatures' sizes (N,) at points on the surface."""
-        return self._bent(points)[1:]
+        return bent(self.derivatives(points, 2))
 
-    def _bent(self, points: Floats) -> tuple[Floats, Floats, Floats]:
-        """Values (N,), and what `bending` tells."""
-        jets = self._bends(points, self.pieces(points))
-        f, gx, gy, gz, xx, xy, xz, yy, yz, zz = jets.T
-        lengths = np.maximum(np.sqrt(gx * gx + gy * gy + gz * gz), TINY)
-        nx, ny, nz = gx / lengths, gy / lengths, gz / lengths
-        x, y, z = xx * nx + xy * ny + xz * nz, xy * nx + yy * ny + yz * nz, xz * nx + yz * ny + zz * nz
-        along = nx * x + ny * y + nz * z
-        trace = xx + yy + zz - along
-        squares = xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)
-        squares = squares + (along * along - 2 * (x * x + y * y + z * z))
-        bends = np.abs(trace) + np.sqrt(np.maximum(2 * squares - trace * trace, 0.0))
-        return f, jets[:, 1:4], bends / (2 * lengths)
-
-    def closed(self, points: Floats) -> tuple[Floats, Floats]:
-        """Points very near the surface moved onto it along gradients, (N, 3), and the gradients (N, 3) there."""
-        result, gradients, rows = np.array(points), np.empty((len(points), 3)), np.arange(len(points))
-        for _ in range(6):  # from very near the surface two or three do
-            jets = self.jets(result[rows])
-            ways, gradients[rows] = gradient_steps(jets), jets[:, 1:]
-            result[rows] += ways
-            rows = rows[largest_of(np.abs(ways)) > CLOSE]
-            if not len(rows):
-                break
-        return result, gradients
+    def closed(self, points: Floats, jets: Floats, steps: int = 6) -> tuple[Floats, Floats]:
+        """Points very near the surface, with values and gradients there (N, 4), moved onto it along gradients, (N, 3);
+        and gradients (N, 3) where the last step was made, of two or three mostly."""
+        ways, gradients = gradient_steps(jets), jets[:, 1:]
+        moved = (points.T + ways.T).T
+        far = np.flatnonzero(largest_of(np.abs(ways)) > CLOSE)
+        if not len(far) or steps == 1:
+            return moved, gradients
+        if len(far) == len(moved):
+            return self.closed(moved, self.jets(moved), steps - 1)
+        here, gradients = moved.T.take(far, axis=1).T, np.array(gradients.T).T
+        moved[far], gradients[far] = self.closed(here, self.jets(here), steps - 1)
+        return moved, gradients
 
     def drawn(self, mesh: HalfEdges, to: Floats) -> tuple[Floats, Floats, Floats]:
         to, on = to.copy(), np.flatnonzero(mesh.kinds == VertexKind.CURVE)
         if len(on):
-            to[on] = self.on_rims(to[on], mesh.rim_of[on])
-        points, gradients, bends = self.nearer(to, mesh.kinds != VertexKind.INSIDE)
-        return points, unit_rows(gradients)[mesh.vertex_of], bends[mesh.vertex_of]
+            to[on] = self.on_rims(to[on], mesh.rims_of(mesh.outgoing[on]))
+        points, jets = self.nearer(to, mesh.kinds != VertexKind.INSIDE, 2)
+        gradients, bends = bent(jets)
+        return points, unit_rows(gradients).take(mesh.vertex_of, axis=0), bends[mesh.vertex_of]
 
     def placed(self, points: Floats, labels: Integers, rims: Integers, reach: Floats) -> Floats:
         points, on = points.copy(), rims >= 0
         if on.any():
             points[on] = self.on_rims(points[on], rims[on])
-        near = self.nearer(points[~on], np.zeros((~on).sum(), dtype=bool))[0]
-        points[~on] = self.closed(near)[0]
+        inside = np.flatnonzero(~on)
+        points[inside] = self.closed(*self.nearer(points[inside], on[inside], 1))[0]
         return points
 
     def projected(self, mesh: HalfEdges) -> tuple[Floats, Floats]:
-        points, gradients = mesh.points.copy(), np.empty_like(mesh.points)
-        inside, on = np.flatnonzero(mesh.kinds == VertexKind.INSIDE), np.flatnonzero(mesh.kinds == VertexKind.CURVE)
-        points[inside], gradients[inside] = self.closed(points[inside])
+        points, gradients = np.empty((2, len(mesh.points), 3))
+        for here in blocks(len(points), BLOCK):
+            points[here], gradients[here] = self.closed(mesh.points[here], self.jets(mesh.points[here]))
+        rest, on = np.flatnonzero(mesh.kinds != VertexKind.INSIDE), np.flatnonzero(mesh.kinds == VertexKind.CURVE)
+        points[rest] = mesh.points[rest]
         if len(on):
-            points[on] = self.on_rims(points[on], mesh.rim_of[on])
-        rest = np.flatnonzero(mesh.kinds != VertexKind.INSIDE)
+            points[on] = self.on_rims(points[on], mesh.rims_of(mesh.outgoing[on]))
         gradients[rest] = self.gradients(points[rest])
-        return points, unit_rows(gradients)[mesh.vertex_of]
+        return points, unit_rows(gradients).take(mesh.vertex_of, axis=0)
 
     def looked(self, points: Floats, labels: Integers) -> tuple[Floats, Floats]:
         gradients, bends = self.bending(points)
@@ -185,12 +184,12 @@ class LocalSurface(ABC):
 
     def measured(self, mesh: HalfEdges, rows: Integers, halves: Integers) -> tuple[Floats, Floats]:
         """Distances of triangles' centres and edges' middles, those of the boundary from its curves."""
-        centres, middles = mesh.middles(rows, halves)
-        found = self.distances(np.concatenate([centres, middles]))
+        middles = mesh.middles(rows, halves)
+        found = self.distances(middles)
         inside, along = found[: len(rows)], found[len(rows) :]
         on = np.flatnonzero(mesh.twins[halves] < 0)
         if len(on):
-            along[on] = self.rim_distances(middles[on], -1 - mesh.twins[halves[on]])
+            along[on] = self.rim_distances(middles[len(rows) + on], -1 - mesh.twins[halves[on]])
         return inside, along
 
     def farthest(self, corners: Floats, labels: Integers) -> Floats:
@@ -200,10 +199,24 @@ class LocalSurface(ABC):
         return np.maximum(found[: len(corners)], largest_of(found[len(corners) :].reshape(-1, 3)))
 
 
+def bent(jets: Floats) -> tuple[Floats, Floats]:
+    """Gradients (N, 3) and the larger of the principal curvatures' sizes (N,), by derivatives (N, 10)."""
+    gradients, lengths = jets[:, 1:4], np.maximum(norms(jets[:, 1:4]), TINY)
+    normals = gradients.T / lengths
+    turned = jets.T[SECOND] * normals
+    turned = turned[:, 0] + turned[:, 1] + turned[:, 2]
+    along = dots(normals.T, turned.T)
+    trace = jets[:, 4] + jets[:, 7] + jets[:, 9] - along
+    xx, xy, xz, yy, yz, zz = jets.T[4:] * jets.T[4:]
+    squares = xx + yy + zz + 2 * (xy + xz + yz) + (along * along - 2 * dots(turned.T, turned.T))
+    bends = np.abs(trace) + np.sqrt(np.maximum(2 * squares - trace * trace, 0.0))
+    return gradients, bends / (2 * lengths)
+
+
 def gradient_steps(jets: Floats) -> Floats:
     """Newton's steps (N, 3) along gradients, by values and gradients (N, 4)."""
-    f, x, y, z = jets.T
-    return np.asarray((-f / np.maximum(x * x + y * y + z * z, TINY) * jets.T[1:]).T)
+    gradients = jets[:, 1:]
+    return np.asarray((-jets[:, 0] / np.maximum(dots(gradients, gradients), TINY) * gradients.T).T)
 
 
 def open_mesh(field: LocalSurface, points: Floats, triangles: Integers, rim: Integers) -> Labelled:
@@ -257,7 +270,7 @@ def followed(field: LocalSurface, points: Floats, triangles: Integers, rim: Inte
     mesh.points[:], mesh.normals[:] = field.projected(mesh)
     if not (mesh.cosines >= remesher.settings.folded).all():
         raise ArithmeticError("some triangles are folded")
-    return in_world(field, remesher.within(mesh, mend=False), tolerance, remesher.settings)
+    return in_world(field, remesher.within(mesh, mend=False, upright=True), tolerance, remesher.settings)
 
 
 def in_world(field: LocalSurface, found: FaceMesh | Failure, tolerance: float, settings: Settings) -> Mesh:
