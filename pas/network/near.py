@@ -16,7 +16,7 @@ from pas.arrays import Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.rows import dots
 
-AT_ONCE = 4096
+AT_ONCE = 1024
 """Things whose neighbours are looked at together, so that memory is bounded."""
 
 
