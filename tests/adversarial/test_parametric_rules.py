@@ -18,7 +18,7 @@ from pas.algebra.rational import rational
 from pas.parametric.blends import ParametricBlend, hermite_blend
 from pas.parametric.common_zeros import UNIT_SQUARE, avoids_origin, without_common_zero
 from pas.parametric.data import BlendingData, contact_verdicts
-from pas.parametric.fitting import FittedPatch, _bound, _knots, _outer
+from pas.parametric.fitting import FittedPatch, _bound, _outer, even_knots
 from pas.parametric.generatrix.verdicts import is_injective, positive_on_unit_square, regularity
 from pas.parametric.meshing import bounded
 from pas.parametric.nets import Framed, Nets, PlacedNets, exact_net, exact_rectangle
@@ -302,7 +302,7 @@ def test_bounds_of_splines_count_their_knots():
     """Control points as good as can be, but knots of 10^6 and some thirds, which no doubles are."""
     interval = fmpq(3000001, 3), fmpq(3000004, 3)
     surface = ParametricSurface("t - 10^6", "h", "0", domain=(("3000001/3", "3000004/3"), (0, 1)))
-    knots = _knots((0.0, 1.0), 1), _knots((0.0, 1.0), 1)
+    knots = even_knots((0.0, 1.0), 1), even_knots((0.0, 1.0), 1)
     sites = np.array([0.0, 1 / 3, 2 / 3, 1.0])
     points = np.stack(np.broadcast_arrays(1 / 3 + sites[:, None], sites[None, :], 0.0), axis=-1)
     outer, moved = zip(_outer(knots[0], interval), _outer(knots[1], (fmpq(0), fmpq(1))), strict=True)
