@@ -12,7 +12,7 @@ from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from itertools import chain
+from itertools import chain, combinations, pairwise, product
 from types import SimpleNamespace
 
 import manifold3d
@@ -842,7 +842,7 @@ def test_nodes_without_room_are_told_before_anything_is_solved(monkeypatch):
         close().blend()
     (problem,) = caught.value.problems
     assert (problem.kind, problem.ids, problem.struts) == ("no blend", (6,), (9,))
-    assert "repair(collapse=...) with the numbers in `struts`" in str(caught.value)
+    assert "repair(collapse=error.struts), --collapse" in str(caught.value)
     assert placed_ends(close(5), 1).ends.sum(axis=1).max() < 1
 
 
@@ -861,6 +861,11 @@ def test_struts_that_are_named_become_points():
     assert changes[:2] == ("strut 0, 10 long, became a point", "strut 1, 10 long, became a point")
     with pytest.raises(ValueError, match="collapse must be a whole number from 0 to 2"):
         row.repair(collapse=[3])
+    for wrong in (2, "1", None):
+        with pytest.raises(TypeError, match=f"collapse must be true, false or the numbers of struts, not {wrong!r}"):
+            row.repair(collapse=wrong)
+    with pytest.raises(TypeError, match="join must be True or False, not 'yes'"):
+        row.repair(join="yes")
 
 
 def test_struts_that_cross_are_joined():
@@ -882,10 +887,53 @@ def test_struts_that_cross_are_joined():
     mended, _ = apart.repair(join=True)
     assert mended.points[-1].tolist() == [0, 0, 3]
     ladder = [*apart.points, (50, -100, 0), (50, 100, 0)]
-    mended, changes = network.Network(ladder, [(0, 1), (2, 3), (4, 5)], 4, 1).repair(join=True)
-    assert len(changes) == 2
+    for rail in ((0, 1), (1, 0)):  # each of which would be cut in a wrong place if it were cut at both rungs at once
+        mended, changes = network.Network(ladder, [rail, (2, 3), (4, 5)], 4, 1).repair(join=True)
+        assert len(changes) == 2
+        assert mended.check() == ()
+        assert (mended.pieces, len(mended.edges)) == (1, 7)
+
+
+def test_struts_that_cross_in_one_point_end_in_one():
+    """The diagonals of a cube, two and two at a time."""
+    corners = list(product((0, 1), repeat=3))
+    edges = [
+        (a, b) for a, b in combinations(range(8), 2) if np.abs(np.subtract(corners[a], corners[b])).sum() in (1, 3)
+    ]
+    mended, changes = network.Network(corners, edges, "1/20", "1/1024").repair(join=True)
+    assert (len(changes), len(mended.points), mended.check()) == (2, 9, ())
+    assert mended.points[8].tolist() == [0.5, 0.5, 0.5]
+    assert mended.valence[8] == 8
+
+
+JOINED = {
+    "an end on a strut": (
+        [(-100, 0, 0), (100, 0, 0), (20, 6, 0), (20, 100, 0)],
+        [[-100, 0, 0], [20, 6, 0], [100, 0, 0]],
+    ),
+    "two ends": ([(-100, 0, 0), (0, 0, 0), (6, 2, 0), (100, 50, 0)], [[-100, 0, 0], [3, 1, 0]]),
+    "far from the ends": (
+        [(-100, 0, 0), (100, 0, 0), (20, -30, 2), (20, 100, 2)],
+        [[-100, 0, 0], [20, 0, 1], [100, 0, 0]],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", JOINED)
+def test_struts_that_end_near_others_are_joined_there(name):
+    points, way = JOINED[name]
+    mended, changes = network.Network(points, [(0, 1), (2, 3)], 4, 1).repair(join=True)
+    assert len(changes) == 1
     assert mended.check() == ()
-    assert (mended.pieces, len(mended.edges)) == (1, 7)
+    along = [mended.points[edge].tolist() for edge in mended.edges]
+    assert all(any(piece in ([a, b], [b, a]) for piece in along) for a, b in pairwise(way))
+
+
+@pytest.mark.parametrize("end", [(100, 7, 0), (-100, 7, 0)])
+def test_struts_that_would_meet_at_too_small_an_angle_are_not_joined(end):
+    """Side by side, and from the same end on."""
+    net = network.Network([(-100, 0, 0), (100, 0, 0), end, (-end[0], 6, 0)], [(0, 1), (2, 3)], 4, 1)
+    assert net.repair(join=True, collapse=True)[1] == ()
 
 
 @pytest.mark.slow  # 13 blends

@@ -67,7 +67,8 @@ class Network(StrutGraph):
         in their middle, until there are none; then the shortest between the ends of two at too small an angle, or of
         two that cross and are thicker than it is long.  Numbers of struts, such as those that `NetworkError.struts`
         offers where nodes have no blend, become points before all others.  With `join` struts that still cross end in
-        a point between them.  Raises `ValueError` for the number of no strut.
+        a point between them, or where one of them ends, unless they would meet there at less than 10 degrees.  Raises
+        `ValueError` for the number of no strut, `TypeError` for what is neither numbers nor a truth value.
         """
         return problems.repair(self, collapse, join)
 

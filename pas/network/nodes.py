@@ -135,7 +135,9 @@ def of_nodes(kind: str, one: NodeClass, said: object, struts: tuple[int, ...] = 
 def no_blend(one: NodeClass, why: object) -> NetworkProblem:
     """That there is no blend for the nodes of a class; the shortest strut of each may become a point."""
     struts = tuple(np.unique(one.kinds.network.shortest[one.nodes]).tolist())
-    advice = "thinner struts may fit, or repair(collapse=...) with the numbers in `struts` makes the shortest points"
+    advice = (
+        "thinner struts may fit, or the shortest there may become a point: repair(collapse=error.struts), --collapse"
+    )
     return of_nodes("no blend", one, f"{why}; {advice}", struts)
 
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import combinations
-from math import pi, radians
+from math import cos, pi, radians
 from typing import Any, TypeVar
 
 import numpy as np
 
-from pas.algebra.inputs import shown, whole
+from pas.algebra.inputs import check_flag, shown, whole
 from pas.algebra.lengths import unit
 from pas.arrays import Floats, Integers, Numbers
 from pas.mesh.topology import connected
@@ -115,7 +115,7 @@ def _short(kinds: Kinds) -> Iterator[NetworkProblem]:
         sentence = (
             f"strut {number} from point {a} to {b} is {network.lengths[number]:.4g} long, and blends of the radius "
             f"{network.thickness[number]:.4g} need {least[number]:.4g}; a radius of {radius:.3g} may fit, or "
-            "repair(collapse=True) makes it a point"
+            "it may become a point: repair(collapse=True), --collapse"
         )
         yield NetworkProblem("too short", (number,), sentence, (number,))
 
@@ -125,7 +125,7 @@ def _crossing(network: StrutGraph) -> Iterator[NetworkProblem]:
         need = network.thickness[i] + network.thickness[j]
         passing = f"the struts {i} and {j} pass at {distance:.4g} from one another and are {need:.4g} thick together"
         yield NetworkProblem(
-            "crossing", (i, j), f"{passing}; thinner ones fit, or repair(join=True), by which both end in a point"
+            "crossing", (i, j), f"{passing}; thinner ones fit, or a point in which both end: repair(join=True), --join"
         )
 
 
@@ -134,7 +134,10 @@ G = TypeVar("G", bound=StrutGraph)
 
 def repair(network: G, collapse: bool | Sequence[int], join: bool) -> tuple[G, tuple[str, ...]]:
     """See `Network.repair`."""
+    check_flag(join, "join")
     if not isinstance(collapse, bool):
+        if not isinstance(collapse, Iterable) or isinstance(collapse, str):
+            raise TypeError(f"collapse must be true, false or the numbers of struts, not {shown(collapse)}")
         struts = [whole(n, "collapse", 0, len(network.edges) - 1, "the struts") for n in collapse]
         found, changes = _collapsed(network, np.unique(np.array(struts, dtype=np.int64)))
     else:
@@ -162,27 +165,41 @@ def _collapsed(network: G, struts: Integers) -> tuple[G, list[str]]:
 
 
 def _joined(network: G) -> tuple[G, list[str]]:
-    """With a point between two struts that cross, in which both end now; of several that cross one strut the nearest
-    first, the others in a later round.  What was changed."""
+    """With a point for two struts that cross, in which both end now; of several that cross one strut the nearest first,
+    the others in a later round.  What was changed.
+
+    It is in the middle between them, or where one ends that near to the other; two that end there meet in the middle.
+    Struts that would meet at too small an angle stay as they are.
+    """
     points, edges, changes = [*network.points], network.edges.tolist(), list[str]()
     radii = [(network.radii[a], network.radii[b]) for a, b in network.sizes.tolist()]
     taken, parts = set[int](), 64  # of a cone, in which its radius there is found
     for i, j, _ in sorted(network.crossings, key=lambda crossing: crossing[2]):
-        if taken & {i, j}:
+        pair, segments = [i, j], network.points[network.edges[[i, j]]]
+        places = np.concatenate(nearest_points(segments[:1], segments[1:]))
+        away = np.linalg.norm(segments - places[:, None], axis=2)  # of both places from the ends of their struts
+        ends = away < network.thickness[pair].sum()
+        units = unit(segments[:, 1] - segments[:, 0]) * np.where(ends[:, 1:], -1, 1)
+        along = float(units[0] @ units[1])
+        if taken & {i, j} or (along if ends.any(axis=1).all() else abs(along)) > cos(radians(LEAST_ANGLE)):
             continue
         taken |= {i, j}
-        segments = network.points[network.edges[[i, j]]]
-        places = np.concatenate(nearest_points(segments[:1], segments[1:]))
-        for strut, way in zip((i, j), places - segments[:, 0], strict=True):
+        known = [int(network.edges[strut, away[k].argmin()]) for k, strut in enumerate(pair) if ends[k].any()]
+        place = (network.points[known] if known else places).mean(axis=0)
+        points += [] if known else [place]
+        middle, *others = known or [len(points) - 1]
+        for point in (middle, *others):
+            points[point] = place
+        for strut, far in zip(pair, away[:, 0], strict=True):
             (start, end), (here, there) = edges[strut], radii[strut]
-            share = float(np.linalg.norm(way) / network.lengths[strut])
-            middle = here + (there - here) * Fraction(round(parts * share), parts)
-            edges[strut], radii[strut] = [start, len(points)], (here, middle)
-            edges.append([len(points), end])
-            radii.append((middle, there))
-        points.append(places.mean(axis=0))
+            if not {start, end} & {*known}:
+                between = here + (there - here) * Fraction(round(parts * far / network.lengths[strut]), parts)
+                edges[strut], radii[strut] = [start, middle], (here, between)
+                edges.append([middle, end])
+                radii.append((between, there))
         changes.append(f"the struts {i} and {j}, which crossed, end in a point between them")
-    return type(network)(points, edges, radii, network.grid), changes
+    mended, _ = _mended(type(network)(points, edges, radii, network.grid))
+    return mended, changes
 
 
 def _unserved(network: StrutGraph) -> Integers:
