@@ -56,8 +56,7 @@ def _numbered(keys: Integers, placed: bool) -> tuple[Integers, Integers]:
 def first_rows(numbers: Integers, size: int) -> Integers:
     """Where each of so many numbers stands first (size,) among given ones (N,)."""
     first = np.empty(size, dtype=np.intp)
-    places = np.arange(len(numbers), dtype=np.int32 if len(numbers) < 1 << 31 else np.int64)
-    first[numbers[::-1]] = places[::-1]  # the last to be written is the first there is
+    first[numbers[::-1]] = np.arange(len(numbers))[::-1]  # the last to be written is the first there is
     return first
 
 
