@@ -213,7 +213,7 @@ class HalfEdges:
         self._struct.plain = value
 
     def split(self, halves: Integers, places: Floats, normals: Floats, turned: float = -2.0) -> Bools:
-        """Split half edges (K,) in this order, each edge given once, at places (K, 3) with normals; new vertices are the
+        """Split half edges (K,) in this order, each edge given once, at places (K, 3) with normals; new vertices are
         last.  But none by which a triangle's cosine with its normals falls below `turned`; which are split (K,)."""
         done = np.empty(len(halves), dtype=bool)
         ends = np.stack([self.corners[halves], self.corners[following(halves)]], axis=1)

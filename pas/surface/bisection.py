@@ -3,8 +3,10 @@
 New vertices are where the rays through the middles of edges meet the surface.  So all triangles are seen once from the
 centre, and become small in directions where something is too far (longest-edge bisection, Rivara 1984): that ends
 however sharply the surface bends, as about ridges that are sharper than the tolerance, where triangles that are
-smoothed and moved along gradients fold.  Then they are graded as others are, by steps that leave all of them seen and
-none folded, and what is too far by that is halved again.
+smoothed and moved along gradients fold.  Then they are graded as others are, but each step only where it folds none and
+all stay seen, so that edges need not be as short as ridges are sharp; what is too far after that is halved again, along
+gradients as long as that folds none.  Where the last halves fold nevertheless, as on ridges that rays graze, what was
+bisected is the mesh.
 
 Looked at on the result, not proved: that no triangle is folded, and how far their middles and those of their edges are
 from the surface: along the ray there, or to first order.  A ridge that none of these and no vertex is on is missed.
@@ -13,6 +15,7 @@ from the surface: along the ray there, or to first order.  A ridge that none of 
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,7 +23,7 @@ from pas.arrays import Bools, Floats, Integers
 from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.grading import Settings
-from pas.mesh.halfedges import HalfEdges, VertexKind, following
+from pas.mesh.halfedges import TURNED, HalfEdges, VertexKind, following
 from pas.mesh.labelled import NONE
 from pas.mesh.mesh import Mesh
 from pas.mesh.refusals import FaceMesh, too_many
@@ -41,8 +44,8 @@ def bisected(field: RadialField, tolerance: float, settings: Settings) -> Mesh:
     mesh = _begun(field)
     off = _halved(field, mesh, tolerance, settings)
     require_once(field, mesh.points[mesh.kinds == VertexKind.INSIDE])
-    remesher, plain = Remesher(field, tolerance, settings), mesh.value
-    with suppress(ArithmeticError, MeshError):  # where rays graze a ridge, halves of even triangles may fold
+    remesher, plain = Remesher(field, tolerance, replace(settings, bent=np.inf)), mesh.value
+    with suppress(ArithmeticError, MeshError):
         mesh = remesher.begun(plain, seen=True)
         mesh.flip(remesher.fine)
         remesher.graded(mesh, 1)
@@ -68,6 +71,10 @@ def _halved(field: RadialField, mesh: HalfEdges, tolerance: float, settings: Set
         if not len(halves):
             return float(off.max())
         middles, rims = mesh.middles(NONE, halves), mesh.rims_of(halves)
+        if mesh.seen:
+            places = field.placed(middles, NONE, rims, NONE)
+            if mesh.split(halves, places, unit_rows(field.gradients(places)), TURNED).any():
+                continue
         places = field.met(middles)
         places[rims >= 0] = field.on_rims(middles[rims >= 0], rims[rims >= 0])
         mesh.split(halves, places, places)
