@@ -848,22 +848,27 @@ def close(radius="2048/315"):
     return network.Network(CLOSE, CLOSE_EDGES, radius, 1)
 
 
-def test_nodes_without_room_are_told_before_anything_is_solved(monkeypatch):
-    monkeypatch.setattr(nodes, "blend", None)
-    with pytest.raises(network.NetworkError, match="the node 6: no layout keeps these 4 contacts apart") as caught:
+@cache
+def without_room():
+    """What is said of it, before anything is solved."""
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(network.NetworkError) as caught:
+        patch.setattr(nodes, "blend", None)
         close().blend()
-    (problem,) = caught.value.problems
+    return caught.value
+
+
+def test_nodes_without_room_are_told_before_anything_is_solved():
+    error = without_room()
+    (problem,) = error.problems
     assert (problem.kind, problem.ids, problem.struts) == ("no blend", (6,), (9,))
-    assert "repair(collapse=error.struts), --collapse" in str(caught.value)
+    assert "the node 6: no layout keeps these 4 contacts apart" in str(error)
+    assert "repair(collapse=error.struts), --collapse" in str(error)
     assert placed_ends(close(5), 1).ends.sum(axis=1).max() < 1
 
 
 def test_struts_that_are_named_become_points():
     """As an error offers them, until every node has room; several in a row become one point."""
-    net = close()
-    with pytest.raises(network.NetworkError) as caught:
-        placed_ends(net, 1)
-    mended, changes = net.repair(collapse=caught.value.struts)
+    mended, changes = close().repair(collapse=without_room().struts)
     assert changes[0] == "strut 9, 23.73 long, became a point"
     assert (len(mended.points), len(mended.edges)) == (14, 19)
     assert placed_ends(mended, 1).ends.sum(axis=1).max() < 1
