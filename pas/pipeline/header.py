@@ -108,9 +108,9 @@ def header_side(
     lengths: Sequence[fmpq],
     inside: str = "",
 ) -> tuple[Solid, RunSide | None]:
-    """The run inside a surface with feet on it between two ends, and what bounds it up to these where that is known.
+    """The run inside a surface with feet on it between two ends, and its boundary in sheets where that is known.
 
-    It is a full header, or a bore, which goes on a little beyond the ends and whose faces have names that begin with
+    It is a full header, or a bore, which reaches a little beyond the ends and whose faces have names that begin with
     `inside`.  Raises `GeometryError` where an opening reaches beyond an end of the run or into another.
     """
     openings = [opening_in(foot, surface, number) for number, foot in enumerate(feet, start=1)]

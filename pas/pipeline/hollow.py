@@ -228,7 +228,7 @@ def check_sides(outer: ChosenBlend, inner: ChosenBlend, thickness: fmpq | None) 
 
 
 def _same(one: Contact, other: Contact) -> bool:
-    """Whether two contacts have one surface, to the rounding of irrational radii, and one clip or one apex of clips."""
+    """Whether two contacts have one surface, to the rounding of irrational radii, and one clip or apex."""
     # By how much coefficients of an inner surface may be another machine's, over the largest: radii that are
     # irrational are rounded to 32 binary digits (see `pas.contacts.parallels`).
     rounding = 2.0**-29
@@ -240,9 +240,9 @@ def _same(one: Contact, other: Contact) -> bool:
 
 
 def _best(outer: B, cavity: Cavity) -> HollowBlend[B]:
-    """The first way's hollow blend that is proved, even and fair, or the best of all; one whose ends cross is the last.
+    """The first trial's hollow blend that is proved, even and fair, or the best of all; crossing ends come last.
 
-    Raises `NotProvedError` where no way has an inner surface.
+    Raises `NotProvedError` where no trial has an inner surface.
     """
     best: HollowBlend[B] | None = None
     least: Rank | None = None

@@ -181,7 +181,7 @@ class Search(Generic[B]):
         return found
 
     def _pressed(self, space: Space, found: B, further: float) -> B:
-        """The surface settled once more under limits further inside, where that makes it fairer."""
+        """The surface fitted once more under stricter limits, where that makes it fairer."""
         inner = found.surface.fairness().inside(found.limits, further)
         try:
             moved = choose(self.blends, space, self.wishes.changed(limits=inner), self.stages)
@@ -254,7 +254,7 @@ def find(
 
 
 def excess(found: ChosenBlend) -> float:
-    """How far beyond its limits of fairness a blend is, in all: 0 within them."""
+    """The sum of a blend's excesses over its limits of fairness: 0 within them."""
     return found.surface.fairness().excess(found.limits)
 
 

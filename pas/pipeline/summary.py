@@ -49,7 +49,7 @@ def summary(blend: ChosenBlend) -> str:
 
 
 def _told(blend: ChosenBlend) -> str:
-    """What follows that which is believed of a file: nothing of it is found anew."""
+    """The remark on facts that are taken from a file and not worked out again."""
     return "" if blend.stored is None else ", as its file tells"
 
 
