@@ -199,9 +199,9 @@ class Octree:
         self._leaves[level] = np.concatenate([before, cubes]), np.concatenate([known, state])
 
     def _is_quiet(self, level: int, centers: Floats, half: float) -> Bools:
-        """Whether each line of points through a cube, straight or diagonal, passes the boundary at most once (N,).
+        """Whether each line of samples through a cube, straight or diagonal, crosses the boundary at most once (N,).
 
-        On the first levels cubes in which it is not met at all are not quiet: there it may hide.
+        On the first levels cubes that no line crosses are not quiet: there the boundary may hide.
         """
         result = np.empty(len(centers), dtype=bool)
         for part in blocks(len(centers), CHUNK):

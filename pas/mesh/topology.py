@@ -188,7 +188,7 @@ class Edges:
 
     @property
     def rim(self) -> Integers:
-        """Those (R, 2) of one triangle, directed as in it."""
+        """The boundary edges (R, 2), directed as in their one triangle."""
         return self.every[len(self._inner) :]
 
     @property
