@@ -87,7 +87,7 @@ def _slabs(low: RealRoot | None, cuts: set[RealRoot], high: RealRoot | None) -> 
 
 
 class Around:
-    """A solid around one point of a curve, and what of that holds along its arc in a slab.
+    """A solid near one point of a curve, and how far along the arc that stays valid in a slab.
 
     `doubts` are leaves, by number, on which answers rested, and which may change their truth in the slab.
     """
@@ -98,7 +98,7 @@ class Around:
         self.cuts, self._sign = cache(self._cuts), cache(lambda number: point.sign(solid.polynomials[number]))
 
     def arc(self, plane: fmpq, names: Sequence[str]) -> Arc:
-        """What is on the boundary along the arc, if there is no doubt."""
+        """The borders along the arc, if there is no doubt."""
         borders = tuple(self._borders(names)) if self.nearby.may_hold(self.point) else ()
         return Arc(self.point, plane, borders, min(self.doubts, default=None))
 
@@ -138,7 +138,7 @@ class Around:
         return [i for i, (polynomial, _) in enumerate(self.solid.signed) if powers.get(polynomial, 0) % 2]
 
     def _says(self, signs: dict[int, int | None], turned: Sequence[int]) -> bool | None:
-        """Whether the solid is where sheets have given signs, with some leaves' truth turned round; notes doubts."""
+        """Whether the solid is where sheets have given signs, with some leaves negated; records doubts."""
         known: dict[int, bool | None] = {}
 
         def truth(number: int) -> bool | None:

@@ -1,4 +1,4 @@
-"""What is done to edges of solids: fillets and chamfers of one (`pas.solid.fillets`), rounds of many
+"""Operations on edges of solids: fillets and chamfers of one (`pas.solid.fillets`), rounds of many
 (`pas.solid.rounding`, `pas.solid.profile_rounds`)."""
 
 from __future__ import annotations

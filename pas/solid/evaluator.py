@@ -40,7 +40,7 @@ class Column:
 
 
 def called(names: Iterable[str]) -> str:
-    """What a face of a mesh is called on which faces of some different names lie: "a", or "a + b"."""
+    """The name of a mesh's face on which faces of some different names lie: "a", or "a + b"."""
     return " + ".join(names)
 
 

@@ -53,7 +53,7 @@ class SolidField:
         self._placing: dict[tuple[int, ...], tuple[int, ...]] = {}
 
     def shells(self) -> list[SolidField]:
-        """The surfaces of the boundary, if they are apart: those of hollows inside, and that of what they are in."""
+        """The connected surfaces of the boundary, if they are apart: those of hollows inside, and the outer one."""
         tree, box, seams, special = self._made_of
         for part, others in splits_of(tree):
             if _is_within(complement(part), box):

@@ -36,7 +36,7 @@ NODE = "pas.pipeline.pipe_nodes:PipeNode"
 
 
 class Way(Protocol):
-    """What makes fillets of two faces: along their edge, or otherwise."""
+    """A construction of fillets of two faces: along their edge, or otherwise."""
 
     def made(self, radius: fmpq) -> Solid | str:
         """The solid with a fillet of a radius, or why there is none."""
@@ -47,7 +47,7 @@ class Way(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Filling:
-    """What is asked: a solid, the seams of two of its faces, the order, where, and the name of the new face."""
+    """The arguments of a fillet: a solid, the seams of two of its faces, the order, where, and the new face's name."""
 
     solid: Solid
     seams: tuple[FaceSeam, ...]
@@ -64,7 +64,7 @@ class Filling:
         within: Sequence[PolynomialLike],
         face: str | None = None,
     ) -> Filling:
-        """That of arguments of `Solid.fillet`, which are checked but for faces that touch."""
+        """The filling for arguments of `Solid.fillet`, which are checked but for faces that touch."""
         check_order(order)
         walls = tuple(Polynomial.named(wall, f"within[{i}]", constant=False) for i, wall in enumerate(within))
         tiny = fmpq(1, 2**20) * decimal(float(np.ptp(solid.mesh().points, axis=0).max()))
@@ -176,10 +176,10 @@ def _largest(made: Callable[[fmpq], object], most: fmpq) -> fmpq | None:
 
 
 def strays(made: Solid) -> str | None:
-    """What is wrong where a fillet is away from the edge, too, as the mesh shows; None where all is well.
+    """The fault of a fillet with parts away from the edge, as the mesh shows; None where there are none.
 
-    Pieces of it there end in walls of its box, or beside a face that the solid has not got there: so they are flat in
-    one, and touch the other without any thickness, which no mesh has.
+    Such parts end in walls of its box, or beside a face that the solid does not have there: so they are flat in one,
+    and touch the other without any thickness, which no mesh has.
     """
     try:
         mesh = made.mesh()
@@ -197,7 +197,7 @@ def strays(made: Solid) -> str | None:
 
 
 def _told(verdict: Verdict) -> str:
-    """What is wrong with a joint, and where."""
+    """The fault of a joint, and where it is."""
     where = "" if verdict.witness is None else f" near {shown_point(verdict.witness)}"
     return f"{verdict.claim}: {verdict.reason}{where}"
 
@@ -205,7 +205,7 @@ def _told(verdict: Verdict) -> str:
 def ways(
     solid: Solid, names: tuple[str, str], order: int, within: Sequence[PolynomialLike], face: str | None = None
 ) -> list[Way]:
-    """What can make a fillet, first what is tried first: along the edge, and of pipes whose axes meet by a node.
+    """The constructions that may make a fillet, in order: along the edge; for pipes whose axes meet by a node.
 
     Raises `GeometryError` for faces that touch otherwise.
     """
@@ -237,7 +237,7 @@ def filled(
 
 
 def _largest_of(known: Sequence[Way], above: fmpq) -> float | None:
-    """The largest radius of the last of several ways that has any: nodes go as far as pipes do."""
+    """The largest radius of the last of several constructions that has any: nodes go as far as pipes do."""
     return next((found for way in known[::-1] if (found := way.largest(above)) is not None), None)
 
 

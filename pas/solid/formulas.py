@@ -84,7 +84,7 @@ class PlaneSet:
         ]
 
     def operands(self, over: Callable[[Self], Solid]) -> Operands:
-        """What bounds the solid `over` it: those over its parts, put together as it is."""
+        """The boundary of the solid `over` it: those over its parts, combined as it is."""
         operation = "Add" if self.union else "Subtract" if self.parts[-1].outside else "Intersect"
         return Operands.of([over(replace(part, outside=False)) for part in self.parts], operation)
 
@@ -156,7 +156,7 @@ def joined(union: bool, *parts: Truth) -> Truth:
 
 
 def negated(part: Truth) -> Truth:
-    """What is not in a set."""
+    """The complement of a set."""
     return not part if isinstance(part, bool) else complement(part)
 
 

@@ -124,7 +124,7 @@ class PipePiece:
         return combined(False, Atom(self.surface, self.name), *(Atom(side, "") for side in sides))
 
     def balls(self, count: int) -> Floats:
-        """Centre, radius, and their direction, of balls along it (count + 1, 8)."""
+        """Centre, radius and direction of balls along it (count + 1, 8)."""
         t = np.linspace(0, 1, count + 1)[:, None]
         start, end = self.start.floats, self.end.floats
         middle, weight = self.corner.floats if self.corner else (start + end) / 2, math.sqrt(to_float(self.share))
@@ -143,7 +143,7 @@ class PipePiece:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PipeBody(FacedBody):
-    """What bounds a pipe: the pieces of its outside, and of its inside where it has one."""
+    """The boundary of a pipe: the pieces of its outside, and of its inside where it has one."""
 
     sides: tuple[tuple[PipePiece, ...], ...]
     face: str

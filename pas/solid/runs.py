@@ -1,4 +1,4 @@
-"""One side of a header: a run's cylinder with feet on it, made of the feet's meshes and of what is between them.
+"""One side of a header: a run's cylinder with feet on it, made of the feet's meshes and of the run between them.
 
 The cylinder goes from one end's strip to the other's, and around the curves in which the meshes of the feet end on it:
 its triangles have no other vertices than those of these curves and of two circles (see `pas.mesh.sweep`).
@@ -43,7 +43,7 @@ class RunSide:
 
     @cached_property
     def chains(self) -> tuple[Chain, ...]:
-        """Those of both ends and of the branches."""
+        """The chains of both ends and of the branches."""
         branches = (f.chains[1 - opening] for f, opening in zip(self.feet, self.openings, strict=True))
         return (*self.ends, *branches)
 
@@ -108,7 +108,7 @@ class RunSide:
 
 
 def plain_run(tree: Tree) -> SheetBody | None:
-    """What bounds a round cylinder with flat ends across it, or one less another that goes as far; None of all else."""
+    """The boundary of a round cylinder with flat ends across it, or one less another of the same ends; else None."""
     parts, sides = parts_of(tree, union=False), list[RunSide]()
     holes = [parts_of(complement(part), union=False) for part in parts if isinstance(part, Node)]
     tubes = [tube_of(some) for some in ([part for part in parts if isinstance(part, Atom)], *holes)]

@@ -1,4 +1,4 @@
-"""What trees of inequalities say, given what is known of these.
+"""Truth values of trees of inequalities, given those of some inequalities.
 
 For many boxes or points at once a tree is compiled to arrays (`CompiledTree`), without a step for each branch: a region
 of a node has some hundred branches, and a mesher asks for a few boxes at a time, many thousand times.  At one exact
@@ -112,7 +112,7 @@ class CompiledTree:
         return found
 
     def _relevant(self, yes: Bits, no: Bits) -> Bits:
-        """Those that are read `<= 0`, and then those that are read `> 0`, (2 M, N / 8)."""
+        """The columns on which the tree depends, read `<= 0` and then read `> 0`, as bits (2 M, N / 8)."""
         open_ = ~self._all(yes, no) & self._all(~no, ~yes)
         for level in reversed(self.levels):
             open_[level.parts] &= open_[level.numbers][level.owners]
@@ -179,8 +179,8 @@ class LeafTree:
 class Code:
     """A leaf by number, or an intersection or union of parts in the order of their `cost`.
 
-    The cost is what it takes at least to find out what it says: the degree of a polynomial of one of its leaves,
-    infinite where none has one.
+    The cost is a lower bound of the work to evaluate it: the degree of a polynomial of one of its leaves, infinite
+    where none has one.
     """
 
     cost: float
@@ -203,7 +203,7 @@ def says(code: Code, truth: Truth) -> bool | None:
 
 
 def rests_on(code: Code, said: bool, truth: Truth, fixed: Callable[[int], bool]) -> set[int]:
-    """Leaves that are not `fixed` and on which what was said rests; none if it is certain.
+    """The leaves that are not `fixed` and on which an answer rests; none if it is certain.
 
     Of several ways in which it could be certain, the one with the fewest such leaves.
     """
@@ -225,7 +225,7 @@ def rests_on(code: Code, said: bool, truth: Truth, fixed: Callable[[int], bool])
 
 
 def matters(code: Code, leaf: int, truth: Truth) -> bool:
-    """Whether what is said may depend on a leaf: none of its branches is settled by others."""
+    """Whether the answer may depend on a leaf: no branch above it is settled by others."""
     if code.leaf is not None:
         return code.leaf == leaf
     return any(
