@@ -105,7 +105,7 @@ class _Reports:
 
 @dataclass
 class _Limit:
-    """What holds inside a `limit`: `seconds` is what the user set who set the deadline, `task` what was last said."""
+    """The state inside a `limit`: `seconds` is what the user set who set the deadline, `task` the last one reported."""
 
     seconds: float | None
     deadline: float

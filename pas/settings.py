@@ -48,7 +48,7 @@ QUALITIES = ("angles", "balanced", "count")
 
 
 def check_quality(given: Any) -> str:
-    """The name of a quality of meshes, given by that or as a `pas.Quality`; raises `ValueError` for any other."""
+    """The name of a quality of meshes, from that or a `pas.Quality`; raises `ValueError` for any other."""
     name = given.value if isinstance(given, Enum) else given
     if name not in QUALITIES:
         raise ValueError(f"quality must be one of {', '.join(map(repr, QUALITIES))}, not {shown(given)}")

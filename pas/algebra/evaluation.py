@@ -51,8 +51,8 @@ class PolynomialBatch:
 
     @classmethod
     def of(cls, pieces: Sequence[Sequence[Floats]], number: int) -> PolynomialBatch:
-        """That of a `number` of polynomials on each piece, each by its coefficients (C(n+3, 3),) up to a degree n, in
-        the order of `monomials.exponents`."""
+        """The batch of a `number` of polynomials on each piece, each by its coefficients (C(n+3, 3),) up to a degree n,
+        in the order of `monomials.exponents`."""
         every = [column for own in pieces for column in own]
         degrees = [degree_of(len(column)) for column in every]
         ordered = [column[order_of_rule(n)] for column, n in zip(every, degrees, strict=True)]

@@ -77,7 +77,7 @@ def read_formula(expression: Any, names: Names) -> Formula:
 
 
 def evaluate(text: str, names: Names, values: Values[V]) -> V:
-    """What a text in two parameters comes to in some kind of values; raises `ValueError` saying what is wrong."""
+    """The value of a text in two parameters, in some kind of values; raises `ValueError` saying what is wrong."""
     program = _program(text, names)
     with _named(text):
         return run(program, values)

@@ -196,7 +196,7 @@ def points_of(points: ArrayLike, name: str = "points") -> Floats:
 
 
 def set_fields(made: Any, **fields: Any) -> None:
-    """What a frozen object was given, as it keeps it: for its constructor alone."""
+    """Set the fields of a frozen object, in its constructor alone."""
     for name, value in fields.items():
         object.__setattr__(made, name, value)
 

@@ -184,7 +184,7 @@ class Polynomial:
 
     @cached_property
     def residues(self) -> nmod_mpoly:
-        """That multiple modulo a prime."""
+        """The primitive multiple modulo a prime."""
         terms = self._primitive.raw.to_dict().items()
         return RESIDUES.from_dict({e: int(c.p) % RESIDUES.modulus() for e, c in terms})
 

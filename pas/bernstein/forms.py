@@ -152,7 +152,7 @@ def polar_forms(
 
 @cache
 def _polar_weights(degree: int) -> Floats:
-    """What coefficients are multiplied with to be values of the polar form: 1 over multinomial coefficients."""
+    """The factors from coefficients to values of the polar form: 1 over multinomial coefficients."""
     return np.array([1 / multinomial((degree - sum(e), *e)) for e in exponents(degree)])
 
 
@@ -206,7 +206,7 @@ class BoundedForms:
 
     @property
     def size(self) -> Floats:
-        """What no coefficient is larger than, (N,)."""
+        """An upper bound (N,) of the coefficients in absolute value."""
         return np.asarray(np.abs(self.values).max(axis=1) + self.error)
 
     def __add__(self, other: BoundedForms) -> BoundedForms:
@@ -253,7 +253,7 @@ class BoundedForms:
 
 @cache
 def _terms(degree: int, other: int) -> tuple[Integers, Floats]:
-    """Of each multi-index b of the second degree, where those of the first plus b stand, and the weights, (k, m)."""
+    """For each multi-index b of the second degree the positions of the first degree's plus b, and weights, (k, m)."""
     first, second = (np.array(homogeneous_exponents(n, 4)) for n in (degree, other))
     whole = degree + other
     binomials = np.array([[comb(n, k) for k in range(whole + 1)] for n in range(whole + 1)], dtype=float)

@@ -55,7 +55,7 @@ def is_regular(space: Space) -> bool:
 
 
 def _some_beyond(space: Space, join: Join, ideal: Ideal) -> bool:
-    """Whether some member is not in an ideal, in a piece that carries a contact: the first that is found will do."""
+    """Whether some member is not in an ideal, on a piece that carries a contact; stops at the first."""
     rows = (map(fmpq, space.source.row(piece, member)) for piece in join.pieces for member in range(space.dimension))
     return any(ideal.equations([(0, _terms(row, space.degree))], space.degree) for row in rows)
 
@@ -105,7 +105,7 @@ class TrivialPart:
         return found
 
     def remarks(self) -> Iterator[str]:
-        """What a user must know, a sentence each; nothing for a space with nothing trivial."""
+        """Sentences that a user must know about the space; none where nothing is trivial."""
         m = self.space.dimension
         if m == 0:
             return

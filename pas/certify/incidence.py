@@ -108,7 +108,7 @@ def alpha_signs(surface: PiecewisePolynomial, join: Join, *, on_curve: bool) -> 
 
 
 def _without(alpha: fmpq_mpoly, others: Sequence[Join], face: OuterFace) -> fmpq_mpoly:
-    """What remains of alpha on a clip face without the factors that are other contacts' surfaces there."""
+    """The quotient of alpha on a clip face by the factors that are other contacts' surfaces there."""
     for other in others:
         if any(plane.plane == face.plane for plane in other.planes):
             quotient, remainder = divmod(alpha, powers(other.contact.surface.raw, face.plane, 1)[0])

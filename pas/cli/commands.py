@@ -160,7 +160,7 @@ def _written(shape: Any, options: argparse.Namespace) -> CommandResult:
 
 
 def _told(reports: Sequence[Any]) -> dict[str, Any]:
-    """What files tell of their parts, as a record."""
+    """The reports of files on their parts, as a record."""
     return {"reports": [asdict(report) for report in reports]} if reports else {}
 
 

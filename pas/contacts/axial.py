@@ -81,7 +81,7 @@ class Axial(Movable):
 
     @property
     def clip_scale(self) -> fmpq:
-        """The factor of the clip polynomial, which is (u - clip) else."""
+        """The factor of the clip polynomial, relative to (u - clip)."""
         return fmpq(1)
 
 

@@ -37,7 +37,7 @@ class ContactEnd:
 
     @classmethod
     def of(cls, contact: ContactLike, center: VectorLike | None = None) -> ContactEnd:
-        """That of a contact with an end, such as a pipe, around the `center` (3,) of a node.
+        """The end at a contact with a clip, such as a pipe, around the `center` (3,) of a node.
 
         Raises `GeometryError` where the contact has no closed plane curve.
         """

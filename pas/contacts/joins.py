@@ -230,7 +230,7 @@ def _divides(plane: Polynomial, polynomial: Polynomial) -> bool:
 
 @cache
 def _lattice(n: int) -> tuple[Floats, Integers, Integers]:
-    """Of the uniform lattice on a triangle: barycentric coordinates (m, 3) of its points, the edges (e, 2) of its small
+    """The uniform lattice on a triangle: barycentric coordinates (m, 3) of its points, the edges (e, 2) of its small
     triangles, and these by the numbers of their edges (n^2, 3)."""
     place = {index: k for k, index in enumerate(reversed(homogeneous_exponents(n, 3)))}
     edges: dict[tuple[int, int], int] = {}

@@ -30,7 +30,7 @@ def number(value: Any, name: str) -> Fraction:
 
 
 def _each(value: Any, name: str, what: str, read: Callable[[Any, str], Any]) -> tuple[Any, ...]:
-    """What is read of each entry of a sequence; raises `TypeError` for what is none."""
+    """The entries of a sequence, each read; raises `TypeError` for what is no sequence."""
     if isinstance(value, str) or not isinstance(value, Sequence):
         raise TypeError(f"{name} must be {what}, not {shown(value)}")
     return tuple(read(entry, f"{name}[{i}]") for i, entry in enumerate(value))

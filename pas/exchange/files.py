@@ -226,7 +226,7 @@ def checksum(content: dict[str, Any]) -> str:
 
 @contextmanager
 def understood(name: str) -> Iterator[None]:
-    """What is wrong with a content, as it is read inside, becomes a `ProjectFileError` with the file's name."""
+    """Errors inside, of reading a content, become a `ProjectFileError` with the file's name."""
     try:
         yield
     except (LimitError, ProjectFileError):

@@ -32,7 +32,7 @@ VIEWS: dict[str, View] = {
 
 
 class Style(Enum):
-    """What the colours show: the styles that come with `pas`, each of which may be given by its name, too."""
+    """The styles that come with `pas`, each of which may be given by its name, too: what the colours show."""
 
     PLAIN = "plain"
     ZEBRA = "zebra"
@@ -150,7 +150,7 @@ class Picture:
 
     @property
     def coloring(self) -> Any:
-        """What the style does, a `pas.render.scene.Coloring`."""
+        """The style's implementation, a `pas.render.scene.Coloring`."""
         return STYLES[self.name]
 
     @property

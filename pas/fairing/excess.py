@@ -64,7 +64,7 @@ class CurvatureExcess:
 
     @classmethod
     def of(cls, neighbours: Sequence[Neighbour], limits: FairnessLimits) -> CurvatureExcess:
-        """That beside given neighbours."""
+        """The excess beside given neighbours."""
         radius = float(np.mean([n.radius for n in neighbours]))
         return cls(limits, sharpest_of(neighbours), largest_arc(neighbours), radius)
 

@@ -1,4 +1,4 @@
-"""What is optimised: an energy of the surface, with what is beyond the limits of fairness, over the members of a space.
+"""The objective: an energy of the surface, with the excess over the limits of fairness, over the members of a space.
 
 Both are sums of squared residuals of the surface's geometry along rays (`pas.fairing.ray_samples`).  The rays are laid
 for one member and stay: so the objective of any other member that they meet is a true function of its coefficients.
@@ -46,7 +46,7 @@ class Term:
     limits: tuple[Limit, ...]
 
     def beyond(self, sampled: SampledGeometry) -> tuple[Residuals, ...]:
-        """What is beyond them."""
+        """The residuals of passed limits."""
         return tuple(residuals for limit in self.limits for residuals in limit.beyond(sampled))
 
 

@@ -250,7 +250,7 @@ class MemberProgramme:
 
     @cached_property
     def _hessian(self) -> Floats:
-        """What is minimised to begin with."""
+        """The Hessian of the first quadratic form to be minimised."""
         return (self.space.thin_plate if self.energy.on_surface else self._form) + self._near
 
     @cached_property
@@ -278,7 +278,7 @@ class MemberProgramme:
 
 @dataclass(frozen=True)
 class ExactRows:
-    """What wishes ask exactly of members on a partition; `on` gives the values (m,) of a functional on these."""
+    """The exact equations of wishes for members on a partition; `on` gives the values (m,) of a functional on these."""
 
     wishes: Wishes
     partition: Partition

@@ -1,4 +1,4 @@
-"""What the user asks of the shape: points, handles, coefficients, a normalisation, an energy, and proofs or none.
+"""The user's wishes for the shape: points, handles, coefficients, a normalisation, an energy, and proofs or none.
 
 `PointOptions` and `Options` are the one list of these options; `Wishes` is what they come to.
 """

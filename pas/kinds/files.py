@@ -77,7 +77,7 @@ def load(path: str | Path, *, edited: bool = False, **limits: Unpack[WorkLimits]
 
 
 def whole_form(kind: Kind[Any]) -> Table:
-    """What files of a kind of shapes hold, with verdicts where some are kept; null where none was given."""
+    """The form of files of a kind of shapes, with verdicts where some are kept; null where none was given."""
     return (
         replace(kind.form, needs={**kind.form.needs, "verdicts": maybe(list_of(VERDICT))}) if kind.kept else kind.form
     )

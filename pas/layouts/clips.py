@@ -319,7 +319,7 @@ def _too_near(arms: Sequence[Arm], ends: Sequence[float], pairs: Sequence[Pair])
 
 
 def _too_wide(arms: Sequence[Arm], ends: Sequence[float], pairs: Sequence[Pair]) -> set[int]:
-    """Of each two that take up too much of the angle between them the wider seen; both where they are alike."""
+    """Of each two arms that take up too much of the angle between them the wider; both where they are equal."""
     # Share of the angle between two contacts that their curves may take up: of 0.8 and 0.6 the strongest lever on
     # shape.
     share = 0.6

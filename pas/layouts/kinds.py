@@ -63,7 +63,7 @@ few members of higher order: they are tried there only where they are asked for.
 
 
 def trials(order: int, kind: str | None = None) -> tuple[LayoutTrial, ...]:
-    """What is tried for an order; of one kind only where that is said, as for lower orders where this one has none."""
+    """The trials for an order, of all kinds; of one `kind` if it is given, those of a lower order where it has none."""
     level = min(max(order, 1), 2)
     if kind is None:
         return tuple(trial for one in LAYOUTS.values() for trial in one.trials.get(level, ()))

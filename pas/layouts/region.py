@@ -58,7 +58,7 @@ Corners = tuple[Vector, Vector, Vector]
 
 @dataclass(frozen=True)
 class Builder:
-    """What tetrahedra are made from: points relative to the centre, all exact."""
+    """The data from which tetrahedra are made: points relative to the centre, all exact."""
 
     layout: Layout
     discs: Sequence[Disc]

@@ -133,7 +133,7 @@ class Kinds:
         return np.asarray(self.at_ends(self.arm_ends))
 
     def at_ends(self, table: Any, struts: Any = slice(None)) -> Any:
-        """What a table of the arms of all kinds (K, most arms) has for those of some struts at both ends (E, 2)."""
+        """The entries of a table of all kinds' arms (K, most arms) for the arms of some struts at both ends (E, 2)."""
         return table[self.of[self.network.edges[struts]], self.slots[struts]]
 
 

@@ -56,7 +56,7 @@ def clearance(network: StrutGraph, covers: NodeCovers) -> tuple[Verdict, tuple[N
 
 
 def _doubts(network: StrutGraph, covers: NodeCovers) -> Iterator[tuple[Status, Floats, NetworkProblem]]:
-    """What meets, or may meet: which of both, where, and what."""
+    """The pairs that meet, or may meet: the status, the place and the problem of each."""
     finders = {
         "near struts": _crossing_struts(network, covers),
         "node and strut": _beside_nodes(network, covers, covers.struts),

@@ -103,12 +103,12 @@ class StrutGraph:
 
     @cached_property
     def lengths(self) -> Floats:
-        """Of the struts (E,), in the model's units."""
+        """The lengths of the struts (E,), in the model's units."""
         return np.asarray(np.linalg.norm(self.vectors, axis=1) * float(self.grid))
 
     @cached_property
     def slack(self) -> float:
-        """What distances in doubles may be off by, with much to spare, in the model's units."""
+        """A bound, with much to spare, of the rounding of distances in doubles, in the model's units."""
         return ROUNDING * float(self.lengths.max(initial=0) + np.abs(self.points).max(initial=0))
 
     @property

@@ -74,7 +74,7 @@ class NetworkPart(Shape):
 
     @cached_property
     def cavity(self) -> NetworkPart | None:
-        """What a hollow body is hollow by, as a body of its own; None of a full one."""
+        """The cavity of a hollow body, as a body of its own; None of a full one."""
         if self.wall is None:
             return None
         network, wall = self.network, self.wall
@@ -119,7 +119,7 @@ class NetworkPart(Shape):
         return (self._nodes(), _straight(self.kinds.ends), clearance(self.network, covers), *self._inside())
 
     def _inside(self) -> Iterator[Proof]:
-        """Of a hollow body that its cavity meets its struts, and is inside: then nothing of it meets, as outside."""
+        """The verdicts that a hollow body's cavity meets its struts, and is inside: then nothing of it meets."""
         if self.cavity is None:
             return
         nodes, problems = self.cavity._nodes()
@@ -168,7 +168,7 @@ class NetworkPart(Shape):
 
     @property
     def genus(self) -> int:
-        """Of its surface, summed over its pieces: struts - nodes + pieces.
+        """The genus of the surface, summed over its pieces: struts - nodes + pieces.
 
         That of a hollow body is twice as much, and one for each open end of a piece after the first.
         """

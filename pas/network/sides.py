@@ -104,7 +104,7 @@ class NetworkSide:
 
     @cached_property
     def _arms(self) -> Any:
-        """Of each kind of strut the kinds of its nodes and its arms there: [[kind, arm], [kind, arm]]."""
+        """For each kind of strut the kinds of its nodes and its arms there: [[kind, arm], [kind, arm]]."""
         firsts = self.kinds.struts[1]
         at = self.kinds.of[self.kinds.network.edges[firsts]], self.kinds.slots[firsts]
         return np.stack(at, axis=2).tolist()
@@ -153,7 +153,7 @@ class NetworkSide:
         return self.nodes[kind].rings[arm] + (len(self.outer.nodes[kind].points) if self.outer else 0)
 
     def _faced(self, triangles: Integers, normals: Floats) -> tuple[Integers, Floats]:
-        """Triangles and normals as they are outside, or inside out in a cavity."""
+        """Triangles and normals, turned inside out in a cavity."""
         return (triangles[:, ::-1], -normals[:, ::-1]) if self.outer else (triangles, normals)
 
     def _fewest(self, radius: float) -> int:

@@ -43,7 +43,7 @@ RENEWALS = 64
 
 @dataclass(frozen=True)
 class ZeroSearch:
-    """What came of one search; `place` is a common zero (`exact`), near one, or a place left open."""
+    """The result of one search; `place` is a common zero (`exact`), near one, or a place left open."""
 
     status: Status
     place: Place | None = None
@@ -155,7 +155,7 @@ def without_common_zero(polynomials: Sequence[fmpq_mpoly], chart: RationalChart,
 
 @dataclass
 class _Seeker:
-    """What judges the rectangles of a search and halves them: `cells` that it has looked at, and the `zero` found."""
+    """The search for a zero, which judges and halves rectangles: `cells` were examined, `zero` is the one found."""
 
     polynomials: Sequence[fmpq_mpoly]
     degrees: list[int]

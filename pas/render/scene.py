@@ -1,4 +1,4 @@
-"""What a picture is made of: the layers that shapes add to its scene, and what a style does with them.
+"""The scene of a picture: the layers that shapes add to it, and what a style does with them.
 
 A style of one's own is a `Coloring` with a name, registered by `pas.exchange.picture_options.STYLES.register(...)`;
 then `pas.draw(..., style=NAME)`, `pas render --style NAME` and problem files know it.

@@ -306,7 +306,7 @@ class Conversation:
 
 
 def asked(request: Request) -> list[Any]:
-    """What a session is asked for by a request other than "move" and "rest": its method, and the arguments."""
+    """The method of a session, and its arguments, for a request other than "move" and "rest"."""
     if request["do"] == "read":
         return ["read", str(request.get("name")), str(request.get("text"))]
     more: dict[str, list[Any]] = {"handle": [request.get("at")], "export": [str(request.get("format"))]}
@@ -314,7 +314,7 @@ def asked(request: Request) -> list[Any]:
 
 
 def answer(verb: str, found: Any) -> Message:
-    """What a page is told of what the session gave."""
+    """The message for a page about a session's result."""
     kind = {"read": "document", "repair": "changed", "handle": "changed"}.get(verb)
     return found if kind is None else Message({"kind": kind, "document": found})
 

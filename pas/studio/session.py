@@ -1,4 +1,4 @@
-"""What one process of the studio knows and does: it solves, follows what is dragged, proves and exports.
+"""The state of one process of the studio: it solves, follows what is dragged, proves and exports.
 
 A session belongs to one page.  `solve` finds the shape of a document as its problem is solved, with all proofs; `move`
 gives a shape quickly that is near it (blends follow by Gauss-Newton steps), and `prove` says what holds of that very
@@ -64,7 +64,7 @@ class StudioSession:
         self.solved: tuple[Data, Shape] | None = None
 
     def do(self, verb: str, *arguments: Any) -> Any:
-        """What one of the methods below gives, with all that it does, given up after two minutes or when stopped."""
+        """The result of one of the methods below, given up after two minutes or when stopped."""
         with limit(120.0, stopped=self.stopped):
             return getattr(self, verb)(*arguments)
 

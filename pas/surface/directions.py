@@ -1,4 +1,4 @@
-"""Where a surface is looked at while it is made fair: rays from the centre, spread evenly over the surface.
+"""The rays along which a surface is sampled while it is made fair: from the centre, spread evenly over the surface.
 
 The outer faces are quartered until no triangle sees more than its share of the surface's area; those
 that a contact curve crosses are quartered further.  Each triangle stands for one ray, through its centroid, with

@@ -1,4 +1,4 @@
-"""Up to what a surface counts as fair beside its neighbours, and what of these is compared with."""
+"""The limits up to which a surface counts as fair beside its neighbours, and the neighbours' measures."""
 
 from __future__ import annotations
 

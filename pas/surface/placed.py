@@ -85,7 +85,7 @@ class PlacedContacts:
 
 
 class InPlace:
-    """What meets contacts in place: a surface, or all of a space."""
+    """Anything that meets contacts in place: a surface, or all of a space."""
 
     placed: PlacedContacts
 

@@ -124,7 +124,7 @@ over the usual one here."""
 
 @dataclass(frozen=True)
 class StepReport:
-    """What a part of a STEP file is, in the model's units.
+    """The facts about a part of a STEP file, in the model's units.
 
     `faces` are its faces, `exact` those on planes, quadrics and tori; the others are within `distance` of the solid's
     and their edges within `gap` of all their faces, as measured at many points.  `volume` is the file's, by adaptive
@@ -220,7 +220,7 @@ def _order(solid: Solid, one: int, other: int, points: Floats) -> int:
 
 
 def _not_valid(maker: ShapeMaker, name: str) -> GeometryError:
-    """What is said where Open Cascade refuses a solid: with the first face that it refuses, if there is one."""
+    """The error for a solid that Open Cascade refuses, with the first face that it refuses, if there is one."""
     atlas = maker.borders.atlas
     wrong = next((chart for chart, face in maker.faces.items() if not is_valid(face)), None)
     where = ""
