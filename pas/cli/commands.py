@@ -156,10 +156,10 @@ def _written(shape: Any, options: argparse.Namespace) -> CommandResult:
     reports = write_as(shape, options.output, mesh, unit=unit, sew=options.sew, open=bool(options.open))
     path = str(Path(options.output))
     lines = [f"{path}: {report}" for report in reports] or [path]
-    return CommandResult("\n".join(lines), {"written": [path], **_told(reports)})
+    return CommandResult("\n".join(lines), {"written": [path], **_reports_record(reports)})
 
 
-def _told(reports: Sequence[Any]) -> dict[str, Any]:
+def _reports_record(reports: Sequence[Any]) -> dict[str, Any]:
     """The reports of files on their parts, as a record."""
     return {"reports": [asdict(report) for report in reports]} if reports else {}
 
@@ -193,7 +193,7 @@ def run_build(options: argparse.Namespace) -> CommandResult:
     lines = [str(shape), "", *([f"unit: {unit}"] if unit else []), str(listed), "", clock_line(clock)]
     lines += [*written_lines(files), *(f"  {report}" for report in reports)]
     record = {
-        **_told(reports),
+        **_reports_record(reports),
         "name": problem.name,
         "written": files,
         "unit": unit,

@@ -107,12 +107,12 @@ class TableReader:
             raise self.error(f"{key} must be {WORDS[kind]}, not {shown(as_written(value))}", section, key=key)
         return value
 
-    def checked(self, data: dict[str, Any], key: str, door: Callable[[Any], Any], default: Any = None) -> Any:
+    def checked(self, data: dict[str, Any], key: str, check: Callable[[Any], Any], default: Any = None) -> Any:
         """A value of the whole file, as a check, such as those of `pas.algebra.inputs`, returns it."""
         if key not in data:
             return default
         try:
-            return door(as_written(data[key]))
+            return check(as_written(data[key]))
         except (LimitError, ProblemFileError):
             raise
         except (ValueError, TypeError, PasError) as error:

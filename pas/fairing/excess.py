@@ -133,10 +133,10 @@ def by_area(sampled: SampledGeometry, over: Floats, slopes: Floats, radius: floa
     """Residuals where a limit is passed, weighted by the areas that the points stand for, over a squared radius."""
     weights = sampled.areas / radius**2
     slopes[:, AREA] += over / 2
-    return _pressed(over, slopes, weights)
+    return _limit_residuals(over, slopes, weights)
 
 
-def _pressed(over: Floats, slopes: Floats, weights: Floats) -> Residuals:
+def _limit_residuals(over: Floats, slopes: Floats, weights: Floats) -> Residuals:
     """Residuals (N, 1) of a limit that is passed by `over` (N,) units, with slopes (N, 15) and weights (N,)."""
     root = np.sqrt(PRESS * weights)[:, None]
     return Residuals(np.arange(len(over)), root * over[:, None], (root * slopes)[:, None])
@@ -191,7 +191,7 @@ class SectionExcess:
         slopes[:, : changes.shape[1]] = (-self.signs * self.widest / WRONG)[:, None] * changes
         # a point stands for its arc times the width of the arc: its weight is taken from the start's distance
         weights = EVERY * 2 * np.pi / AROUND * self.rays.distances / self.rays.distances.mean()
-        yield _pressed(np.where(self.signs == 0, 0.0, over), slopes, weights)
+        yield _limit_residuals(np.where(self.signs == 0, 0.0, over), slopes, weights)
 
 
 Limit = CurvatureExcess | BulgeExcess | WaistExcess | SectionExcess

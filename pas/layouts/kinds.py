@@ -78,7 +78,7 @@ def partition_keys() -> set[str]:
 
 def read_partition_like(record: Mapping[str, Any]) -> Partition | Layout | str:
     """What a table describes: `kind = "fan"` or another kind of layouts by name, `kind = "layout"` with rays and
-    pieces, or a partition (see `pas.partition.kinds.read_partition`).
+    pieces, or a partition (see `pas.partition.cells.read_partition`).
 
     Raises `ValueError`, `TypeError` or `GeometryError`; sentences begin with the key at fault where there is one.
     """

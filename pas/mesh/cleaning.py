@@ -60,7 +60,7 @@ class Cleaning(Grading):
             self._smooth(mesh, np.ones(len(mesh.points), dtype=bool))
             rows = np.flatnonzero(mesh.kinds >= VertexKind.CORNER)  # may be found now that edges about them are longer
             mesh.points[rows] = onto_faces(mesh.points[rows], mesh.labels_about(rows), self.field, mesh.sizes[rows] / 4)
-            self._look(mesh, np.flatnonzero(mesh.kinds[mesh.vertex_of] >= VertexKind.CORNER))
+            self._evaluate(mesh, np.flatnonzero(mesh.kinds[mesh.vertex_of] >= VertexKind.CORNER))
         self._collapse_short(mesh)
         self.untangle(mesh, FOLD)
         return mesh.value

@@ -86,7 +86,7 @@ class Ground(Protocol):
     def projected(self, mesh: HalfEdges) -> tuple[Floats, Floats]:
         """All vertices (V, 3), which are near, projected onto their faces and curves, and normals (W, 3) there."""
 
-    def looked(self, points: Floats, labels: Integers) -> tuple[Floats, Floats | None]:
+    def local_geometry(self, points: Floats, labels: Integers) -> tuple[Floats, Floats | None]:
         """Unit normals (K, 3) and curvatures (K,) of faces at points on them."""
 
     def measured(self, mesh: HalfEdges, rows: Integers, halves: Integers) -> tuple[Floats, Floats]:
@@ -111,7 +111,7 @@ class Grading:
     def begun(self, first: Labelled) -> HalfEdges:
         """The half edges of a first mesh, with what is known of the surface at its vertices."""
         mesh = HalfEdges(first, self.ground.faces)
-        self._look(mesh, np.arange(len(mesh.vertex_of)))
+        self._evaluate(mesh, np.arange(len(mesh.vertex_of)))
         return mesh
 
     @property
@@ -223,7 +223,7 @@ class Grading:
         labels[other == own, 1] = labels[other < 0, 1] = -1
         middles, lengths = mesh.middles(NONE, halves), mesh.lengths(halves)
         places = self.ground.placed(middles, labels, mesh.rims_of(halves), lengths)
-        normals, bends = self.ground.looked(places, own)
+        normals, bends = self.ground.local_geometry(places, own)
         if careful:
             ends = mesh.normals[mesh.wedge_of[halves]], mesh.normals[mesh.wedge_of[following(halves)]]
             good = (dots(normals, ends[0]) > 0) & (dots(normals, ends[1]) > 0)
@@ -234,16 +234,16 @@ class Grading:
         mesh.points[size:] = places
         wedges = np.flatnonzero(mesh.vertex_of >= size)
         known = np.diff(mesh.vertex_of[wedges], prepend=-1) > 0  # the first of a vertex has the half edge's label
-        self._looked(mesh, wedges[known], normals, bends)
-        self._look(mesh, wedges[~known])
+        self._store(mesh, wedges[known], normals, bends)
+        self._evaluate(mesh, wedges[~known])
 
-    def _look(self, mesh: HalfEdges, wedges: Integers) -> None:
+    def _evaluate(self, mesh: HalfEdges, wedges: Integers) -> None:
         if len(wedges):
-            found = self.ground.looked(mesh.points[mesh.vertex_of[wedges]], mesh.face_of[wedges])
-            self._looked(mesh, wedges, *found)
+            found = self.ground.local_geometry(mesh.points[mesh.vertex_of[wedges]], mesh.face_of[wedges])
+            self._store(mesh, wedges, *found)
 
     @staticmethod
-    def _looked(mesh: HalfEdges, wedges: Integers, normals: Floats, bends: Floats | None) -> None:
+    def _store(mesh: HalfEdges, wedges: Integers, normals: Floats, bends: Floats | None) -> None:
         mesh.normals[wedges] = normals
         mesh.bends[wedges] = 0.0 if bends is None else bends
 
@@ -303,4 +303,4 @@ class Grading:
         mesh.points[rows] = self.ground.placed(to[rows], labels, mesh.rims_of(mesh.outgoing[rows]), reach)
         moved = np.zeros(len(mesh.points), dtype=bool)
         moved[rows] = True
-        self._look(mesh, np.flatnonzero(moved[mesh.vertex_of]))
+        self._evaluate(mesh, np.flatnonzero(moved[mesh.vertex_of]))

@@ -12,7 +12,7 @@ from pas.limits import checkpoint
 from pas.mesh.field import FaceField, HasJets, OneFunction, extent_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import cross, dots, norms, off_zero
-from pas.mesh.shading import unit_rows, uprightness
+from pas.mesh.shading import normal_cosines, unit_rows
 from pas.mesh.topology import numbered
 
 NEWTON_STEPS = 16
@@ -175,4 +175,4 @@ def least_solutions(matrices: Floats, right: Floats, parallel: float = PARALLEL)
 
 def cosines(mesh: Labelled, field: FaceField) -> Floats:
     """The cosine between each triangle's normal and the sum of its face's at the corners (T,)."""
-    return uprightness(mesh.points[mesh.triangles], pair_normals(mesh, field)[mesh.topology.corner_pairs])
+    return normal_cosines(mesh.points[mesh.triangles], pair_normals(mesh, field)[mesh.topology.corner_pairs])

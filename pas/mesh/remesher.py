@@ -186,7 +186,7 @@ class Remesher(Grading):
             off = self._off(mesh, vertices, places)
             near = off <= self.tolerance
             worst = max(worst, float(off[near].max(initial=0.0)))
-            if not mesh.move(vertices, places, self.ground.looked(places, labels)[0], near, good):
+            if not mesh.move(vertices, places, self.ground.local_geometry(places, labels)[0], near, good):
                 break
         return worst
 

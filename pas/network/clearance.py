@@ -22,7 +22,7 @@ from pas.algebra.rational import to_floats
 from pas.arrays import Floats
 from pas.network.classes import grouped
 from pas.network.covers import Found, NodeCovers
-from pas.network.graph import NetworkProblem, StrutGraph, told
+from pas.network.graph import NetworkProblem, StrutGraph, problems_text
 from pas.network.near import Capsules, near, nearest_points
 from pas.network.overlaps import common_point
 from pas.verdicts import Status, Verdict
@@ -50,7 +50,7 @@ def clearance(network: StrutGraph, covers: NodeCovers) -> tuple[Verdict, tuple[N
     found = sorted(_doubts(network, covers), key=lambda doubt: doubt[0] is not Status.REFUTED)
     problems = tuple(problem for *_, problem in found)
     for status, place, _ in found:
-        return Verdict(status, "nothing else meets", told(problems), tuple(place.tolist())), problems
+        return Verdict(status, "nothing else meets", problems_text(problems), tuple(place.tolist())), problems
     reason = "nodes, also neighbours, and struts that share no point are apart"
     return Verdict(Status.PROVED, "nothing else meets", reason, measure=len(network.edges)), ()
 

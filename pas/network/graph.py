@@ -53,7 +53,7 @@ class NetworkError(GeometryError):
     """
 
     def __init__(self, problems: Sequence[NetworkProblem]) -> None:
-        super().__init__(told(problems))
+        super().__init__(problems_text(problems))
         self.problems = tuple(problems)
 
     @property
@@ -62,7 +62,7 @@ class NetworkError(GeometryError):
         return tuple(sorted({strut for problem in self.problems for strut in problem.struts}))
 
 
-def told(problems: Sequence[NetworkProblem]) -> str:
+def problems_text(problems: Sequence[NetworkProblem]) -> str:
     """The first problem of each kind, and how many others of the kind there are."""
     kinds = Counter(problem.kind for problem in problems)
     found = []

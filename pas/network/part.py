@@ -24,7 +24,7 @@ from pas.network.certified_mesh import NetworkMesh
 from pas.network.classes import Kinds, NodeClass
 from pas.network.clearance import clearance
 from pas.network.covers import NodeCovers
-from pas.network.graph import NetworkProblem, StrutGraph, told
+from pas.network.graph import NetworkProblem, StrutGraph, problems_text
 from pas.network.nodes import of_nodes
 from pas.network.placing import PlacedPieces
 from pas.network.sides import NetworkSide
@@ -295,5 +295,5 @@ def _found(
 ) -> Proof:
     """The verdict on a claim: proved, or what problems make of it, and these."""
     if wrong := tuple(problems):
-        return Verdict(status, claim, told(wrong)), wrong
+        return Verdict(status, claim, problems_text(wrong)), wrong
     return Verdict(Status.PROVED, claim, reason, measure=measure), ()

@@ -113,7 +113,7 @@ def _span(first: Floats, second: Floats, vector: Floats) -> tuple[float, float]:
     return start, float(np.mean((second + vector if len(second) else vector) @ axis)) - start
 
 
-def lid(points: Floats, rings: Sequence[Integers], axis: Floats) -> Integers:
+def flat_end(points: Floats, rings: Sequence[Integers], axis: Floats) -> Integers:
     """The triangles (T, 3) in a ring of points, or between two in a plane, seen from where a unit vector points."""
     if len(rings) == 1:
         (ring,) = rings

@@ -18,7 +18,7 @@ from pas.algebra.lengths import unit
 from pas.arrays import Floats, Integers, Numbers
 from pas.errors import MeshError
 from pas.network.classes import Kinds, NodeClass, NodeKind, grouped, turn
-from pas.network.rings import FEWEST, Span, angles_around, circle, lid, places_of, rings_of, strip
+from pas.network.rings import FEWEST, Span, angles_around, circle, flat_end, places_of, rings_of, strip
 from pas.pipeline.result import Blend
 
 FEW = 1 / 4
@@ -93,7 +93,7 @@ class NetworkSide:
         (radius, _), axis = self._radii(kind, 0), unit(kind.vectors[0])
         points = radius * circle(axis, count := self._fewest(radius))
         ring = np.arange(count)
-        fan = lid(points, [ring], axis)[:, ::-1] if len(kind.arms) == 1 else np.zeros((0, 3), np.int64)  # a flat end
+        fan = flat_end(points, [ring], axis)[:, ::-1] if len(kind.arms) == 1 else np.zeros((0, 3), np.int64)
         normals = np.broadcast_to(-axis, (len(fan), 3, 3))
         return MeshPiece(points, fan, normals, 0.0, copies, 0 * ring, rings=(ring,) * len(kind.arms))
 

@@ -98,7 +98,7 @@ def with_neighbours(
 def chain_beyond(surface: PiecewiseSurface, number: int, name: str, plane: Polynomial, length: fmpq) -> Chain | None:
     """The continuation of a contact by a length beyond a plane, up to a flat end; None where `Sections` has none."""
     center = surface.partition.center
-    return chain_between(surface.placed.told(number), plane, _cap(plane, length), (name, f"{name} end"), center)
+    return chain_between(surface.placed.located(number), plane, _cap(plane, length), (name, f"{name} end"), center)
 
 
 def hollow_body(

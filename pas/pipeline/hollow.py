@@ -270,7 +270,7 @@ def _best(outer: B, cavity: Cavity) -> HollowBlend[B]:
 def parallel_contacts(outer: ChosenBlend, thickness: fmpq) -> list[Contact]:
     """The contacts a thickness inside; at an opening of a blend that is one piece along the cone of an even wall."""
     surface, opening = outer.surface, AroundOpening.of(outer.surface)
-    found = [inner_contact(surface.placed.told(n), thickness, n + 1) for n in range(len(surface.contacts))]
+    found = [inner_contact(surface.placed.located(n), thickness, n + 1) for n in range(len(surface.contacts))]
     if opening is not None and len(surface.patches) == 1 and (clip := opening.even(thickness)):
         found[opening.number] = Contact(found[opening.number].surface, clip, found[opening.number].near)
     return found

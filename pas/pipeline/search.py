@@ -174,13 +174,13 @@ class Search(Generic[B]):
         if self.raised:
             with self.stages.stage("measure", 0.4, f" (degree {space.degree})"):
                 narrow = 0 < excess(found) < settings.narrow and space.dimension >= settings.few
-            found = self._pressed(space, found, settings.further) if narrow else found
+            found = self._fitted_stricter(space, found, settings.further) if narrow else found
             beyond = found.surface.fairness().beyond(found.limits)
             outcome += f", not fair: {', '.join(beyond)}" if beyond else ", fair"
         self.attempts.append(replace(found.attempts[-1], outcome=outcome))
         return found
 
-    def _pressed(self, space: Space, found: B, further: float) -> B:
+    def _fitted_stricter(self, space: Space, found: B, further: float) -> B:
         """The surface fitted once more under stricter limits, where that makes it fairer."""
         inner = found.surface.fairness().inside(found.limits, further)
         try:

@@ -28,7 +28,7 @@ from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.limits import checkpoint
 from pas.solid.germs import Ray, Sheets
 from pas.solid.tree import Atom, ScalarField
-from pas.solid.truths import LeafTree, matters, rests_on, says
+from pas.solid.truths import LeafTree, depends_on, support_of, value_of
 
 Slab = tuple[RealRoot | None, RealRoot | None]
 """Two values of the sweeping form (None: without end), between which arcs are looked at."""
@@ -105,7 +105,7 @@ class Around:
     def may_matter(self, number: int) -> bool:
         """Whether the solid may depend on a leaf close to the point."""
         unknown = dict.fromkeys(range(len(self.sheets.regular)))
-        return matters(self.solid.code, number, lambda n: self._holds(n, unknown))
+        return depends_on(self.solid.code, number, lambda n: self._holds(n, unknown))
 
     def _cuts(self, number: int) -> list[RealRoot]:
         """Values inside the slab at which the truth of a leaf may change."""
@@ -147,11 +147,11 @@ class Around:
                 known[number] = not holds if number in turned and holds is not None else holds
             return known[number]
 
-        said = says(self.solid.code, truth)
+        said = value_of(self.solid.code, truth)
         if said is None:
-            self.doubts |= {n for n in [*known] if known[n] is None and matters(self.solid.code, n, truth)}
+            self.doubts |= {n for n in [*known] if known[n] is None and depends_on(self.solid.code, n, truth)}
         else:
-            self.doubts |= rests_on(self.solid.code, said, truth, self._is_fixed)
+            self.doubts |= support_of(self.solid.code, said, truth, self._is_fixed)
         return said
 
     def _holds(self, number: int, signs: dict[int, int | None]) -> bool | None:

@@ -35,7 +35,7 @@ NODE = "pas.pipeline.pipe_nodes:PipeNode"
 """What finds a node that can take the place of where two pipes cross, in a module above."""
 
 
-class Way(Protocol):
+class FilletMethod(Protocol):
     """A construction of fillets of two faces: along their edge, or otherwise."""
 
     def made(self, radius: fmpq) -> Solid | str:
@@ -97,9 +97,9 @@ class Filling:
         for joint in (*claims, *beside):
             proof = verdicts[joint] = prove(joint, tree, lambda: made.box)
             if not proof.proved and joint in claims:
-                return _told(proof) + goes_on
+                return _fault(proof) + goes_on
             if not proof.proved and prove(joint, whole, lambda: self.solid.box, self.solid.known).proved:
-                return f"make it before another fillet, of which then {_told(proof)}"
+                return f"make it before another fillet, of which then {_fault(proof)}"
         return replace(made, joints=(*self.solid.joints, *claims), known=Known(tree, verdicts))
 
     def _trees(self, radius: fmpq) -> tuple[list[FilletPiece], list[Tree]] | str:
@@ -196,15 +196,15 @@ def strays(made: Solid) -> str | None:
     return None
 
 
-def _told(verdict: Verdict) -> str:
+def _fault(verdict: Verdict) -> str:
     """The fault of a joint, and where it is."""
     where = "" if verdict.witness is None else f" near {shown_point(verdict.witness)}"
     return f"{verdict.claim}: {verdict.reason}{where}"
 
 
-def ways(
+def fillet_methods(
     solid: Solid, names: tuple[str, str], order: int, within: Sequence[PolynomialLike], face: str | None = None
-) -> list[Way]:
+) -> list[FilletMethod]:
     """The constructions that may make a fillet, in order: along the edge; for pipes whose axes meet by a node.
 
     Raises `GeometryError` for faces that touch otherwise.
@@ -223,7 +223,7 @@ def filled(
 
     Raises `GeometryError` where there is no such fillet, with the largest radius found of one that there is.
     """
-    known, reasons = ways(solid, names, order, within, face), []
+    known, reasons = fillet_methods(solid, names, order, within, face), []
     for way in known:
         made = way.made(radius)
         if not isinstance(made, str):
@@ -236,7 +236,7 @@ def filled(
     )
 
 
-def _largest_of(known: Sequence[Way], above: fmpq) -> float | None:
+def _largest_of(known: Sequence[FilletMethod], above: fmpq) -> float | None:
     """The largest radius of the last of several constructions that has any: nodes go as far as pipes do."""
     return next((found for way in known[::-1] if (found := way.largest(above)) is not None), None)
 
@@ -244,7 +244,7 @@ def _largest_of(known: Sequence[Way], above: fmpq) -> float | None:
 def largest(solid: Solid, names: tuple[str, str], order: int, within: Sequence[PolynomialLike]) -> float:
     """The largest radius, nearly, of a fillet that is proved; see `Solid.largest_fillet`."""
     size = decimal(float(np.ptp(solid.box, axis=0).max()))
-    found = _largest_of(ways(solid, names, order, within), size)
+    found = _largest_of(fillet_methods(solid, names, order, within), size)
     if found is None:
         raise GeometryError(f"no fillet between {names[0]!r} and {names[1]!r} is proved, however small")
     return found

@@ -79,7 +79,7 @@ class Side:
         return (made.mesh, loops) if go_on(made, self.chains, loops, tolerance, without) else None
 
 
-def roomy(mesh: Mesh) -> Floats:
+def surface_box(mesh: Mesh) -> Floats:
     """A box (2, 3) that holds the surface of a mesh: the mesh's own, widened by its deviation."""
     return mesh.box + ROOM * (mesh.deviation or 0.0) * np.array([[-1.0], [1.0]])
 

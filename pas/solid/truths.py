@@ -189,20 +189,20 @@ class Code:
     leaf: int | None = None
 
 
-def says(code: Code, truth: Truth) -> bool | None:
+def value_of(code: Code, truth: Truth) -> bool | None:
     """Whether points with these truths are in the solid; None where that is not known."""
     if code.leaf is not None:
         return truth(code.leaf)
     result: bool | None = not code.union
     for part in code.parts:
-        found = says(part, truth)
+        found = value_of(part, truth)
         if found is code.union:
             return code.union
         result = None if found is None else result
     return result
 
 
-def rests_on(code: Code, said: bool, truth: Truth, fixed: Callable[[int], bool]) -> set[int]:
+def support_of(code: Code, said: bool, truth: Truth, fixed: Callable[[int], bool]) -> set[int]:
     """The leaves that are not `fixed` and on which an answer rests; none if it is certain.
 
     Of several ways in which it could be certain, the one with the fewest such leaves.
@@ -210,26 +210,26 @@ def rests_on(code: Code, said: bool, truth: Truth, fixed: Callable[[int], bool])
     if code.leaf is not None:
         return set() if fixed(code.leaf) else {code.leaf}
     if said is not code.union:
-        return {leaf for part in code.parts for leaf in rests_on(part, said, truth, fixed)}
+        return {leaf for part in code.parts for leaf in support_of(part, said, truth, fixed)}
     best: set[int] = set()
     cost = None
     for part in code.parts:
         if cost is not None and part.cost > cost:
             break  # to cut at some more planes costs less than to ask a polynomial of higher degree
-        if says(part, truth) is said:
-            way = rests_on(part, said, truth, fixed)
+        if value_of(part, truth) is said:
+            way = support_of(part, said, truth, fixed)
             best, cost = way if cost is None else min(best, way, key=len), part.cost
             if not best:
                 break
     return best
 
 
-def matters(code: Code, leaf: int, truth: Truth) -> bool:
+def depends_on(code: Code, leaf: int, truth: Truth) -> bool:
     """Whether the answer may depend on a leaf: no branch above it is settled by others."""
     if code.leaf is not None:
         return code.leaf == leaf
     return any(
-        matters(part, leaf, truth)
-        and all(says(other, truth) is not code.union for other in code.parts if other is not part)
+        depends_on(part, leaf, truth)
+        and all(value_of(other, truth) is not code.union for other in code.parts if other is not part)
         for part in code.parts
     )

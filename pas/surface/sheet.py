@@ -178,7 +178,7 @@ class LocalSurface(ABC):
         gradients[rest] = self.gradients(points[rest])
         return points, unit_rows(gradients).take(mesh.vertex_of, axis=0)
 
-    def looked(self, points: Floats, labels: Integers) -> tuple[Floats, Floats]:
+    def local_geometry(self, points: Floats, labels: Integers) -> tuple[Floats, Floats]:
         gradients, bends = self.bending(points)
         return unit_rows(gradients), bends
 
