@@ -161,17 +161,12 @@ def _blossom(table: Floats, degree: int, places: Floats) -> Iterator[Floats]:
     place, rest = places[0], places[1:]
     forms = [table]
     for left in range(degree, 0, -1):
-        forms.append(_with(forms[-1], left, place))
+        forms.append((forms[-1][_steps(left - 1)] * place).sum(axis=1))  # one more argument is this place
     if not len(rest):
         yield forms[-1][0]
         return
     for times in range(degree, -1, -1):
         yield from _blossom(forms[times], degree - times, rest)
-
-
-def _with(table: Floats, degree: int, place: Floats) -> Floats:
-    """The polar form of `degree` arguments, one of which is a place (4, N): that of the others."""
-    return (table[_steps(degree - 1)] * place).sum(axis=1)
 
 
 @cache
