@@ -212,17 +212,16 @@ class Session:
 
 
 def key_of(wishes: Wishes, *others: Hashable) -> Hashable | None:
-    """What must be the same, besides the contacts, for a blend to be the same; None for wishes that are not kept."""
+    """The key under which blends are the same for the same contacts; None for wishes that are not kept."""
     plain = Wishes(energy=wishes.energy, limits=wishes.limits)
     usual = wishes.energy is None or type(wishes.energy) is CurvatureVariation
     if not usual or wishes != plain or wishes.normalize != MeanAlpha():
         return None
-    energy = None if wishes.energy is None else (wishes.energy.tension, wishes.energy.gauge)  # type: ignore[attr-defined]
-    return (energy, wishes.limits, *others)
+    return (wishes.energy, wishes.limits, *others)
 
 
 _OPEN: ContextVar[tuple[Session, ...]] = ContextVar("sessions", default=())
-"""Those that are open in a thread, the last one last."""
+"""The sessions that are open in a thread, the last one last."""
 
 
 def open_session() -> Session | None:
