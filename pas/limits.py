@@ -1,4 +1,4 @@
-"""How long a computation may take, and how far it has come: a deadline, a progress line, and a way to stop it.
+"""Time limits, progress and interruption of computations: a deadline, a progress line, and a way to stop it.
 
 Exact computations and meshes can grow without warning.  Inside `with limit(seconds=..., progress=...)`
 the long loops of this package look at the clock through `checkpoint`: past the deadline they raise

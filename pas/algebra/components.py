@@ -1,4 +1,4 @@
-"""Which points of a real space curve lie on one component: exact, however close others come.
+"""The components of a real space curve on which points lie: exact, however close others come.
 
 Planes of the sweeping form cut the curve in points.  Between two planes without a turn in between, each
 point goes on to one point, and a second linear form keeps their order as long as no two have one value of

@@ -1,4 +1,4 @@
-"""What a text in the grammar of `pas.algebra.grammar` comes to: an exact polynomial, or a function of two arrays.
+"""The values of texts in the grammar of `pas.algebra.grammar`: an exact polynomial, or a function of two arrays.
 
 Decimals are the decimals written (0.1 is 1/10).  Nothing is evaluated but arithmetic and elementary functions, so a
 text from a file is harmless.  Sympy expressions are read through the text that sympy writes for them.  Exact rational

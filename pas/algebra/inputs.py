@@ -1,4 +1,4 @@
-"""How large inputs may be, in one place: numbers, polynomials, orders, degrees, tolerances, texts and records.
+"""Limits of the sizes of inputs, in one place: numbers, polynomials, orders, degrees, tolerances, texts and records.
 
 Ten characters can ask for what no machine holds (`1e99999999`, `((9^60)^60)^60`, `"order": 2001`), and the exact
 library ends the process where memory does.  So whatever enters, from a script, a problem file or a project file, passes

@@ -80,7 +80,7 @@ class Exchanged(Exported):
 
     @classmethod
     def from_singular(cls, text: str) -> Self:
-        """That of input for Singular, `ideal I = ...;` or `module M = ...;`, or of what it prints, `I[1]=...`.
+        """The object of input for Singular, `ideal I = ...;` or `module M = ...;`, or of its output, `I[1]=...`.
 
         The ring is Q[x, y, z].  Raises `ValueError`, which quotes what cannot be read.
         """

@@ -1,4 +1,4 @@
-"""Which members of a space are of use at its contacts, what of it is trivial, and what generates all of any degree.
+"""The members of a space that are regular at its contacts, its trivial part, and generators of members of any degree.
 
 A member g that meets a contact (f, h) is `alpha f + beta h^(k+1)`.  Where alpha vanishes on all of the curve V(f, h),
 g is singular along it and continues nothing.  Such members are *singular*.  Of little use are also *products*,

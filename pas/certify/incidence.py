@@ -1,4 +1,4 @@
-"""How the patches of a surface meet a contact on its clip faces, decided by powers of the face's plane.
+"""The order of contact of a surface's patches with a contact on its clip faces, by powers of the face's plane.
 
 With t the plane, a patch `sum g_i t^i` meets a surface `sum f_i t^i` with GC^k along V(f, t) iff `g = alpha f` has a
 solution with polynomials on the plane as coefficients up to t^k (theorem 3 of docs/theory/verdicts.md).  Where the

@@ -1,4 +1,4 @@
-"""What the commands do, whatever kind of shape a problem asks for or a project file holds."""
+"""The functions of the commands, for every kind of shape that a problem asks for or a project file holds."""
 
 from __future__ import annotations
 

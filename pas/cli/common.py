@@ -1,4 +1,4 @@
-"""What the commands share: exit codes, what they come to, progress, settings as arguments, names of files, versions."""
+"""The common parts of commands: exit codes, results, progress, settings as arguments, names of files, versions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What contacts with an axis have in common: exact coordinates along it and across, and a plane that ends them."""
+"""The base of contacts with an axis: exact coordinates along it and across, and a plane that ends them."""
 
 from __future__ import annotations
 

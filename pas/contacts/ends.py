@@ -1,4 +1,4 @@
-"""Where a blend ends at a contact, in doubles: what a flange, a drawing or the next part needs to know."""
+"""The ends of a blend at its contacts, in doubles, as a flange, a drawing or the next part needs them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where contacts sit on a partition: the clip faces and the curves in them.
+"""The places of contacts on a partition: the clip faces and the curves in them.
 
 A `Join` is one contact together with its clip faces, the outer faces on which the clip vanishes identically, and the
 pieces behind them, which carry the contact.  A clip vanishes on a face iff the face's plane divides it; what is left of

@@ -1,4 +1,4 @@
-"""What designs are made of: exact fields, and polynomials fitted to points inside the ideals of their joints.
+"""The means of designs: exact fields, and polynomials fitted to points inside the ideals of their joints.
 
 Whatever a maker wrote becomes a `Fraction`, a `Polynomial` or points of these; what is fitted is even in y.
 """

@@ -1,4 +1,4 @@
-"""How shapes are drawn, as a value: the options of pictures, for verbs, commands and problem files alike.
+"""The options of pictures as a value, for verbs, commands and problem files alike.
 
 What they do stands in `pas.render`, above.
 """

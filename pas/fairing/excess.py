@@ -1,4 +1,4 @@
-"""What is bounded: how far a surface is beyond the limits of fairness, as residuals where it is.
+"""The excess of a surface over the limits of fairness, as residuals where a limit is passed.
 
 A minimum of curvature variation may bend a fillet more than the limits allow where that costs little, in the
 middle of a fillet or just before a contact.  The squares of what is beyond the limits (see

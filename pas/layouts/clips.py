@@ -1,4 +1,4 @@
-"""Where to end the contacts of a node: as near as a fair blend leaves room for, or farther out than they are.
+"""The ends of a node's contacts: as near as a fair blend leaves room for, or farther out than they are.
 
 Some contacts may end anywhere along their axis: as near as all are apart.
 """
@@ -319,7 +319,7 @@ def _too_near(arms: Sequence[Arm], ends: Sequence[float], pairs: Sequence[Pair])
 
 
 def _too_wide(arms: Sequence[Arm], ends: Sequence[float], pairs: Sequence[Pair]) -> set[int]:
-    """Of each two arms that take up too much of the angle between them the wider; both where they are equal."""
+    """The wider of each two arms that take up too much of the angle between them; both where they are equal."""
     # Share of the angle between two contacts that their curves may take up: of 0.8 and 0.6 the strongest lever on
     # shape.
     share = 0.6

@@ -1,4 +1,4 @@
-"""Which nodes and struts of a network come near one another: balls, and cylinders with round ends around axes.
+"""The pairs of nodes and struts of a network that are near: balls, and cylinders with round ends around axes.
 
 Distances are compared with room for rounding.
 """

@@ -92,7 +92,7 @@ class Framed:
 
     @classmethod
     def of(cls, bounded: ParametricMap) -> Framed:
-        """Of a surface with a finite domain; raises as `extent` does."""
+        """The frame of a surface with a finite domain; raises as `extent` does."""
         middle, size = extent(bounded)
         exponent = math.frexp(size)[1] - 1
         center = np.ldexp(np.round(np.ldexp(middle, -exponent)), exponent)

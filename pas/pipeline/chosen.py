@@ -130,7 +130,7 @@ class ChosenBlend(Shape):
 
     @property
     def dimension(self) -> int:
-        """That of the solution space."""
+        """The dimension of the solution space."""
         return self.space.dimension if self.found_dimension is None else self.found_dimension
 
     @cached_property

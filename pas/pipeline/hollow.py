@@ -170,7 +170,7 @@ class HollowBlend(Shape, Generic[B]):
 
     @property
     def _tolerance(self) -> float:
-        """That of meshes where none is given, the same for both sides."""
+        """The default tolerance of meshes, the same for both sides."""
         return RELATIVE_TOLERANCE * float(np.ptp(self.outer.surface.partition.points, axis=0).max())
 
     def __str__(self) -> str:

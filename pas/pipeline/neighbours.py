@@ -1,4 +1,4 @@
-"""What goes on from a blend in its solid: the part of each neighbour that is joined to it, proved to be one piece.
+"""The continuation of a blend in its solid: the part of each neighbour that is joined to it, proved to be one piece.
 
 A neighbour, f <= 0, goes on from its clip as far as a plane parallel to that, and the slab between the two planes may
 hold more of it than what meets the blend: the far side of a torus, the other nappe of a cone.  With the height t over
@@ -92,7 +92,7 @@ def separators(
 
 
 class Slab:
-    """What is between a plane clip face and a height of `length` over it, in local coordinates."""
+    """The slab between a plane clip face and a height of `length` over it, in local coordinates."""
 
     def __init__(self, join: Join, length: fmpq) -> None:
         self.join, self.surface, self.plane = join, join.contact.surface, join.planes[0].plane

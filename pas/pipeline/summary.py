@@ -54,7 +54,7 @@ def _source(blend: ChosenBlend) -> str:
 
 
 def _partition(surface: PiecewiseSurface) -> str:
-    """What the pieces are, and around which point where the program found it."""
+    """The pieces in words, and the point around which they are where the program found it."""
     region = surface.partition
     if region.title == region.name or region.center is None:
         return region.title
@@ -72,7 +72,7 @@ def _from_center(surface: PiecewiseSurface, contact: Contact) -> str:
 
 
 def _fairness(blend: ChosenBlend) -> list[tuple[str, str]]:
-    """What was measured, and why a degree was not enough."""
+    """The measures in words, and why a degree was not enough."""
     several = len({a.partition for a in blend.attempts}) > 1
     rows = [
         (

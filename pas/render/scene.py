@@ -80,7 +80,7 @@ class Paint:
 
 @dataclass(frozen=True)
 class Legend:
-    """What numbers the colours stand for: a bar over `limits` in the colours `cmap` between lines of text."""
+    """The meaning of the colours: a bar over `limits` in the colours `cmap` between lines of text."""
 
     title: str
     lines: tuple[str, ...]
@@ -103,7 +103,7 @@ class Coloring(ABC):
 
     @property
     def tolerance(self) -> float:
-        """Of meshes that are made for it, over the extent of the shape: stripes show facets that shading hides."""
+        """The tolerance of meshes for it, over the extent of the shape: stripes show facets that shading hides."""
         return 2e-4 if self.fine else 1e-3
 
     @abstractmethod

@@ -1,4 +1,4 @@
-"""Where a set of inequalities lies: a box that certainly holds it.
+"""The bounding box of a set of inequalities: it certainly holds the set.
 
 Linear inequalities are bounded by linear programmes; then boxes in which the set certainly has no
 point are cut away, from a very large box down, until the rest is tight.

@@ -35,7 +35,7 @@ class Column:
 
     @property
     def face(self) -> str:
-        """What its face is called, "" for a wall."""
+        """The name of its face, "" for a wall."""
         return called(self.names)
 
 
@@ -240,7 +240,7 @@ class TreeEvaluator(CompiledTree):
 
     @cached_property
     def _places(self) -> Integers:
-        """Of each column its number in `_jets`, -1 where it is no polynomial."""
+        """The number of each column in `_jets`, -1 where it is no polynomial."""
         result = np.full(len(self.columns), -1, dtype=np.intp)
         result[[*self._scaled]] = np.arange(len(self._scaled))
         return result

@@ -137,11 +137,11 @@ class FaceSeam:
 
     @cached_property
     def cosines(self) -> Floats:
-        """Those (N,) of the angles between the normals."""
+        """The cosines (N,) of the angles between the normals."""
         return np.asarray((self.normals[0] * self.normals[1]).sum(axis=1))
 
     def centers(self, radius: float) -> Floats:
-        """Those (N, 3) of balls of a radius that touch both faces, where these are flat."""
+        """The centres (N, 3) of balls of a radius that touch both faces, where these are flat."""
         reach = self.sign * radius / (1 + self.cosines)[:, None]
         return np.asarray(self.points + reach * self.normals.sum(axis=0))
 
@@ -308,7 +308,7 @@ class PlaneFace:
 
     @classmethod
     def of(cls, part: Tree) -> PlaneFace | None:
-        """That of a part of an intersection; None where it is no half space."""
+        """The plane face of a part of an intersection; None where it is no half space."""
         if not isinstance(part, Atom) or not isinstance(part.function, Polynomial) or part.function.degree != 1:
             return None
         polynomial = -part.function if part.outside else part.function

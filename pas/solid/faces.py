@@ -48,7 +48,7 @@ class End:
         return float(off_surface(self.surface, points).max())
 
     def facing(self, corners: Floats) -> Floats:
-        """Of triangles (T, 3, 3) the area (T,) across the axis, positive where they are seen from outside."""
+        """The areas (T,) of triangles (T, 3, 3) across the axis, positive where they are seen from outside."""
         return np.asarray(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ self.axis)
 
 

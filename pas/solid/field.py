@@ -165,7 +165,7 @@ class SolidField:
 
     @cached_property
     def _ruled(self) -> Integers:
-        """That of the functions of the tree's columns (M,)."""
+        """The kinds, as of `ruled`, of the functions of the tree's columns (M,)."""
         return np.array([_ruled(c.function) for c in self.evaluator.columns[: self.evaluator.used]])
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
@@ -233,7 +233,7 @@ class SolidField:
 
 
 def _ruled(function: Function) -> int:
-    """Of a function of degree 2 its symmetric matrix, in x, y, z and 1, says whether it is a cylinder or cone."""
+    """The kind, as of `SolidField.ruled`, of a function: the symmetric matrix of a quadric, in x, y, z and 1, tells."""
     if not isinstance(function, Polynomial) or function.degree > 2:
         return 0
     return 2 if function.degree == 1 else int(quadratic_form(function).det() == 0)

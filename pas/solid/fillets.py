@@ -113,7 +113,7 @@ class Filling:
         return pieces, trees
 
     def _tree(self, piece: FilletPiece) -> Tree | str:
-        """What is added or taken away along one seam, or why there is no fillet."""
+        """The set to be added or taken away along one seam, or why there is no fillet."""
         seam, size = piece.seam, to_float(piece.radius)
         bent = seam.turned_back(size)
         if True in bent:

@@ -60,7 +60,7 @@ class Ball:
     radius: fmpq
 
     def plus(self, other: Ball, times: fmpq) -> Ball:
-        """It and a multiple of another one."""
+        """The sum with a multiple of another one."""
         x, y, z = (a + times * b for a, b in zip(self.center, other.center, strict=True))
         return Ball((x, y, z), self.radius + times * other.radius)
 
@@ -316,7 +316,7 @@ def _simple(value: float) -> fmpq:
 
 
 def _pieces(lines: Sequence[Line], wall: fmpq, face: str) -> Iterator[PipePiece]:
-    """What balls along lines and bends envelop, in order; raises `GeometryError` where a bend crosses itself."""
+    """The envelopes of balls along lines and bends, in order; raises `GeometryError` where a bend crosses itself."""
     inside = [(Ball(at.center, at.radius - wall), way, length, taken) for at, way, length, taken in lines]
     for number, ((at, way, length, taken), (after, onward, _, next_taken)) in enumerate(pairwise(inside)):
         if length > taken + next_taken:

@@ -134,8 +134,8 @@ def plain_run(tree: Tree) -> SheetBody | None:
 
 
 def tube_of(parts: Sequence[Tree]) -> tuple[Polynomial, str, list[tuple[Polynomial, str]]] | None:
-    """Of three conditions a circular cylinder, negative inside, its name, and both ends, planes that are positive
-    outside, with their names; None of others."""
+    """The tube of three conditions: a circular cylinder, negative inside, its name, and both ends, planes that are
+    positive outside, with their names; None for others."""
     atoms = [(p.function, p) for p in parts if isinstance(p, Atom) and isinstance(p.function, Polynomial)]
     known = sorted(((-f if p.outside else f, p.face) for f, p in atoms if p.face), key=lambda some: -some[0].degree)
     if len(parts) != 3 or [f.degree for f, _ in known] != [2, 1, 1]:

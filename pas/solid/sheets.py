@@ -91,8 +91,8 @@ def merged(mesh: Mesh, order: Sequence[str]) -> Mesh:
 
 
 class LinkableEnd(NamedTuple):
-    """Of a chain of straight strips its number, the plane in which they end, positive outside, how long they are, the
-    surfaces of all sides, and a point (3,) where they begin."""
+    """The end of a chain of straight strips: its number, the plane in which they end, positive outside, their length,
+    the surfaces of all sides, and a point (3,) where they begin."""
 
     number: int
     plane: Polynomial
@@ -177,7 +177,7 @@ class SheetBody(PlacedBody):
 
     @cached_property
     def ends(self) -> tuple[LinkableEnd, ...]:
-        """Of the chains that may be linked: with at most one straight strip of a quadric on each side."""
+        """The ends of chains that may be linked: with at most one straight strip of a quadric on each side."""
         found, place = list[LinkableEnd](), self.place
         for number, chain in enumerate(self.sides[0].chains):
             sides = [side.chains[number] for side in self.sides]

@@ -1,4 +1,4 @@
-"""What may be dragged of a document: one description for each control, from which the page makes it.
+"""The controls of a document: one description for each, from which the page makes it.
 
 A control has a `path` into the document, a `label` and a `group`.  Its `kind` is "number" (a slider from `low` to
 `high`, and a field that takes any exact number), "vector" (three of them), "choice" (of `options`, pairs of a value and

@@ -35,11 +35,11 @@ INSIDE = "something went wrong inside the program; the last picture stays"
 
 
 class RefusedError(Exception):
-    """What a session could not do, in one sentence."""
+    """A refusal by a session, in one sentence."""
 
 
 class StoppedError(Exception):
-    """What a session was told to stop."""
+    """A task that a session was told to stop."""
 
 
 class Worker:
@@ -99,7 +99,7 @@ class Worker:
 
 
 def work(pipe: Connection, stop: Any) -> None:
-    """What a process does: it answers until the other end is closed."""
+    """The loop of a process: it answers until the other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_leave_with_parent, daemon=True).start()
     from pas.studio.session import StudioSession

@@ -198,7 +198,7 @@ def base_of(document: Data) -> Data:
 
 
 def sliders_of(document: Data) -> dict[str, Any]:
-    """What was moved, as the keywords of `Blend.refit`."""
+    """The moved sliders, as the keywords of `Blend.refit`."""
     held = document["problem"] if document["kind"] == "problem" else document.get("sliders", {})
     moved = dict(held.get("points", {}))
     moved = {name: [tuple(p) for p in value] if isinstance(value, list) and name != "near_weight" else value
@@ -219,7 +219,7 @@ def all_sliders(blend: Any, document: Data) -> dict[str, Any]:
 
 
 def remedies(document: Data, shape: Any) -> Iterator[Data]:
-    """What may be tried in turn: to ask for proofs, to guard the witness, lighter weights, higher degrees."""
+    """Documents to try in turn: with proofs asked for, a guarded witness, lighter weights, higher degrees."""
     problem = {name: value for name, value in document["problem"].items() if name not in ("prove", "guard")}
     document = {**document, "problem": problem}
     yield document

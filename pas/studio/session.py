@@ -97,7 +97,7 @@ class StudioSession:
         )  # fmt: skip
 
     def kept(self, document: Data) -> tuple[str, dict[str, Any]] | None:
-        """What another session needs to follow from a document's shape; None where that cannot be followed."""
+        """The data that another session needs to follow from a document's shape; None where that cannot be followed."""
         shape = self.shape_of(document)
         return (_key(documents.base_of(document)), KINDS["blend"].form.write(shape)) if can_follow(shape) else None
 

@@ -274,7 +274,7 @@ def followed(field: LocalSurface, points: Floats, triangles: Integers, rim: Inte
 
 
 def in_world(field: LocalSurface, found: FaceMesh | Failure, tolerance: float, settings: Settings) -> Mesh:
-    """What was found in the user's coordinates; raises `ArithmeticError` where it leaves the region."""
+    """The mesh in the user's coordinates; raises `ArithmeticError` where it leaves the region."""
     if isinstance(found, Failure):
         if found.crowded:
             raise too_many(field.scale, found.triangles, settings.most, tolerance, found.reached)

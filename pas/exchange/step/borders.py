@@ -1,4 +1,4 @@
-"""Where charts meet: curves given by functions and planes, with their corners, from the edges of a mesh.
+"""The borders of charts: curves given by functions and planes, with their corners, from the edges of a mesh.
 
 A border is a chain of edges between the same two charts.  Its points are common zeros of what defines it: the functions
 of both faces, those of the joint along which they continue each other, or the function of one face and the plane by
