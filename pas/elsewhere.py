@@ -21,7 +21,7 @@ found = pkgutil.resolve_name(name)(*arguments, **options)
 with open("found", "wb") as place:
     pickle.dump(found, place)
 """
-"""What the other process does in its folder."""
+"""The program of the other process in its folder."""
 
 
 def elsewhere(task: str, function: str, *arguments: Any, **options: Any) -> Any:

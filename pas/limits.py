@@ -44,7 +44,7 @@ FIRST_REPORT, REPORT_EVERY = 1.0, 0.5
 """Seconds before the first progress line, and between lines."""
 
 NO_DIGITS = str.maketrans("", "", "0123456789")
-"""What leaves the numbers out of a text."""
+"""The translation that leaves the numbers out of a text."""
 
 LIMITED = "Gives up after `seconds` and reports to `progress`, as inside `pas.limit(seconds, progress)`."
 """Added to the docstrings of limited functions."""

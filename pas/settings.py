@@ -41,7 +41,7 @@ def given(settings: Any) -> dict[str, Any]:
 
 
 RELATIVE_TOLERANCE = 1e-3
-"""Of a mesh for which no tolerance is given, over the size of what is meshed: a thousandth is seen by nobody."""
+"""The tolerance of a mesh for which none is given, over the size of the shape: a thousandth is seen by nobody."""
 
 QUALITIES = ("angles", "balanced", "count")
 """The names of `pas.mesh.quality.Quality`."""

@@ -35,7 +35,7 @@ GENERATORS: tuple[fmpq_mpoly, ...] = RING.gens()
 RESIDUES = nmod_mpoly_ctx.get(VARIABLES, modulus=2**31 - 1, ordering=Ordering.degrevlex)
 
 BOXED = "pas.piecewise:boxed"
-"""What makes a surface of a polynomial, in a layer above."""
+"""The function that makes a surface of a polynomial, in a layer above."""
 
 PolynomialLike: TypeAlias = "Polynomial | Exact | Symbolic | Mapping[tuple[int, ...], Exact]"
 """What is taken for a polynomial; see `Polynomial`."""

@@ -27,7 +27,7 @@ from pas.arrays import Floats, Integers
 UNIT_ROUNDOFF = 2.0**-53
 
 LARGEST_ERROR, SMALLEST = 2.0**-36, 1e-200
-"""What forms in doubles may be off by, over their largest coefficient, which is to be far from underflow."""
+"""The largest error of forms in doubles, over their largest coefficient, which is to be far from underflow."""
 
 
 def on_simplex(polynomial: fmpq_mpoly, vertices: Sequence[Vector]) -> fmpq_mpoly:

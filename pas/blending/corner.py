@@ -24,7 +24,7 @@ from pas.errors import GeometryError
 from pas.partition.boxes import SixTetrahedra
 
 OTHERS = "for others give a partition, such as partition=pas.SingleCell(lower, upper), a box with the clips as sides"
-"""What to do about contacts that make no corner."""
+"""The advice for contacts that make no corner."""
 
 
 def six_tetrahedra(items: Sequence[Circular | Contact]) -> SixTetrahedra:

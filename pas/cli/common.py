@@ -134,7 +134,7 @@ def tell(line: str) -> None:
 
 
 LIBRARIES = ("numpy", "scipy", "sympy", "python-flint", "cvxpy", "clarabel", "daqp", "pyvista", "vtk", "manifold3d")
-"""Those on which results and their speed depend."""
+"""The libraries on which results and their speed depend."""
 
 
 def version_text(verbose: bool) -> str:

@@ -43,7 +43,7 @@ from pas.contacts.ovals import Oval, Strip, ovals
 from pas.errors import GeometryError
 
 USUAL_POINTS = 64
-"""Of a rim, unless another number is asked for."""
+"""The number of points of a rim, unless another one is asked for."""
 
 DIRECTIONS = ((fmpq(7), fmpq(-5)), (fmpq(3), fmpq(8)))
 """Linear forms a s + b t in the plane's coordinates: where they are greatest and least ovals are looked for."""

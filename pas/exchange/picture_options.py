@@ -47,7 +47,7 @@ class Style(Enum):
 STYLES: Registry[Any] = Registry(
     "style of pictures", {style.value: f"pas.render.styles:{style.name}" for style in Style}
 )
-"""What the colours of a picture show; a user's own is added by `STYLES.register(...)`, see `pas.render.scene`."""
+"""The styles of pictures, by name; a user's own is added by `STYLES.register(...)`, see `pas.render.scene`."""
 
 
 class PictureOptions(TypedDict, total=False):

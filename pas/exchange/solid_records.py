@@ -232,7 +232,7 @@ _FORMS |= {float: replace(REAL, read=float), fmpq: replace(NUMBER, read=rational
 _FORMS[Floats] = Value(
     "an array", lambda v: isinstance(v, list), read=partial(np.array, dtype=float), write=np.ndarray.tolist
 )
-"""Of fields of what bounds solids, by their types."""
+"""The forms of fields of solids' boundaries, by their types."""
 
 
 @cache

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     import pyvista
 
 VOLUME_TOLERANCE = 0.02
-"""By which the volume of the tetrahedra may be off, relative."""
+"""The largest relative error of the volume of the tetrahedra."""
 
 
 @dataclass(frozen=True)

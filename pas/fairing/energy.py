@@ -284,7 +284,7 @@ class Sizes:
 
 
 STEP = 1e-6
-"""Of differences, over the largest value of the quantity: half of the digits."""
+"""The step of differences, over the largest value of the quantity: half of the digits."""
 
 
 def differences(residuals: Callable[[SurfacePoints], Floats], points: SurfacePoints) -> Floats:

@@ -33,7 +33,7 @@ from pas.fairing.wishes import (
 from pas.partition.cells import Partition
 
 ROUNDING = 1e-7
-"""What rounding and the solver may cost a point without margin, over the region's radius."""
+"""The value that rounding and the solver may cost a point without margin, over the region's radius."""
 
 SIDES = (("inside", -1), ("outside", 1))
 """The kinds of points with an inequality, and the sign of f there."""

@@ -26,7 +26,7 @@ SCALARS = {"whole": ctypes.c_ssize_t, "int": ctypes.c_int, "double": ctypes.c_do
 """The types of arguments and of results, as the header calls them."""
 
 ENTRIES: dict[str, DTypeLike] = {"whole": np.intp, "double": np.float64, "char": np.bool_}
-"""Those of the entries of arrays."""
+"""The types of the entries of arrays."""
 
 
 class Array(NamedTuple):

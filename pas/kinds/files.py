@@ -21,7 +21,7 @@ from pas.shape import KINDS, Kind, Shape, kind_of
 from pas.verdicts import Verdicts
 
 FIRST_KIND = "blend"
-"""Of files of the first versions, which do not say it."""
+"""The kind of files of the first versions, which do not say it."""
 
 
 @limited("writing a project file", "")

@@ -167,7 +167,7 @@ _BLEND = Table(
         "problem": blend, "surface": blend.surface, "solution": blend, "certificate": blend.certificate,
     },
 )  # fmt: skip
-"""What a project file of a blend holds; it is proved first where that has not been done."""
+"""The form of a project file of a blend; it is proved first where that has not been done."""
 
 
 def _facts(blend: Blend) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from pas.partition.layout import Layout
 from pas.registry import Registry, keys_of, read_as
 
 Maker = Callable[[Sequence[Disc], Vector], Layout]
-"""What makes a layout for discs around a centre; it raises `GeometryError` where none fits."""
+"""A function that makes a layout for discs around a centre; it raises `GeometryError` where none fits."""
 
 NEAR_WALLS, FAR_WALLS = 1.15, 1.6
 """How far out walls are, other than the usual ones (see `region.WALLS`)."""
@@ -57,7 +57,7 @@ _KINDS = (
 )
 
 LAYOUTS: Registry[LayoutKind] = Registry("kind of layouts", {kind.name: kind for kind in _KINDS})
-"""What layouts may be asked for by name, in the order in which they are tried: full planes where those of an orbit
+"""The layouts that may be asked for by name, in the order in which they are tried: full planes where those of an orbit
 have room, then fans; strips where no fan has room, as around five and six contacts with near clips.  Strips have too
 few members of higher order: they are tried there only where they are asked for."""
 

@@ -25,14 +25,14 @@ from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected
 
 PLACES = 10
-"""That are looked at, spread over those given."""
+"""The number of places that are looked at, spread over those given."""
 
 NEAR, FARTHEST = 4.0, 0.3
 """Distance, to first order and over the lattice's spacing, up to which a face counts as there; and how far from
 the place a point may be found, over the extent of the box."""
 
 STEPS = 40
-"""Of Newton's method."""
+"""The most steps of Newton's method."""
 
 ZERO, PARALLEL = 1e-7, 1e-5
 """Distance over the extent of the box up to which a function vanishes at a point; sine of the angle up to which
@@ -54,10 +54,10 @@ WORDS = {
     "close": "{} come very close",
     "bent": "{} is bent very sharply",
 }
-"""What can be wrong, the gravest first."""
+"""The kinds of faults in words, the gravest first."""
 
 PASSING = ("close", "bent", "many")
-"""What a lattice shows that is fine enough; many faces meet in nodes."""
+"""The faults that go away on a lattice that is fine enough; many faces meet in nodes."""
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ MOST_CUBES = 400_000
 """On one level; more take minutes."""
 
 CLEAR, QUIET, OPEN = range(3)
-"""What is known of the boundary in a cube: that it is one sheet; that some points in it agree with that; or neither."""
+"""The state of a cube: the boundary in it is one sheet; some points in it agree with that; or neither."""
 
 SAMPLES, CHUNK = 5, 2000
 """Points on each line along which the boundary is looked for in cubes where it is not proved to be clear; and

@@ -35,7 +35,7 @@ WORDS = {
     "nodes": ("the nodes {} and {}, {} from one another,", MAY_MEET),
     "enclosed": ("the piece of point {} and another one", "may be one inside of the other"),
 }
-"""What is told of each kind of doubt: of what, and what of it is not decided."""
+"""The words for each kind of doubt: its subject, and what of it is not decided."""
 
 Doubt = tuple[tuple[int, ...], float, int, Found]
 """Numbers of nodes, struts or both, how far apart they are, that of a point, and what is found about it."""

@@ -29,7 +29,7 @@ from pas.exchange.formats.libraries import records, require_lib3mf, save_3mf, th
 from pas.network.graph import StrutGraph
 
 MOST_BYTES = 1 << 30
-"""Of a file of text."""
+"""The most bytes of a file of text."""
 
 
 GraphArrays = tuple[Any, Any, Any]

@@ -36,10 +36,10 @@ from pas.shape import Shape
 from pas.verdicts import Findings, Status, Verdict
 
 USUAL = 0.03
-"""Of the least radius: the tolerance of meshes."""
+"""The usual tolerance of meshes, over the least radius."""
 
 MOST_TRIANGLES = 40_000_000
-"""Of one mesh, which take some 10 GB; more are written by pieces, see `NetworkPart.write`."""
+"""The most triangles of one mesh, which take some 10 GB; more are written by pieces, see `NetworkPart.write`."""
 
 
 Proof = tuple[Verdict, tuple[NetworkProblem, ...]]

@@ -35,7 +35,7 @@ Rectangle = tuple[tuple[fmpq, fmpq], tuple[fmpq, fmpq]]
 Table = list[list[fmpq]]
 
 SMALLEST = math.ulp(0.0)
-"""By which the smallest numbers err that doubles hold."""
+"""The error of the smallest numbers that doubles hold."""
 
 
 def exact_rectangle(surface: ParametricMap, domain: DomainLike = None) -> Rectangle:

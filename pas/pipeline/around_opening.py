@@ -29,7 +29,7 @@ from pas.solid.solid import Solid, patch
 from pas.solid.strips import Chain, Outwards, SolidStrip, Straight
 
 AtOpening: TypeAlias = "tuple[list[tuple[Polynomial, str]], Solid | None]"
-"""What bounds a blend at an opening, with the names of faces, and the piece of the neighbour there, if there is one."""
+"""The faces that bound a blend at an opening, with names, and the piece of the neighbour there, if there is one."""
 
 AROUND, OUTWARDS, ALONG = 48, 12, 256
 """Rays round an opening and between it and the edge, and places on each, by which surfaces are looked through."""

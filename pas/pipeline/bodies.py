@@ -31,7 +31,7 @@ from pas.solid.strips import Chain, chain_between
 from pas.solid.tree import Atom, combined
 
 Length: TypeAlias = "Exact | Sequence[Exact] | None"
-"""By how much neighbours go on: all of them, or each; None is half of the region's scale."""
+"""The length of the neighbours: of all of them, or of each; None is half of the region's scale."""
 
 
 def body(

@@ -21,7 +21,7 @@ from pas.limits import checkpoint
 from pas.pipeline.chosen import B
 
 SOLVED, INFEASIBLE = ("optimal", "optimal_inaccurate"), ("infeasible", "infeasible_inaccurate")
-"""What cvxpy says of programmes."""
+"""The words of cvxpy for the outcomes of programmes."""
 
 
 class ConvexProblem(Generic[B]):

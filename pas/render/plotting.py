@@ -242,7 +242,7 @@ def _add_words(plotter: Any, places: Floats, words: Sequence[str], width: int) -
 
 
 SIDE, FOOT = 0.2, 0.075
-"""What legends take of a picture: of its width for a bar, of its height for the line below about combs."""
+"""The shares of a picture that legends take: of its width for a bar, of its height for the line below about combs."""
 
 
 def room(legend: Legend | None, picture: Picture) -> tuple[float, float]:

@@ -22,10 +22,10 @@ from pas.shape import Kind, Shape, kind_of, one
 BLEND_COLOR, PIPE_COLOR, CURVE_COLOR = "#e8a33d", "#b9c4cf", "#22303c"
 
 COLORS = ("#5b8db8", "#7fae7a", "#b07aa1", "#9c755f", "#76b7b2", "#c95d63")
-"""Of the surfaces that a blend meets, in their order, and of several surfaces."""
+"""The colours of the surfaces that a blend meets, in their order, and of several surfaces."""
 
 BLEND_TINT, TINTS = "#f6c877", ("#b9d3ea", "#c6e2c0", "#dfc3d8", "#d9c3b4", "#c5e4e1", "#efbcbf")
-"""Of their bright stripes."""
+"""The colours of their bright stripes."""
 
 
 @dataclass(frozen=True, eq=False)

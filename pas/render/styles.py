@@ -29,7 +29,7 @@ from pas.mesh.mesh import Mesh
 from pas.render.scene import COLORS, Coloring, Layer, Legend, Paint, Scene
 
 PALETTE = ("#e8a33d", *COLORS, "#c9b458")
-"""Of faces, in turn."""
+"""The colours of faces, in turn."""
 
 
 def face_colors(scene: Scene) -> list[list[str]]:

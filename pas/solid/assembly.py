@@ -26,7 +26,7 @@ from pas.solid.solid import Solid
 from pas.verdicts import Findings, Verdicts
 
 COLORS = ("#e8a33d", "#7d9db5", "#b85c5c", "#7fa66b", "#9a7fb0", "#c9b458")
-"""Of parts that were given none, in turn."""
+"""The colours of parts that were given none, in turn."""
 
 
 @dataclass(frozen=True, repr=False)

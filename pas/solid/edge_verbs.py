@@ -13,7 +13,7 @@ from pas.registry import loaded
 
 FILLETS, LARGEST_FILLET = "pas.solid.fillets:filled", "pas.solid.fillets:largest"
 ROUNDED = "pas.solid.profile_rounds:rounded"
-"""What makes them, in modules above."""
+"""The functions that make them, in modules above."""
 
 
 class WithEdges:

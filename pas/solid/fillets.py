@@ -32,7 +32,7 @@ from pas.solid.tree import Atom, Tree, combined, complement
 from pas.verdicts import Verdict
 
 NODE = "pas.pipeline.pipe_nodes:PipeNode"
-"""What finds a node that can take the place of where two pipes cross, in a module above."""
+"""The class of nodes that can replace the crossing of two pipes, in a module above."""
 
 
 class FilletMethod(Protocol):

@@ -29,7 +29,7 @@ Truth = Tree | bool
 """A set in space, or all of it, or nothing."""
 
 Lift = Callable[[Loop, bool], Tree]
-"""What makes the set in space of a loop; of the points outside of it where the second argument is true."""
+"""A function that makes the set in space of a loop; of the points outside of it where the second argument is true."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -46,7 +46,7 @@ from pas.solid.tree import Atom, Tree, atoms, combined, complement, mapped, move
 from pas.verdicts import Findings, Verdict
 
 CARRIER_OF = "pas.exchange.step.carriers:carrier_of"
-"""What recognises planes, cylinders and the like, in a layer below."""
+"""The function that recognises planes, cylinders and the like, in a layer below."""
 
 
 @dataclass(frozen=True, eq=False)

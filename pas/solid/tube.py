@@ -28,7 +28,7 @@ from pas.solid.solid import Solid
 from pas.solid.tree import Atom, combined
 
 SAMPLES = 512
-"""Of a curve, at least."""
+"""The least number of samples of a curve."""
 
 
 class TubeCurve:

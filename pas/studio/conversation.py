@@ -31,7 +31,7 @@ from pas.studio import GALLERY, Message, refusal
 SPAWN = multiprocessing.get_context("spawn")
 
 INSIDE = "something went wrong inside the program; the last picture stays"
-"""What the page is told of an error that is no user's."""
+"""The sentence for an error that is no user's."""
 
 
 class RefusedError(Exception):
@@ -320,7 +320,7 @@ def answer(verb: str, found: Any) -> Message:
 
 
 STOPPABLE = {"solve", "measure", "repair"}
-"""What is worthless once another document is final."""
+"""The requests that are worthless once another document is final."""
 
 VERBS = {"move", "rest", "gallery", "read", "repair", "handle", "export", "combs", "safe", "mesh"}
 WITH_DOCUMENT = VERBS - {"gallery", "read"}

@@ -47,7 +47,7 @@ VERBATIM = {"name", "order", "degree", "tension", "points", "tolerance", "mesh",
 """Keys of a problem of contacts that a call of `pas.blend` says, or that do not matter to the shape."""
 
 NONE: tuple[Any, ...] = ([], {})
-"""What says nothing, as it is left where all of something was taken out again."""
+"""Values that say nothing, as they are left where all of something was taken out again."""
 
 
 def toml(problem: Mapping[str, Any]) -> str:
@@ -135,7 +135,7 @@ SLIDERS = ("tension", "points")
 """Parts of a problem of contacts that `Blend.refit` follows."""
 
 PLACE = re.compile(r"^problem\.toml(, line \d+)?: ")
-"""What the reader of files puts before its sentences: a page has no lines."""
+"""The prefix of sentences of the reader of files: a page has no lines."""
 
 Opened = Mapping[str, Shape]
 """Shapes from project files, by name."""

@@ -46,7 +46,7 @@ PROJECT = ".pas.json"
 """The format that keeps everything exact, of all shapes."""
 
 UNSAVED = re.compile(r"[^\w.-]+")
-"""What names of files are cleared of."""
+"""The characters that names of files are cleared of."""
 
 
 class StudioSession:

@@ -23,7 +23,7 @@ from pas.mesh.rows import along_lines, dots, norms, off_zero
 from pas.surface.geometry import derivative_batch
 
 STEPS = 40
-"""Of Newton's method along rays towards a loop, none by more than a factor of two."""
+"""The most steps of Newton's method along rays towards a loop, none by more than a factor of two."""
 
 SETTLED = 1e-9
 """Change of the share of a ray that ends that: the next is about its square."""

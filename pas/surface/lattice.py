@@ -24,7 +24,7 @@ from pas.surface.local_field import LocalField
 from pas.verdicts import Status
 
 TINY = 1e-300
-"""What stands for a value of 0 at a node."""
+"""The number that replaces a value of 0 at a node."""
 
 ROUNDING = 1e-13
 """Over the largest coefficient on a cell: below this a coefficient's sign is not known."""

@@ -23,7 +23,7 @@ from pas.solid.field import SolidField
 from pas.solid.functions import Distance, Moved, Parametrized
 
 Map = Callable[[Floats], Floats]
-"""Of points (N, 3)."""
+"""A map of points (N, 3)."""
 
 
 @dataclass(frozen=True, eq=False)

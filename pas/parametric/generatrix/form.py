@@ -39,7 +39,7 @@ from pas.parametric.series import Components
 from pas.parametric.surface import ParametricSurface
 
 STEP = 3e-6
-"""Of the differences: truncation (2 pi step)^2 / 6 and rounding 1e-16 / step are both about 1e-10."""
+"""The step of differences: truncation (2 pi step)^2 / 6 and rounding 1e-16 / step are both about 1e-10."""
 
 
 @dataclass(frozen=True)
