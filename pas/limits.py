@@ -51,7 +51,7 @@ LIMITED = "Gives up after `seconds` and reports to `progress`, as inside `pas.li
 
 
 class WorkLimits(TypedDict, total=False):
-    """The two keywords of limited functions: seconds after which they give up, and who is told how far they are."""
+    """The two keywords of limited functions: seconds after which they give up, and a listener to their progress."""
 
     seconds: float | None
     progress: Report | None
@@ -198,7 +198,7 @@ def checkpoint(task: str = "", done: float | None = None) -> None:
 
 
 def blocks(number: int, size: int, task: str = "") -> Iterator[slice]:
-    """So many things in parts of a size that are worked on at once, with a look at the clock before each."""
+    """Slices of a `number` of things, `size` at a time, with a look at the clock before each."""
     for start in range(0, number, size):
         checkpoint(task)
         yield slice(start, start + size)

@@ -115,7 +115,7 @@ def evaluate(points: Floats, coefficients: Floats) -> Floats:
 
 
 def degree_of(size: int, variables: int = 3) -> int:
-    """The least degree up to which there are so many monomials, or more."""
+    """The least degree up to which there are at least `size` monomials."""
     return next(n for n in range(size + 1) if count(n, variables) >= size)
 
 

@@ -85,7 +85,7 @@ def shown(value: Any) -> str:
 
 
 def shown_point(point: Iterable[Any], digits: int = 4) -> str:
-    """A point of a sentence: its coordinates in brackets, to so many digits."""
+    """A point in a sentence: its coordinates in brackets, to some number of digits."""
     return "(" + ", ".join(f"{float(c):.{digits}g}" for c in point) + ")"
 
 

@@ -102,7 +102,7 @@ class Boxes(Cells):
 
 @dataclass(frozen=True)
 class Limits:
-    """When to give up: after `depth` rounds of splitting, or with more than so many `cells` open."""
+    """The limits at which a search gives up: `depth` rounds of splitting, and more than `cells` open ones."""
 
     depth: int = 48
     cells: int = 20_000

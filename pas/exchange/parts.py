@@ -153,7 +153,7 @@ def all_different(names: Iterable[str], between: str) -> list[str]:
 
 
 def repeated_colors(parts: Sequence[Piece], counts: Sequence[int]) -> Any:
-    """The parts' colours, each so many times (M, 3)."""
+    """The parts' colours, each as often as its count says (M, 3)."""
     return np.repeat(np.array([p.color for p in parts], dtype=np.uint8), counts, axis=0)
 
 

@@ -40,7 +40,7 @@ CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
 
 @dataclass(frozen=True)
 class Term:
-    """Limits, and the rays along which they are looked at."""
+    """Limits, and the rays along which they are evaluated."""
 
     samples: RaySamples
     limits: tuple[Limit, ...]

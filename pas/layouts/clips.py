@@ -154,7 +154,7 @@ def room_farther_out(contacts: Sequence[Contact], fits: Fits, center: Vector | N
 
 
 def moved_out(contact: Contact, center: Vector, factor: fmpq) -> Contact:
-    """The contact with its clip plane so many times as far from the centre; as it is where the clip is no plane."""
+    """The contact with its clip plane `factor` times as far from the centre; unchanged where the clip is no plane."""
     if contact.clip.degree != 1:
         return contact
     height = contact.clip.raw(*center)

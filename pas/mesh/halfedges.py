@@ -109,7 +109,7 @@ class HalfEdges:
         return int(getattr(self._struct, of))
 
     def reserve(self, vertices: int, triangles: int, wedges: int) -> None:
-        """Have room for so many more of each."""
+        """Reserve room for more vertices, triangles and wedges."""
         more = {"vertices": vertices, "triangles": triangles, "wedges": wedges}
         total = {of: self.count(of) + number for of, number in more.items()}
         for name, array in _ARRAYS.items():
@@ -274,7 +274,7 @@ class HalfEdges:
         return int(moved[0])
 
     def cut(self, parts: int) -> HalfEdges:
-        """A mesh with each edge of faces that are not ruled cut into so many parts, the new points near the surface."""
+        """The mesh with each edge of faces that are not ruled cut into `parts`, the new points near the surface."""
         base, counts = np.empty(len(self.corners), dtype=np.intp), np.empty(2, dtype=np.intp)
         self._call("pas_mesh_cut_counts", parts, base, counts)
         points, labels = np.empty((counts[0], 3)), np.empty(counts[1], dtype=np.intp)

@@ -204,7 +204,7 @@ def _links(field: FaceField, node: Floats, spacing: float, number: int) -> list[
 
 @cache
 def _sphere(number: int) -> tuple[Floats, Integers]:
-    """So many points on the unit sphere, and which are next to each other."""
+    """A `number` of points on the unit sphere, and which are next to each other."""
     units = spiral(number)
     return units, edge_table(ConvexHull(units).simplices.astype(np.intp))[0]
 

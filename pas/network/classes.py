@@ -139,14 +139,14 @@ class Kinds:
 
 @dataclass(frozen=True, eq=False)
 class NodeClass:
-    """Nodes that are one another turned, with the numbers of their kinds, of which the first stands for them."""
+    """Nodes that are congruent, with the numbers of their kinds, of which the first represents them."""
 
     kinds: Kinds
     numbers: tuple[int, ...]
 
     @property
     def kind(self) -> NodeKind:
-        """The kind that stands for it."""
+        """The kind that represents it."""
         return self.kinds.kinds[self.numbers[0]]
 
     @cached_property

@@ -110,7 +110,7 @@ class PlacedPieces:
         return np.concatenate(points), np.concatenate(triangles), faces, ("nodes", "struts"), np.concatenate(normals)
 
     def shares(self, block: Integers, count: int) -> Iterator[MeshShare]:
-        """The parts of the mesh that have the nodes of each of so many blocks, numbers (N,), and the struts that begin
+        """The shares of the mesh of each of `count` blocks of nodes, given by numbers (N,), with the struts that begin
         there."""
         copies = [[piece.copies[some] for some in grouped(block[piece.copies[:, 0]], count)] for piece in self.pieces]
         shapes = [(p.points[p.triangles], p.owners[p.triangles]) for p in self.pieces]

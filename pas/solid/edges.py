@@ -86,7 +86,7 @@ class PlaneEdge:
         return parts[0], parts[1]
 
     def points(self, parts: int) -> Floats:
-        """The ends (parts + 1, 2) of so many pieces of it, all on the curve to rounding."""
+        """The ends (parts + 1, 2) of pieces of it, all on the curve to rounding."""
         a, b = np.array(to_floats(self.start)), np.array(to_floats(self.end))
         t = np.linspace(0, 1, parts + 1)[:, None]
         if self.control is None:

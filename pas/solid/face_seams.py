@@ -279,9 +279,9 @@ def _ended(
 def _smooth_end(
     seam: FaceSeam, mesh: Mesh, joint: Joint, going: tuple[str, str], end: int, way: Floats
 ) -> SmoothEnd | None:
-    """The smooth end of a seam at a vertex, up to which its way is given, where one of its faces goes on as another.
+    """The smooth end of a seam at a vertex, up to which its way is given, where one of its faces continues as another.
 
-    None where the other face of the seam does not go on there, or where the joint is not in a plane across it.
+    None where the other face of the seam ends there, or where the joint is not in a plane across it.
     """
     first, second = (going[1] if name == going[0] else name for name in seam.names)
     if end not in edges_between(mesh, face_numbers(mesh, first), face_numbers(mesh, second)):

@@ -207,8 +207,8 @@ class SolidField:
                     self._refuse_passing(number, surface.primitive(), rim)
 
     def _refuse_passing(self, number: int, surface: Polynomial, rim: Floats) -> None:
-        """Raise `MeshError` where what lies on a surface goes on beyond a rim (N, 3), the seam of that number, where a
-        face touches it, and leaves that without an angle, in some places outwards and in others inwards."""
+        """Raise `MeshError` where a surface continues beyond a rim (N, 3), the seam of that number, at which a face
+        touches it, and leaves the face without an angle, in some places outwards and in others inwards."""
         faces = {c: self.evaluator.columns[c].function for c in np.flatnonzero(~self.evaluator.walls).tolist()}
         for a in (c for c, f in faces.items() if isinstance(f, Polynomial) and f.primitive() == surface):
             across = np.cross(self.jets(rim, 2 * a)[:, 1:], np.roll(rim, -1, axis=0) - rim)

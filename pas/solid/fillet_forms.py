@@ -147,7 +147,7 @@ class FilletPiece:
                 yield Joint(self.face, name, curve, self.order, (*(-wall for wall in self.ended), *sector))
 
     def section(self, end: SmoothEnd) -> tuple[Polynomial, Polynomial]:
-        """The curve in which it goes on at a smooth end: the plane, and its surface if the faces were flat there."""
+        """The curve in which it continues at a smooth end: the plane, and its surface if the faces were flat there."""
         ends = zip(self.seam.names, end.names, self.seam.faces, strict=True)
         first, second = (face if name == following else end.tangent for name, following, face in ends)
         flat = form_of(replace(self.seam, faces=(first, second)), self.radius, self.order)

@@ -180,7 +180,7 @@ def _chain(edges: Sequence[PlaneEdge], sides: Sequence[Truth], begin: int, many:
 
 
 def _frame(edges: Sequence[PlaneEdge]) -> list[PlaneEdge]:
-    """The sides of a rectangle around edges with room to spare, which bounds caps of curves that go on endlessly."""
+    """The sides of a rectangle around edges with room to spare, which bounds caps of endless curves."""
     (a, b), (c, d) = (
         (min(values) - (max(values) - min(values)) / 8, max(values) + (max(values) - min(values)) / 8)
         for values in zip(*(p for edge in edges for p in edge.hull), strict=True)

@@ -123,7 +123,7 @@ class _Stretch:
         return not self.is_joined and any(i != j for i in self.first for j in self.second)
 
     def missing(self, joint: Joint) -> str | None:
-        """The face that does not go on here where the other ends, if there is one."""
+        """The face that does not continue here where the other ends, if there is one."""
         if self.is_joined or self.is_apart or not self.first | self.second:
             return None
         return joint.first if self.second else joint.second

@@ -80,11 +80,11 @@ class Ball:
         return Polynomial.from_raw(dot(w, w) - self.radius**2)
 
     def across(self, way: Ball) -> Polynomial:
-        """The plane in which balls that go on that way touch their envelope here; positive beyond it."""
+        """The plane in which balls that move along a direction touch their envelope here; positive beyond it."""
         return Polynomial.from_raw(height(self.center, way.center) + self.radius * way.radius)
 
     def cone(self, way: Ball) -> Polynomial:
-        """The envelope of balls that go on in a unit direction."""
+        """The envelope of balls that move along a unit direction."""
         return self.power - self.across(way) ** 2
 
 
@@ -247,7 +247,7 @@ Line = tuple[Ball, Ball, fmpq, fmpq]
 
 
 def _each(given: Any, count: int, name: str, what: str) -> list[fmpq]:
-    """Positive numbers, one for each of so many things; one alone is for all."""
+    """Positive numbers, one for each of `count` things; a single one is for all."""
     if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray):
         return [positive(given, name)] * count
     if len(given) != count:

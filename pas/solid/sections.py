@@ -50,7 +50,7 @@ def multiples(plane: Polynomial, first: Polynomial, second: Polynomial) -> bool:
 
 
 def smooth_sections(tree: Tree, box: Floats) -> Iterator[tuple[Polynomial, Polynomial]]:
-    """Planes, and functions that vanish with them on sections along which two faces of a solid in a box go on."""
+    """Planes, and functions that vanish with them on sections along which two faces of a solid in a box continue."""
     faces_of = (a.function.primitive() for a in atoms(tree) if a.face and isinstance(a.function, Polynomial))
     functions = dict.fromkeys(faces_of)
     for plane in (f for f in functions if f.degree == 1):

@@ -140,7 +140,7 @@ def _blocks(yes: Bools, no: Bools) -> list[tuple[Bits, Bits]]:
 
 
 def _unpacked(bits: Bits, number: int) -> Bools:
-    """The first so many truth values of each row."""
+    """The first `number` truth values of each row."""
     return np.unpackbits(bits, axis=-1, count=number).view(bool)
 
 

@@ -195,7 +195,7 @@ def planes(means: Sequence[Floats]) -> Iterator[tuple[Floats, Floats]]:
 
 
 def circle(first: Floats, second: Floats) -> Floats:
-    """The unit vectors (AROUND, 3) along which a section in the plane of two orthonormal ones is looked at."""
+    """The unit vectors (AROUND, 3) along which a section in the plane of two orthonormal ones is sampled."""
     angles = (np.arange(AROUND) + 0.5) * 2 * np.pi / AROUND
     return np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second
 

@@ -105,7 +105,7 @@ class Fairness:
         return sum(max(0.0, value - most) / unit for _, value, most, unit in self._checks(limits))
 
     def inside(self, limits: FairnessLimits, times: float) -> FairnessLimits:
-        """Limits that are as far inside these as what is beyond them, so many times."""
+        """Limits that are `times` as far inside these as the measures are beyond them."""
         checks = self._checks(limits)
         moved = {name: max(most - times * max(0.0, value - most), most / 2) for name, value, most, _ in checks}
         return replace(limits, **moved)

@@ -56,7 +56,7 @@ class Curve:
         return np.asarray(self.origin + np.cos(t) * self.first + np.sin(t) * self.second)
 
     def parameters(self, number: int) -> Floats:
-        """So many parameters from the start to the end."""
+        """A `number` of parameters from the start to the end."""
         return np.linspace(self.start, self.end, number)
 
 
@@ -85,7 +85,7 @@ def curve_through(points: Floats, placed: Callable[[Floats], Floats], tolerance:
 
 
 def _evened(points: Floats, number: int, placed: Callable[[Floats], Floats]) -> Floats:
-    """So many points, evenly along others (N, 3), moved onto the curve; both ends stay."""
+    """A `number` of points evenly along others (N, 3), moved onto the curve; both ends stay."""
     moved = placed(resampled(points, number))
     moved[0], moved[-1] = points[0], points[-1]
     return moved

@@ -82,9 +82,8 @@ def largest_tolerance(shape: Any) -> float:
 
 
 def smoothness(maker: ShapeMaker) -> tuple[float, float]:
-    """How smoothly charts go on in each other where that is claimed: across GC^1 borders the largest angle between
-    normals, in radians, across GC^2 ones the largest jump of curvature, over the largest curvature.
-    """
+    """The smoothness across charts that are claimed to continue each other: across GC^1 borders the largest angle
+    between normals, in radians, across GC^2 ones the largest jump of curvature, over the largest curvature."""
     angle = jump = largest = 0.0
     for border, curve in zip(maker.borders.borders, maker.curves, strict=True):
         if border.order < 1:
