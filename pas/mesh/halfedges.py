@@ -251,7 +251,7 @@ class HalfEdges:
         return result
 
     def better(self, aim: float, vertices: Integers) -> tuple[Integers, Floats]:
-        """Those of given vertices that are fresh, and positions (K, 3) where their triangles are less slender."""
+        """Some of the given vertices that are fresh, and positions (K, 3) where their triangles are less slender."""
         chosen, places = np.empty(len(vertices), dtype=np.intp), np.empty((len(vertices), 3))
         number = np.empty(1, dtype=np.intp)
         self._call("pas_mesh_better", aim, len(vertices), vertices, chosen, places, number)

@@ -166,7 +166,7 @@ class Remesher(Grading):
         return np.asarray(mesh.points[mesh.triangles[row]].mean(axis=0))
 
     def mended(self, mesh: HalfEdges) -> float:
-        """Move vertices of slender triangles inside faces to better places; returns the largest distance after that."""
+        """Move vertices of slender triangles inside faces to better places; the largest distance of what changed."""
         mesh.fresh[:], worst, good = True, 0.0, self.settings.good
         free = self._free(mesh)
         for _ in range(self.ROUNDS):
