@@ -23,12 +23,12 @@ import numpy as np
 from flint import fmpq, fmpq_mat, fmpz, fmpz_mat, nmod_mat
 
 
-def _entries(matrix: Any) -> tuple[type, tuple[Any, ...]]:
+def _reduced(matrix: Any) -> tuple[type, tuple[Any, ...]]:
     return type(matrix), (matrix.nrows(), matrix.ncols(), matrix.entries())
 
 
-for kind in (fmpq_mat, fmpz_mat):
-    copyreg.pickle(kind, _entries)
+for kind in (fmpq_mat, fmpz_mat):  # which do not say themselves how they are pickled
+    copyreg.pickle(kind, _reduced)
 
 
 @dataclass(frozen=True, eq=False)
