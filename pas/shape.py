@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, Self, SupportsIndex, TypeVar
 
 import numpy as np
 
@@ -98,12 +98,12 @@ class Shape(ABC):
     def __deepcopy__(self, memo: object) -> Self:
         return self
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         """What it was made of; what was worked out of that, proofs too, is worked out anew."""
         worked_out = {n for c in type(self).__mro__ for n, a in vars(c).items() if isinstance(a, cached_property)}
         return {name: value for name, value in vars(self).items() if name not in worked_out}
 
-    def __reduce_ex__(self, protocol: Any) -> Any:
+    def __reduce_ex__(self, protocol: SupportsIndex) -> str | tuple[object, ...]:
         """As its project file would have it; raises `ValueError` where it has none.
 
         Meshes, and what is more than its kind keeps, such as a fitted patch with its distance, are all that they are.

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -53,7 +53,8 @@ class Mesh(AffineShape["Mesh"], Shape):
 
     def __deepcopy__(self, memo: object) -> Self:
         """A mesh with arrays of its own, which can be written to."""
-        return replace(self, **deepcopy(self.__getstate__()))
+        own: dict[str, Any] = deepcopy(self.__getstate__())
+        return replace(self, **own)
 
     @cached_property
     def certificate(self) -> Findings:
