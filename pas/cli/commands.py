@@ -35,6 +35,7 @@ from pas.shape import kind_of
 from pas.verdicts import Verdicts
 
 if TYPE_CHECKING:
+    from pas.designs.teapot import Teapot
     from pas.exchange.corner_problem import CornerProblem
 
 
@@ -269,6 +270,8 @@ def run_teapot(options: argparse.Namespace) -> CommandResult:
     from pas.designs.teapot import teapot
 
     folder = output_folder(options.output)
+    wanted, sizing = given(settings_of(MeshSettings, options)), settings_of(Sizing, options)
+    given_unit = unit_named(options.unit) if options.unit else None
     clock = Clock()
     built = teapot(
         options.style,
@@ -276,10 +279,10 @@ def run_teapot(options: argparse.Namespace) -> CommandResult:
         spout_tilt=options.spout_tilt,
         handle_size=options.handle_size,
     )
-    pot, unit = _sized(built, options, options.unit)
+    pot, unit = cast("tuple[Teapot, str | None]", sizing.applied(built, given_unit))
     usual = MeshSettings(0.001 if pot is built else None)
     clock.passed("build and prove")
-    mesh = pot.meshed(replace(usual, **given(settings_of(MeshSettings, options))))
+    mesh = pot.meshed(replace(usual, **wanted))
     clock.passed("mesh", f" ({len(mesh.triangles)} triangles)")
     text = str(pot)
     with together(folder) as place:

@@ -234,7 +234,7 @@ def _patches(item: Any, number: int, domain: Any) -> Sequence[RationalPatch]:
     kind = kind_of(item, f"patches must be RationalPatch objects, parametric surfaces or blends; patches[{number}]")
     if kind.patches is None:
         hint = (
-            "write the solid that it bounds, as in shape.solid().write('name.step')"
+            "write the solid that it bounds, as in shape.solid().write('name.step') or by `pas convert`"
             if hasattr(item, "solid")
             else "write its triangles, as in shape.write('name.3mf')"
         )

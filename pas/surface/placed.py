@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 
@@ -30,6 +31,10 @@ class PlacedContacts:
 
     def __init__(self, partition: Partition, contacts: Sequence[Contact], order: int) -> None:
         self.partition, self.contacts, self.order = partition, tuple(contacts), check_order(order)
+
+    def __reduce__(self) -> tuple[type[Self], tuple[Any, ...]]:
+        """What follows from them is worked out anew in another process."""
+        return type(self), (self.partition, self.contacts, self.order)
 
     def __repr__(self) -> str:
         return f"<PlacedContacts: {len(self.contacts)} contacts, GC^{self.order}, {self.partition.name}>"
