@@ -36,7 +36,7 @@ class Shape(ABC):
     @property
     @abstractmethod
     def certificate(self) -> Verdicts:
-        """What is proved of it, worked out when first asked for, and kept."""
+        """The verdicts about it, worked out when first asked for, and kept."""
 
     @abstractmethod
     def mesh(self, tolerance: float | None = None, *, quality: Any = "balanced") -> Any:
@@ -81,11 +81,11 @@ class Shape(ABC):
 
     @abstractmethod
     def __str__(self) -> str:
-        """What it is, for people; of some kinds with the verdicts."""
+        """A description for people; of some kinds with the verdicts."""
 
     @property
     def description(self) -> str:
-        """What it is, for people, without the verdicts: for where these are shown in another way."""
+        """A description for people, without the verdicts: for where these are shown in another way."""
         return str(self)
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""What the commands do, whatever kind of shape a problem asks for or a project file holds."""
+"""The functions of the commands, for every kind of shape that a problem asks for or a project file holds."""
 
 from __future__ import annotations
 
@@ -157,11 +157,11 @@ def _written(shape: Any, options: argparse.Namespace) -> CommandResult:
     reports = write_as(shape, options.output, mesh, unit=unit, sew=options.sew, open=bool(options.open))
     path = str(Path(options.output))
     lines = [f"{path}: {report}" for report in reports] or [path]
-    return CommandResult("\n".join(lines), {"written": [path], **_told(reports)})
+    return CommandResult("\n".join(lines), {"written": [path], **_reports_record(reports)})
 
 
-def _told(reports: Sequence[Any]) -> dict[str, Any]:
-    """What files tell of their parts, as a record."""
+def _reports_record(reports: Sequence[Any]) -> dict[str, Any]:
+    """The reports of files on their parts, as a record."""
     return {"reports": [asdict(report) for report in reports]} if reports else {}
 
 
@@ -194,7 +194,7 @@ def run_build(options: argparse.Namespace) -> CommandResult:
     lines = [str(shape), "", *([f"unit: {unit}"] if unit else []), str(listed), "", clock_line(clock)]
     lines += [*written_lines(files), *(f"  {report}" for report in reports)]
     record = {
-        **_told(reports),
+        **_reports_record(reports),
         "name": problem.name,
         "written": files,
         "unit": unit,

@@ -119,7 +119,7 @@ def _blended(
 
 @contextmanager
 def _engine(options: argparse.Namespace) -> Iterator[Callable[..., Any]]:
-    """What solves and writes: a loop, or workers of Dask; raises `ValueError` and `MissingLibraryError`."""
+    """The `map` that solves and writes: a loop, or workers of Dask; raises `ValueError` and `MissingLibraryError`."""
     if options.workers is None and options.scheduler is None:
         yield map
         return

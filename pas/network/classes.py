@@ -135,20 +135,20 @@ class Kinds:
         return np.asarray(self.at_ends(self.arm_ends))
 
     def at_ends(self, table: Any, struts: Any = slice(None)) -> Any:
-        """What a table of the arms of all kinds (K, most arms) has for those of some struts at both ends (E, 2)."""
+        """The entries of a table of all kinds' arms (K, most arms) for the arms of some struts at both ends (E, 2)."""
         return table[self.of[self.network.edges[struts]], self.slots[struts]]
 
 
 @dataclass(frozen=True, eq=False)
 class NodeClass:
-    """Nodes that are one another turned, with the numbers of their kinds, of which the first stands for them."""
+    """Nodes that are congruent, with the numbers of their kinds, of which the first represents them."""
 
     kinds: Kinds
     numbers: tuple[int, ...]
 
     @property
     def kind(self) -> NodeKind:
-        """The kind that stands for it."""
+        """The kind that represents it."""
         return self.kinds.kinds[self.numbers[0]]
 
     @cached_property

@@ -74,7 +74,7 @@ class PlacedContacts:
         sides = () if any(join.opening for join in self.joins) else self.local.sides
         return (*(face for face in self.local.outer_faces if face.vertices not in clipped), *sides)
 
-    def told(self, number: int) -> Contact:
+    def located(self, number: int) -> Contact:
         """A contact that says near which point its curve is, as it was given, or by its place on the partition."""
         contact, frame = self.contacts[number], self.partition.frame
         near = contact.near or frame.global_points(self.joins[number].curve()[0]).tolist()
@@ -90,7 +90,7 @@ class PlacedContacts:
 
 
 class InPlace:
-    """What meets contacts in place: a surface, or all of a space."""
+    """Anything that meets contacts in place: a surface, or all of a space."""
 
     placed: PlacedContacts
 
