@@ -7,12 +7,13 @@ import os
 import re
 import subprocess
 import sys
+import time
 from collections import Counter
 from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from itertools import chain, combinations, pairwise, product
+from itertools import chain, combinations, pairwise, permutations, product
 from types import SimpleNamespace
 
 import manifold3d
@@ -28,7 +29,7 @@ from pas.algebra.rational import vector
 from pas.cli import main
 from pas.network import nodes, rings
 from pas.network.blocks import status
-from pas.network.classes import kinds_of, turn
+from pas.network.classes import NodeKind, kinds_of, turn
 from pas.network.clearance import clearance
 from pas.network.covers import NodeCovers, _held, reach_of
 from pas.network.near import nearest_points
@@ -93,6 +94,30 @@ def test_nodes_that_are_turned_are_one_class(seed):
     np.testing.assert_allclose(matrix @ matrix.T, np.eye(3), atol=1e-12)
     images = one.vectors[list(one.form.order)] @ matrix.T
     np.testing.assert_allclose(images, other.vectors[list(other.form.order)], atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_frame_of_a_node_is_the_least_of_all(seed):
+    (vectors, labels), flat = np.random.default_rng(seed).integers(-2, 3, (2, 6, 3)), (1, 1, seed % 2)
+    arms = {tuple(v): sizes for v, sizes in zip((vectors * flat).tolist(), abs(labels).tolist(), strict=True) if any(v)}
+    kind = NodeKind(tuple((v, *sizes) for v, sizes in arms.items()))
+    rank = int(np.linalg.matrix_rank(kind.vectors))
+    told = [
+        tuple((*kind.arms[i][1:], v @ v, *(v @ kind.vectors[j] for j in f[:n]))
+              for n, (i, v) in enumerate(zip(f, kind.vectors[list(f)], strict=True)))
+        for f in permutations(range(len(arms)), rank) if np.linalg.matrix_rank(kind.vectors[list(f)]) == rank
+    ]  # fmt: skip
+    assert (kind.form.key[0], kind.form.rank) == (min(told), rank)
+
+
+def test_a_node_of_many_struts_has_its_form_at_once():
+    signs = np.array([*product((1, -1), repeat=3)])
+    kinds = ((1, 2, 3), (1, 1, 0), (1, 0, 0))
+    ends = {tuple((s * p).tolist()) for v in kinds for p in permutations(v) for s in signs}
+    begun = time.process_time()
+    kind = NodeKind(tuple((end, 0, 0, 0) for end in sorted(ends)))
+    assert (len(kind.arms), kind.form.symmetries) == (66, 48)
+    assert time.process_time() - begun < 1  # 5 s where all frames are tried
 
 
 def test_rotations_that_permute_no_axes_are_found():
