@@ -1,6 +1,6 @@
 # Every target sets up what it needs: a virtual environment in .venv and the package in it.
 
-# Compiled modules are kept, also where containers are set up not to: tests start a hundred processes.
+# Compiled modules are kept, also where containers are set up not to: some forty tests start other processes.
 unexport PYTHONDONTWRITEBYTECODE
 
 PYTHON ?= python3.11
