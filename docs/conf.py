@@ -131,14 +131,14 @@ def named(app: Sphinx, what: str, name: str, obj: Any, options: Any, *texts: str
 
 def relinked(app: Sphinx, page: str, source: list[str]) -> None:
     """Links to texts elsewhere in the repository, as the README of an example, lead to their pages here; tutorials
-    have a link to their notebook below the title."""
+    have a link to their notebook below the title, and the reference has the entries of registries."""
     path = HERE / f"{page}.md"
     if path in notebooks.TUTORIALS:
         title, rest = source[0].split("\n", 1)
         link = f"[notebook with its results](../generated/notebooks/{path.stem}.ipynb)"
         source[0] = f"{title}\n\nThis page as a {link}, to go on from.\n{rest}"
     if path.parent != generated.FOLDER:
-        source[0] = generated.moved(source[0], path, path)
+        source[0] = generated.with_registered(generated.moved(source[0], path, path))
 
 
 class LinkedCode(SphinxPostTransform):

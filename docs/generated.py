@@ -20,6 +20,9 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCS, EXAMPLES = ROOT / "docs", ROOT / "examples"
 FOLDER = DOCS / "generated"
 
+REGISTERED = re.compile(r"^\.\. registered:: (\S+)$", re.M)
+"""A line of a page of the reference that stands for all entries of a registry, given as `module:NAME`."""
+
 LINK = re.compile(r"(\]\(|src=\")([^)\"#:]+)(#[\w-]*)?(?=[)\"])")
 
 GALLERIES = {
@@ -34,6 +37,18 @@ GALLERIES = {
     "extensions": "Extensions",
 }
 """Folders of examples, in the order in which the gallery shows them."""
+
+
+def with_registered(text: str) -> str:
+    """A page with a directive of autodoc for each public class of the registries that it names, in their order."""
+    import pas
+    from pas.registry import loaded
+
+    def directives(found: re.Match[str]) -> str:
+        names = [entry.__name__ for entry in loaded(found[1]).values()]
+        return "\n".join(f".. autoclass:: pas.{name}" for name in names if name in pas.__all__)
+
+    return REGISTERED.sub(directives, text)
 
 
 def moved(text: str, source: Path, page: Path) -> str:

@@ -20,7 +20,7 @@ _named, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:
-    """What has a public name; raises `AttributeError` with the nearest for any other."""
+    """The object of a public name; raises `AttributeError` with the nearest for any other."""
     if name in __all__ or name.startswith("_"):
         return _named(name)
     try:

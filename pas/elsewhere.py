@@ -21,11 +21,11 @@ found = pkgutil.resolve_name(name)(*arguments, **options)
 with open("found", "wb") as place:
     pickle.dump(found, place)
 """
-"""What the other process does in its folder."""
+"""The program of the other process in its folder."""
 
 
 def elsewhere(task: str, function: str, *arguments: Any, **options: Any) -> Any:
-    """What a function, named as `module:name`, returns in a process of its own, which ends with the limit.
+    """The result of a function, named as `module:name`, in a process of its own, which ends with the limit.
 
     For libraries that cannot be interrupted, that crash, or that leave files where they work.  Raises
     `subprocess.CalledProcessError`, with what was written to the standard error stream, where the process fails.

@@ -1,4 +1,4 @@
-"""What can go wrong: one small tree of exceptions that carry their data.
+"""The errors: one small tree of exceptions that carry their data.
 
 Misuse of the API (a wrong type, a radius of zero, an unknown file suffix) raises the builtin `TypeError` or
 `ValueError`, naming the argument and what would be right.  Everything below is about geometry, mathematics or files and

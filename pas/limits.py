@@ -1,4 +1,4 @@
-"""How long a computation may take, and how far it has come: a deadline, a progress line, and a way to stop it.
+"""Time limits, progress and interruption of computations: a deadline, a progress line, and a way to stop it.
 
 Exact computations and meshes can grow without warning.  Inside `with limit(seconds=..., progress=...)`
 the long loops of this package look at the clock through `checkpoint`: past the deadline they raise
@@ -44,14 +44,14 @@ FIRST_REPORT, REPORT_EVERY = 1.0, 0.5
 """Seconds before the first progress line, and between lines."""
 
 NO_DIGITS = str.maketrans("", "", "0123456789")
-"""What leaves the numbers out of a text."""
+"""The translation that leaves the numbers out of a text."""
 
 LIMITED = "Gives up after `seconds` and reports to `progress`, as inside `pas.limit(seconds, progress)`."
 """Added to the docstrings of limited functions."""
 
 
 class WorkLimits(TypedDict, total=False):
-    """The two keywords of limited functions: seconds after which they give up, and who is told how far they are."""
+    """The two keywords of limited functions: seconds after which they give up, and a listener to their progress."""
 
     seconds: float | None
     progress: Report | None
@@ -105,7 +105,7 @@ class _Reports:
 
 @dataclass
 class _Limit:
-    """What holds inside a `limit`: `seconds` is what the user set who set the deadline, `task` what was last said."""
+    """The state inside a `limit`: `seconds` is what the user set who set the deadline, `task` the last one reported."""
 
     seconds: float | None
     deadline: float
@@ -198,7 +198,7 @@ def checkpoint(task: str = "", done: float | None = None) -> None:
 
 
 def blocks(number: int, size: int, task: str = "") -> Iterator[slice]:
-    """So many things in parts of a size that are worked on at once, with a look at the clock before each."""
+    """Slices of a `number` of things, `size` at a time, with a look at the clock before each."""
     for start in range(0, number, size):
         checkpoint(task)
         yield slice(start, start + size)

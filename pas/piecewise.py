@@ -76,12 +76,12 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
 
     @cached_property
     def mesher(self) -> Mesher:
-        """What meshes it."""
+        """The meshers of the surface."""
         return Mesher(self)
 
     @cached_property
     def framed(self) -> FramedSurface:
-        """What proves meshes of it."""
+        """The surface in coordinates in which meshes of it are proved."""
         return FramedSurface(self)
 
     @limited("bounding curvature", "a larger bound")
@@ -165,7 +165,7 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
 
     @limited("meshing a surface", "a coarser tolerance")
     def triangulate(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> SurfaceMesh:
-        """What `mesh` was called when it made something else."""
+        """The former name of `mesh`, whose result was another."""
         return self.mesh(tolerance)
 
     def __str__(self) -> str:

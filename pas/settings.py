@@ -41,14 +41,14 @@ def given(settings: Any) -> dict[str, Any]:
 
 
 RELATIVE_TOLERANCE = 1e-3
-"""Of a mesh for which no tolerance is given, over the size of what is meshed: a thousandth is seen by nobody."""
+"""The tolerance of a mesh for which none is given, over the size of the shape: a thousandth is seen by nobody."""
 
 QUALITIES = ("angles", "balanced", "count")
-"""The names of `pas.Quality`."""
+"""The names of `pas.mesh.quality.Quality`."""
 
 
 def check_quality(given: Any) -> str:
-    """The name of a quality of meshes, given by that or as a `pas.Quality`; raises `ValueError` for any other."""
+    """The name of a quality of meshes, from that or a `pas.mesh.quality.Quality`; raises `ValueError` for any other."""
     name = given.value if isinstance(given, Enum) else given
     if name not in QUALITIES:
         raise ValueError(f"quality must be one of {', '.join(map(repr, QUALITIES))}, not {shown(given)}")

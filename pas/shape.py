@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, Self, SupportsIndex, TypeVar
 
 import numpy as np
 
@@ -36,7 +36,7 @@ class Shape(ABC):
     @property
     @abstractmethod
     def certificate(self) -> Verdicts:
-        """What is proved of it, worked out when first asked for, and kept."""
+        """The verdicts about it, worked out when first asked for, and kept."""
 
     @abstractmethod
     def mesh(self, tolerance: float | None = None, *, quality: Any = "balanced") -> Any:
@@ -81,15 +81,37 @@ class Shape(ABC):
 
     @abstractmethod
     def __str__(self) -> str:
-        """What it is, for people; of some kinds with the verdicts."""
+        """A description for people; of some kinds with the verdicts."""
 
     @property
     def description(self) -> str:
-        """What it is, for people, without the verdicts: for where these are shown in another way."""
+        """A description for people, without the verdicts: for where these are shown in another way."""
         return str(self)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {str(self).splitlines()[0]}>"
+
+    def __copy__(self) -> Self:
+        """The shape itself, which nothing changes."""
+        return self
+
+    def __deepcopy__(self, memo: object) -> Self:
+        return self
+
+    def __getstate__(self) -> dict[str, object]:
+        """What it was made of; what was worked out of that, proofs too, is worked out anew."""
+        worked_out = {n for c in type(self).__mro__ for n, a in vars(c).items() if isinstance(a, cached_property)}
+        return {name: value for name, value in vars(self).items() if name not in worked_out}
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> str | tuple[object, ...]:
+        """As its project file would have it; raises `ValueError` where it has none.
+
+        Meshes, and what is more than its kind keeps, such as a fitted patch with its distance, are all that they are.
+        """
+        kind = kind_of(self)
+        if kind.meshed or type(self) is not kind.type:
+            return super().__reduce_ex__(protocol)
+        return _unpickled, (type(self), kind.form.write(self))
 
     if not TYPE_CHECKING:  # else every name would be known
 
@@ -139,6 +161,11 @@ class Shape(ABC):
     def _repr_html_(self) -> str:
         """A table and a picture, for notebooks."""
         return str(loaded("pas.render.drawing:html")(self))
+
+
+def _unpickled(cls: type[Shape], record: dict[str, Any]) -> Any:
+    """The shape of a record; its class comes with it, so that the module that registers its kind is imported."""
+    return KINDS[cls.kind].form.read(record)
 
 
 def refuse_mixed(first: Shape, second: object) -> NoReturn:

@@ -1,4 +1,4 @@
-"""Verdicts and certificates: what was promised of a thing, and what the proofs came to.
+"""Verdicts and certificates: claims about a thing, and the outcomes of their proofs.
 
 One protocol for all kinds: `verdicts`, `proved`, `holds`, `str(...)`, `to_record()`, and a table in notebooks.
 """

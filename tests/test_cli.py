@@ -6,6 +6,7 @@ import json
 import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from pas import __version__
 from pas.cli import main
 from pas.cli.common import EXIT_CODES as EXPLAINED
 from pas.exchange.picture_options import STYLES
+from pas.network.network import Network
 
 PROBLEM = ROOT / "examples/corners/equal_gc1.toml"
 
@@ -146,6 +148,50 @@ def test_errors_are_one_sentence(made, tmp_path, capsys, monkeypatch, arguments,
     assert words in err.splitlines()[-1]
     assert "Traceback" not in err
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["network", "classes", "cubic", "--radius", "-1/8"], "radius must be positive, not -1/8"),
+        (["network", "classes", "cubic", "--cell-size", "-1e-3"], "size must be positive, not -1/1000"),
+        (["network", "classes", "cubic", "--cells", "-4,4,2"], "--cells must be one whole number or three"),
+        (["teapot", "--lid-height", "-7/5"], "for heights from 13/10 to 8/5"),
+        (["blend", PROBLEM, "--tension", "-.5"], "tension must not be negative"),
+        (["render", "MADE", "-o", "a.png", "--view", "-1,0"], "view must be three numbers, not 2"),
+        (["convert", "MADE", "a.3mf", "--length", "-1/2"], "length must not be negative, not '-1/2'"),
+        (["network", "classes", "cubic", "--order", "1.5"], "argument --order: must be a whole number, not '1.5'"),
+        (["check", "MADE", "--seconds", "soon"], "argument --seconds: must be a number, not 'soon'"),
+        (["check", "MADE", "-1/8"], "unrecognized arguments: -1/8"),
+        (["network", "classes", "cubic", "--radius", "-o"], "argument --radius: expected one argument"),
+    ],
+)
+def test_negative_numbers_are_values_of_options(made, tmp_path, capsys, monkeypatch, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    try:
+        code, _, err = run(capsys, *(made / "equal_gc1.pas.json" if a == "MADE" else a for a in arguments))
+    except SystemExit as ended:
+        code, err = ended.code, capsys.readouterr().err
+    assert code == 2
+    assert words in err.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["teapot", "--unit", "furlong"],
+        ["teapot", "--tolerance", "-1/10"],
+        ["teapot", "--scale", "0"],
+        ["network", "build", "cubic", "-o", "a.stl", "--unit", "furlong"],
+    ],
+)
+def test_wrong_values_are_told_before_the_work(tmp_path, capsys, monkeypatch, arguments):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(import_module("pas.designs.teapot"), "teapot", None)
+    monkeypatch.setattr(Network, "blend", None)
+    code, _, err = run(capsys, *arguments)
+    assert code == 2
+    assert re.fullmatch(r"pas: (unit|tolerance|scale) must be .*\n", err)
 
 
 def test_debug_shows_the_traceback(capsys):

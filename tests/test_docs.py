@@ -42,7 +42,7 @@ OUTSIDE = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "exampl
 def pages() -> dict[str, str]:
     """All pages of the site by their place in `docs`, without suffix."""
     written = {
-        str(path.relative_to(DOCS).with_suffix("")): path.read_text(encoding="utf-8")
+        str(path.relative_to(DOCS).with_suffix("")): generated.with_registered(path.read_text(encoding="utf-8"))
         for path in DOCS.rglob("*.md")
         if path.parent.name != "generated"
     }

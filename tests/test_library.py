@@ -127,7 +127,7 @@ def test_a_wheel_serves_any_python_of_its_platform(build, tmp_path):
         "import pas; pipes = [pas.Pipe((1, 0, 0), '1/3', 1), pas.Pipe((0, 1, 0), '1/3', 1)]; "
         "blend = pas.blend(pipes, 1); print(pas.__file__, blend.mesh(1e-2).is_manifold, blend.certificate.proved)"
     )
-    done = subprocess.run([python, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    done = subprocess.run([python, "-I", "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stdout.split() == [str(place / "pas" / "__init__.py"), "True", "True"]
 
 

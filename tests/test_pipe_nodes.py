@@ -8,7 +8,7 @@ import pytest
 from pas import solid
 from pas.errors import GeometryError
 from pas.pipeline.pipe_nodes import PipeNode
-from pas.solid.fillets import Filling, ways
+from pas.solid.fillets import Filling, fillet_methods
 from pas.solid.linked import RenamedBoundary
 from pas.solid.operands import Operands
 
@@ -92,11 +92,15 @@ def test_what_else_is_united_or_taken_away_stays():
 
 def test_pipes_that_an_edge_serves_have_a_fillet_of_the_edge():
     apart = run() | branch(radius="3/5") | solid.cylinder((0, 0, 0), (0, 0, -3), "3/5", face="third")
-    first, *others = ways(apart, ("run", "branch"), 1, ())
+    first, *others = fillet_methods(apart, ("run", "branch"), 1, ())
     assert isinstance(first, Filling) and isinstance(*others, PipeNode)
-    assert len(ways(apart, ("run", "branch"), 0, ())) == len(ways(apart, ("run", "branch"), 1, ["z"])) == 1
+    assert (
+        len(fillet_methods(apart, ("run", "branch"), 0, ()))
+        == len(fillet_methods(apart, ("run", "branch"), 1, ["z"]))
+        == 1
+    )
     aside = run() | branch(radius="3/5").translate(0, "1/10", 0)
-    assert len(ways(aside, ("run", "branch"), 1, ())) == 1
+    assert len(fillet_methods(aside, ("run", "branch"), 1, ())) == 1
 
 
 @pytest.mark.slow  # the refusal of what is too long finds the same one

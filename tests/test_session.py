@@ -112,6 +112,12 @@ def test_a_saved_one_is_read_again(tmp_path):
     assert loaded.certificate.proved
 
 
+@pytest.mark.parametrize("field", ["tension", "gauge", "straight"])
+def test_blends_of_other_energies_are_kept_apart(field):
+    keys = {key_of(Wishes(energy=pas.CurvatureVariation(**{field: number}))) for number in (2, 3)}
+    assert len(keys) == 2
+
+
 @pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     "contacts, options",

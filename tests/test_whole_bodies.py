@@ -41,7 +41,7 @@ def test_the_far_side_of_a_torus_is_no_part_of_a_body(bent, length):
 def test_a_contact_from_a_file_knows_its_curve(bent):
     """The clip plane cuts the torus in two circles, around (0, 2, 0) and (-4, 2, 0)."""
     assert bent.surface.contacts[0].near is None
-    assert np.abs(to_floats(bent.surface.placed.told(0).rim.center) - np.array([0, 2, 0])).max() < 0.1
+    assert np.abs(to_floats(bent.surface.placed.located(0).rim.center) - np.array([0, 2, 0])).max() < 0.1
 
 
 def test_a_piece_that_is_not_proved_to_be_one_is_refused(bent):

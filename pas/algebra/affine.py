@@ -228,8 +228,8 @@ def turns(count: int, axis: VectorLike, center: VectorLike, step: Exact | None) 
 
 
 def numbered(names: Iterable[str], copy: int) -> dict[str, str]:
-    """What is named in copy number `copy`, by its names in the first one, which stay as they are: numbers go on, where
-    "hole" and up to "hole #m" are known, with "hole #m+1" for the "hole" of the second copy."""
+    """Names for copy number `copy` of things with these names: "hole #2" for "hole" in the second copy; where the
+    original has "hole" up to "hole #m", copies continue with "hole #m+1"."""
     split = {name: re.fullmatch(r"(.*?)(?: #([2-9]|[1-9]\d+))?", name, re.DOTALL) for name in names if name}
     known = {name: (found[1], int(found[2] or 1)) for name, found in split.items() if found}
     most = dict(sorted(known.values()))
@@ -241,11 +241,11 @@ M = TypeVar("M")
 
 
 class AffineShape(ABC, Generic[M]):
-    """What affine maps can be applied to; nothing changes it: all methods return a new one."""
+    """A shape that affine maps apply to; it is immutable: all methods return a new one."""
 
     @abstractmethod
     def _moved(self, map_: Affine) -> M:
-        """Its image."""
+        """The image."""
 
     def translate(self, offset: Exact | VectorLike, *others: Exact) -> M:
         """The shape moved by three numbers (the model's units), given in one sequence or one by one."""
@@ -293,5 +293,5 @@ class AffineShape(ABC, Generic[M]):
         return self._patterned(turns(count, axis, center, step))
 
     def _patterned(self, maps: Sequence[Affine]) -> M:
-        """It and its images, as one."""
+        """The shape and its images, as one."""
         raise TypeError(f"a pattern is of solids, meshes, assemblies or profiles; {self!r} has no union")

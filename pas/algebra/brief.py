@@ -48,7 +48,7 @@ _WORDS.maxtuple = _WORDS.maxlist = _WORDS.maxdict = _WORDS.maxset = 3
 
 
 def cut(text: str, most: int = LONGEST) -> str:
-    """A text of at most so many characters: the middle of a longer one is left out."""
+    """A text of at most `most` characters: the middle of a longer one is left out."""
     head = (most - 3) * 3 // 4
     return text if len(text) <= most else f"{text[:head]}...{text[len(text) - (most - 3 - head) :]}"
 

@@ -1,4 +1,4 @@
-"""Which points of a real space curve lie on one component: exact, however close others come.
+"""The components of a real space curve on which points lie: exact, however close others come.
 
 Planes of the sweeping form cut the curve in points.  Between two planes without a turn in between, each
 point goes on to one point, and a second linear form keeps their order as long as no two have one value of
@@ -38,7 +38,7 @@ from pas.limits import checkpoint
 
 
 class LostError(Exception):
-    """It could not be decided how the arcs of a curve go on; `place` is where, if known."""
+    """It could not be decided how the arcs of a curve continue; `place` is where, if known."""
 
     def __init__(self, place: tuple[float, float, float] | None = None) -> None:
         super().__init__(str(place))
@@ -89,7 +89,7 @@ class Components:
         return next(found[0] for found in near if len(found) == 1)
 
     def _pass(self, low: fmpq, high: fmpq) -> None:
-        """Join each point of a plane with the one that it goes on to in another, without a turn in between."""
+        """Join each point of a plane with the one to which its arc leads in another, without a turn in between."""
         while low < high:
             start, stop = rational_root(low), rational_root(high)
             ahead = [[v for v in shadow.special if start <= v <= stop] for shadow in self._shadows]

@@ -51,8 +51,8 @@ class PolynomialBatch:
 
     @classmethod
     def of(cls, pieces: Sequence[Sequence[Floats]], number: int) -> PolynomialBatch:
-        """That of a `number` of polynomials on each piece, each by its coefficients (C(n+3, 3),) up to a degree n, in
-        the order of `monomials.exponents`."""
+        """The batch of a `number` of polynomials on each piece, each by its coefficients (C(n+3, 3),) up to a degree n,
+        in the order of `monomials.exponents`."""
         every = [column for own in pieces for column in own]
         degrees = [degree_of(len(column)) for column in every]
         ordered = [column[order_of_rule(n)] for column, n in zip(every, degrees, strict=True)]
@@ -115,7 +115,7 @@ def evaluate(points: Floats, coefficients: Floats) -> Floats:
 
 
 def degree_of(size: int, variables: int = 3) -> int:
-    """The least degree up to which there are so many monomials, or more."""
+    """The least degree up to which there are at least `size` monomials."""
     return next(n for n in range(size + 1) if count(n, variables) >= size)
 
 

@@ -1,4 +1,4 @@
-"""What a text in the grammar of `pas.algebra.grammar` comes to: an exact polynomial, or a function of two arrays.
+"""The values of texts in the grammar of `pas.algebra.grammar`: an exact polynomial, or a function of two arrays.
 
 Decimals are the decimals written (0.1 is 1/10).  Nothing is evaluated but arithmetic and elementary functions, so a
 text from a file is harmless.  Sympy expressions are read through the text that sympy writes for them.  Exact rational
@@ -77,7 +77,7 @@ def read_formula(expression: Any, names: Names) -> Formula:
 
 
 def evaluate(text: str, names: Names, values: Values[V]) -> V:
-    """What a text in two parameters comes to in some kind of values; raises `ValueError` saying what is wrong."""
+    """The value of a text in two parameters, in some kind of values; raises `ValueError` saying what is wrong."""
     program = _program(text, names)
     with _named(text):
         return run(program, values)

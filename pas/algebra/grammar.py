@@ -102,7 +102,7 @@ def steps(
 
 
 def run(program: Sequence[Step], values: Values[V]) -> V:
-    """What an expression comes to."""
+    """The value of an expression."""
     stack: list[V] = []
     for step in program:
         if step.action == "number":
@@ -121,7 +121,7 @@ def run(program: Sequence[Step], values: Values[V]) -> V:
 
 @dataclass
 class _Bracket:
-    """What is open: the whole text, one side of an equation or a bracket; where, and which function it belongs to."""
+    """An open bracket, side of an equation or whole text; where it is, and which function it belongs to."""
 
     start: int
     function: Token | None = None
@@ -208,7 +208,7 @@ class _ShuntingYard:
         self.operand = True
 
     def _finish(self, rank: int) -> None:
-        """Do what waits in this bracket and comes before a sign of this rank to its right."""
+        """Complete waiting operations in this bracket that bind before a sign of this rank to their right."""
         while self.waiting and RANKS[self.waiting[-1][0]] >= max(rank, 1):
             sign, start = self.waiting.pop()
             _, end = self.spans.pop()

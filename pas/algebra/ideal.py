@@ -92,7 +92,7 @@ class Ideal(Exchanged):
 
     @classmethod
     def from_raw(cls, *raws: fmpq_mpoly) -> Ideal:
-        """That of polynomials of the program's ring, not all zero."""
+        """The ideal of polynomials of the program's ring, not all zero."""
         return cls([Polynomial.from_raw(raw) for raw in raws])
 
     @property

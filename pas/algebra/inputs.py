@@ -1,4 +1,4 @@
-"""How large inputs may be, in one place: numbers, polynomials, orders, degrees, tolerances, texts and records.
+"""Limits of the sizes of inputs, in one place: numbers, polynomials, orders, degrees, tolerances, texts and records.
 
 Ten characters can ask for what no machine holds (`1e99999999`, `((9^60)^60)^60`, `"order": 2001`), and the exact
 library ends the process where memory does.  So whatever enters, from a script, a problem file or a project file, passes
@@ -35,7 +35,7 @@ LONGEST_TEXT = 200_000
 """Characters of one expression: the 455 terms of degree 12 with coefficients of 200 digits have half as many."""
 
 MAXIMAL_DEGREE = 60
-"""Of polynomials that are written down; higher powers are surely slips."""
+"""The highest degree of polynomials that are written down; higher powers are surely slips."""
 
 HIGHEST_POWER = 200
 """Degree of powers that are worked out: evaluated, such a polynomial has C(203, 3) = 1.4 million coefficients."""
@@ -47,19 +47,19 @@ WIDEST = 300
 """Decimal exponent of how much larger coefficients of one function that is evaluated in doubles may be than others."""
 
 HIGHEST_ORDER = 8
-"""Of contact: a corner takes degree 8 at order 4 already, and the search for a blend ends at degree 12."""
+"""The highest order of contact: a corner takes degree 8 at order 4 already, and the search ends at degree 12."""
 
 HIGHEST_DEGREE = 12
-"""Of a blend, where the search for a lowest degree ends: matrices of 2730 unknowns on the corner."""
+"""The highest degree of a blend, where the search for a lowest degree ends: matrices of 2730 unknowns on the corner."""
 
 HIGHEST_SURFACE_DEGREE = 16
 """Of a piecewise surface from elsewhere: a corner is proved in 0.04 s at degree 4, 7 s at 16, 76 s at 24."""
 
 MOST_PIECES = 100_000
-"""Of a partition: the largest problem measured has 162."""
+"""The most pieces of a partition: the largest problem measured has 162."""
 
 MOST_SURFACES = 32
-"""That a parametric blend meets: by Hermite interpolation of order 8 it is of degree 287 then."""
+"""The most surfaces that a parametric blend meets: by Hermite interpolation of order 8 it is of degree 287 then."""
 
 HIGHEST_EXPONENT = 24
 """Of the weights of a parametric blend: that for contact of order 8 is 9 or 10, others only flatten the ends."""
@@ -85,7 +85,7 @@ def shown(value: Any) -> str:
 
 
 def shown_point(point: Iterable[Any], digits: int = 4) -> str:
-    """A point of a sentence: its coordinates in brackets, to so many digits."""
+    """A point in a sentence: its coordinates in brackets, to some number of digits."""
     return "(" + ", ".join(f"{float(c):.{digits}g}" for c in point) + ")"
 
 
@@ -196,7 +196,7 @@ def points_of(points: ArrayLike, name: str = "points") -> Floats:
 
 
 def set_fields(made: Any, **fields: Any) -> None:
-    """What a frozen object was given, as it keeps it: for its constructor alone."""
+    """Set the fields of a frozen object, in its constructor alone."""
     for name, value in fields.items():
         object.__setattr__(made, name, value)
 

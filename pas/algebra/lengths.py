@@ -49,7 +49,7 @@ def arc_lengths(points: Floats) -> Floats:
 
 
 def resampled(points: Floats, number: int, last: bool = True) -> Floats:
-    """So many points (number, 3) evenly along a polyline (N, 3), from its first point to its `last` or before that."""
+    """Points (number, 3) evenly along a polyline (N, 3), from its first point to its `last` or before that."""
     along = arc_lengths(points)
     even = np.linspace(0.0, along[-1], number, endpoint=last)
     return np.stack([np.interp(even, along, column) for column in points.T], axis=1)

@@ -10,6 +10,7 @@ among them by lattice reduction (Lenstra, Lenstra and Lovasz 1982).
 
 from __future__ import annotations
 
+import copyreg
 import random
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,6 +21,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpz, fmpz_mat, nmod_mat
+
+
+def _reduced(matrix: Any) -> tuple[type, tuple[Any, ...]]:
+    return type(matrix), (matrix.nrows(), matrix.ncols(), matrix.entries())
+
+
+for kind in (fmpq_mat, fmpz_mat):  # which do not say themselves how they are pickled
+    copyreg.pickle(kind, _reduced)
 
 
 @dataclass(frozen=True, eq=False)

@@ -134,7 +134,7 @@ def _cheapest(rows: Sequence[Row], admits: Callable[[fmpq_mpoly], bool]) -> tupl
 
 
 def _doubtful_factor(rows: Sequence[Row], case: Locus) -> fmpq_mpoly:
-    """What to split on: contents of rows first, then the factor of lowest degree that occurs most."""
+    """The factor to split on: contents of rows first, then the one of lowest degree that occurs most."""
     contents = [q for row in rows for q in case.doubtful(_content(row))]
     factors = contents or [q for row in rows for entry in row.values() for q in case.doubtful(entry)]
     times = Counter(map(str, factors))

@@ -35,7 +35,7 @@ GENERATORS: tuple[fmpq_mpoly, ...] = RING.gens()
 RESIDUES = nmod_mpoly_ctx.get(VARIABLES, modulus=2**31 - 1, ordering=Ordering.degrevlex)
 
 BOXED = "pas.piecewise:boxed"
-"""What makes a surface of a polynomial, in a layer above."""
+"""The function that makes a surface of a polynomial, in a layer above."""
 
 PolynomialLike: TypeAlias = "Polynomial | Exact | Symbolic | Mapping[tuple[int, ...], Exact]"
 """What is taken for a polynomial; see `Polynomial`."""
@@ -184,7 +184,7 @@ class Polynomial:
 
     @cached_property
     def residues(self) -> nmod_mpoly:
-        """That multiple modulo a prime."""
+        """The primitive multiple modulo a prime."""
         terms = self._primitive.raw.to_dict().items()
         return RESIDUES.from_dict({e: int(c.p) % RESIDUES.modulus() for e, c in terms})
 

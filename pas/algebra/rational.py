@@ -1,4 +1,4 @@
-"""Exact numbers at the door: whatever the user writes becomes a `flint.fmpq` here.
+"""Exact numbers from input: whatever the user writes becomes a `flint.fmpq` here.
 
 Accepted: `int`, `Fraction`, `str` ("1/3", "0.25", "1e-3", taken as the decimal written), sympy
 rationals, numpy integers and floats, and `float`, which is taken as the shortest decimal that it

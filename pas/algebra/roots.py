@@ -14,7 +14,7 @@ from typing import Any
 from flint import arb, ctx, fmpq, fmpq_mpoly, fmpq_poly, fmpz_poly
 
 FIRST_BITS = 64
-"""Of balls, before more are asked for."""
+"""The first accuracy of balls in bits, before more are asked for."""
 
 
 def accuracies() -> Iterator[int]:

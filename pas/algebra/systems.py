@@ -36,7 +36,7 @@ class System:
 
 
 class Exported:
-    """What has generators that other programs can go on with."""
+    """An object with generators, which other programs can read."""
 
     @property
     @abstractmethod
@@ -71,16 +71,16 @@ class Exported:
 
 
 class Exchanged(Exported):
-    """What can be made of its generators again."""
+    """An object that can be made of its generators again."""
 
     @classmethod
     def of_rows(cls, rows: Rows) -> Self:
-        """That which some tuples generate; raises `ValueError` for tuples of another length than it has."""
+        """The object that some tuples generate; raises `ValueError` for tuples of another length than it has."""
         return cls(*rows)
 
     @classmethod
     def from_singular(cls, text: str) -> Self:
-        """That of input for Singular, `ideal I = ...;` or `module M = ...;`, or of what it prints, `I[1]=...`.
+        """The object of input for Singular, `ideal I = ...;` or `module M = ...;`, or of its output, `I[1]=...`.
 
         The ring is Q[x, y, z].  Raises `ValueError`, which quotes what cannot be read.
         """

@@ -45,7 +45,7 @@ class Quotient:
 
     @classmethod
     def of(cls, ideal: Ideal) -> Quotient | None:
-        """That of an ideal; None where it has infinitely many zeros."""
+        """The quotient ring of an ideal; None where it has infinitely many zeros."""
         leads = [leading_exponents(g) for g in ideal.basis]
         powers = [min((e[i] for e in leads if sum(e) == e[i]), default=None) for i in range(3)]
         if any(p is None for p in powers):

@@ -27,7 +27,7 @@ from pas.arrays import Floats, Integers
 UNIT_ROUNDOFF = 2.0**-53
 
 LARGEST_ERROR, SMALLEST = 2.0**-36, 1e-200
-"""What forms in doubles may be off by, over their largest coefficient, which is to be far from underflow."""
+"""The largest error of forms in doubles, over their largest coefficient, which is to be far from underflow."""
 
 
 def on_simplex(polynomial: fmpq_mpoly, vertices: Sequence[Vector]) -> fmpq_mpoly:
@@ -152,7 +152,7 @@ def polar_forms(
 
 @cache
 def _polar_weights(degree: int) -> Floats:
-    """What coefficients are multiplied with to be values of the polar form: 1 over multinomial coefficients."""
+    """The factors from coefficients to values of the polar form: 1 over multinomial coefficients."""
     return np.array([1 / multinomial((degree - sum(e), *e)) for e in exponents(degree)])
 
 
@@ -161,17 +161,12 @@ def _blossom(table: Floats, degree: int, places: Floats) -> Iterator[Floats]:
     place, rest = places[0], places[1:]
     forms = [table]
     for left in range(degree, 0, -1):
-        forms.append(_with(forms[-1], left, place))
+        forms.append((forms[-1][_steps(left - 1)] * place).sum(axis=1))  # one more argument is this place
     if not len(rest):
         yield forms[-1][0]
         return
     for times in range(degree, -1, -1):
         yield from _blossom(forms[times], degree - times, rest)
-
-
-def _with(table: Floats, degree: int, place: Floats) -> Floats:
-    """The polar form of `degree` arguments, one of which is a place (4, N): that of the others."""
-    return (table[_steps(degree - 1)] * place).sum(axis=1)
 
 
 @cache
@@ -206,7 +201,7 @@ class BoundedForms:
 
     @property
     def size(self) -> Floats:
-        """What no coefficient is larger than, (N,)."""
+        """An upper bound (N,) of the coefficients in absolute value."""
         return np.asarray(np.abs(self.values).max(axis=1) + self.error)
 
     def __add__(self, other: BoundedForms) -> BoundedForms:
@@ -253,7 +248,7 @@ class BoundedForms:
 
 @cache
 def _terms(degree: int, other: int) -> tuple[Integers, Floats]:
-    """Of each multi-index b of the second degree, where those of the first plus b stand, and the weights, (k, m)."""
+    """For each multi-index b of the second degree the positions of the first degree's plus b, and weights, (k, m)."""
     first, second = (np.array(homogeneous_exponents(n, 4)) for n in (degree, other))
     whole = degree + other
     binomials = np.array([[comb(n, k) for k in range(whole + 1)] for n in range(whole + 1)], dtype=float)

@@ -60,7 +60,7 @@ class Cells:
         return replace(self, **{name: array[rows] for name, array in self._arrays.items()})
 
     def joined(self, others: Sequence[Self]) -> Self:
-        """These cells and then others; what holds for all is taken from these."""
+        """These cells and then others; fields that hold for all are these cells'."""
         if not any(map(len, others)):
             return self
         arrays = self._arrays
@@ -102,7 +102,7 @@ class Boxes(Cells):
 
 @dataclass(frozen=True)
 class Limits:
-    """When to give up: after `depth` rounds of splitting, or with more than so many `cells` open."""
+    """The limits at which a search gives up: `depth` rounds of splitting, and more than `cells` open ones."""
 
     depth: int = 48
     cells: int = 20_000
@@ -110,9 +110,9 @@ class Limits:
 
 @dataclass(frozen=True)
 class Searched(Generic[Batch]):
-    """What came of a search: the cells that were `kept`, those in which the claim fails, and those left `open`.
+    """The result of a search: the cells that were `kept`, those in which the claim fails, and those left `open`.
 
-    `examined` counts all cells.  What holds for all of a batch is as it was in the end.
+    `examined` counts all cells.  Fields that hold for all of a batch are as they were at the end.
     """
 
     kept: Batch

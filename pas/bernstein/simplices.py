@@ -160,7 +160,7 @@ class Means:
     taken: Integers
 
     def __call__(self, forms: Floats) -> Floats:
-        """Those on the parts (P, T, m) of simplices (T, m)."""
+        """The B-coefficients on the parts (P, T, m) of simplices (T, m)."""
         table = np.empty((len(self.halves), len(forms)))
         table[: forms.shape[1]] = forms.T
         for start, end in pairwise(self.levels):
@@ -170,7 +170,7 @@ class Means:
 
 
 def means(degree: int, parts: Sequence[Sequence[Node]]) -> Means:
-    """Those of parts whose corners, as many as the simplex has, are given."""
+    """The means for parts of a simplex with given corners, as many as the simplex has."""
     vertices = len(parts[0])
     ends = [_end(k, vertices) for k in range(vertices)]
     nodes = [*ends, *sorted({node for part in parts for node in part if node not in ends})]
@@ -203,7 +203,7 @@ def means(degree: int, parts: Sequence[Sequence[Node]]) -> Means:
 
 @cache
 def bisection(degree: int, vertices: int) -> tuple[Means, ...]:
-    """Those of both halves of a simplex, cut at the middle of each of its `edges`.
+    """The means for both halves of a simplex, cut at the middle of each of its `edges`.
 
     The first half has the middle in place of the edge's second corner, the other in place of its first.
     """

@@ -24,7 +24,7 @@ from pas.errors import GeometryError
 from pas.partition.boxes import SixTetrahedra
 
 OTHERS = "for others give a partition, such as partition=pas.SingleCell(lower, upper), a box with the clips as sides"
-"""What to do about contacts that make no corner."""
+"""The advice for contacts that make no corner."""
 
 
 def six_tetrahedra(items: Sequence[Circular | Contact]) -> SixTetrahedra:
@@ -119,7 +119,7 @@ def _apart(items: Sequence[Circular | Contact]) -> str:
 
 
 def check_circle(number: int, pipe: Circular, join: Join) -> None:
-    """That a pipe's circle fits the clip face, or by how much it does not."""
+    """Raise `GeometryError`, saying by how much, where a pipe's circle does not fit the clip face."""
     clip = join.contact.clip
     foot = moved(pipe.point, (-clip.raw(*pipe.point) / dot(slope_at(clip), pipe.axis), pipe.axis))
     largest = min(_distance(foot, a, b) for a, b in join.rim())

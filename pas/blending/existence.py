@@ -229,7 +229,7 @@ def _terms(whole: fmpq_mpoly, ring: Parameters) -> Terms:
 
 
 def _check(solution: ParametricNullspace, rows: Sequence[Mapping[int, fmpq_mpoly]]) -> None:
-    """That each basis member satisfies every equation on its locus, exactly, and none depends on others."""
+    """Check that each basis member satisfies every equation on its locus, exactly, and that they are independent."""
     for vector in solution.basis:
         for row in rows:
             shared = row.keys() & vector.keys()

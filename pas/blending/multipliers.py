@@ -158,7 +158,7 @@ class Consistency:
 
     @cached_property
     def _factors(self) -> tuple[fmpq_mpoly, ...]:
-        """What each unknown multiplies: alphas, betas, gammas, free patches."""
+        """The factor of each unknown: of alphas, betas, gammas and free patches."""
         power = self.order + 1
         alphas = (face.plane.raw**power for face in self.interior_faces)
         betas = (self.contacts[i].clip.raw ** power for i, _ in self.sites)

@@ -97,7 +97,7 @@ def coordinates_of(vector: Sequence[fmpq], *others: Sequence[fmpq]) -> list[fmpq
 
 
 def bernstein_polynomials(others: Sequence[Sequence[fmpq]], degree: int) -> list[Column]:
-    """Those of a simplex in coordinates by its corners (1, x, y, z), or by three rays, by multi-index and monomial."""
+    """The Bernstein polynomials of a simplex by corners (1, x, y, z), or of rays, by multi-index and monomial."""
     axes, inverse = (RING.constant(1), *GENERATORS)[-len(others) :], fmpq_mat([list(other) for other in others]).inv()
     forms = [sum((g * inverse[i, k] for i, g in enumerate(axes)), RING.constant(0)) for k in range(len(others))]
     powers = [[form**k for k in range(degree + 1)] for form in forms]

@@ -132,7 +132,7 @@ def _on_regions(
         )
 
     def regions(items: Sequence[Circular | Contact]) -> Iterator[PlacedContacts]:
-        """Of all layouts that fit; raises the error of the last where none does."""
+        """The contacts on regions of all layouts that fit; raises the error of the last where none does."""
         failure: GeometryError | None = None
         found = False
         for made in ContactNode.of([item.contact for item in items], center).regions(order, wanted):
@@ -181,7 +181,7 @@ def _turned(join: Join) -> Contact:
 
 
 def _check_curve(number: int, contact: Contact) -> None:
-    """That a contact's curve is a real curve, for contacts on no face."""
+    """Raise `GeometryError` where a contact on no face has no real curve."""
     if Ideal(contact.surface, contact.clip).is_whole_ring:
         raise GeometryError(
             f"contact {number}: the surface {contact.surface} and the clip {contact.clip} have no common "
@@ -201,7 +201,7 @@ def _check_curve(number: int, contact: Contact) -> None:
 
 
 def _check_closed(partition: Partition, placed: Sequence[Join]) -> None:
-    """That one contact closes an open region."""
+    """Raise `GeometryError` where no contact closes an open region."""
     openings = [number for number, join in enumerate(placed, start=1) if join.opening]
     if partition.sides and partition.center is not None and len(openings) != 1:
         apex = f"({listed(partition.center)})"
@@ -213,7 +213,7 @@ def _check_closed(partition: Partition, placed: Sequence[Join]) -> None:
 
 
 def _check_apart(contacts: Sequence[Contact]) -> None:
-    """That no two contact curves have a common point: one polynomial cannot be regular there."""
+    """Raise `GeometryError` for two contact curves with a common point: no polynomial is regular there."""
     for (i, a), (j, b) in combinations(enumerate(contacts, start=1), 2):
         common = real_zeros(Ideal(a.surface, a.clip, b.surface, b.clip))
         if common == []:

@@ -1,4 +1,4 @@
-"""Which members of a space are of use at its contacts, what of it is trivial, and what generates all of any degree.
+"""The members of a space that are regular at its contacts, its trivial part, and generators of members of any degree.
 
 A member g that meets a contact (f, h) is `alpha f + beta h^(k+1)`.  Where alpha vanishes on all of the curve V(f, h),
 g is singular along it and continues nothing.  Such members are *singular*.  Of little use are also *products*,
@@ -55,7 +55,7 @@ def is_regular(space: Space) -> bool:
 
 
 def _some_beyond(space: Space, join: Join, ideal: Ideal) -> bool:
-    """Whether some member is not in an ideal, in a piece that carries a contact: the first that is found will do."""
+    """Whether some member is not in an ideal, on a piece that carries a contact; stops at the first."""
     rows = (map(fmpq, space.source.row(piece, member)) for piece in join.pieces for member in range(space.dimension))
     return any(ideal.equations([(0, _terms(row, space.degree))], space.degree) for row in rows)
 
@@ -105,7 +105,7 @@ class TrivialPart:
         return found
 
     def remarks(self) -> Iterator[str]:
-        """What a user must know, a sentence each; nothing for a space with nothing trivial."""
+        """Sentences that a user must know about the space; none where nothing is trivial."""
         m = self.space.dimension
         if m == 0:
             return

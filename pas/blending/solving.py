@@ -247,6 +247,6 @@ def solve_along_tree(placed: PlacedContacts, degree: int) -> Products:
 
 
 def _difference(patch: Mapping[int, Column], other: Mapping[int, Column]) -> Iterator[tuple[int, Column]]:
-    """What each unknown adds to the difference of two patches, which have many in common."""
+    """The contribution of each unknown to the difference of two patches, which have many in common."""
     yield from ((u, column) for u, column in patch.items() if u not in other)
     yield from ((u, {e: -c for e, c in column.items()}) for u, column in other.items() if u not in patch)

@@ -65,6 +65,10 @@ class Space(InPlace, Exported):
         known = space.placed, space.degree, space.source, space.given_basis, space.degrees_tried, space.prepare
         return cls(*known)
 
+    def __reduce__(self) -> tuple[type[Self], tuple[Any, ...]]:
+        """The members, exactly: what is prepared for their choice is prepared anew in another process."""
+        return type(self), (self.placed, self.degree, self.source, self.given_basis, self.degrees_tried)
+
     @property
     def prepared(self) -> PreparedSpace:
         """The members in floating point, with what the fit asks of them; made once."""

@@ -1,4 +1,4 @@
-"""The certificate of a piecewise surface: what was promised of it, and what the proofs came to.
+"""The certificate of a piecewise surface: the claims about it, and the outcomes of their proofs.
 
 Places are given in the surface's local coordinates, and told in those of its user.
 """
@@ -64,7 +64,7 @@ class Certificate(Verdicts):
 
 @dataclass(frozen=True)
 class Proposition:
-    """What is claimed of a surface, in words."""
+    """A claim about a surface, in words."""
 
     surface: PiecewisePolynomial
     words: str

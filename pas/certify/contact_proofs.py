@@ -62,7 +62,7 @@ def clip_sided(join: Join) -> SignResult:
 
 
 def check_join(number: int, join: Join) -> None:
-    """That contact `number` can be met at all: its curve is closed, regular and in its faces.
+    """Check that contact `number` can be met at all: its curve is closed, regular and in its faces.
 
     Raises `GeometryError` with the place where it fails.
     """
@@ -76,8 +76,8 @@ def check_join(number: int, join: Join) -> None:
 
 
 def _flaws(join: Join) -> Iterator[tuple[SignResult | None, str, str]]:
-    """What is wrong with a contact on its clip faces: the proof of signs that failed, if there is one, what verdicts
-    say of it, and what is said to whoever gave the contact."""
+    """The flaws of a contact on its clip faces: the proof of signs that failed, if there is one, the words of verdicts,
+    and the words for whoever gave the contact."""
     surface, clip = join.contact.surface, join.contact.clip
     inside = positive_on(join.rim(), alike(surface.raw, join.rim()))
     if inside.status is not Status.PROVED:

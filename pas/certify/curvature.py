@@ -148,7 +148,7 @@ def _curvature(raw: fmpq_mpoly, grad: Sequence[fmpq_mpoly], curve: Ideal) -> tup
 
 
 def _adjugate(rows: Matrix[R]) -> Matrix[R]:
-    """That of a symmetric matrix: its rows are the cross products of the matrix's rows."""
+    """The adjugate of a symmetric matrix: its rows are the cross products of the matrix's rows."""
     return [cross(rows[(i + 1) % 3], rows[(i + 2) % 3]) for i in range(3)]
 
 

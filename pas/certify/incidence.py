@@ -1,4 +1,4 @@
-"""How the patches of a surface meet a contact on its clip faces, decided by powers of the face's plane.
+"""The order of contact of a surface's patches with a contact on its clip faces, by powers of the face's plane.
 
 With t the plane, a patch `sum g_i t^i` meets a surface `sum f_i t^i` with GC^k along V(f, t) iff `g = alpha f` has a
 solution with polynomials on the plane as coefficients up to t^k (theorem 3 of docs/theory/verdicts.md).  Where the
@@ -108,7 +108,7 @@ def alpha_signs(surface: PiecewisePolynomial, join: Join, *, on_curve: bool) -> 
 
 
 def _without(alpha: fmpq_mpoly, others: Sequence[Join], face: OuterFace) -> fmpq_mpoly:
-    """What remains of alpha on a clip face without the factors that are other contacts' surfaces there."""
+    """The quotient of alpha on a clip face by the factors that are other contacts' surfaces there."""
     for other in others:
         if any(plane.plane == face.plane for plane in other.planes):
             quotient, remainder = divmod(alpha, powers(other.contact.surface.raw, face.plane, 1)[0])

@@ -69,7 +69,7 @@ class FramedSurface:
 
     @cached_property
     def makers(self) -> list[TriangleForms]:
-        """What makes the forms of each patch on triangles in the enlarged region."""
+        """The makers of the forms of each patch on triangles in the enlarged region."""
         return [TriangleForms(patch, self.degree, self.reach) for patch in self.patches]
 
     def jets(self, points: Floats) -> tuple[Floats, Floats]:
@@ -149,8 +149,8 @@ class FramedSurface:
         return inside, near
 
     def touched(self, corners: Floats, larger: float = 1.0) -> list[Integers]:
-        """Of each piece, of the region or of one so many times as large, which triangles (T, 3, 3) may have a point in
-        it."""
+        """For each piece, of the region or of one `larger` times as large, which triangles (T, 3, 3) may have a point
+        in it."""
         if len(self.patches) == 1:
             return [np.arange(len(corners))]
         if larger != 1:
@@ -256,8 +256,8 @@ def isolated(forms: Floats, corners: Floats, error: float = UNIT_ROUNDOFF) -> Se
 
 
 def critical_parts(found: Searched[Simplices], free: Free) -> Searched[Simplices]:
-    """Those of some simplices that were kept which are free, or parts of these where they are not: the polynomial has
-    one sign on each, and all its critical points are in one of them or of those left open."""
+    """The kept simplices that are free, or parts of those that are not: the polynomial has one sign on each, and all
+    its critical points are in one of them or of those left open."""
 
     def judge(cells: Simplices, _: int) -> Fates:
         fates = cells.rising()

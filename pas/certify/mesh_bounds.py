@@ -40,7 +40,7 @@ class Parts(Cells):
         return cls(corners, np.arange(len(corners)), np.ones((len(corners), 3), dtype=bool))
 
     def quarters(self) -> Parts:
-        """Those with marks among the four of each, cut at the middles of sides, which are marked if both ends are."""
+        """The quarters of each with marked corners: cut at sides' middles, marked if both ends are."""
         marks = quarters(self.marks.astype(float)).reshape(-1, 3) == 1
         parts = Parts(quarters(self.corners).reshape(-1, 3, 3), np.repeat(self.owner, 4), marks)
         return parts if marks.all() else parts.select(marks.any(axis=1))
@@ -91,7 +91,7 @@ def bounds(mesh: FramedMesh) -> tuple[Floats, Floats]:
 
 
 def _bounded(local: FramedSurface, corners: Floats, normals: Floats, loose: Floats) -> tuple[Floats, Floats, Bools]:
-    """Of triangles (T, 3, 3) upper bounds of |f|, lower ones of derivatives along normals that are off by `loose`, and
+    """For triangles (T, 3, 3) upper bounds of |f|, lower ones of derivatives along normals that are off by `loose`, and
     which may touch several pieces, (T,)."""
     most, least = np.zeros(len(corners)), np.full(len(corners), np.inf)
     touched = local.touched(corners)
@@ -114,8 +114,8 @@ def _largest(ranges: tuple[Floats, Floats]) -> Floats:
 
 
 def _slack(sizes: Floats, error: float, loose: Floats) -> Floats:
-    """What derivatives along unit vectors may be off by, which are themselves off by `loose` (T,): of gradients of
-    some size (T,) whose coefficients err by so much."""
+    """The errors (T,) of derivatives along directions that are off by `loose` (T,), for gradients of some size (T,)
+    whose coefficients are off by `error`."""
     return np.asarray(3 * error + loose * (sizes + 3 * error))
 
 
@@ -193,7 +193,7 @@ def farthest(mesh: FramedMesh, most: Floats, least: Floats) -> Floats | None:
 
 
 def _one_signed(mesh: FramedMesh, chosen: Integers, away: float) -> Integers:
-    """Of some triangles those that were not seen to have both signs, they or each of their parts moved so far.
+    """Those of some triangles of which f is not proved to have both signs once they, or their parts, move by `away`.
 
     One is given up where the middle of a part has a sign on neither way: parts of that would not have it either.
     """

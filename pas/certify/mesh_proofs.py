@@ -33,7 +33,7 @@ BORDER = "a manifold that ends on the walls"
 
 @dataclass(frozen=True)
 class MeshCertificate(Findings):
-    """What is proved of a mesh of a surface.
+    """The verdicts on a mesh of a surface.
 
     `distance` is the largest of the mesh's points from the zeros, proved, in the model's units, None where it is not
     known; `places` are points (x, y, z) where it could not be decided that the topology is that of the surface.

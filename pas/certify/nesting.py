@@ -147,7 +147,7 @@ def _nested(
     walls: Sequence[fmpq_mpoly],
     words: str,
 ) -> Verdict:
-    """That on simplices, where no wall is positive, a contact's inner surface is inside its outer one."""
+    """The verdict that on simplices, where no wall is positive, a contact's inner surface is inside its outer one."""
     outer = claim.surface
     narrow = outer.partition.frame.localise(inner.contacts[number].surface).raw
     wide = -outer.joins[number].contact.surface.raw

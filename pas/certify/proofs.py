@@ -46,7 +46,7 @@ class Claim:
 
 
 CLAIMS: Registry[Claim] = Registry("claim about surfaces", {})
-"""What is proved of every surface beside its contacts, faces, sheets and walls; old files have no verdicts on it."""
+"""Further claims about every surface, beside contacts, faces, sheets and walls; old files have no verdicts on it."""
 
 
 def certify(surface: PiecewisePolynomial) -> Certificate:

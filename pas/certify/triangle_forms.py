@@ -30,7 +30,7 @@ ELEVATED = 3
 
 
 class TriangleForms:
-    """What makes forms of one polynomial, as of one degree, on triangles with coordinates up to `reach`.
+    """The conversion of one polynomial, as of one degree, to forms on triangles with coordinates up to `reach`.
 
     B-coefficients are off by at most `value_error`, those of its gradient by `gradient_error`.
     """

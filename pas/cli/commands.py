@@ -1,4 +1,4 @@
-"""What the commands do, whatever kind of shape a problem asks for or a project file holds."""
+"""The functions of the commands, for every kind of shape that a problem asks for or a project file holds."""
 
 from __future__ import annotations
 
@@ -35,6 +35,7 @@ from pas.shape import kind_of
 from pas.verdicts import Verdicts
 
 if TYPE_CHECKING:
+    from pas.designs.teapot import Teapot
     from pas.exchange.corner_problem import CornerProblem
 
 
@@ -156,11 +157,11 @@ def _written(shape: Any, options: argparse.Namespace) -> CommandResult:
     reports = write_as(shape, options.output, mesh, unit=unit, sew=options.sew, open=bool(options.open))
     path = str(Path(options.output))
     lines = [f"{path}: {report}" for report in reports] or [path]
-    return CommandResult("\n".join(lines), {"written": [path], **_told(reports)})
+    return CommandResult("\n".join(lines), {"written": [path], **_reports_record(reports)})
 
 
-def _told(reports: Sequence[Any]) -> dict[str, Any]:
-    """What files tell of their parts, as a record."""
+def _reports_record(reports: Sequence[Any]) -> dict[str, Any]:
+    """The reports of files on their parts, as a record."""
     return {"reports": [asdict(report) for report in reports]} if reports else {}
 
 
@@ -193,7 +194,7 @@ def run_build(options: argparse.Namespace) -> CommandResult:
     lines = [str(shape), "", *([f"unit: {unit}"] if unit else []), str(listed), "", clock_line(clock)]
     lines += [*written_lines(files), *(f"  {report}" for report in reports)]
     record = {
-        **_told(reports),
+        **_reports_record(reports),
         "name": problem.name,
         "written": files,
         "unit": unit,
@@ -269,6 +270,8 @@ def run_teapot(options: argparse.Namespace) -> CommandResult:
     from pas.designs.teapot import teapot
 
     folder = output_folder(options.output)
+    wanted, sizing = given(settings_of(MeshSettings, options)), settings_of(Sizing, options)
+    given_unit = unit_named(options.unit) if options.unit else None
     clock = Clock()
     built = teapot(
         options.style,
@@ -276,10 +279,10 @@ def run_teapot(options: argparse.Namespace) -> CommandResult:
         spout_tilt=options.spout_tilt,
         handle_size=options.handle_size,
     )
-    pot, unit = _sized(built, options, options.unit)
+    pot, unit = cast("tuple[Teapot, str | None]", sizing.applied(built, given_unit))
     usual = MeshSettings(0.001 if pot is built else None)
     clock.passed("build and prove")
-    mesh = pot.meshed(replace(usual, **given(settings_of(MeshSettings, options))))
+    mesh = pot.meshed(replace(usual, **wanted))
     clock.passed("mesh", f" ({len(mesh.triangles)} triangles)")
     text = str(pot)
     with together(folder) as place:

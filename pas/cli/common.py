@@ -1,4 +1,4 @@
-"""What the commands share: exit codes, what they come to, progress, settings as arguments, names of files, versions."""
+"""The common parts of commands: exit codes, results, progress, settings as arguments, names of files, versions."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ INTERRUPTED = 130
 
 @dataclass(frozen=True)
 class CommandResult:
-    """What a command came to: the text that it prints, the same as a record for `--json`, and the exit code."""
+    """The result of a command: the text that it prints, the same as a record for `--json`, and the exit code."""
 
     text: str
     record: dict[str, Any]
@@ -57,7 +57,7 @@ class Clock:
 
 
 def verdict_record(certificate: Any) -> dict[str, Any]:
-    """What programs read of a certificate."""
+    """A certificate as a record for programs."""
     verdicts = [verdict.to_record() for verdict in certificate.verdicts]
     return {"proved": certificate.proved, "holds": certificate.holds, "verdicts": verdicts}
 
@@ -134,7 +134,7 @@ def tell(line: str) -> None:
 
 
 LIBRARIES = ("numpy", "scipy", "sympy", "python-flint", "cvxpy", "clarabel", "daqp", "pyvista", "vtk", "manifold3d")
-"""Those on which results and their speed depend."""
+"""The libraries on which results and their speed depend."""
 
 
 def version_text(verbose: bool) -> str:

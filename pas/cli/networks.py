@@ -13,7 +13,7 @@ from pas.cli.commands import write_outputs
 from pas.cli.common import DONE, FAILED, Clock, CommandResult, settings_of, verdict_record, written_lines
 from pas.errors import library, meant
 from pas.exchange.files import make_folder, target
-from pas.exchange.formats import suffixes_of
+from pas.exchange.formats import suffixes_of, unit_named
 from pas.limits import part as share
 from pas.settings import MeshSettings
 
@@ -69,6 +69,7 @@ def _build(network: Network, options: argparse.Namespace) -> CommandResult:
     outputs = [Path(name) for name in options.output]
     for path in outputs:
         target(path, (".npz", ".csv", ".pas.json", ".png", *suffixes_of("triangles")), "a network")
+    unit = unit_named(options.unit) if options.unit else None
     if options.blocks:
         make_folder(Path(options.blocks))  # that it cannot is said before hours of work
         if not options.resume and any(Path(options.blocks).glob("block-*.stl")):
@@ -81,7 +82,7 @@ def _build(network: Network, options: argparse.Namespace) -> CommandResult:
         with share(1 / 2):
             certificate = part.certificate
         clock.passed("prove")
-        write_outputs(part, outputs, mesh, options.unit, clock, npz=network.write, csv=network.write)
+        write_outputs(part, outputs, mesh, unit, clock, npz=network.write, csv=network.write)
         blocks = part.write_blocks(options.blocks, mesh.tolerance, map=map_) if options.blocks else ()
     written = [*outputs, *blocks]
     record = {
@@ -118,7 +119,7 @@ def _blended(
 
 @contextmanager
 def _engine(options: argparse.Namespace) -> Iterator[Callable[..., Any]]:
-    """What solves and writes: a loop, or workers of Dask; raises `ValueError` and `MissingLibraryError`."""
+    """The `map` that solves and writes: a loop, or workers of Dask; raises `ValueError` and `MissingLibraryError`."""
     if options.workers is None and options.scheduler is None:
         yield map
         return

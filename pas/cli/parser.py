@@ -44,6 +44,7 @@ class Command:
         )  # fmt: skip
         parser.set_defaults(command=self.name, run=self.run)
         parser.reader = self.reader
+        parser._negative_number_matcher = re.compile("-[^a-zA-Z-]")  # fractions and lists of numbers as well
         parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
         if self.name not in ("solve", "studio"):  # one prints other forms, too, the other nothing in the end
             parser.add_argument("--json", action="store_true", help="print the result as JSON")
@@ -304,6 +305,8 @@ class Parser(argparse.ArgumentParser):
             message = f"there is no command {wrong[1]!r}" + (
                 meant(wrong[1], re.findall(r"[\w-]+", wrong[2])) or f"; there are {wrong[2]}"
             )
+        message = message.replace("invalid int value:", "must be a whole number, not")
+        message = message.replace("invalid float value:", "must be a number, not")
         option = re.search(r"unrecognized arguments: (--[\w-]+)", message)
         if option:
             message += meant(option[1], self.options)

@@ -1,4 +1,4 @@
-"""What contacts with an axis have in common: exact coordinates along it and across, and a plane that ends them."""
+"""The base of contacts with an axis: exact coordinates along it and across, and a plane that ends them."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class Axial(Movable):
 
     @property
     def clip_scale(self) -> fmpq:
-        """The factor of the clip polynomial, which is (u - clip) else."""
+        """The factor of the clip polynomial, relative to (u - clip)."""
         return fmpq(1)
 
 

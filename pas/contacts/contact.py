@@ -162,7 +162,7 @@ CONTACTS: Registry[type[Any]] = Registry(
     },
     key="table",
 )
-"""What problem files may have for contacts, by the names of their tables."""
+"""The kinds of contacts that problem files may have, by the names of their tables."""
 
 
 def as_contact(item: ContactLike, name: str = "contact") -> Contact:

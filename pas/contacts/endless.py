@@ -68,7 +68,7 @@ class Endless(Axial):
         raise NotImplementedError(f"{type(self).__name__} does not say how wide it is")
 
     def _changes(self, clip: fmpq) -> dict[str, Any]:
-        """The fields that are others for another clip."""
+        """The changed fields for another clip."""
         return {"clip": clip}
 
 

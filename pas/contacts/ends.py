@@ -1,4 +1,4 @@
-"""Where a blend ends at a contact, in doubles: what a flange, a drawing or the next part needs to know."""
+"""The ends of a blend at its contacts, in doubles, as a flange, a drawing or the next part needs them."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class ContactEnd:
 
     @classmethod
     def of(cls, contact: ContactLike, center: VectorLike | None = None) -> ContactEnd:
-        """That of a contact with an end, such as a pipe, around the `center` (3,) of a node.
+        """The end at a contact with a clip, such as a pipe, around the `center` (3,) of a node.
 
         Raises `GeometryError` where the contact has no closed plane curve.
         """

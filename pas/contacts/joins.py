@@ -1,4 +1,4 @@
-"""Where contacts sit on a partition: the clip faces and the curves in them.
+"""The places of contacts on a partition: the clip faces and the curves in them.
 
 A `Join` is one contact together with its clip faces, the outer faces on which the clip vanishes identically, and the
 pieces behind them, which carry the contact.  A clip vanishes on a face iff the face's plane divides it; what is left of
@@ -230,7 +230,7 @@ def _divides(plane: Polynomial, polynomial: Polynomial) -> bool:
 
 @cache
 def _lattice(n: int) -> tuple[Floats, Integers, Integers]:
-    """Of the uniform lattice on a triangle: barycentric coordinates (m, 3) of its points, the edges (e, 2) of its small
+    """The uniform lattice on a triangle: barycentric coordinates (m, 3) of its points, the edges (e, 2) of its small
     triangles, and these by the numbers of their edges (n^2, 3)."""
     place = {index: k for k, index in enumerate(reversed(homogeneous_exponents(n, 3)))}
     edges: dict[tuple[int, int], int] = {}

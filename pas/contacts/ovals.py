@@ -78,7 +78,7 @@ class Oval:
 
 
 def settled(surface: Polynomial, points: Floats, corrections: int = 3) -> Floats:
-    """Points (N, 3) brought onto a surface, as one that cuts out a curve in a plane, by so many steps of Newton's
+    """Points (N, 3) moved onto a surface, as one that cuts out a curve in a plane, by `corrections` steps of Newton's
     method: from half a step's turn on a curve three reach rounding."""
     for _ in range(corrections):
         slopes = surface.gradient(points)

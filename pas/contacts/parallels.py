@@ -59,7 +59,7 @@ def inner_contact(contact: Contact, thickness: fmpq, number: int = 1) -> Contact
 
 
 def _check_apex(contact: Contact, inner: Polynomial, thickness: fmpq, number: int) -> None:
-    """That the point from which a contact opens, if it does, is inside the inner surface as well."""
+    """Raise `GeometryError` where the point from which a contact opens, if it does, is not inside the inner surface."""
     point = apex(contact.clip)
     if point is not None and contact.surface.raw(*point) < 0 <= inner.raw(*point):
         raise GeometryError(

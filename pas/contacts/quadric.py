@@ -93,7 +93,7 @@ def _polynomial(quadric: Any) -> Polynomial:
 
 
 def _narrowed(axes: Axes, center: Vector, rest: fmpq, thickness: fmpq) -> Polynomial:
-    """Of an ellipsoid, an elliptic cylinder or a hyperboloid of one sheet: with its semi-axes less the thickness."""
+    """An ellipsoid, an elliptic cylinder or a hyperboloid of one sheet with its semi-axes less the thickness."""
     squares = {i: shrunk(-rest / value, thickness) for i, (_, value) in enumerate(axes) if value > 0}
     first = min(squares)
     scale = axes[first][1] * squares[first]  # the first coefficient stays as it was

@@ -43,7 +43,7 @@ from pas.contacts.ovals import Oval, Strip, ovals
 from pas.errors import GeometryError
 
 USUAL_POINTS = 64
-"""Of a rim, unless another number is asked for."""
+"""The number of points of a rim, unless another one is asked for."""
 
 DIRECTIONS = ((fmpq(7), fmpq(-5)), (fmpq(3), fmpq(8)))
 """Linear forms a s + b t in the plane's coordinates: where they are greatest and least ovals are looked for."""
@@ -133,7 +133,7 @@ class PlaneChart:
 
     @classmethod
     def of(cls, plane: Polynomial) -> PlaneChart:
-        """That of a plane, a polynomial of degree 1; its origin is the point next to the origin of space."""
+        """The chart of a plane, a polynomial of degree 1; its origin is the point next to the origin of space."""
         slope = Scaled.of([plane - plane.at((0, 0, 0))])
         normal = slope_at(slope.polynomials[0])
         share = -plane.raw(0, 0, 0) / fmpq(2) ** slope.exponent / dot(normal, normal)
@@ -292,7 +292,7 @@ def _rounded(point: Floats, polygon: Floats, chart: PlaneChart) -> Vector:
 
 
 def _check_regular(restricted: Polynomial, chart: PlaneChart, rim: Rim, words: str) -> None:
-    """That no singular point of the whole plane curve, as where two of its components cross, is on a rim."""
+    """Raise `GeometryError` for a singular point of the whole plane curve, as where two components cross, on a rim."""
     if restricted.degree < 3:
         return
     product = prod((Polynomial.from_raw(p) for p, _ in restricted.raw.factor()[1]), start=Polynomial(1))

@@ -1,4 +1,4 @@
-"""What designs are made of: exact fields, and polynomials fitted to points inside the ideals of their joints.
+"""The means of designs: exact fields, and polynomials fitted to points inside the ideals of their joints.
 
 Whatever a maker wrote becomes a `Fraction`, a `Polynomial` or points of these; what is fitted is even in y.
 """
@@ -30,7 +30,7 @@ def number(value: Any, name: str) -> Fraction:
 
 
 def _each(value: Any, name: str, what: str, read: Callable[[Any, str], Any]) -> tuple[Any, ...]:
-    """What is read of each entry of a sequence; raises `TypeError` for what is none."""
+    """The entries of a sequence, each read; raises `TypeError` for what is no sequence."""
     if isinstance(value, str) or not isinstance(value, Sequence):
         raise TypeError(f"{name} must be {what}, not {shown(value)}")
     return tuple(read(entry, f"{name}[{i}]") for i, entry in enumerate(value))

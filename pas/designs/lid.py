@@ -27,7 +27,7 @@ class Lid(Design):
     """
 
     height: Fraction = Fraction(7, 5)
-    """Of the knob's top, from z = 0."""
+    """The height of the knob's top, from z = 0."""
 
     dome: Fraction = Fraction(1, 10)
     """How high the ellipsoid over the rim would go."""
@@ -37,7 +37,7 @@ class Lid(Design):
     """Where the blend of dome and knob begins and ends."""
 
     apex: Fraction = Fraction(1, 10)
-    """Of the cone of which the knob has the curvature where it starts."""
+    """The apex of the cone of which the knob has the curvature where it starts."""
 
     seat: Fraction = Fraction(3, 20)
     gap: Fraction = Fraction(1, 50)

@@ -132,7 +132,7 @@ class Spout(Design):
         return [self._cone(number, other, _near(self._reach(number) / length), less) for other, length in lines]
 
     def _cone(self, number: int, other: int, clip: Fraction, less: Fraction) -> Cone:
-        """That from one point of the axis to another, cut off at a share of the way."""
+        """The cone from one point of the axis to another, cut off at a share of the way."""
         here, there = self._points[number], self._points[other]
         slope = self.axis[other][2] - self.axis[number][2]
         axis = [b - a for a, b in zip(here, there, strict=True)]

@@ -29,7 +29,7 @@ POT_COLOR, LID_COLOR = "#7d9db5", "#e8a33d"
 
 @runtime_checkable
 class HandleShape(Protocol):
-    """What a handle must be able to do, and a spout as well."""
+    """The interface of a handle, and of a spout as well."""
 
     def walls(self) -> tuple[tuple[Polynomial, ...], tuple[Polynomial, ...]]:
         """Where upper and lower body end at it: polynomials that are positive on the body's side."""
@@ -40,7 +40,7 @@ class HandleShape(Protocol):
 
 @runtime_checkable
 class SpoutShape(HandleShape, Protocol):
-    """What a spout must be able to do, which is more."""
+    """The interface of a spout."""
 
     def channel(self) -> Solid | None:
         """The room inside, from the room of the body to beyond the mouth; None for a pot that is not hollow."""

@@ -146,7 +146,7 @@ VERSION = 1
 SUFFIX = ".pas.json"
 
 MOST_BYTES = 1 << 28
-"""Of a project file: a part that is a mesh of a million triangles takes half."""
+"""The most bytes of a project file: a part that is a mesh of a million triangles takes half."""
 
 
 def write_project(path: str | Path, content: dict[str, Any], written_by: str) -> Path:
@@ -226,7 +226,7 @@ def checksum(content: dict[str, Any]) -> str:
 
 @contextmanager
 def understood(name: str) -> Iterator[None]:
-    """What is wrong with a content, as it is read inside, becomes a `ProjectFileError` with the file's name."""
+    """Errors inside, of reading a content, become a `ProjectFileError` with the file's name."""
     try:
         yield
     except (LimitError, ProjectFileError):

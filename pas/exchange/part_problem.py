@@ -87,9 +87,9 @@ OWN = {"S", "M", "Self"}
 
 @dataclass(frozen=True)
 class Maker:
-    """What a table may ask for: a function, or a method, whose arguments are the keys.
+    """A function, or a method, that a table may call, with the keys as its arguments.
 
-    `gives` names the class of what it gives, "" where that is the class of what it takes.
+    `gives` names the class of the result, "" where that is the class of what it is called on.
     """
 
     name: str
@@ -105,7 +105,7 @@ class Maker:
         return {p.name: p.default is p.empty and p.kind is not p.VAR_POSITIONAL for p in found if p.name not in left}
 
     def __call__(self, taken: Any, record: Mapping[str, Any]) -> Any:
-        """What it gives, of what it takes where it is a method; raises `TypeError` for no list, text or flag."""
+        """The result, of an object for a method; raises `TypeError` for an argument that is no list, text or flag."""
         form = signature(self.function)
         values = {name: as_written(value) if _hinted(form, name, "int") else value for name, value in record.items()}
         for name, value in values.items():
@@ -136,7 +136,7 @@ SET_OPERATIONS = {
 
 
 def _made_by(owner: Any) -> dict[str, Maker]:
-    """What functions, or methods of a class, give a thing of `CLASSES`."""
+    """The functions, or methods of a class, that return a thing of `CLASSES`."""
     found = {}
     for name, function in getmembers(owner, isfunction):
         gives = getattr(function, "__annotations__", {}).get("return", "")
@@ -157,7 +157,7 @@ MAKERS: Registry[Maker] = Registry(
 
 @cache
 def steps_of(name: str) -> Registry[Maker]:
-    """What can be done with a thing, by the name of its class."""
+    """The methods that a step may call on a thing, by the name of its class."""
     return Registry(f"step for a {name.lower()}", _made_by(CLASSES[name]) | SET_OPERATIONS)
 
 
@@ -171,7 +171,7 @@ class Call:
     place: tuple[str, int, str]
 
     def done(self, things: Mapping[str, Any], taken: Any = None) -> Any:
-        """What it gives, of things by name; raises `ProblemFileError` with what making it raises, and the line."""
+        """The result, given things by name; raises `ProblemFileError` with what making it raises, and the line."""
 
         def make(record: dict[str, Any]) -> Any:
             if self.maker.name not in SET_OPERATIONS:
@@ -275,7 +275,7 @@ def _check(
 
 
 def _blend(reader: TableReader, table: dict[str, Any]) -> Callable[[], Solid]:
-    """What makes the solid of a blend; raises `ProblemFileError` as the reader of such problems does."""
+    """A function that makes the solid of a blend; raises `ProblemFileError` as the reader of such problems does."""
     for key in ("tolerance", "mesh", "picture"):
         if key in table:
             raise ValueError(f"{key} is that of the whole file")

@@ -1,4 +1,4 @@
-"""What files hold of shapes: parts with names, colours and meshes, solids with exact faces, or rational patches."""
+"""The contents of files of shapes: parts with names, colours and meshes, exact solids, or rational patches."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def all_different(names: Iterable[str], between: str) -> list[str]:
 
 
 def repeated_colors(parts: Sequence[Piece], counts: Sequence[int]) -> Any:
-    """The parts' colours, each so many times (M, 3)."""
+    """The parts' colours, each as often as its count says (M, 3)."""
     return np.repeat(np.array([p.color for p in parts], dtype=np.uint8), counts, axis=0)
 
 
@@ -234,7 +234,7 @@ def _patches(item: Any, number: int, domain: Any) -> Sequence[RationalPatch]:
     kind = kind_of(item, f"patches must be RationalPatch objects, parametric surfaces or blends; patches[{number}]")
     if kind.patches is None:
         hint = (
-            "write the solid that it bounds, as in shape.solid().write('name.step')"
+            "write the solid that it bounds, as in shape.solid().write('name.step') or by `pas convert`"
             if hasattr(item, "solid")
             else "write its triangles, as in shape.write('name.3mf')"
         )
@@ -249,7 +249,7 @@ FACES: Content[list[RationalPatch] | list[ExactPart]] = Content("faces", faces_o
 
 
 def part_list_of(thing: Any, request: Request) -> PartList:
-    """What a solid, a closed mesh or each part of an assembly measures; raises `TypeError` for what is no body."""
+    """The measures of a solid, a closed mesh or each part of an assembly; raises `TypeError` for what is no body."""
     if isinstance(thing, list | tuple):
         raise TypeError("measures are those of one shape; make an assembly of several, as in solid.assembly(a=a, b=b)")
     kind = kind_of(thing, "shape")

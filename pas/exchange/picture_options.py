@@ -1,4 +1,4 @@
-"""How shapes are drawn, as a value: the options of pictures, for verbs, commands and problem files alike.
+"""The options of pictures as a value, for verbs, commands and problem files alike.
 
 What they do stands in `pas.render`, above.
 """
@@ -32,7 +32,7 @@ VIEWS: dict[str, View] = {
 
 
 class Style(Enum):
-    """What the colours show: the styles that come with `pas`, each of which may be given by its name, too."""
+    """The styles that come with `pas`, each of which may be given by its name, too: what the colours show."""
 
     PLAIN = "plain"
     ZEBRA = "zebra"
@@ -47,7 +47,7 @@ class Style(Enum):
 STYLES: Registry[Any] = Registry(
     "style of pictures", {style.value: f"pas.render.styles:{style.name}" for style in Style}
 )
-"""What the colours of a picture show; a user's own is added by `STYLES.register(...)`, see `pas.render.scene`."""
+"""The styles of pictures, by name; a user's own is added by `STYLES.register(...)`, see `pas.render.scene`."""
 
 
 class PictureOptions(TypedDict, total=False):
@@ -150,7 +150,7 @@ class Picture:
 
     @property
     def coloring(self) -> Any:
-        """What the style does, a `pas.render.scene.Coloring`."""
+        """The style's implementation, a `pas.render.scene.Coloring`."""
         return STYLES[self.name]
 
     @property

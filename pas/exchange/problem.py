@@ -81,9 +81,9 @@ class TableReader:
         self.file, self.lines, self.keys, self.lists = file, text.splitlines(), keys, lists
 
     def check(self, table: Any, section: str = "", index: int = 0) -> None:
-        """That a table is one, has only known keys and all that it needs, of the right shape.
+        """Check that a table is one, has only known keys and all that it needs, of the right shape.
 
-        The keys of sections of which none are known are the business of what is made of them.
+        In sections with no known keys, the keys are left to whatever is made of the table.
         """
         name, known = f"[{section}]" if section else "the file", self.keys.get(section, table)
         if not isinstance(table, dict):
@@ -107,19 +107,19 @@ class TableReader:
             raise self.error(f"{key} must be {WORDS[kind]}, not {shown(as_written(value))}", section, key=key)
         return value
 
-    def checked(self, data: dict[str, Any], key: str, door: Callable[[Any], Any], default: Any = None) -> Any:
-        """A value of the whole file as a door, such as those of `pas.algebra.inputs`, lets it in."""
+    def checked(self, data: dict[str, Any], key: str, check: Callable[[Any], Any], default: Any = None) -> Any:
+        """A value of the whole file, as a check, such as those of `pas.algebra.inputs`, returns it."""
         if key not in data:
             return default
         try:
-            return door(as_written(data[key]))
+            return check(as_written(data[key]))
         except (LimitError, ProblemFileError):
             raise
         except (ValueError, TypeError, PasError) as error:
             raise self.error(str(error), key=key) from None
 
     def made(self, make: Callable[[dict[str, Any]], T], table: Any, section: str, index: int = 0, title: str = "") -> T:
-        """What is made of one table; what that raises is placed at the first key of the table that it names."""
+        """The object that `make` makes of one table; its errors get the line of the first key that they name."""
         self.check(table, section, index)
         try:
             return make(table)
@@ -131,11 +131,11 @@ class TableReader:
             raise self.error(f"{title}{error}", section, index, key) from None
 
     def table(self, data: dict[str, Any], section: str, make: Callable[[dict[str, Any]], T]) -> T | None:
-        """What is made of a table that need not be there."""
+        """The object made of an optional table, None without it."""
         return self.made(make, data[section], section, 0, f"[{section}]: ") if section in data else None
 
     def each(self, data: dict[str, Any], section: str, make: Callable[[dict[str, Any]], T], noun: str) -> list[T]:
-        """What is made of each table of a list."""
+        """The object made of each table of a list."""
         entries = enumerate(data.get(section, []))
         return [self.made(make, entry, section, i, f"{noun} {i + 1}: ") for i, entry in entries]
 
@@ -230,7 +230,7 @@ class Problem(ABC):
 
     @property
     def fixed(self) -> str:
-        """What is said where an option is to be changed that such a problem has not."""
+        """The sentence for an option to be changed that such a problem does not have."""
         return "there is nothing to change in such a problem"
 
     @abstractmethod

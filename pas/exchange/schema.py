@@ -172,7 +172,7 @@ def row(*entries: Form) -> Value:
 
 
 def _list(parts_of: Callable[[int], Sequence[Form]], words: str) -> Value:
-    """A list whose entries have the forms that `parts_of` gives for so many."""
+    """A list whose entries have the forms that `parts_of` gives for its length."""
 
     def inside(value: Any, place: str) -> None:
         wanted = parts_of(len(value))

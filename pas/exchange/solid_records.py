@@ -232,7 +232,7 @@ _FORMS |= {float: replace(REAL, read=float), fmpq: replace(NUMBER, read=rational
 _FORMS[Floats] = Value(
     "an array", lambda v: isinstance(v, list), read=partial(np.array, dtype=float), write=np.ndarray.tolist
 )
-"""Of fields of what bounds solids, by their types."""
+"""The forms of fields of solids' boundaries, by their types."""
 
 
 @cache
@@ -259,7 +259,7 @@ def _form_of(kind: Any) -> Form:
 
 
 def _body(protocol: type, **entries: Any) -> Any:
-    """What is of a dataclass of `pas.solid` that a protocol stands for; raises `ValueError` for others."""
+    """The object of a dataclass of `pas.solid` that implements a protocol; raises `ValueError` for others."""
     kind = _class_named(entries["class"])
     asked = {name for name in vars(protocol) if not name.startswith("_")}
     if kind is None or not is_dataclass(kind) or not asked <= {*dir(kind), *kind.__dataclass_fields__}:
@@ -273,7 +273,7 @@ _BODY = _form_of(SolidBoundary)
 
 
 def _sum_of(functions: Sequence[Function], **records: Any) -> str:
-    """What tells whether both inequalities and what bounds a solid, by their records, are as they were written."""
+    """A checksum of the records of a solid's inequalities and of its boundary, which must be from one solid."""
     return checksum({"functions": [FUNCTION.write(function) for function in functions], **records})
 
 

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     import pyvista
 
 VOLUME_TOLERANCE = 0.02
-"""By which the volume of the tetrahedra may be off, relative."""
+"""The largest relative error of the volume of the tetrahedra."""
 
 
 @dataclass(frozen=True)
@@ -241,7 +241,7 @@ def _filled(
 def _tetrahedra(
     points: Floats, triangles: Integers, length: float, envelope: float, settings: VolumeSettings
 ) -> tuple[Floats, Integers]:
-    """What fTetWild makes of a mesh of diagonal 1 (it crashes on very small ones), without unused points."""
+    """The tetrahedra of fTetWild in a mesh of diagonal 1 (it crashes on very small ones), without unused points."""
     kept = {name: getattr(settings, name) for name in ("optimize", "simplify", "coarsen", "stop_energy")}
     others = {"num_opt_iter": settings.iterations, "num_threads": settings.threads, "quiet": True}
     found, tetrahedra = tetrahedralize(

@@ -1,4 +1,4 @@
-"""The one door from exact solution spaces to floating point: a well-conditioned working basis.
+"""The one conversion of exact solution spaces to floating point: a well-conditioned working basis.
 
 The reduced basis of a solution space can be nearly dependent in floating point (condition
 numbers of 10^10 to 10^17 were measured on corners).  So the basis is first changed by a matrix of

@@ -1,4 +1,4 @@
-"""What is asked of members at sample points: inequalities, with a margin, for what the proofs ask everywhere.
+"""Sampled constraints on members: inequalities, with a margin, for the conditions that the proofs ask everywhere.
 
 `f > 0` on the outer walls, `alpha > 0` on the clip faces and along the cones through openings, `f < 0` at the centre.
 The condition of one sheet is asked at points of the surface, which are not known beforehand: where members fail it on
@@ -75,7 +75,7 @@ class Inequalities:
         return Inequalities(self.rows / by[:, None], self.at_least / by)
 
     def missed(self, unknowns: Floats, share: float) -> Inequalities:
-        """Those of which a member does not reach a share of the right-hand side."""
+        """The inequalities of which a member does not reach a share of the right-hand side."""
         chosen = self.rows @ unknowns < share * self.at_least
         return Inequalities(self.rows[chosen], self.at_least[chosen])
 

@@ -31,7 +31,7 @@ INSIDE, ON, OUTSIDE = -1, 0, 1
 
 @dataclass(frozen=True)
 class Wish:
-    """What is wished of a point: the signs of f that meet it."""
+    """A wish for a point: the signs of f that meet it."""
 
     name: str
     point: Vector

@@ -70,7 +70,7 @@ class Energy(Serialisable):
         return np.zeros((basis.size, basis.size))
 
     def residuals(self, points: SurfacePoints, sizes: Sizes) -> Floats:
-        """What is squared, summed and integrated over the surface, at points of it: (N, R)."""
+        """The residuals (N, R) at points of the surface, whose squares are summed and integrated over it."""
         return np.zeros((len(points), 0))
 
     def slopes(self, points: SurfacePoints, sizes: Sizes) -> Floats:
@@ -284,7 +284,7 @@ class Sizes:
 
 
 STEP = 1e-6
-"""Of differences, over the largest value of the quantity: half of the digits."""
+"""The step of differences, over the largest value of the quantity: half of the digits."""
 
 
 def differences(residuals: Callable[[SurfacePoints], Floats], points: SurfacePoints) -> Floats:

@@ -1,4 +1,4 @@
-"""What is bounded: how far a surface is beyond the limits of fairness, as residuals where it is.
+"""The excess of a surface over the limits of fairness, as residuals where a limit is passed.
 
 A minimum of curvature variation may bend a fillet more than the limits allow where that costs little, in the
 middle of a fillet or just before a contact.  The squares of what is beyond the limits (see
@@ -64,7 +64,7 @@ class CurvatureExcess:
 
     @classmethod
     def of(cls, neighbours: Sequence[Neighbour], limits: FairnessLimits) -> CurvatureExcess:
-        """That beside given neighbours."""
+        """The excess beside given neighbours."""
         radius = float(np.mean([n.radius for n in neighbours]))
         return cls(limits, sharpest_of(neighbours), largest_arc(neighbours), radius)
 
@@ -133,10 +133,10 @@ def by_area(sampled: SampledGeometry, over: Floats, slopes: Floats, radius: floa
     """Residuals where a limit is passed, weighted by the areas that the points stand for, over a squared radius."""
     weights = sampled.areas / radius**2
     slopes[:, AREA] += over / 2
-    return _pressed(over, slopes, weights)
+    return _limit_residuals(over, slopes, weights)
 
 
-def _pressed(over: Floats, slopes: Floats, weights: Floats) -> Residuals:
+def _limit_residuals(over: Floats, slopes: Floats, weights: Floats) -> Residuals:
     """Residuals (N, 1) of a limit that is passed by `over` (N,) units, with slopes (N, 15) and weights (N,)."""
     root = np.sqrt(PRESS * weights)[:, None]
     return Residuals(np.arange(len(over)), root * over[:, None], (root * slopes)[:, None])
@@ -191,7 +191,7 @@ class SectionExcess:
         slopes[:, : changes.shape[1]] = (-self.signs * self.widest / WRONG)[:, None] * changes
         # a point stands for its arc times the width of the arc: its weight is taken from the start's distance
         weights = EVERY * 2 * np.pi / AROUND * self.rays.distances / self.rays.distances.mean()
-        yield _pressed(np.where(self.signs == 0, 0.0, over), slopes, weights)
+        yield _limit_residuals(np.where(self.signs == 0, 0.0, over), slopes, weights)
 
 
 Limit = CurvatureExcess | BulgeExcess | WaistExcess | SectionExcess

@@ -31,8 +31,7 @@ REFERENCE = tuple(vector(corner) for corner in ((0, 0, 0), (1, 0, 0), (0, 1, 0),
 
 @dataclass(frozen=True)
 class Functional:
-    """What a polynomial on one piece is multiplied with: a column (C(n+3, 3), 1) on its coefficients
-    in local coordinates."""
+    """A linear functional of polynomials on one piece: a column (C(n+3, 3), 1) on coefficients in local coordinates."""
 
     piece: int
     column: fmpq_mat

@@ -1,4 +1,4 @@
-"""What is optimised: an energy of the surface, with what is beyond the limits of fairness, over the members of a space.
+"""The objective: an energy of the surface, with the excess over the limits of fairness, over the members of a space.
 
 Both are sums of squared residuals of the surface's geometry along rays (`pas.fairing.ray_samples`).  The rays are laid
 for one member and stay: so the objective of any other member that they meet is a true function of its coefficients.
@@ -40,13 +40,13 @@ CHECKED, WRONG, SHARE = 32, 1e-3, 0.25
 
 @dataclass(frozen=True)
 class Term:
-    """Limits, and the rays along which they are looked at."""
+    """Limits, and the rays along which they are evaluated."""
 
     samples: RaySamples
     limits: tuple[Limit, ...]
 
     def beyond(self, sampled: SampledGeometry) -> tuple[Residuals, ...]:
-        """What is beyond them."""
+        """The residuals of passed limits."""
         return tuple(residuals for limit in self.limits for residuals in limit.beyond(sampled))
 
 

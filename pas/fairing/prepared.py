@@ -160,7 +160,7 @@ class FitSettings:
 
     slower: float = 4.0
     faster: float = 0.1
-    """What the damping grows by where Phi does not fall, and shrinks to where it falls as foreseen."""
+    """The factor by which the damping grows where Phi does not fall, and shrinks to where it falls as foreseen."""
 
     brief: int = 40
     """Steps that are taken while more than `hopeless` is beyond the limits."""
@@ -174,7 +174,7 @@ class FitSettings:
     damping grows and hides that there is nothing to gain."""
 
     met: float = 1e-3
-    """What an inequality may lack, as a share of its margin, where a member is said to meet it; solvers leave 1e-9."""
+    """The share of its margin that an inequality may lack where a member is said to meet it; solvers leave 1e-9."""
 
     closer: int = 3
     """Times that rays are added where curvature is beyond the limits between those that there are."""

@@ -33,7 +33,7 @@ from pas.fairing.wishes import (
 from pas.partition.cells import Partition
 
 ROUNDING = 1e-7
-"""What rounding and the solver may cost a point without margin, over the region's radius."""
+"""The value that rounding and the solver may cost a point without margin, over the region's radius."""
 
 SIDES = (("inside", -1), ("outside", 1))
 """The kinds of points with an inequality, and the sign of f there."""
@@ -250,7 +250,7 @@ class MemberProgramme:
 
     @cached_property
     def _hessian(self) -> Floats:
-        """What is minimised to begin with."""
+        """The Hessian of the first quadratic form to be minimised."""
         return (self.space.thin_plate if self.energy.on_surface else self._form) + self._near
 
     @cached_property
@@ -278,7 +278,7 @@ class MemberProgramme:
 
 @dataclass(frozen=True)
 class ExactRows:
-    """What wishes ask exactly of members on a partition; `on` gives the values (m,) of a functional on these."""
+    """The exact equations of wishes for members on a partition; `on` gives the values (m,) of a functional on these."""
 
     wishes: Wishes
     partition: Partition

@@ -45,7 +45,7 @@ ITERATIONS = 200
 
 
 class Outcome(Enum):
-    """What a programme came to."""
+    """The outcome of a programme."""
 
     SOLVED = "solved"
     INFEASIBLE = "infeasible"
@@ -75,7 +75,7 @@ class Programme:
 
 @dataclass(frozen=True)
 class QuadraticSolution:
-    """What came of a programme, and its unknowns (zeros unless SOLVED)."""
+    """The outcome of a programme, and its unknowns (zeros unless SOLVED)."""
 
     outcome: Outcome
     unknowns: Floats

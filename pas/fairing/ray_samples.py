@@ -202,8 +202,8 @@ class SampledGeometry:
 
 @dataclass(frozen=True)
 class Residuals:
-    """What is squared and summed at some of the points, by rising numbers `chosen` (K,): `values` (K, R), and their
-    `slopes` (K, R, 15) by the quantities of `SurfacePoints` and the logarithm of the area."""
+    """Residuals at some of the points, by rising numbers `chosen` (K,): `values` (K, R), whose squares are summed, and
+    their `slopes` (K, R, 15) by the quantities of `SurfacePoints` and the logarithm of the area."""
 
     chosen: Integers
     values: Floats

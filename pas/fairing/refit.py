@@ -37,7 +37,7 @@ def refitted(
 def _stepped(
     space: PreparedSpace, surface: PiecewiseSurface, fitted: FittedMember | None, wishes: Wishes, steps: int | None
 ) -> FittedMember:
-    """That by steps alone; raises `InfeasibleError` where rays from the centre miss the surface."""
+    """The member after some steps; raises `InfeasibleError` where rays from the centre miss the surface."""
     live = steps is not None
     solver = FitSolver(space, wishes, LIVE if live else SETTINGS)
     if not solver.energy.on_surface:

@@ -66,7 +66,7 @@ class FittedMember:
 
     @property
     def phi(self) -> float:
-        """What was minimised."""
+        """The value of the objective."""
         return self.energy + self.beyond
 
 
@@ -274,7 +274,7 @@ class FitSolver:
         return at.member + step, was - now - float(2 * model.slope @ step + step @ model.normal @ step)
 
     def phi(self, member: Floats, value: ObjectiveValue | None) -> float:
-        """What is minimised."""
+        """The value of the objective at a member."""
         of_surface = 0.0 if value is None else value.total
         return of_surface + float(member @ self.programme.quadratic_part @ member) / 2
 

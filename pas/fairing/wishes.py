@@ -1,4 +1,4 @@
-"""What the user asks of the shape: points, handles, coefficients, a normalisation, an energy, and proofs or none.
+"""The user's wishes for the shape: points, handles, coefficients, a normalisation, an energy, and proofs or none.
 
 `PointOptions` and `Options` are the one list of these options; `Wishes` is what they come to.
 """
@@ -31,7 +31,7 @@ DEFAULT_MARGIN = 1e-4
 far enough for rounding not to move them across, and for solvers to see a contradiction."""
 
 DEFAULT_NEAR_WEIGHT = fmpq(100)
-"""Of squared values at `near` points, over the energy: members then pass within about 1e-2 of them."""
+"""The weight of squared values at `near` points, over the energy: members then pass within about 1e-2 of them."""
 
 POINTS = ("inside", "outside", "through", "near")
 """The kinds of points."""

@@ -59,7 +59,7 @@ SIDE_BUDGET = 100_000
 
 
 class Finding(NamedTuple):
-    """What a claim came to; `witness`: an exact point where it fails, or the ends of a segment on which it does."""
+    """The outcome of a claim; `witness`: an exact point where it fails, or the ends of a segment on which it does."""
 
     claim: str
     status: str

@@ -26,7 +26,7 @@ SCALARS = {"whole": ctypes.c_ssize_t, "int": ctypes.c_int, "double": ctypes.c_do
 """The types of arguments and of results, as the header calls them."""
 
 ENTRIES: dict[str, DTypeLike] = {"whole": np.intp, "double": np.float64, "char": np.bool_}
-"""Those of the entries of arrays."""
+"""The types of the entries of arrays."""
 
 
 class Array(NamedTuple):
@@ -55,7 +55,7 @@ def library() -> ctypes.CDLL:
 
 @cache
 def signatures() -> dict[str, Signature]:
-    """Those of all functions of the header, by name.  Raises `MissingLibraryError` where it is not there."""
+    """The signatures of all functions of the header, by name.  Raises `MissingLibraryError` without the header."""
     try:
         text = re.sub(r"/\*.*?\*/", "", HEADER.read_text(), flags=re.DOTALL)
     except OSError as error:
@@ -144,7 +144,7 @@ def compiled() -> Functions:
 
 
 def _held(value: Any, array: Array, name: str) -> AnyArray:
-    """A copy of what is only read, as the function takes it."""
+    """A contiguous copy, of the right type, of an array that a function only reads."""
     given = np.asarray(value)
     if array.written or not np.can_cast(given.dtype, array.code):
         what = "writes to contiguous arrays of" if array.written else "takes"

@@ -21,7 +21,7 @@ from pas.shape import KINDS, Kind, Shape, kind_of
 from pas.verdicts import Verdicts
 
 FIRST_KIND = "blend"
-"""Of files of the first versions, which do not say it."""
+"""The kind of files of the first versions, which do not say it."""
 
 
 @limited("writing a project file", "")
@@ -77,7 +77,7 @@ def load(path: str | Path, *, edited: bool = False, **limits: Unpack[WorkLimits]
 
 
 def whole_form(kind: Kind[Any]) -> Table:
-    """What files of a kind of shapes hold, with verdicts where some are kept; null where none was given."""
+    """The form of files of a kind of shapes, with verdicts where some are kept; null where none was given."""
     return (
         replace(kind.form, needs={**kind.form.needs, "verdicts": maybe(list_of(VERDICT))}) if kind.kept else kind.form
     )

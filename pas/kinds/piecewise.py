@@ -117,7 +117,7 @@ def _blend(surface: PiecewiseSurface, problem: Wishes, solution: dict[str, Any],
         return space if basis is None else space.restricted(basis)
 
     def find_coefficients() -> list[fmpq]:
-        """Those of the file where they give its surface, exactly, which is seen sooner than they are found."""
+        """The file's coefficients, if they give its surface, exactly, which is checked faster than they are found."""
         space, told = find_space(), [rational(c) for c in solution["coefficients"]]
         if len(told) == space.dimension and space.member(told).polynomials == surface.polynomials:
             return told
@@ -152,7 +152,7 @@ def _blend(surface: PiecewiseSurface, problem: Wishes, solution: dict[str, Any],
 
 
 def _of_attempts(solution: dict[str, Any], key: str, usual: Any) -> list[Any]:
-    """What is said of each attempt, which older files do not have."""
+    """An entry of each attempt, which older files do not have."""
     attempts = solution["attempts"]
     found = solution.get(key, [usual] * len(attempts))
     if len(found) != len(attempts):
@@ -167,7 +167,7 @@ _BLEND = Table(
         "problem": blend, "surface": blend.surface, "solution": blend, "certificate": blend.certificate,
     },
 )  # fmt: skip
-"""What a project file of a blend holds; it is proved first where that has not been done."""
+"""The form of a project file of a blend; it is proved first where that has not been done."""
 
 
 def _facts(blend: Blend) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Where to end the contacts of a node: as near as a fair blend leaves room for, or farther out than they are.
+"""The ends of a node's contacts: as near as a fair blend leaves room for, or farther out than they are.
 
 Some contacts may end anywhere along their axis: as near as all are apart.
 """
@@ -154,7 +154,7 @@ def room_farther_out(contacts: Sequence[Contact], fits: Fits, center: Vector | N
 
 
 def moved_out(contact: Contact, center: Vector, factor: fmpq) -> Contact:
-    """The contact with its clip plane so many times as far from the centre; as it is where the clip is no plane."""
+    """The contact with its clip plane `factor` times as far from the centre; unchanged where the clip is no plane."""
     if contact.clip.degree != 1:
         return contact
     height = contact.clip.raw(*center)
@@ -319,7 +319,7 @@ def _too_near(arms: Sequence[Arm], ends: Sequence[float], pairs: Sequence[Pair])
 
 
 def _too_wide(arms: Sequence[Arm], ends: Sequence[float], pairs: Sequence[Pair]) -> set[int]:
-    """Of each two that take up too much of the angle between them the wider seen; both where they are alike."""
+    """The wider of each two arms that take up too much of the angle between them; both where they are equal."""
     # Share of the angle between two contacts that their curves may take up: of 0.8 and 0.6 the strongest lever on
     # shape.
     share = 0.6

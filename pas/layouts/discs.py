@@ -36,7 +36,7 @@ class Disc:
 
     @classmethod
     def of(cls, number: int, rim: Rim, center: Vector) -> Disc:
-        """That of contact `number` (from 1); raises `GeometryError` where the centre lies in its plane."""
+        """The disc of contact `number` (from 1); raises `GeometryError` where the centre lies in its plane."""
         height = dot(rim.normal, minus(rim.center, center))
         if height == 0:
             raise GeometryError(

@@ -109,7 +109,7 @@ def _with_rays(discs: Sequence[Disc], center: Vector, gaps: Gaps, each: int, lon
 
 
 def _azimuths(gaps: Gaps, each: int) -> list[float]:
-    """Those of the half-planes."""
+    """The azimuths of the half-planes."""
     wide = 60  # degrees of a gap for each of which, after the first, one more half-plane is put in
     found = []
     for middle, half, size in zip(gaps.middles, gaps.halves, gaps.sizes, strict=True):

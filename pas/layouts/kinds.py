@@ -21,7 +21,7 @@ from pas.partition.layout import Layout
 from pas.registry import Registry, keys_of, read_as
 
 Maker = Callable[[Sequence[Disc], Vector], Layout]
-"""What makes a layout for discs around a centre; it raises `GeometryError` where none fits."""
+"""A function that makes a layout for discs around a centre; it raises `GeometryError` where none fits."""
 
 NEAR_WALLS, FAR_WALLS = 1.15, 1.6
 """How far out walls are, other than the usual ones (see `region.WALLS`)."""
@@ -57,13 +57,13 @@ _KINDS = (
 )
 
 LAYOUTS: Registry[LayoutKind] = Registry("kind of layouts", {kind.name: kind for kind in _KINDS})
-"""What layouts may be asked for by name, in the order in which they are tried: full planes where those of an orbit
+"""The layouts that may be asked for by name, in the order in which they are tried: full planes where those of an orbit
 have room, then fans; strips where no fan has room, as around five and six contacts with near clips.  Strips have too
 few members of higher order: they are tried there only where they are asked for."""
 
 
 def trials(order: int, kind: str | None = None) -> tuple[LayoutTrial, ...]:
-    """What is tried for an order; of one kind only where that is said, as for lower orders where this one has none."""
+    """The trials for an order, of all kinds; of one `kind` if it is given, those of a lower order where it has none."""
     level = min(max(order, 1), 2)
     if kind is None:
         return tuple(trial for one in LAYOUTS.values() for trial in one.trials.get(level, ()))
@@ -78,7 +78,7 @@ def partition_keys() -> set[str]:
 
 def read_partition_like(record: Mapping[str, Any]) -> Partition | Layout | str:
     """What a table describes: `kind = "fan"` or another kind of layouts by name, `kind = "layout"` with rays and
-    pieces, or a partition (see `pas.partition.kinds.read_partition`).
+    pieces, or a partition (see `pas.partition.cells.read_partition`).
 
     Raises `ValueError`, `TypeError` or `GeometryError`; sentences begin with the key at fault where there is one.
     """

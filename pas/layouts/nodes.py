@@ -132,7 +132,7 @@ def _check_flat(number: int, contact: Contact) -> None:
 
 
 def _check_planes(rims: Sequence[Rim]) -> None:
-    """That no two contacts end in one plane: no point between them is inside of both."""
+    """Raise `GeometryError` for two contacts that end in one plane: no point between them is inside of both."""
     for (i, a), (j, b) in combinations(enumerate(rims, start=1), 2):
         if not any(cross(a.normal, b.normal)) and a.plane.at(b.center) == 0:
             same = "curve" if a.center == b.center and a.radii == b.radii else "plane"
@@ -143,7 +143,7 @@ def _check_planes(rims: Sequence[Rim]) -> None:
 
 
 def check_outlook(number: int, contact: Contact, rim: Rim, center: Vector) -> None:
-    """That the surface faces the centre all along its curve, else no surface through it is met once by each ray."""
+    """Raise `GeometryError` unless the surface faces the centre all along its curve, so that rays can cross it once."""
     if contact.surface.at(rim.center) > 0:
         raise GeometryError(
             f"contact {number}: the surface {short(str(contact.surface))} is positive inside its curve; a surface must "
@@ -159,7 +159,7 @@ def check_outlook(number: int, contact: Contact, rim: Rim, center: Vector) -> No
 
 
 def _check_apart(discs: Sequence[Disc], spread: float) -> None:
-    """That no two curves are seen across one another from the centre."""
+    """Raise `GeometryError` for two curves that are seen across one another from the centre."""
     for a, b in combinations(discs, 2):
         between = angle_between(a.direction, b.direction)
         if a.angle + b.angle >= spread * between:

@@ -58,14 +58,14 @@ Corners = tuple[Vector, Vector, Vector]
 
 @dataclass(frozen=True)
 class Builder:
-    """What tetrahedra are made from: points relative to the centre, all exact."""
+    """The data from which tetrahedra are made: points relative to the centre, all exact."""
 
     layout: Layout
     discs: Sequence[Disc]
     walls: float
 
     def end(self, ray: Ray, farther: float = 1.0) -> Vector:
-        """Where a free ray ends, or so many times as far."""
+        """The end of a free ray, or `farther` times as far."""
         length = float(np.linalg.norm(ray))
         far = farther * self.walls * self.reach(np.array(ray) / length) / length
         step = power_of_two(far / FINE)

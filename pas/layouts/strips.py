@@ -172,7 +172,7 @@ def _triangulated(sites: Sequence[Site]) -> tuple[tuple[tuple[int, int, int], ..
 
 
 def _distance(a: Floats, b: Floats) -> float:
-    """Of the line through two points from the origin, or of the point where they are one."""
+    """The distance of the line through two points from the origin, or of the point where they are one."""
     length = float(np.linalg.norm(b - a))
     return float(np.linalg.norm(np.cross(a, b - a))) / length if length else float(np.linalg.norm(a))
 

@@ -47,7 +47,7 @@ def carried_out(
 
 
 def boolean(meshes: Sequence[Triangles], steps: Sequence[BooleanStep]) -> Triangles:
-    """What is left of what meshes enclose after the steps.
+    """The triangles that bound the result of the steps on what meshes enclose.
 
     Raises `GeometryError` where one is refused or the result is empty, `MissingLibraryError` without manifold3d.
     """

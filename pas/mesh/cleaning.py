@@ -43,7 +43,7 @@ def cleaned(mesh: Labelled, field: FaceField, tolerance: float) -> Labelled:
 
 
 class Cleaning(Grading):
-    """What cleans the meshes of a field that lattices give, with so many labels."""
+    """The cleaning of meshes that lattices give of a field, with so many labels."""
 
     def __init__(self, field: FaceField, labels: int, tolerance: float) -> None:
         super().__init__(FaceGround(field, labels, long=False), tolerance, Settings())
@@ -60,13 +60,13 @@ class Cleaning(Grading):
             self._smooth(mesh, np.ones(len(mesh.points), dtype=bool))
             rows = np.flatnonzero(mesh.kinds >= VertexKind.CORNER)  # may be found now that edges about them are longer
             mesh.points[rows] = onto_faces(mesh.points[rows], mesh.labels_about(rows), self.field, mesh.sizes[rows] / 4)
-            self._look(mesh, np.flatnonzero(mesh.kinds[mesh.vertex_of] >= VertexKind.CORNER))
+            self._evaluate(mesh, np.flatnonzero(mesh.kinds[mesh.vertex_of] >= VertexKind.CORNER))
         self._collapse_short(mesh)
         self.untangle(mesh, FOLD)
         return mesh.value
 
     def _coarsen(self, mesh: HalfEdges) -> None:
-        """Leave out vertices that are far more than the tolerance needs, such as those in the middle of a plane."""
+        """Collapse edges that are far shorter than the tolerance needs, such as those in the middle of a plane."""
         mesh.size_plainly()
         aim = np.minimum(self.tolerance, mesh.sizes / 4)  # so that sheets that the lattice keeps apart do not touch
         mesh.sizes[:] = MORE_THAN_ENOUGH * np.sqrt(8 * aim / np.maximum(_bend(mesh), 1e-9))
@@ -79,7 +79,7 @@ class Cleaning(Grading):
 
     def _collapse_below(self, mesh: HalfEdges, limit: float) -> int:
         """Collapse edges that are shorter than a share of the sizes at both ends, or along which a curve turns back,
-        the shortest first; how many."""
+        the shortest first; returns their number."""
         back = (mesh.kinds == VertexKind.CURVE) & ((_turns(mesh)[0] ** 2).sum(axis=1) > 2)
         chosen = mesh.on_curves & (back[mesh.corners] | back[mesh.ends])
         rows = np.flatnonzero(((mesh.ratios < limit) | chosen) & (mesh.twins < np.arange(len(mesh.twins))))

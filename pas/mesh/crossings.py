@@ -1,4 +1,4 @@
-"""Which triangles cross each other.
+"""Pairs of triangles that cross each other.
 
 A binary tree of boxes stands on the triangles in the order of a k-d tree; pairs of boxes that overlap are followed
 down, all of a level at once.  Two triangles without a common vertex cross iff an edge of one passes through the other

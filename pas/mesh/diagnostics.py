@@ -25,14 +25,14 @@ from pas.mesh.shading import unit_rows
 from pas.mesh.topology import connected
 
 PLACES = 10
-"""That are looked at, spread over those given."""
+"""The number of places that are looked at, spread over those given."""
 
 NEAR, FARTHEST = 4.0, 0.3
 """Distance, to first order and over the lattice's spacing, up to which a face counts as there; and how far from
 the place a point may be found, over the extent of the box."""
 
 STEPS = 40
-"""Of Newton's method."""
+"""The most steps of Newton's method."""
 
 ZERO, PARALLEL = 1e-7, 1e-5
 """Distance over the extent of the box up to which a function vanishes at a point; sine of the angle up to which
@@ -54,18 +54,16 @@ WORDS = {
     "close": "{} come very close",
     "bent": "{} is bent very sharply",
 }
-"""What can be wrong, the gravest first."""
+"""The kinds of faults in words, the gravest first."""
 
 PASSING = ("close", "bent", "many")
-"""What a lattice shows that is fine enough; many faces meet in nodes."""
+"""The faults that go away on a lattice that is fine enough; many faces meet in nodes."""
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What is wrong and where: "near (0, 0, 1) the faces 'a' and 'b' touch".
-
-    `stays` says whether it is so on every finer lattice, and near most of the places looked at.
-    """
+    """A fault and its place: "near (0, 0, 1) the faces 'a' and 'b' touch".  `stays` says whether every finer lattice
+    has it, and near most of the places looked at."""
 
     sentence: str
     stays: bool
@@ -87,7 +85,7 @@ def diagnosis(field: FaceField, places: Floats, spacing: float) -> Diagnosis | N
 
 
 def touching(field: FaceField, point: Floats, a: int, b: int, apart: bool) -> str:
-    """What is wrong at a point (3,) where the faces of two columns touch, with parts of the set `apart` or no wall."""
+    """The fault at a point (3,) where the faces of two columns touch, with parts of the set `apart` or no wall."""
     place = _Place(field, point, extent_of(field) / 1000)
     depth = (1 - np.cos(np.radians(FLAT))) / sum(1 / place._radii[c] for c in (a, b)) * field.scale
     words = WORDS["gap" if apart else "thin"].format(place._names([a, b]))
@@ -99,7 +97,7 @@ Found = tuple[str, str, Floats]
 
 
 class _Place:
-    """One place (3,) and what is wrong near it."""
+    """One place (3,) and the faults near it."""
 
     def __init__(self, field: FaceField, place: Floats, spacing: float) -> None:
         self.field, self.place, self.spacing = field, place, spacing
@@ -109,7 +107,7 @@ class _Place:
 
     @property
     def worst(self) -> Found | None:
-        """The gravest trouble; of several the one found first."""
+        """The gravest fault; of equals the one found first."""
         order = list(WORDS)
         return min(self._all(), key=lambda found: order.index(found[0]), default=None)
 
@@ -133,7 +131,7 @@ class _Place:
                 yield from self._meeting(group, point, zero)
 
     def _meeting(self, group: Sequence[int], point: Floats, close: Bools) -> Iterator[Found]:
-        """What is wrong at a point where functions vanish together, those of `near` that are `close` (n,)."""
+        """The faults at a point where functions vanish together, those of `near` that are `close` (n,)."""
         deciding = self._deciding(point, group, close)
         normals = np.array([self._normal(point, c) for c in deciding]).reshape(-1, 3)
         if len(deciding) == 2:
@@ -146,7 +144,7 @@ class _Place:
             yield kind, self._names(deciding), point
 
     def _edge(self, point: Floats, pair: Sequence[int], normals: Floats) -> str:
-        """What is wrong with an edge of two faces, by the four wedges around it."""
+        """The fault of an edge of two faces, by which of the four wedges around it are inside."""
         both, first, second, neither = self._patterns(point, pair)
         if both == neither and first == second:
             return "itself" if both != first else ""
@@ -158,8 +156,8 @@ class _Place:
         return "flat" if (180 - angle if odd in (0, 3) else angle) < FLAT else ""
 
     def _tangency(self, point: Floats, a: int, b: int) -> str:
-        """What is wrong where two surfaces touch, by the two sides that are not between them; nothing on a known seam
-        along which the boundary goes on from one to the other."""
+        """The fault where two surfaces touch, by the two sides that are not between them; none on a known seam along
+        which the boundary continues from one to the other."""
         zero = [c for c, vanishes in zip(self.near, self._vanishing(point[None])[0], strict=True) if vanishes]
         if len({a, b, *zero}) > 2 and self._all_joined([a, b, *zero]):
             return ""  # a corner of smooth faces
@@ -171,7 +169,7 @@ class _Place:
         return "" if self._joined(a, b) else "touch"
 
     def _all_joined(self, columns: Sequence[int]) -> bool:
-        """Whether surfaces go on in one another along known seams, over others of them."""
+        """Whether surfaces continue one another along known seams, over others of them."""
         distinct = list(dict.fromkeys(columns))
         pairs = [pair for pair in combinations(range(len(distinct)), 2) if self._joined(*(distinct[k] for k in pair))]
         return bool(connected(np.array(pairs, dtype=np.intp).reshape(-1, 2), len(distinct)).max() == 0)
@@ -212,7 +210,7 @@ class _Place:
 
     @cached_property
     def _critical(self) -> list[Floats | None]:
-        """Of each function of `near` a point where it and its gradient vanish."""
+        """For each function of `near` a point where it and its gradient vanish, or None."""
         columns, close = np.array(self.near, dtype=np.intp), ZERO * self.extent
         starts = np.tile(self.place, (len(columns), 1))
 
@@ -226,7 +224,7 @@ class _Place:
         return _placed(len(columns), rows, ends, jets.all(axis=1))
 
     def _parallel(self, pairs: Sequence[tuple[int, int]]) -> list[Floats | None]:
-        """Of each pair a point on the second surface with the first one's normal, less than the spacing away from that.
+        """For each pair a point on the second surface with the normal of a point of the first within the spacing.
 
         None where they bend too little for their normals to become parallel.
         """
@@ -291,7 +289,7 @@ class _Place:
         return self.field.jets(points, 2 * columns)
 
     def _distances(self, points: Floats, columns: Sequence[int] | Integers) -> Floats:
-        """Of points (N, 3), or of one, from the surfaces of functions (N,), to first order."""
+        """First-order distances (N,) of points (N, 3), or of one, from the surfaces of functions (N,)."""
         labels = 2 * np.asarray(columns, dtype=np.intp)
         return distances(self.field, np.broadcast_to(points, (len(labels), 3)), labels)
 
@@ -299,7 +297,7 @@ class _Place:
         return unit_rows(self._jets(point[None], np.array([column]))[0, 1:])
 
     def _sines(self, points: Floats, pairs: Integers) -> Floats:
-        """Of the angles (N,) between the normals of two surfaces each (N, 2) at points (N, 3)."""
+        """Sines (N,) of the angles between the normals of two surfaces each (N, 2) at points (N, 3)."""
         first, second = (unit_rows(self._jets(points, columns)[:, 1:]) for columns in pairs.T)
         return norms(cross(first, second))
 

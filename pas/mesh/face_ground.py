@@ -44,7 +44,7 @@ class FaceGround:
         for rows, functions in placing(self.field, mesh.labels_about(on)):
             for _ in range(2):
                 points[on[rows]] -= self._capped(least_norm(self.field, functions, points[on[rows]]))
-        return points, self.looked(points[mesh.vertex_of], mesh.face_of)[0], None
+        return points, self.local_geometry(points[mesh.vertex_of], mesh.face_of)[0], None
 
     def _capped(self, steps: Floats) -> Floats:
         return steps * np.minimum(1.0, STEP * self.reach / np.maximum(norms(steps), 1e-300))[:, None]
@@ -60,9 +60,9 @@ class FaceGround:
         rows, points = np.flatnonzero(mesh.kinds < VertexKind.CORNER), mesh.points.copy()
         reach = np.full(len(rows), NEAR * self.reach)
         points[rows] = self.placed(mesh.points[rows], mesh.labels_about(rows), rows, reach)
-        return points, self.looked(points[mesh.vertex_of], mesh.face_of)[0]
+        return points, self.local_geometry(points[mesh.vertex_of], mesh.face_of)[0]
 
-    def looked(self, points: Floats, labels: Integers) -> tuple[Floats, None]:
+    def local_geometry(self, points: Floats, labels: Integers) -> tuple[Floats, None]:
         return unit_rows(self.field.jets(points, labels)[:, 1:]), None
 
     def measured(self, mesh: HalfEdges, rows: Integers, halves: Integers) -> tuple[Floats, Floats]:

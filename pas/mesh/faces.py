@@ -120,7 +120,7 @@ class BoundaryCrossings:
                 free[self.edges[changed[self._components]]] = True
 
     def _euler_characteristics(self, source: Integers, triangles: Integers) -> Integers:
-        """Of each component, for a mesh (T, 3) whose vertices come from given crossings."""
+        """The Euler characteristic of each component, for a mesh (T, 3) whose vertices come from given crossings."""
         number = self._components[source]
         size = self.shape[0]
         return np.bincount(number, minlength=size) - np.bincount(number[triangles[:, 0]], minlength=size) // 2
@@ -254,7 +254,7 @@ def _crossed(field: FaceField, points: Floats, names: Integers, reach: Floats) -
 
 
 def _normals(field: FaceField, points: Floats, names: Integers) -> Floats:
-    """Of faces (N, m) in points (N, 3) the unit normals, outside out (N, m, 3)."""
+    """Unit normals (N, m, 3), outwards, of faces (N, m) at points (N, 3)."""
     return np.stack([unit_rows(field.jets(points, label)[:, 1:]) for label in names.T], axis=1)
 
 

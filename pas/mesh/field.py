@@ -1,4 +1,4 @@
-"""What the mesher of solids needs to know of a boundary."""
+"""The queries of a boundary that the mesher of solids makes."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class OneFunction(Protocol):
 
 @dataclass(frozen=True)
 class ShellWall:
-    """What a shell is the wall of: a `solid`, hollowed out up to a thickness.
+    """The `solid` of which a shell is the wall, hollowed out up to a thickness.
 
     For each label of the solid, its label in the shell, `outer` (L,), and that of the inner face which follows it,
     `inner` (L,), -1 where the face is open.
@@ -93,7 +93,7 @@ class FaceField(HasJets, Protocol):
         """The surfaces that the boundary may be made of, if they are apart, each as that of a set; itself if one."""
 
     def wall(self) -> ShellWall | None:
-        """What this is the wall of; None if it is no shell."""
+        """The wall that this is; None if it is no shell."""
 
     def needed(self, within: float) -> FaceField:
         """The field without functions that others imply, up to where the set is thinner than that; itself if there are

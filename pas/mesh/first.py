@@ -153,10 +153,10 @@ def _shown(ahead: list[_Lattice], tolerance: float) -> Labelled | tuple[str, Flo
 def _check_hope(
     field: FaceField, octree: Octree, failures: list[tuple[int, int]], most: int, reason: str, where: Floats
 ) -> None:
-    """Raise `RefusalError` where no finer lattice is looked at: those that failed had more cubes than `most`, or no
-    less places than before.
+    """Raise `RefusalError` where no finer lattice is looked at: too many cubes, or no fewer faulty places.
 
-    Of each of them the cubes and places are given, and the reason and the places (K, 3) of the last.
+    The cubes and the number of places of each that failed are given, the reason and places (K, 3) of the last one; all
+    may have `most` cubes together.
     """
     cubes, places = zip(*failures, strict=True)
     spent = sum(cubes) > most

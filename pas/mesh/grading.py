@@ -64,7 +64,7 @@ class Settings:
 
 
 class Ground(Protocol):
-    """What is asked of a surface, or the faces of a solid by their labels, near which the vertices of a mesh are."""
+    """The queries of a surface, or of a solid's faces by their labels, near which the vertices of a mesh are."""
 
     reach: float
     """Half the diagonal of what holds it, or the distance from 0 of its furthest point."""
@@ -76,8 +76,8 @@ class Ground(Protocol):
     """Whether curvatures are known, or must be taken from how normals turn."""
 
     def drawn(self, mesh: HalfEdges, to: Floats) -> tuple[Floats, Floats, Floats | None]:
-        """Places (V, 3) for vertices, drawn towards their faces and curves until they are much nearer; normals (W, 3)
-        and curvatures (W,) of wedges there."""
+        """Positions (V, 3) one step from `to` towards faces and curves, much nearer to them than before; and the
+        normals (W, 3) and curvatures (W,) of wedges there."""
 
     def placed(self, points: Floats, labels: Integers, rims: Integers, reach: Floats) -> Floats:
         """Points (K, 3) projected onto where faces of labels (K, k), ascending, then -1, meet, or onto boundary curves
@@ -86,7 +86,7 @@ class Ground(Protocol):
     def projected(self, mesh: HalfEdges) -> tuple[Floats, Floats]:
         """All vertices (V, 3), which are near, projected onto their faces and curves, and normals (W, 3) there."""
 
-    def looked(self, points: Floats, labels: Integers) -> tuple[Floats, Floats | None]:
+    def local_geometry(self, points: Floats, labels: Integers) -> tuple[Floats, Floats | None]:
         """Unit normals (K, 3) and curvatures (K,) of faces at points on them."""
 
     def measured(self, mesh: HalfEdges, rows: Integers, halves: Integers) -> tuple[Floats, Floats]:
@@ -97,7 +97,7 @@ class Ground(Protocol):
 
 
 class Grading:
-    """What grades meshes of a ground, for a tolerance."""
+    """The grading of meshes of a ground for a tolerance: edge lengths follow curvature."""
 
     THINNINGS, SPLITTINGS, UNTANGLINGS, CALM = 40, 24, 8, 3
     """Passes of collapses, of splits, and about folded triangles at most: each ends when little changes.  And
@@ -111,16 +111,16 @@ class Grading:
     def begun(self, first: Labelled, seen: bool = False) -> HalfEdges:
         """The half edges of a first mesh, with what is known of the surface at its vertices."""
         mesh = HalfEdges(first, self.ground.faces, seen)
-        self._look(mesh, np.arange(len(mesh.vertex_of)))
+        self._evaluate(mesh, np.arange(len(mesh.vertex_of)))
         return mesh
 
     @property
     def parts(self) -> int:
-        """Into how many parts edges may be cut, so that the triangles before that are coarse."""
+        """The most parts into which `HalfEdges.cut` may cut edges, so that the triangles before that are coarse."""
         return max(1, int(np.sqrt(self.settings.coarse * self.ground.reach / self.tolerance) + self.settings.more))
 
     def graded(self, mesh: HalfEdges, parts: int, thin: bool = True) -> None:
-        """Give the edges the lengths for the tolerance after a cut into so many parts."""
+        """Collapse and split edges to the lengths that the tolerance asks for once each is cut into so many parts."""
         if thin:
             self._thin(mesh, parts)
         if self.ruled:
@@ -130,7 +130,7 @@ class Grading:
             self._straighten(mesh, parts)
 
     def halve_long(self, mesh: HalfEdges, parts: float) -> None:
-        """Split edges that are longer than they may be until none is, as of strips, whose short ones stay with them."""
+        """Split edges above their target length until none is left, leaving short ones alone, as across strips."""
         for _ in range(self.SPLITTINGS):
             self._sizes(mesh, parts)
             size = len(mesh.points)
@@ -146,7 +146,7 @@ class Grading:
         mesh.size(parts, self.fine, s.longest * self.ground.reach, s.bent, s.grade)
 
     def _thin(self, mesh: HalfEdges, parts: float) -> None:
-        """Collapse edges that are shorter than they may be, smoothing now and then, until few vertices go."""
+        """Collapse edges below their target length, smoothing now and then, until few vertices go."""
         for step in range(self.THINNINGS):
             checkpoint(f"coarsening the first triangles ({len(mesh.labels)})")
             self._sizes(mesh, parts)
@@ -157,7 +157,7 @@ class Grading:
                 return
 
     def _collapse(self, mesh: HalfEdges, only_fresh: bool = False) -> int:
-        """Collapse edges that are too short, the shortest for what they should be first."""
+        """Collapse edges below their target length, those of the least ratio to it first; returns their number."""
         ratios = mesh.ratios
         rows = np.flatnonzero((ratios < self.settings.short) & (mesh.twins < np.arange(len(ratios))))
         if only_fresh:
@@ -169,7 +169,7 @@ class Grading:
         return mesh.collapse(rows, self.settings.longer, TURNED, self.settings.flat)
 
     def _grow(self, mesh: HalfEdges, parts: float) -> None:
-        """Split edges that are longer than they may be, and smooth, until none is after some smoothings."""
+        """Split edges above their target length, and smooth, until none is left after some smoothings."""
         smoothed = 0
         for _ in range(self.SPLITTINGS):
             checkpoint(f"making the first triangles ({len(mesh.labels)})")
@@ -184,7 +184,7 @@ class Grading:
             self._relax(mesh)
 
     def _grow_curves(self, mesh: HalfEdges, parts: float) -> None:
-        """Split edges on curves that are longer than they may be, so that ruled faces get their corners there."""
+        """Split edges on curves that are above their target length, so that ruled faces get their corners there."""
         for _ in range(self.SPLITTINGS):
             checkpoint(f"cutting curves ({len(mesh.labels)} triangles)")
             self._sizes(mesh, parts)
@@ -196,13 +196,13 @@ class Grading:
 
     @staticmethod
     def _long_curves(mesh: HalfEdges) -> Integers:
-        """The half edges on curves that are too long, the longest first."""
+        """The half edges on curves that are above their target length, the longest first."""
         ratios, halves = mesh.ratios, np.arange(len(mesh.corners))
         rows = np.flatnonzero(mesh.on_curves & (ratios > 1.0) & ((mesh.twins < 0) | (mesh.twins > halves)))
         return rows[np.argsort(-ratios[rows], kind="stable")]
 
     def _longest(self, mesh: HalfEdges) -> Integers:
-        """The half edges that are the longest of a triangle, and too long, the longest first."""
+        """The longest half edge of each triangle where it is above its target length, the longest first."""
         ratios, count = mesh.ratios, len(mesh.labels)
         rows = 3 * np.arange(count) + ratios.reshape(-1, 3).argmax(axis=1)
         rows = rows[ratios[rows] > self.settings.long]
@@ -211,10 +211,10 @@ class Grading:
         return rows[first_rows(edge, len(ratios))[edge] == np.arange(len(edge))]
 
     def _split(self, mesh: HalfEdges, halves: Integers, careful: bool = False) -> None:
-        """Split half edges, the new vertices on the surface.
+        """Split half edges, the new vertices projected onto the surface.
 
-        If `careful`, not those whose middles are nearer to another side of it, as around a thin arm, so that the normal
-        there is turned away from one at an end, or to another part of a curve, at more than half their length.
+        If `careful`, not where the projection goes to another side of the surface, as around a thin arm, so that the
+        normal there is turned away from one at an end, or to another part of a curve, at more than half their length.
         """
         size, twins = len(mesh.points), mesh.twins[halves]
         own = mesh.labels[halves // 3]
@@ -223,7 +223,7 @@ class Grading:
         labels[other == own, 1] = labels[other < 0, 1] = -1
         middles, lengths = mesh.middles(NONE, halves), mesh.lengths(halves)
         places = self.ground.placed(middles, labels, mesh.rims_of(halves), lengths)
-        normals, bends = self.ground.looked(places, own)
+        normals, bends = self.ground.local_geometry(places, own)
         if careful:
             ends = mesh.normals[mesh.wedge_of[halves]], mesh.normals[mesh.wedge_of[following(halves)]]
             good = (dots(normals, ends[0]) > 0) & (dots(normals, ends[1]) > 0)
@@ -233,16 +233,16 @@ class Grading:
         done = mesh.split(halves, places, normals, TURNED if mesh.seen else -2.0)
         wedges = np.flatnonzero(mesh.vertex_of >= size)
         known = np.diff(mesh.vertex_of[wedges], prepend=-1) > 0  # the first of a vertex has the half edge's label
-        self._looked(mesh, wedges[known], normals[done], None if bends is None else bends[done])
-        self._look(mesh, wedges[~known])
+        self._store(mesh, wedges[known], normals[done], None if bends is None else bends[done])
+        self._evaluate(mesh, wedges[~known])
 
-    def _look(self, mesh: HalfEdges, wedges: Integers) -> None:
+    def _evaluate(self, mesh: HalfEdges, wedges: Integers) -> None:
         if len(wedges):
-            found = self.ground.looked(mesh.points[mesh.vertex_of[wedges]], mesh.face_of[wedges])
-            self._looked(mesh, wedges, *found)
+            found = self.ground.local_geometry(mesh.points[mesh.vertex_of[wedges]], mesh.face_of[wedges])
+            self._store(mesh, wedges, *found)
 
     @staticmethod
-    def _looked(mesh: HalfEdges, wedges: Integers, normals: Floats, bends: Floats | None) -> None:
+    def _store(mesh: HalfEdges, wedges: Integers, normals: Floats, bends: Floats | None) -> None:
         mesh.normals[wedges] = normals
         mesh.bends[wedges] = 0.0 if bends is None else bends
 
@@ -252,7 +252,7 @@ class Grading:
         mesh.settle(*self.ground.drawn(mesh, mesh.targets))
 
     def _straighten(self, mesh: HalfEdges, parts: float) -> None:
-        """Leave out vertices on the lines of ruled faces."""
+        """Collapse edges along the straight lines of ruled faces."""
         self._sizes(mesh, parts)
         mesh.fresh[:] = True
         only_fresh = False
@@ -266,7 +266,7 @@ class Grading:
                 return
 
     def untangle(self, mesh: HalfEdges, folded: float) -> bool:
-        """Collapse edges of folded triangles and smooth about them, as far as that goes; whether there were some."""
+        """Collapse edges of folded triangles and smooth about them while that helps; whether there were some."""
         for number in range(self.UNTANGLINGS):
             checkpoint()
             bad = np.flatnonzero(mesh.cosines < folded)
@@ -302,4 +302,4 @@ class Grading:
         mesh.points[rows] = self.ground.placed(to[rows], labels, mesh.rims_of(mesh.outgoing[rows]), reach)
         moved = np.zeros(len(mesh.points), dtype=bool)
         moved[rows] = True
-        self._look(mesh, np.flatnonzero(moved[mesh.vertex_of]))
+        self._evaluate(mesh, np.flatnonzero(moved[mesh.vertex_of]))

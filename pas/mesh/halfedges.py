@@ -44,7 +44,7 @@ def following(halves: Integers) -> Integers:
 
 
 class _Array:
-    """One of the arrays: so many columns for each vertex, triangle, half edge or wedge that there is."""
+    """An array attribute: so many columns for each vertex, triangle, half edge or wedge that there is."""
 
     def __init__(self, kind: type, of: str, columns: int = 1, times: int = 1) -> None:
         self.kind, self.of, self.columns, self.times, self.name = kind, of, columns, times, ""
@@ -111,7 +111,7 @@ class HalfEdges:
         return int(getattr(self._struct, of))
 
     def reserve(self, vertices: int, triangles: int, wedges: int) -> None:
-        """Have room for so many more of each."""
+        """Reserve room for more vertices, triangles and wedges."""
         more = {"vertices": vertices, "triangles": triangles, "wedges": wedges}
         total = {of: self.count(of) + number for of, number in more.items()}
         for name, array in _ARRAYS.items():
@@ -188,24 +188,24 @@ class HalfEdges:
 
     @property
     def ratios(self) -> Floats:
-        """The lengths (3 T,) of half edges over what they should be."""
+        """The ratios (3 T,) of half edges to their target lengths."""
         return self._filled("pas_mesh_ratios", len(self.corners))
 
     def bend(self) -> None:
-        """Find the curvatures of wedges from the turn of normals along edges."""
+        """Estimate the curvatures of wedges from the turn of normals along edges."""
         self._call("pas_mesh_bends")
 
     def size(self, parts: float, fine: float, longest: float, bent: float, grade: float) -> None:
-        """Find how long edges should be for a tolerance that is `fine` after a cut into parts, and other limits."""
+        """Set the target lengths of edges for a tolerance `fine` after a cut into parts, by curvature and limits."""
         self._call("pas_mesh_sizes", parts, fine, longest, bent, grade)
 
     def size_plainly(self) -> None:
-        """Take the mean lengths of edges at vertices for what these should be, on all faces."""
+        """Set the target lengths to the mean lengths of edges at vertices, on all faces."""
         self._call("pas_mesh_mean_sizes")
 
     @property
     def plain(self) -> bool:
-        """Whether ruled faces are for now as others."""
+        """Whether ruled faces are treated as others for now."""
         return bool(self._struct.plain)
 
     @plain.setter
@@ -228,7 +228,7 @@ class HalfEdges:
     def collapse(
         self, halves: Integers, longer: float, kept: float, flat: tuple[float, float, float], off: float = 1.0
     ) -> int:
-        """Collapse half edges (K,) in this order, or their twins, where the mesh stays good; how many.
+        """Collapse half edges (K,) in this order, or their twins, where the mesh stays good; returns their number.
 
         See `Limits` in `pas/kernels/edits.c`.
         """
@@ -241,11 +241,11 @@ class HalfEdges:
 
     @property
     def targets(self) -> Floats:
-        """Where vertices (V, 3) should go to make triangles better, in tangent planes and along curves."""
+        """Positions (V, 3) of vertices smoothed in tangent planes and along curves."""
         return self._filled("pas_mesh_targets", len(self.points), 3)
 
     def settle(self, points: Floats, normals: Floats, bends: Floats | None) -> None:
-        """Take new points and what is known of wedges, but for those of triangles that are turned away then."""
+        """Take new positions, normals and curvatures, except at vertices of triangles that would be turned over."""
         given = np.empty(0) if bends is None else bends
         self._call("pas_mesh_settle", points, normals, given, int(bends is not None), TURNED)
 
@@ -256,14 +256,14 @@ class HalfEdges:
         return result
 
     def better(self, aim: float, vertices: Integers) -> tuple[Integers, Floats]:
-        """Some of the vertices given that are fresh, and places (K, 3) where triangles are less slender."""
+        """Some of the given vertices that are fresh, and positions (K, 3) where their triangles are less slender."""
         chosen, places = np.empty(len(vertices), dtype=np.intp), np.empty((len(vertices), 3))
         number = np.empty(1, dtype=np.intp)
         self._call("pas_mesh_better", aim, len(vertices), vertices, chosen, places, number)
         return chosen[: number[0]], places[: number[0]]
 
     def stars(self, vertices: Integers) -> tuple[Integers, Integers]:
-        """The rows of triangles (K,) about vertices, and which of the vertices each is about (K,)."""
+        """The triangles (K,) about vertices, and the number of the vertex that each is about (K,)."""
         room, number = 8 * len(vertices), np.empty(1, dtype=np.intp)
         while True:
             rows, owners = np.empty((2, room), dtype=np.intp)
@@ -279,7 +279,7 @@ class HalfEdges:
         return int(moved[0])
 
     def cut(self, parts: int) -> HalfEdges:
-        """A mesh with each edge of faces that are not ruled cut into so many parts, the new points near the surface."""
+        """The mesh with each edge of faces that are not ruled cut into `parts`, the new points near the surface."""
         base, counts = np.empty(len(self.corners), dtype=np.intp), np.empty(2, dtype=np.intp)
         self._call("pas_mesh_cut_counts", parts, base, counts)
         points, labels = np.empty((counts[0], 3)), np.empty(counts[1], dtype=np.intp)
@@ -313,7 +313,7 @@ _ARRAYS = {name: array for name, array in vars(HalfEdges).items() if isinstance(
 
 
 class _Struct(ctypes.Structure):
-    """What `pas/kernels/halfedge.h` has of a mesh; the same names in the same order."""
+    """The C structure of a mesh in `pas/kernels/halfedge.h`: the same names in the same order."""
 
     _fields_ = [
         *((name, ctypes.c_ssize_t) for name in ("vertices", "triangles", "wedges", "stamp")),

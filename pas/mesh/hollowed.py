@@ -178,7 +178,7 @@ class Doubled:
         return project(result, field, np.full(len(used), wall.thickness), inner)
 
     def _placing(self, vertex: int, label: int) -> frozenset[int]:
-        """The labels around a vertex that place its image for one of them.
+        """The labels around a vertex that determine its image for one of them.
 
         Of those with one inner face: its own, or of others the first; and all that continue that one smoothly.
         """
@@ -277,9 +277,9 @@ class Doubled:
 
 
 def too_thick(mesh: Labelled, wall: ShellWall) -> str:
-    """That a wall is thicker than a radius of curvature of a face that is kept, and where; "" if it is not.
+    """The complaint that a wall is thicker than a radius of curvature of a kept face, with the place; "" if it is not.
 
-    `mesh` is that of the solid, at whose vertices curvatures are looked at.
+    `mesh` is that of the solid, at whose vertices curvatures are evaluated.
     """
     solid = wall.solid
     vertices, labels = mesh.topology.pairs[wall.inner[mesh.topology.pairs[:, 1]] >= 0].T

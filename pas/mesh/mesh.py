@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -49,6 +50,11 @@ class Mesh(AffineShape["Mesh"], Shape):
     proved: bool = False
     smooth_normals: Floats | None = field(default=None, kw_only=True)
     kind = "mesh"
+
+    def __deepcopy__(self, memo: object) -> Self:
+        """A mesh with arrays of its own, which can be written to."""
+        own: dict[str, Any] = deepcopy(self.__getstate__())
+        return replace(self, **own)
 
     @cached_property
     def certificate(self) -> Findings:

@@ -112,7 +112,7 @@ def find_nodes(
 
 
 def pinched_at(field: FaceField, point: Floats) -> RefusalError:
-    """That the boundary is no surface at a point (3,)."""
+    """The refusal of a boundary that is no surface at a point (3,)."""
     return RefusalError(
         f"the solid could not be meshed: near {place_of(field, point)} it touches itself in a point or an edge, "
         "so that its boundary is no surface there; let its parts overlap or keep them apart"
@@ -144,9 +144,9 @@ def flat_nodes(field: FaceField, mesh: Labelled) -> Nodes:
 def _systems(
     field: FaceField, tree: cKDTree, centers: Floats, size: Floats, columns: Integers
 ) -> tuple[Integers, list[tuple[int, ...]]]:
-    """What may meet near centres: for each system of functions, the centre's row and the functions.
+    """The systems of functions that may have a common zero near centres: for each, the centre's row and the functions.
 
-    Of faces that touch along a known curve those that say where it is.
+    Of faces that touch along a known curve those that determine it are taken.
     """
     rows, systems = [], []
     for row, near in enumerate(tree.query_ball_point(centers, AROUND * size)):
@@ -191,7 +191,7 @@ def _is_cone(field: FaceField, node: Floats, spacing: float) -> bool:
 
 
 def _links(field: FaceField, node: Floats, spacing: float, number: int) -> list[tuple[list[int], list[int]]]:
-    """Of each small sphere the numbers of points in its connected parts that are inside, and of those outside."""
+    """For each small sphere the sizes of its connected parts that are inside, and of those outside."""
     (units, edges), count = _sphere(number), len(LINKS)
     radii = spacing * np.array(LINKS)
     inside = field.inside(field.signs((node + radii[:, None, None] * units).reshape(-1, 3)))
@@ -204,7 +204,7 @@ def _links(field: FaceField, node: Floats, spacing: float, number: int) -> list[
 
 @cache
 def _sphere(number: int) -> tuple[Floats, Integers]:
-    """So many points on the unit sphere, and which are next to each other."""
+    """A `number` of points on the unit sphere, and which are next to each other."""
     units = spiral(number)
     return units, edge_table(ConvexHull(units).simplices.astype(np.intp))[0]
 

@@ -27,7 +27,7 @@ MOST_CUBES = 400_000
 """On one level; more take minutes."""
 
 CLEAR, QUIET, OPEN = range(3)
-"""What is known of the boundary in a cube: that it is one sheet; that some points in it agree with that; or neither."""
+"""The state of a cube: the boundary in it is one sheet; some points in it agree with that; or neither."""
 
 SAMPLES, CHUNK = 5, 2000
 """Points on each line along which the boundary is looked for in cubes where it is not proved to be clear; and
@@ -199,9 +199,9 @@ class Octree:
         self._leaves[level] = np.concatenate([before, cubes]), np.concatenate([known, state])
 
     def _is_quiet(self, level: int, centers: Floats, half: float) -> Bools:
-        """Whether each line of points through a cube, straight or diagonal, passes the boundary at most once (N,).
+        """Whether each line of samples through a cube, straight or diagonal, crosses the boundary at most once (N,).
 
-        On the first levels cubes in which it is not met at all are not quiet: there it may hide.
+        On the first levels cubes that no line crosses are not quiet: there the boundary may hide.
         """
         result = np.empty(len(centers), dtype=bool)
         for part in blocks(len(centers), CHUNK):

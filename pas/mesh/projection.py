@@ -12,7 +12,7 @@ from pas.limits import checkpoint
 from pas.mesh.field import FaceField, HasJets, OneFunction, extent_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.rows import cross, dots, norms, off_zero
-from pas.mesh.shading import unit_rows, uprightness
+from pas.mesh.shading import normal_cosines, unit_rows
 from pas.mesh.topology import numbered
 
 NEWTON_STEPS = 16
@@ -48,7 +48,7 @@ class CommonZeros:
 
 
 def second_derivatives(field: FaceField, points: Floats, labels: Integers) -> Floats:
-    """Those (N, 3, 3) of functions given as labels (N,) at points (N, 3), by differences."""
+    """Second derivatives (N, 3, 3) of functions given as labels (N,) at points (N, 3), by differences."""
     slope_step = 1e-5  # of the differences that give second derivatives, over the extent of the box
     apart = slope_step * extent_of(field)
     around = points[:, None] + apart * np.concatenate([np.eye(3), -np.eye(3)])
@@ -68,7 +68,7 @@ def grouped(rows: Integers, span: int) -> list[tuple[Integers, Integers]]:
 
 
 def placing(field: FaceField, labels: Integers) -> Iterator[tuple[Integers, Integers]]:
-    """Rows (n,) of labels (N, k), filled up with -1, and the functions (n, m) that place such vertices, for each m."""
+    """Rows (n,) of labels (N, k), filled up with -1, and the functions (n, m) that determine such vertices, by m."""
     found: dict[int, list[tuple[Integers, Integers]]] = {}
     for row, at in grouped(labels, int(labels.max(initial=0)) + 2):
         placed = field.functions(tuple(int(v) for v in row if v >= 0))
@@ -175,4 +175,4 @@ def least_solutions(matrices: Floats, right: Floats, parallel: float = PARALLEL)
 
 def cosines(mesh: Labelled, field: FaceField) -> Floats:
     """The cosine between each triangle's normal and the sum of its face's at the corners (T,)."""
-    return uprightness(mesh.points[mesh.triangles], pair_normals(mesh, field)[mesh.topology.corner_pairs])
+    return normal_cosines(mesh.points[mesh.triangles], pair_normals(mesh, field)[mesh.topology.corner_pairs])

@@ -1,4 +1,4 @@
-"""What a mesh should have where it cannot have both, good angles or few triangles; and what can be said of it."""
+"""The preference of a mesh where it cannot have both, good angles or few triangles; and the verdicts on a mesh."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ class Quality(Enum):
 
     @classmethod
     def of(cls, given: Quality | str) -> Quality:
-        """The one that is meant, by itself or by name.  Raises `ValueError` for any other."""
+        """A quality by itself or by its name; raises `ValueError` for any other."""
         return cls(check_quality(given))
 
     @property
     def flat(self) -> tuple[float, float, float]:
-        """The least height over the longest side of triangles that are made long: by taking away vertices on curves,
-        vertices inside faces, and inside planes."""
+        """The least ratio of height to longest side of triangles that are made long: by collapses on curves, inside
+        faces, and inside planes."""
         return (SLENDER,) * 3 if self is Quality.COUNT else (PRINTABLE, PRINTABLE, FLAT)
 
     @property

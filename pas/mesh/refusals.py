@@ -1,4 +1,4 @@
-"""What meshers return: a mesh with its distance from the surface; and why there is none, which is raised."""
+"""The results of meshers: a mesh with its distance from the surface, or the reason for none, which is raised."""
 
 from __future__ import annotations
 
@@ -53,11 +53,11 @@ class FaceMesh:
 
 
 class RefusalError(MeshError):
-    """Why one of several ways made no mesh; of the last one it is what the user is told."""
+    """The reason why one of several ways made no mesh; the last one's is what the user is told."""
 
 
 def attempted(make: Callable[[], Made]) -> Made | RefusalError:
-    """What is made by one way of several, or why it is not."""
+    """The result of one way of several, or the reason why it has none."""
     try:
         return make()
     except RefusalError as refusal:
@@ -65,8 +65,8 @@ def attempted(make: Callable[[], Made]) -> Made | RefusalError:
 
 
 def too_many(scale: float, triangles: int, most: int, tolerance: float, reached: float) -> RefusalError:
-    """That a tolerance, in units of so much of the user's, needs more than `most` triangles, and what is reached with
-    some: with those of the coarsest mesh if these are more."""
+    """The refusal of a tolerance, in units of `scale` of the user's, that needs more than `most` triangles, with what
+    fewer reach; or the coarsest mesh, if it has more."""
     near = f"{reached * scale:.2g} is reached"
     some = f"{near} with {triangles}"
     if triangles > most:
@@ -75,7 +75,7 @@ def too_many(scale: float, triangles: int, most: int, tolerance: float, reached:
 
 
 def not_reached(field: FaceField, triangles: int, tolerance: float, reached: float, why: str) -> RefusalError:
-    """That a tolerance was not reached, and why."""
+    """The refusal of a tolerance that was not reached, with the reason."""
     return RefusalError(
         f"the tolerance {tolerance * field.scale:g} was not reached with {triangles} triangles "
         f"({reached * field.scale:.2g} was): {why}"

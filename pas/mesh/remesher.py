@@ -40,7 +40,7 @@ class Failure:
 
 
 class Remesher(Grading):
-    """What makes a mesh of a ground, within a tolerance."""
+    """The remeshing of a ground within a tolerance."""
 
     REFINEMENTS, ROUNDS = 40, 8
     """Passes of halvings and of mending at most: each ends when little changes."""
@@ -70,7 +70,7 @@ class Remesher(Grading):
         return self.within(cut, upright=parts > 1)
 
     def _fewest_parts(self, mesh: HalfEdges, inside: Floats, along: Floats) -> int:
-        """Into how many parts to cut edges, so that few triangles come out after the rest is halved."""
+        """The number of parts into which to cut edges that gives the fewest triangles after the rest is halved."""
         bent = self.ground.faces[mesh.labels] == 0
         off = np.maximum(inside, largest_of(along.reshape(-1, 3)))[bent] / self.tolerance
         least = self.parts if self.ground.knows_bends else 1  # else edges may be shorter than they need be
@@ -79,7 +79,7 @@ class Remesher(Grading):
         return int(np.argmin(costs)) + least
 
     def _too_many(self, mesh: HalfEdges, inside: Floats, along: Floats, parts: int) -> Failure:
-        """That there would be too many triangles, and what is reached with as many as there may be."""
+        """The failure of too many triangles, with the tolerance reached with as many as there may be."""
         reached = float(max(inside.max(), along.max())) / parts**2
         return Failure("too many triangles", mesh.points[0], reached, len(mesh.labels) * parts**2, True)
 
@@ -166,7 +166,7 @@ class Remesher(Grading):
         return np.asarray(mesh.points[mesh.triangles[row]].mean(axis=0))
 
     def mended(self, mesh: HalfEdges) -> float:
-        """Move vertices of slender triangles inside faces to better places; how far what changed is at most."""
+        """Move vertices of slender triangles inside faces to better places; the largest distance of what changed."""
         mesh.fresh[:], worst, good = True, 0.0, self.settings.good
         free = self._free(mesh)
         for _ in range(self.ROUNDS):
@@ -186,7 +186,7 @@ class Remesher(Grading):
             off = self._off(mesh, vertices, places)
             near = off <= self.tolerance
             worst = max(worst, float(off[near].max(initial=0.0)))
-            if not mesh.move(vertices, places, self.ground.looked(places, labels)[0], near, good):
+            if not mesh.move(vertices, places, self.ground.local_geometry(places, labels)[0], near, good):
                 break
         return worst
 
@@ -198,7 +198,7 @@ class Remesher(Grading):
         return result
 
     def _off(self, mesh: HalfEdges, vertices: Integers, places: Floats) -> Floats:
-        """How far the triangles about vertices (K,) would be from the surface with these at places (K, 3)."""
+        """The largest distance of the triangles about vertices (K,) with these at positions (K, 3)."""
         rows, owners = mesh.stars(vertices)
         triangles = mesh.triangles[rows]
         own = (triangles == vertices[owners][:, None])[..., None]

@@ -15,7 +15,7 @@ def unit_rows(vectors: Floats) -> Floats:
     return np.asarray(vectors / np.maximum(np.sqrt(x * x + y * y + z * z), 1e-300)[..., None])
 
 
-def uprightness(corners: Floats, normals: Floats) -> Floats:
+def normal_cosines(corners: Floats, normals: Floats) -> Floats:
     """The cosines (T,) between triangles of corners (T, 3, 3) and the sums of normals (T, 3, 3)."""
     across, about = unit_rows(area_vectors(corners)), unit_rows(normals.sum(axis=1))
     return np.asarray((across * about).sum(axis=1))

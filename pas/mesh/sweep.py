@@ -62,7 +62,7 @@ class Sweep:
         self.loops: list[list[int]] = [loop.tolist() for loop in loops]
 
     def triangles(self) -> list[tuple[int, int, int]] | None:
-        """Those of the second turn; None where a vertex follows no front."""
+        """The triangles of the sweep's second turn; None where a vertex follows no front."""
         begin = self.angles[self.loops[0][0]]
         fronts = [[max(self._met(loop, begin - TURN, begin), key=self._angle) for loop in self.loops[:2]]]
         found: list[tuple[int, int, int]] = []

@@ -54,7 +54,7 @@ def _numbered(keys: Integers, placed: bool) -> tuple[Integers, Integers]:
 
 
 def first_rows(numbers: Integers, size: int) -> Integers:
-    """Where each of so many numbers stands first (size,) among given ones (N,)."""
+    """The position (size,) at which each of the numbers below `size` stands first among given ones (N,)."""
     first = np.empty(size, dtype=np.intp)
     first[numbers[::-1]] = np.arange(len(numbers))[::-1]  # the last to be written is the first there is
     return first
@@ -124,7 +124,7 @@ def euler_characteristic(triangles: Integers) -> int:
 
 
 def connected(ends: Integers | Numbers, size: int) -> Integers:
-    """The number of the connected piece of each of so many vertices, joined by edges (E, 2)."""
+    """The number of the connected component of each of `size` vertices, joined by edges (E, 2)."""
     graph = coo_array((np.ones(len(ends)), ends.T), shape=(size, size))
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.intp)
 
@@ -188,7 +188,7 @@ class Edges:
 
     @property
     def rim(self) -> Integers:
-        """Those (R, 2) of one triangle, directed as in it."""
+        """The boundary edges (R, 2), directed as in their one triangle."""
         return self.every[len(self._inner) :]
 
     @property

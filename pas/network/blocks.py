@@ -33,7 +33,7 @@ class EngineLostError(PasError):
 def results(
     map_: Callable[..., Any], function: Callable[[Any], Any], items: list[Any], kept: Path | None, task: str
 ) -> Iterator[Any]:
-    """What the `map` of an engine gives, with futures waited for; raises `EngineLostError` where the engine ends."""
+    """The results of an engine's `map`, with futures waited for; raises `EngineLostError` where the engine ends."""
     done = 0
     try:
         for _, result in zip(in_parts(items, task), map_(function, items), strict=True):
@@ -91,7 +91,7 @@ def _begin(folder: Path, plan: dict[str, Any]) -> None:
 
 
 def plan_of(folder: Path) -> dict[str, Any] | None:
-    """What a folder of blocks says of itself; None where it says nothing."""
+    """The plan that a folder of blocks holds; None where it has none."""
     try:
         plan: dict[str, Any] = json.loads((folder / PLAN).read_text())
         return plan

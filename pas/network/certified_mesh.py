@@ -48,7 +48,7 @@ class NetworkMesh(Mesh):
         return Findings((manifold(self.triangles), topology, near, *self._apart(sum(distances))))
 
     def _apart(self, distance: float) -> Iterator[Verdict]:
-        """Of a hollow body that the meshes of both its sides, so far off together, are apart."""
+        """The verdict that the meshes of a hollow body's sides are apart, being off by `distance` together."""
         part = self.part
         if part.wall is None:
             return

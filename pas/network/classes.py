@@ -3,7 +3,8 @@ reflections.
 
 A kind is what the nodes have in common whose struts have the same vectors, radii and given clips; there are as many as
 a lattice has orientations of nodes.  Classes are those of kinds, by an exact canonical form: arms are numbered by their
-products with a frame of at most three independent ones, of all frames that for which what is written down is least.
+products with a frame of at most three independent ones, of all frames that for which what is written down is least;
+frames are made arm by arm, and only those go on of which that holds so far, since independent arms begin some frame.
 Products with three independent vectors determine a vector, and those of a frame the frame up to a rotation or
 reflection; so kinds have one form iff one is the other turned.
 """
@@ -14,7 +15,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from itertools import chain, permutations
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -52,13 +53,14 @@ class NodeKind:
         def row(i: int, frame: tuple[int, ...]) -> tuple[int, ...]:
             return (*self.arms[i][1:], products[i][i], *(products[i][j] for j in frame))
 
-        told = {
-            frame: tuple(row(i, frame[:n]) for n, i in enumerate(frame))
-            for frame in permutations(arms, rank)
-            if fmpz_mat(rank, rank, [products[i][j] for i in frame for j in frame]).det()  # they are independent
-        }
-        least = min(told.values())
-        frames = [frame for frame, rows in told.items() if rows == least]
+        least: tuple[tuple[int, ...], ...] = ()
+        frames: list[tuple[int, ...]] = [()]
+        for size in range(1, rank + 1):
+            longer = [(*frame, i) for frame in frames for i in arms]
+            longer = [f for f in longer if fmpz_mat(size, size, [products[i][j] for i in f for j in f]).det()]
+            rows = [row(frame[-1], frame[:-1]) for frame in longer]
+            least = (*least, min(rows))
+            frames = [frame for frame, told in zip(longer, rows, strict=True) if told == least[-1]]
         orders = [tuple(sorted(arms, key=lambda i: row(i, frame))) for frame in frames]
         written = [tuple(row(i, frame) for i in order) for order, frame in zip(orders, frames, strict=True)]
         best = min(written)
@@ -133,20 +135,20 @@ class Kinds:
         return np.asarray(self.at_ends(self.arm_ends))
 
     def at_ends(self, table: Any, struts: Any = slice(None)) -> Any:
-        """What a table of the arms of all kinds (K, most arms) has for those of some struts at both ends (E, 2)."""
+        """The entries of a table of all kinds' arms (K, most arms) for the arms of some struts at both ends (E, 2)."""
         return table[self.of[self.network.edges[struts]], self.slots[struts]]
 
 
 @dataclass(frozen=True, eq=False)
 class NodeClass:
-    """Nodes that are one another turned, with the numbers of their kinds, of which the first stands for them."""
+    """Nodes that are congruent, with the numbers of their kinds, of which the first represents them."""
 
     kinds: Kinds
     numbers: tuple[int, ...]
 
     @property
     def kind(self) -> NodeKind:
-        """The kind that stands for it."""
+        """The kind that represents it."""
         return self.kinds.kinds[self.numbers[0]]
 
     @cached_property

@@ -22,7 +22,7 @@ from pas.algebra.rational import to_floats
 from pas.arrays import Floats
 from pas.network.classes import grouped
 from pas.network.covers import Found, NodeCovers
-from pas.network.graph import NetworkProblem, StrutGraph, told
+from pas.network.graph import NetworkProblem, StrutGraph, problems_text
 from pas.network.near import Capsules, near, nearest_points
 from pas.network.overlaps import common_point
 from pas.verdicts import Status, Verdict
@@ -35,7 +35,7 @@ WORDS = {
     "nodes": ("the nodes {} and {}, {} from one another,", MAY_MEET),
     "enclosed": ("the piece of point {} and another one", "may be one inside of the other"),
 }
-"""What is told of each kind of doubt: of what, and what of it is not decided."""
+"""The words for each kind of doubt: its subject, and what of it is not decided."""
 
 Doubt = tuple[tuple[int, ...], float, int, Found]
 """Numbers of nodes, struts or both, how far apart they are, that of a point, and what is found about it."""
@@ -50,13 +50,13 @@ def clearance(network: StrutGraph, covers: NodeCovers) -> tuple[Verdict, tuple[N
     found = sorted(_doubts(network, covers), key=lambda doubt: doubt[0] is not Status.REFUTED)
     problems = tuple(problem for *_, problem in found)
     for status, place, _ in found:
-        return Verdict(status, "nothing else meets", told(problems), tuple(place.tolist())), problems
+        return Verdict(status, "nothing else meets", problems_text(problems), tuple(place.tolist())), problems
     reason = "nodes, also neighbours, and struts that share no point are apart"
     return Verdict(Status.PROVED, "nothing else meets", reason, measure=len(network.edges)), ()
 
 
 def _doubts(network: StrutGraph, covers: NodeCovers) -> Iterator[tuple[Status, Floats, NetworkProblem]]:
-    """What meets, or may meet: which of both, where, and what."""
+    """The pairs that meet, or may meet: the status, the place and the problem of each."""
     finders = {
         "near struts": _crossing_struts(network, covers),
         "node and strut": _beside_nodes(network, covers, covers.struts),

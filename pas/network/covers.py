@@ -44,7 +44,7 @@ Found = Vector | bool
 
 
 class NodeCovers:
-    """What holds the nodes of a network: `blends` has those of its classes by their keys, in steps of the grid.
+    """Tetrahedra that hold the nodes of a network: `blends` has those of its classes by key, in steps of the grid.
 
     Distances are in the model's units.
     """
@@ -55,7 +55,7 @@ class NodeCovers:
 
     @cached_property
     def _first(self) -> dict[Any, Simplices]:
-        """Of each class with a blend tetrahedra that hold it around its first kind's point, all with forms of one
+        """For each class with a blend tetrahedra that hold it around its first kind's point, all with forms of one
         degree."""
         found, degree = {}, max((blend.surface.degree for blend in self.blends.values()), default=1)
         step = float(self.network.grid)
@@ -114,9 +114,9 @@ class NodeCovers:
         return StrutSolid(vector(start.tolist()), vector(network.vectors[number].tolist()), (here, 1 - there), radii)
 
     def apart(self, nodes: Integers, others: Capsules, rows: Integers) -> list[Found]:
-        """What is found of pairs of nodes and others, or straight parts of struts (M,): whether they do not meet.
+        """For pairs of nodes and others, or straight parts of struts (M,): whether they are proved not to meet.
 
-        That is looked into once for all pairs of the same kinds that are placed alike.
+        It is decided once for all pairs of the same kinds with the same relative position.
         """
         begin, straight = others.of[rows, 0], others is self.struts
         numbers, kinds = (rows, self.kinds.struts[0][rows]) if straight else (begin, self.kinds.of[begin])

@@ -29,7 +29,7 @@ from pas.exchange.formats.libraries import records, require_lib3mf, save_3mf, th
 from pas.network.graph import StrutGraph
 
 MOST_BYTES = 1 << 30
-"""Of a file of text."""
+"""The most bytes of a file of text."""
 
 
 GraphArrays = tuple[Any, Any, Any]
@@ -139,10 +139,10 @@ def write(network: StrutGraph, path: str | Path, unit: str | None = None) -> Pat
 
 def _write_npz(network: StrutGraph, path: Path, request: Request) -> None:
     with path.open("wb") as stream:
-        np.savez_compressed(stream, points=network.points, edges=network.edges, radii=_told(network))
+        np.savez_compressed(stream, points=network.points, edges=network.edges, radii=_written_radii(network))
 
 
-def _told(network: StrutGraph) -> Floats:
+def _written_radii(network: StrutGraph) -> Floats:
     """The radii of struts (E,), or (E, 2) where some have others at their two ends."""
     return network.thickness if network.even else network.widths
 
@@ -150,7 +150,7 @@ def _told(network: StrutGraph) -> Floats:
 def _write_csv(network: StrutGraph, path: Path, request: Request) -> None:
     with path.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
-        rows = np.column_stack([network.points[network.edges].reshape(-1, 6), _told(network)])
+        rows = np.column_stack([network.points[network.edges].reshape(-1, 6), _written_radii(network)])
         radii = ["radius"] if network.even else ["radius1", "radius2"]
         writer.writerow(["x1", "y1", "z1", "x2", "y2", "z2", *radii])
         writer.writerows(rows.tolist())

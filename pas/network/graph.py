@@ -53,7 +53,7 @@ class NetworkError(GeometryError):
     """
 
     def __init__(self, problems: Sequence[NetworkProblem]) -> None:
-        super().__init__(told(problems))
+        super().__init__(problems_text(problems))
         self.problems = tuple(problems)
 
     @property
@@ -62,7 +62,7 @@ class NetworkError(GeometryError):
         return tuple(sorted({strut for problem in self.problems for strut in problem.struts}))
 
 
-def told(problems: Sequence[NetworkProblem]) -> str:
+def problems_text(problems: Sequence[NetworkProblem]) -> str:
     """The first problem of each kind, and how many others of the kind there are."""
     kinds = Counter(problem.kind for problem in problems)
     found = []
@@ -103,12 +103,12 @@ class StrutGraph:
 
     @cached_property
     def lengths(self) -> Floats:
-        """Of the struts (E,), in the model's units."""
+        """The lengths of the struts (E,), in the model's units."""
         return np.asarray(np.linalg.norm(self.vectors, axis=1) * float(self.grid))
 
     @cached_property
     def slack(self) -> float:
-        """What distances in doubles may be off by, with much to spare, in the model's units."""
+        """A bound, with much to spare, of the rounding of distances in doubles, in the model's units."""
         return ROUNDING * float(self.lengths.max(initial=0) + np.abs(self.points).max(initial=0))
 
     @property

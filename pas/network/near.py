@@ -1,4 +1,4 @@
-"""Which nodes and struts of a network come near one another: balls, and cylinders with round ends around axes.
+"""The pairs of nodes and struts of a network that are near: balls, and cylinders with round ends around axes.
 
 Distances are compared with room for rounding.
 """
@@ -36,7 +36,7 @@ class Capsules:
     of: Any
 
     def halves(self, rows: Any) -> Floats:
-        """From the middles of some to their ends."""
+        """The vectors from the middles of some to their ends."""
         return np.asarray(self.vectors[rows] * self.share[rows, None])
 
     def segments(self, rows: Any) -> Floats:
@@ -46,8 +46,8 @@ class Capsules:
 
 
 def near(first: Capsules, second: Capsules, slack: float) -> Iterator[tuple[Integers, Integers, Floats]]:
-    """Those of two kinds that are nearer than they are thick together and a slack: two numbers, and the distance of
-    their axes; each pair once where both are the same."""
+    """The pairs of two sets of capsules whose axes are nearer than both radii together and a slack: two numbers, and
+    the distance; each pair once where both are the same."""
     from scipy.spatial import cKDTree
 
     if not len(first.middles) or not len(second.middles):

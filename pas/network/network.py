@@ -35,7 +35,7 @@ class Network(StrutGraph):
 
     @classmethod
     def of_graph(cls, graph: Any, radius: Exact | None = None, grid: Exact = "1/1024") -> Network:
-        """That of a networkx graph: the `pos` of its nodes, the `radius` of its edges or the one that is given.
+        """The network of a networkx graph: the `pos` of its nodes, the `radius` of its edges or the one that is given.
 
         Raises `ValueError` for a node without a place or an edge without a radius.
         """

@@ -126,14 +126,14 @@ def _check_layouts(kinds: Kinds, order: int, known: dict[Any, _Ends]) -> None:
 
 
 def of_nodes(kind: str, one: NodeClass, said: object, struts: tuple[int, ...] = ()) -> NetworkProblem:
-    """What is wrong with the nodes of a class, with the numbers of the first three in the sentence."""
+    """The problem of the nodes of a class, with the numbers of the first three in the sentence."""
     nodes = tuple(one.nodes.tolist())
     told = ", ".join(map(str, nodes[:3])) + (f" and {len(nodes) - 3} more" if len(nodes) > 3 else "")
     return NetworkProblem(kind, nodes, f"the node{'s' * (len(nodes) > 1)} {told}: {said}", struts)
 
 
 def no_blend(one: NodeClass, why: object) -> NetworkProblem:
-    """That there is no blend for the nodes of a class; the shortest strut of each may become a point."""
+    """The problem that the nodes of a class have no blend; the shortest strut of each may become a point."""
     struts = tuple(np.unique(one.kinds.network.shortest[one.nodes]).tolist())
     advice = (
         "thinner struts may fit, or the shortest there may become a point: repair(collapse=error.struts), --collapse"
@@ -230,13 +230,13 @@ class Job:
 
     @property
     def inner(self) -> tuple[Contact, ...]:
-        """What a cavity meets: thinner pipes and cones, with the same ends."""
+        """The contacts of a cavity: thinner pipes and cones, with the same ends."""
         wall = rational(self.wall or 0)
         return tuple(as_contact(replace(pipe, radius=rational(pipe.radius) - wall)) for pipe in self.pipes)
 
     @property
     def meets(self) -> tuple[Any, ...]:
-        """What makes a blend that of these pipes, see `met`."""
+        """The key by which a blend is recognised as that of these pipes, see `met`."""
         outer = self.order, tuple(map(as_contact, self.pipes))
         return outer if self.wall is None else (*outer, self.inner)
 

@@ -1,4 +1,4 @@
-"""What of a network is solid, exactly: nodes, and the straight parts of struts; and points inside of two of these.
+"""The solid parts of a network, exactly: nodes, and the straight parts of struts; and points inside of two of these.
 
 A node is where the function of its blend is negative, in the interior of its region; a strut is a cylinder or cone
 between its ends.  Both are open, so that solids that only touch have no point in common.  Doubles choose a point, over
@@ -79,7 +79,7 @@ def _about_axis(point: Any, start: Any, way: Any, radii: Any) -> tuple[Any, Any,
 
 
 def common_point(points: Floats, *solids: NodeSolid | StrutSolid) -> Vector | None:
-    """Of points (N, 3) the one that seems deepest inside of all solids; None where it is not."""
+    """The one of points (N, 3) that seems deepest inside of all solids; None where it is not in all of them."""
     depths = np.min([solid.depths(points) for solid in solids], axis=0)
     found = exact_vector(points[np.nan_to_num(depths, nan=-np.inf).argmax()].tolist())
     return found if all(solid.holds(found) for solid in solids) else None

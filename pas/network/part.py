@@ -24,7 +24,7 @@ from pas.network.certified_mesh import NetworkMesh
 from pas.network.classes import Kinds, NodeClass
 from pas.network.clearance import clearance
 from pas.network.covers import NodeCovers
-from pas.network.graph import NetworkProblem, StrutGraph, told
+from pas.network.graph import NetworkProblem, StrutGraph, problems_text
 from pas.network.nodes import of_nodes
 from pas.network.placing import PlacedPieces
 from pas.network.sides import NetworkSide
@@ -36,10 +36,10 @@ from pas.shape import Shape
 from pas.verdicts import Findings, Status, Verdict
 
 USUAL = 0.03
-"""Of the least radius: the tolerance of meshes."""
+"""The usual tolerance of meshes, over the least radius."""
 
 MOST_TRIANGLES = 40_000_000
-"""Of one mesh, which take some 10 GB; more are written by pieces, see `NetworkPart.write`."""
+"""The most triangles of one mesh, which take some 10 GB; more are written by pieces, see `NetworkPart.write`."""
 
 
 Proof = tuple[Verdict, tuple[NetworkProblem, ...]]
@@ -74,7 +74,7 @@ class NetworkPart(Shape):
 
     @cached_property
     def cavity(self) -> NetworkPart | None:
-        """What a hollow body is hollow by, as a body of its own; None of a full one."""
+        """The cavity of a hollow body, as a body of its own; None of a full one."""
         if self.wall is None:
             return None
         network, wall = self.network, self.wall
@@ -119,7 +119,7 @@ class NetworkPart(Shape):
         return (self._nodes(), _straight(self.kinds.ends), clearance(self.network, covers), *self._inside())
 
     def _inside(self) -> Iterator[Proof]:
-        """Of a hollow body that its cavity meets its struts, and is inside: then nothing of it meets, as outside."""
+        """The verdicts that a hollow body's cavity meets its struts, and is inside: then nothing of it meets."""
         if self.cavity is None:
             return
         nodes, problems = self.cavity._nodes()
@@ -168,7 +168,7 @@ class NetworkPart(Shape):
 
     @property
     def genus(self) -> int:
-        """Of its surface, summed over its pieces: struts - nodes + pieces.
+        """The genus of the surface, summed over its pieces: struts - nodes + pieces.
 
         That of a hollow body is twice as much, and one for each open end of a piece after the first.
         """
@@ -295,5 +295,5 @@ def _found(
 ) -> Proof:
     """The verdict on a claim: proved, or what problems make of it, and these."""
     if wrong := tuple(problems):
-        return Verdict(status, claim, told(wrong)), wrong
+        return Verdict(status, claim, problems_text(wrong)), wrong
     return Verdict(Status.PROVED, claim, reason, measure=measure), ()

@@ -17,7 +17,7 @@ from pas.algebra.lengths import unit
 from pas.arrays import Floats, Integers, Numbers
 from pas.mesh.rows import area_vectors, cross
 from pas.network.classes import grouped, ranked
-from pas.network.rings import lid
+from pas.network.rings import flat_end
 from pas.network.sides import MeshPiece, NetworkSide
 
 AT_ONCE = 2**16
@@ -65,7 +65,7 @@ class PlacedPieces:
         normals = np.concatenate([outer.normals, -inner.normals[:, ::-1]])
         if len(outer.rings) == 1:  # of an end, which is flat
             axis = -unit(self.kinds.kinds[kind].vectors[0])
-            triangles = lid(points, [outer.rings[0], count + inner.rings[0]], axis)
+            triangles = flat_end(points, [outer.rings[0], count + inner.rings[0]], axis)
             normals = np.broadcast_to(axis, (len(triangles), 3, 3))
         off, owners = max(outer.deviation, inner.deviation), np.zeros(len(points), np.int64)
         return MeshPiece(points, triangles, normals, off, outer.copies, owners)
@@ -110,7 +110,7 @@ class PlacedPieces:
         return np.concatenate(points), np.concatenate(triangles), faces, ("nodes", "struts"), np.concatenate(normals)
 
     def shares(self, block: Integers, count: int) -> Iterator[MeshShare]:
-        """The parts of the mesh that have the nodes of each of so many blocks, numbers (N,), and the struts that begin
+        """The shares of the mesh of each of `count` blocks of nodes, given by numbers (N,), with the struts that begin
         there."""
         copies = [[piece.copies[some] for some in grouped(block[piece.copies[:, 0]], count)] for piece in self.pieces]
         shapes = [(p.points[p.triangles], p.owners[p.triangles]) for p in self.pieces]
@@ -170,6 +170,6 @@ class PlacedPieces:
                 triangles.append(np.concatenate([ring, own])[found])
                 normals.append(outward)
                 count += len(there)
-            triangles.append(lid(np.concatenate(points), rings, axis))
+            triangles.append(flat_end(np.concatenate(points), rings, axis))
             normals.append(np.broadcast_to(axis, (len(triangles[-1]), 3, 3)))
         return np.concatenate(points), np.concatenate(triangles), np.concatenate(normals)

@@ -1,4 +1,4 @@
-"""What is wrong with a network, and what of it can be mended."""
+"""Problems of a network, and the repair of some of them."""
 
 from __future__ import annotations
 
@@ -65,13 +65,13 @@ def _repeated(rows: Integers) -> list[tuple[int, int]]:
 
 
 def _firsts(rows: Integers) -> Integers:
-    """Of each row the number of the first one that is equal."""
+    """For each row the number of the first one that is equal."""
     codes, firsts = ranked(rows.T)
     return firsts[codes]
 
 
 def _least_angles(kinds: Kinds) -> tuple[Floats, Numbers]:
-    """Of the arms of all kinds (K, most arms) the least angle with another there, in radians, and that other."""
+    """For the arms of all kinds (K, most arms) the least angle with another, in radians, and that one's number."""
     most = max((len(kind.arms) for kind in kinds.kinds), default=0)
     least, other = np.full((len(kinds.kinds), most), pi), np.zeros((len(kinds.kinds), most), dtype=np.int32)
     for number, kind in enumerate(kinds.kinds):
@@ -222,7 +222,7 @@ def _unserved(network: StrutGraph) -> Integers:
 
 
 def _apart(network: StrutGraph, short: Integers) -> Integers:
-    """Of some struts, the shortest first, those that share no point with one before."""
+    """Those of some struts, the shortest first, that share no point with one before."""
     taken, chosen = np.zeros(len(network.places), dtype=bool), []
     for number in short[np.argsort(network.lengths[short], kind="stable")].tolist():
         a, b = network.edges[number]

@@ -53,7 +53,7 @@ def outwards(points: Floats, axis: Floats, slope: float) -> Floats:
 
 
 def circle(axis: Floats, count: int, start: float = 0.0) -> Floats:
-    """So many points (count, 3), evenly at the distance 1 around a unit vector, and the angle of the first."""
+    """Points (count, 3) evenly on the circle of radius 1 around a unit vector, and the angle of the first."""
     angles = start + tau * np.arange(count)[:, None] / count
     first, second = across(axis)
     return np.asarray(np.cos(angles) * first + np.sin(angles) * second)
@@ -113,7 +113,7 @@ def _span(first: Floats, second: Floats, vector: Floats) -> tuple[float, float]:
     return start, float(np.mean((second + vector if len(second) else vector) @ axis)) - start
 
 
-def lid(points: Floats, rings: Sequence[Integers], axis: Floats) -> Integers:
+def flat_end(points: Floats, rings: Sequence[Integers], axis: Floats) -> Integers:
     """The triangles (T, 3) in a ring of points, or between two in a plane, seen from where a unit vector points."""
     if len(rings) == 1:
         (ring,) = rings

@@ -18,7 +18,7 @@ from pas.algebra.lengths import unit
 from pas.arrays import Floats, Integers, Numbers
 from pas.errors import MeshError
 from pas.network.classes import Kinds, NodeClass, NodeKind, grouped, turn
-from pas.network.rings import FEWEST, Span, angles_around, circle, lid, places_of, rings_of, strip
+from pas.network.rings import FEWEST, Span, angles_around, circle, flat_end, places_of, rings_of, strip
 from pas.pipeline.result import Blend
 
 FEW = 1 / 4
@@ -93,7 +93,7 @@ class NetworkSide:
         (radius, _), axis = self._radii(kind, 0), unit(kind.vectors[0])
         points = radius * circle(axis, count := self._fewest(radius))
         ring = np.arange(count)
-        fan = lid(points, [ring], axis)[:, ::-1] if len(kind.arms) == 1 else np.zeros((0, 3), np.int64)  # a flat end
+        fan = flat_end(points, [ring], axis)[:, ::-1] if len(kind.arms) == 1 else np.zeros((0, 3), np.int64)
         normals = np.broadcast_to(-axis, (len(fan), 3, 3))
         return MeshPiece(points, fan, normals, 0.0, copies, 0 * ring, rings=(ring,) * len(kind.arms))
 
@@ -104,7 +104,7 @@ class NetworkSide:
 
     @cached_property
     def _arms(self) -> Any:
-        """Of each kind of strut the kinds of its nodes and its arms there: [[kind, arm], [kind, arm]]."""
+        """For each kind of strut the kinds of its nodes and its arms there: [[kind, arm], [kind, arm]]."""
         firsts = self.kinds.struts[1]
         at = self.kinds.of[self.kinds.network.edges[firsts]], self.kinds.slots[firsts]
         return np.stack(at, axis=2).tolist()
@@ -153,7 +153,7 @@ class NetworkSide:
         return self.nodes[kind].rings[arm] + (len(self.outer.nodes[kind].points) if self.outer else 0)
 
     def _faced(self, triangles: Integers, normals: Floats) -> tuple[Integers, Floats]:
-        """Triangles and normals as they are outside, or inside out in a cavity."""
+        """Triangles and normals, turned inside out in a cavity."""
         return (triangles[:, ::-1], -normals[:, ::-1]) if self.outer else (triangles, normals)
 
     def _fewest(self, radius: float) -> int:

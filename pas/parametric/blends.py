@@ -307,7 +307,7 @@ METHODS: dict[str, BlendMethod] = {
     "hermite": BlendMethod(hermite_blend, {}),
     "weighted": BlendMethod(weighted_blend, {"balance": Any, "normalized": bool, "exponent": int}),
 }
-"""By name, for files and the command line."""
+"""The methods by name, for files and the command line."""
 
 
 def blend_by(method: str, data: BlendingData, order: int, options: Mapping[str, Any]) -> ParametricBlend:

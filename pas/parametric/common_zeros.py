@@ -43,7 +43,7 @@ RENEWALS = 64
 
 @dataclass(frozen=True)
 class ZeroSearch:
-    """What came of one search; `place` is a common zero (`exact`), near one, or a place left open."""
+    """The result of one search; `place` is a common zero (`exact`), near one, or a place left open."""
 
     status: Status
     place: Place | None = None
@@ -121,7 +121,7 @@ class _Rectangles(PlacedNets):
         return self.chart.place(u, v)
 
     @property
-    def worn(self) -> Bools:
+    def imprecise(self) -> Bools:
         """Which have a polynomial whose coefficients may be off by much of their size."""
         greatest, share = np.abs(self.table).max(axis=(1, 2)), 2.0**-12
         return ((greatest > 0) & (self.off.max(axis=(1, 2))[:, None] > share * greatest)).any(axis=1)
@@ -155,7 +155,7 @@ def without_common_zero(polynomials: Sequence[fmpq_mpoly], chart: RationalChart,
 
 @dataclass
 class _Seeker:
-    """What judges the rectangles of a search and halves them: `cells` that it has looked at, and the `zero` found."""
+    """The search for a zero, which judges and halves rectangles: `cells` were examined, `zero` is the one found."""
 
     polynomials: Sequence[fmpq_mpoly]
     degrees: list[int]
@@ -172,9 +172,9 @@ class _Seeker:
         return np.stack(nets, axis=-1), np.full(nets[0].shape, UNIT_ROUNDOFF)
 
     def split(self, cells: _Rectangles) -> _Rectangles:
-        """Both halves of all; what is worn is worked out afresh before."""
+        """Both halves of all; what is imprecise is worked out afresh before."""
         table, off = cells.table.copy(), cells.off.copy()
-        for number in np.flatnonzero(cells.worn).tolist():
+        for number in np.flatnonzero(cells.imprecise).tolist():
             size = [Fraction(1, 1 << n) for n in cells.steps[number].tolist()]
             table[number], off[number] = self.net(cells.chart.part(cells.point(number, (0, 0)), size))
         return replace(cells, table=table, off=off).split(cells.axes)
@@ -187,15 +187,15 @@ class _Seeker:
         fates = np.where(avoids_origin(cells.table, cells.off.max(axis=(1, 2))), int(Fate.SETTLED), int(Fate.SPLIT))
         left = np.flatnonzero(fates)
         rest = cells.select(left)
-        worn = np.flatnonzero(rest.worn)
-        number = self._with_zero(rest, worn)
+        imprecise = np.flatnonzero(rest.imprecise)
+        number = self._with_zero(rest, imprecise)
         if number is not None:
             fates[left[number]] = Fate.REFUTE
-        elif len(worn) > RENEWALS:
+        elif len(imprecise) > RENEWALS:
             fates[left] = Fate.WAIT
         return fates
 
-    def _with_zero(self, cells: _Rectangles, worn: Integers) -> int | None:
+    def _with_zero(self, cells: _Rectangles, imprecise: Integers) -> int | None:
         """A rectangle with a zero: at a corner, where coefficients are values, by a change of sign, or near the middle
         of one that is to be worked out afresh."""
         ends, off = cells.table[:, [0, 0, -1, -1], [0, -1, 0, -1]], cells.off.max(axis=(1, 2))[:, None]
@@ -212,7 +212,7 @@ class _Seeker:
             if low is not None and high is not None:
                 self._between(low, high, cells.chart)
                 return int(number)
-        return next((n for n in worn[:RENEWALS].tolist() if self._near(cells.place(n), cells.chart)), None)
+        return next((n for n in imprecise[:RENEWALS].tolist() if self._near(cells.place(n), cells.chart)), None)
 
     def _between(self, first: Place, last: Place, chart: RationalChart) -> None:
         """Find a zero between two places at which the only polynomial has values of different signs, to rounding."""

@@ -34,7 +34,7 @@ AXES = "xyz"
 
 
 class PointKind(Enum):
-    """What happens at an isolated t: the curve has a pole, or numerator and denominator vanish together."""
+    """The behaviour at an isolated t: the curve has a pole, or numerator and denominator vanish together."""
 
     POLE = "pole"
     BASE_POINT = "base point"
@@ -229,7 +229,7 @@ def _contact(surface: ParametricSurface, other: ParametricSurface, value: fmpq, 
 
 
 def _compared(surface: ParametricSurface, other: ParametricSurface, value: fmpq, order: int, claim: str) -> Verdict:
-    """What derivatives at points along the curve say, where identities are out of reach."""
+    """The verdict by derivatives at points along the curve, where identities are out of reach."""
     samples, interval = 64, finite_part(surface.domain[0])
     points = np.column_stack([np.linspace(*interval, samples), np.full(samples, to_float(value))])
     worst, size, compared = 0.0, 0.0, 0

@@ -89,13 +89,13 @@ def fit_patch(
 
 
 def even_knots(interval: tuple[float, float], spans: int, degree: int = DEGREE) -> Floats:
-    """The knots of a B-spline over so many equal spans, those at both ends degree + 1 times."""
+    """The knots of a B-spline over `spans` equal spans, those at both ends degree + 1 times."""
     inner = np.linspace(*interval, spans + 1)
     return np.concatenate([np.full(degree, interval[0]), inner, np.full(degree, interval[1])])
 
 
 def sites(knots: Floats, degree: int = DEGREE) -> Floats:
-    """Greville abscissae: means of so many successive knots as the degree says."""
+    """Greville abscissae: the means of `degree` successive knots."""
     windows = np.lib.stride_tricks.sliding_window_view(knots[1:-1], degree)
     return np.asarray(np.clip(windows.mean(axis=1), knots[0], knots[-1]))
 

@@ -35,7 +35,7 @@ Rectangle = tuple[tuple[fmpq, fmpq], tuple[fmpq, fmpq]]
 Table = list[list[fmpq]]
 
 SMALLEST = math.ulp(0.0)
-"""By which the smallest numbers err that doubles hold."""
+"""The error of the smallest numbers that doubles hold."""
 
 
 def exact_rectangle(surface: ParametricMap, domain: DomainLike = None) -> Rectangle:
@@ -92,7 +92,7 @@ class Framed:
 
     @classmethod
     def of(cls, bounded: ParametricMap) -> Framed:
-        """Of a surface with a finite domain; raises as `extent` does."""
+        """The frame of a surface with a finite domain; raises as `extent` does."""
         middle, size = extent(bounded)
         exponent = math.frexp(size)[1] - 1
         center = np.ldexp(np.round(np.ldexp(middle, -exponent)), exponent)

@@ -1,4 +1,4 @@
-"""Where an exact surface is singular: whether its normal vanishes or it has poles, and its base points.
+"""The singularities of an exact surface: whether its normal vanishes or it has poles, and its base points.
 
 By Bernstein branch and bound it is decided whether dP/dt x dP/dh vanishes.  With P = (X_a / W_a) the tangents are
 (X_a' W_a - X_a W_a') / W_a^2, so the normal vanishes iff three polynomials do (numerators over the positive
@@ -109,7 +109,7 @@ def _expected_size(surface: ParametricMap) -> int:
 
 
 def _sampled(surface: ParametricMap, claim: str, why: str) -> Verdict:
-    """What the tangents on a grid say: how small the sine between them and their lengths become."""
+    """The verdict by the tangents on a grid: how small the sine between them and their lengths become."""
     t, h = (np.linspace(*finite_part(interval), 33) for interval in surface.domain)
     places = np.stack(np.meshgrid(t, h, indexing="ij"), axis=-1).reshape(-1, 2)
     tangents = surface.tangents(places)

@@ -42,7 +42,7 @@ from pas.solid.solid import Solid
 from pas.verdicts import Findings
 
 ParametricMesh = Mesh
-"""What the meshes of parametric surfaces were called."""
+"""The former name of the meshes of parametric surfaces."""
 
 PARTS = tuple((n, m) for m in (1, 3) for n in (1, 3))
 """Into how many parts each way the rectangle is cut first, before parts are halved; usually there is one."""

@@ -159,7 +159,7 @@ class WorseyFarinSplit(AlfeldSplit):
 
 
 def _check_inside(corners: Sequence[Vector], point: Vector) -> None:
-    """That a point is inside a tetrahedron; raises `GeometryError`."""
+    """Raise `GeometryError` for a point that is not inside a tetrahedron."""
     for i, corner in enumerate(corners):
         a, b, c = (p for p in corners if p is not corner)
         normal = cross(minus(b, a), minus(c, a))

@@ -86,7 +86,7 @@ class Partition(CellComplex, Serialisable):
             raise ValueError(f"pieces must hold each of the {len(self.cells)} cells once")
 
     def _check(self) -> None:
-        """That the cells are a region around the centre; raises `GeometryError`."""
+        """Raise `GeometryError` unless the cells are a region around the centre."""
         self.check_cells()
         if self.center is not None and self.cells:
             check_around_center(self, self.center)
@@ -136,7 +136,7 @@ class Partition(CellComplex, Serialisable):
 
     @cached_property
     def location(self) -> Location:
-        """What finds the pieces of many points; for a partition in local coordinates."""
+        """The search for the pieces of many points; for a partition in local coordinates."""
         return Location(self)
 
     def place(self, point: Vector, name: str = "the point") -> tuple[int, Vector]:

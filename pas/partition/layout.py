@@ -162,7 +162,7 @@ class Layout(Shape, Serialisable):
 
     @property
     def certificate(self) -> Findings:
-        """That it is a layout, which is checked exactly where it is made."""
+        """The verdict that it is a layout, which is checked exactly where it is made."""
         reason = "every arc has a piece on either side, and one direction lies in one piece: exact"
         return Findings((Verdict(Status.PROVED, "the pieces cover all directions once", reason),))
 

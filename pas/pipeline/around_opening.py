@@ -1,8 +1,8 @@
-"""What a solid has around the opening of a region: a piece of the surface that the blend rises out of.
+"""The part of a solid around the opening of a region: a piece of the neighbour out of which the blend rises.
 
 The piece is bounded by an edge and by a flat back between the opening and the region's centre.  Of a plate it is a
 slab: the edge is the cylinder across the plate through a curve that is wider than the opening.  Of other surfaces the
-edge is a wider cone with the same apex, which cuts what is seen from there at an angle.
+edge is a wider cone with the same apex, which rays cross at an angle.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from pas.solid.solid import Solid, patch
 from pas.solid.strips import Chain, Outwards, SolidStrip, Straight
 
 AtOpening: TypeAlias = "tuple[list[tuple[Polynomial, str]], Solid | None]"
-"""What bounds a blend at an opening, with the names of faces, and the piece of the neighbour there, if there is one."""
+"""The faces that bound a blend at an opening, with names, and the piece of the neighbour there, if there is one."""
 
 AROUND, OUTWARDS, ALONG = 48, 12, 256
 """Rays round an opening and between it and the edge, and places on each, by which surfaces are looked through."""
@@ -73,12 +73,12 @@ class AroundOpening:
 
     @classmethod
     def of(cls, surface: PiecewiseSurface) -> AroundOpening | None:
-        """That through which a surface's region is open; None where it is closed."""
+        """The opening of a surface's region; None for a closed region."""
         return next((cls(surface, number) for number, join in enumerate(surface.joins) if join.opening), None)
 
     def even(self, thickness: fmpq) -> Polynomial | None:
-        """The cone of the inner side of an even wall, None where it is the same: half way between the narrowest and the
-        widest one through points that are a thickness inside along normals of the opening, but never narrower."""
+        """The clip of the inner side of an even wall, None if it is the outer one: a cone half way between the
+        narrowest and the widest one through the curve moved inwards along normals by the thickness, never narrower."""
         parts = fmpq(1, 64)  # of the width and the axis, in which these are rounded where they are not exact
         axis = self.axis if self.flat else rounded(to_floats(self.axis), parts)
         slopes, up = self.contact.surface.gradient(self.curve), np.array(to_floats(axis))
@@ -95,7 +95,7 @@ class AroundOpening:
 
     @property
     def flat(self) -> bool:
-        """Whether it is in a plate."""
+        """Whether the contact is a plate."""
         return self.contact.surface.degree == 1
 
     def at(self, level: fmpq) -> Polynomial:
@@ -103,16 +103,16 @@ class AroundOpening:
         return Polynomial.from_raw(level - height(self.center, self.axis))
 
     def level(self, reach: fmpq) -> fmpq:
-        """The height that is `reach` below the opening, but no nearer to the centre than to it; half way with 0."""
+        """The flat back's height: `reach` below the opening, at least half the opening's height; half of it for 0."""
         size = exact(float(np.linalg.norm(to_floats(self.axis))))
         depth = self.low / 2
         return self.low - (min(reach * size, depth) if reach > 0 else depth)
 
     def fitting(self, reach: fmpq, shorter: bool) -> fmpq:
-        """How far around the opening the solid goes: `reach`, or in a curved surface less if it may be `shorter`.
+        """The width of the neighbour's ring around the opening: `reach`, or if it may be `shorter` less.
 
-        Raises `GeometryError` where rays between the opening and the edge do not leave the surface at an angle, as
-        samples tell.
+        Of a plate it is always `reach`.  Raises `GeometryError` where rays between the opening and the edge do not
+        cross the surface transversally, by samples.
         """
         if self.flat or reach == 0:
             return reach
@@ -127,9 +127,9 @@ class AroundOpening:
         return works
 
     def ended(self, name: str, level: fmpq, works: fmpq, endless: bool = False) -> AtOpening:
-        """What ends in the cone and at a level, with the neighbour around it: as far as `works`, or `endless`.
+        """The blend's boundary at the opening, and the neighbour's ring of width `works`, or without an outer edge.
 
-        Raises `GeometryError` where it is not proved that rays leave the surface once.
+        Raises `GeometryError` where it is not proved that each ray crosses the surface once.
         """
         given, back = self.surface.contacts[self.number], self.at(level)
         piece = patch(name, given.surface, given.clip).cap(back, f"{name} back") if works > 0 else None
@@ -138,8 +138,8 @@ class AroundOpening:
         return [(back, f"{name} back"), (given.clip, "")], piece
 
     def chain(self, name: str, level: fmpq, works: fmpq) -> Chain:
-        """What bounds a solid from the opening on: the surface called `name` for a distance that `works`, the edge and
-        the flat back at a level; where that is 0 the cone down to the back."""
+        """The boundary of a solid from the opening on: a ring called `name` of width `works` in the neighbour, the edge
+        down to the flat back, and that; for a width of 0 the cone of the opening down to the back."""
         back, length = scaled(self.at(level)), float(np.linalg.norm(to_floats(self.axis)))
         down, clip = -np.array(to_floats(self.axis)) / length, self.contact.clip
         if works > 0:
@@ -151,8 +151,8 @@ class AroundOpening:
         return Chain(self.contact, self._clip, self.curve, strips, End(back, down), f"{name} back")
 
     def walled(self, name: str, edge: Polynomial | None = None, floor: Polynomial | None = None) -> Chain:
-        """What bounds one side of a wall from the opening on: its surface up to an edge, if there is one, and a ring in
-        the edge, or in the cone of the opening, above a floor."""
+        """The boundary of one side of a wall from the opening on: the neighbour's surface up to an edge, if there is
+        one; both sides end in the edge, or else in the opening's cone, above a floor."""
         clip, strips = self._clip, tuple[SolidStrip, ...]()
         if edge is not None and self.flat:
             # where the line from the centre through the middle is in the plane through the opening across the axis
@@ -212,7 +212,7 @@ class AroundOpening:
         )
 
     def edge(self, reach: fmpq) -> Polynomial:
-        """What ends the piece around the opening at a distance of `reach`, positive outside."""
+        """The outer edge of the ring of width `reach` around the opening, positive outside."""
         share, onto = height(self.center, self.axis) / dot(self.axis, self.axis), []
         for g, a, c, m in zip(GENERATORS, self.axis, self.center, self.middle, strict=True):
             foot = m if self.flat else c + share * a
@@ -221,7 +221,7 @@ class AroundOpening:
         return Polynomial.from_raw(self.contact.clip.raw.compose(*onto))
 
     def _met(self, wide: fmpq) -> tuple[Floats, Floats]:
-        """Rays (N, 3) between the opening and the edge, and where they first leave the surface, NaN where never."""
+        """Unit rays (N, 3) between the opening and the edge, and their first points on the surface, NaN without any."""
         angles = np.linspace(0, 2 * np.pi, AROUND, endpoint=False)
         across = np.outer(np.cos(angles), self.join.nappe[1]) + np.outer(np.sin(angles), self.join.nappe[2])
         away = np.geomspace(1, to_float(wide), OUTWARDS)[:, None, None]
@@ -230,7 +230,7 @@ class AroundOpening:
         return rays, first_met(self.join.contact.surface, rays)[:, None] * rays
 
     def leave(self, wide: fmpq) -> bool:
-        """Whether rays up to so many times as wide leave the surface once, and at an angle."""
+        """Whether rays, up to `wide` times as wide as the opening, cross the surface once, transversally (sampled)."""
         rays, met = self._met(wide)
         surface = self.join.contact.surface
         if not np.isfinite(met).all():
@@ -245,14 +245,14 @@ class AroundOpening:
         return bool(self.surface.placed.in_use(self.frame.local_points(points)).any())
 
     def inside(self, edge: Polynomial) -> bool:
-        """Whether its curve is inside an edge."""
+        """Whether the opening's curve is inside an edge."""
         return bool((scaled(edge)(self.curve) < 0).all())
 
     def holds(self, edge: Polynomial) -> bool:
-        """Whether an edge, a cone with the same apex, is inside its own."""
+        """Whether an edge, a cone with the same apex, is inside the opening's cone."""
         rays = nappe_rays(nappe(scaled(edge), self.join.nappe[0]), AROUND)
         return bool((self.join.contact.clip(rays) < 0).all())
 
     def wide(self, reach: fmpq) -> fmpq:
-        """How wide the edge at a distance is over the opening."""
+        """The ratio of the widths of the edge at a distance and of the opening."""
         return 1 + reach / self.radius

@@ -31,7 +31,7 @@ from pas.solid.strips import Chain, chain_between
 from pas.solid.tree import Atom, combined
 
 Length: TypeAlias = "Exact | Sequence[Exact] | None"
-"""By how much neighbours go on: all of them, or each; None is half of the region's scale."""
+"""The length of the neighbours: of all of them, or of each; None is half of the region's scale."""
 
 
 def body(
@@ -65,8 +65,8 @@ def with_neighbours(
 ) -> Solid:
     """The solid inside a surface, and its neighbours up to flat ends, `beyond` more than their `reaches` away.
 
-    At an opening it is as given.  A contact with a reach of 0 is an end, one without any is left to what the solid is
-    united with.  Raises `GeometryError` for a surface that bounds no solid.
+    At an opening both are those of `at_opening`.  A contact with a reach of 0 is capped; one with None is left open,
+    for what the solid is united with.  Raises `GeometryError` for a surface that bounds no solid.
     """
     if not surface.partition.cells:
         raise GeometryError("the blend has no region, so it bounds no solid: give its cell one, as in SingleCell(box)")
@@ -96,9 +96,9 @@ def with_neighbours(
 
 
 def chain_beyond(surface: PiecewiseSurface, number: int, name: str, plane: Polynomial, length: fmpq) -> Chain | None:
-    """What goes on from a contact by a length beyond a plane, up to a flat end; None where that is none of `strips`."""
+    """The continuation of a contact by a length beyond a plane, up to a flat end; None where `Sections` has none."""
     center = surface.partition.center
-    return chain_between(surface.placed.told(number), plane, _cap(plane, length), (name, f"{name} end"), center)
+    return chain_between(surface.placed.located(number), plane, _cap(plane, length), (name, f"{name} end"), center)
 
 
 def hollow_body(
@@ -106,8 +106,8 @@ def hollow_body(
 ) -> Solid:
     """The solid between two surfaces and their neighbours; see `HollowBlend.solid`.
 
-    The inner solid goes on beyond the caps of the outer one, so that their ends are not in one plane: around an opening
-    it has no end, and its back is lower.  Where the outer one ends in the opening the inner surface goes on.
+    The cavity extends beyond the caps of the outer solid, so that no two ends are coplanar: around an opening it has no
+    end, and its back is lower.  Where the outer solid ends in the opening the inner surface extends beyond it.
     """
     reaches, titles = lengths_of(length, outer), _names(names, len(outer.contacts))
     inside = [f"{INSIDE} {t}" for t in titles]
@@ -130,8 +130,8 @@ def hollow_body(
 
 @dataclass(frozen=True, eq=False)
 class WallOpening:
-    """A wall at an opening: `around` its outer side and `within` its inner one, up to an `edge`, which is as far around
-    the outer one as `works`, or its cone where that is 0."""
+    """A wall at an opening: `around` its outer side and `within` its inner one, up to an `edge` around a ring of width
+    `works` in the outer neighbour; for a width of 0 the edge is the opening's cone."""
 
     around: AroundOpening
     within: AroundOpening
@@ -142,9 +142,9 @@ class WallOpening:
     def of(
         cls, outer: PiecewiseSurface, inner: PiecewiseSurface, reaches: Sequence[fmpq], shorter: bool
     ) -> WallOpening | None:
-        """That of a wall, None where it is not open; raises what `AroundOpening.fitting` raises.
+        """The opening of a wall, None for a closed one; raises what `AroundOpening.fitting` raises.
 
-        If it may be `shorter`, the edge of a curved surface is all around the inner side's curve or all inside of it.
+        If it may be `shorter`, a ring in a curved surface is halved until its edge is clear of the inner side's curve.
         """
         around, within = AroundOpening.of(outer), AroundOpening.of(inner)
         if around is None or within is None:
@@ -163,16 +163,16 @@ class WallOpening:
 
     @cached_property
     def goes_on(self) -> bool:
-        """Whether the inner side's curve is inside the edge, so that its contact goes on from there."""
+        """Whether the inner side's curve is inside the edge, so that the inner contact continues from there."""
         return self.works > 0 and self.within.inside(self.edge)
 
     @cached_property
     def ends(self) -> bool:
-        """Whether the inner surface goes on to the edge itself."""
+        """Whether the inner surface itself reaches the edge."""
         return self.works == 0 or (not self.around.flat and self.within.holds(self.edge))
 
     def cavity(self, name: str) -> AtOpening:
-        """What the inner solid has there: its surface, or all of its neighbour, above a back below that of the wall."""
+        """The cavity at the opening: the inner surface's end, or all of its neighbour, with a back below the wall's."""
         level = self.within.low / 4
         if self.ends:
             return [(self.within.at(level), f"{name} back")], None
@@ -180,7 +180,7 @@ class WallOpening:
 
     @cached_property
     def inner(self) -> PiecewiseSurface:
-        """The inner surface up to where it ends: as a contact of itself where that is the edge."""
+        """The inner surface up to where it ends: where that is the edge, with itself as the contact clipped there."""
         surface, number = self.within.surface, self.within.number
         if not self.ends or surface.contacts[number].clip.primitive() == self.edge.primitive():
             return surface
@@ -189,7 +189,7 @@ class WallOpening:
         return PiecewiseSurface(surface.partition, contacts, surface.order, surface.patches, surface.degree)
 
     def chains(self, names: tuple[str, str]) -> list[Chain | None]:
-        """What goes on from both sides; None where the inner contact does not, or is not seen to go on so far."""
+        """The continuations of both sides; None where the inner contact has none, or is not seen to reach the edge."""
         around, within = self.around, AroundOpening(self.inner, self.within.number)
         seen = self.ends or (self.goes_on and (within.flat or within.leave(around.wide(self.works))))
         if around.center != within.center or not seen:
@@ -201,8 +201,8 @@ class WallOpening:
 def wall_sides(
     outer: PiecewiseSurface, inner: PiecewiseSurface, names: Sequence[str], reaches: Sequence[fmpq]
 ) -> list[Side] | None:
-    """The sides of a wall: what goes on inside ends in the planes, edges and cones in which the outer side does; None
-    where what goes on is not known."""
+    """The sides of a wall with their continuations, the inner ones up to the planes, edges and cones in which the outer
+    ones end; None where a continuation is not known."""
     opened = WallOpening.of(outer, inner, reaches, False)
     surfaces, pairs = (outer, inner if opened is None else opened.inner), list[list[Chain | None]]()
     for number, (name, reach) in enumerate(zip(names, reaches, strict=True)):
@@ -219,7 +219,7 @@ def wall_sides(
 
 
 def _side(surface: PiecewiseSurface, face: str, chains: Sequence[Chain | None]) -> Side | None:
-    """A surface with what goes on from it; None where something that does is not known."""
+    """A surface with its continuations; None where one of them is not known."""
     known = tuple(chain for chain in chains if chain is not None)
     return Side(surface, face, known) if len(known) == len(chains) else None
 
@@ -254,7 +254,7 @@ INSIDE = "inside of"
 
 
 def clip_plane(surface: PiecewiseSurface, number: int) -> Polynomial:
-    """The plane of the region's side in which a neighbour begins, positive on the neighbour's side."""
+    """The face of the region, as a plane, in which a neighbour begins; positive on the neighbour's side."""
     join, clip = surface.joins[number], surface.contacts[number].clip
     if len(join.planes) == 1 and join.confined:
         plane = join.planes[0]

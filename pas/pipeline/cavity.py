@@ -58,8 +58,8 @@ FINE = 32
 
 @dataclass(frozen=True, eq=False)
 class Cavity:
-    """What is wished of the inner side of an `outer` blend: to end in `contacts`, with a wall of some `thickness`; None
-    where that is whatever it is between the contacts."""
+    """The task of finding the inner side of an `outer` blend: its `contacts` and the wall's `thickness`, None if
+    free."""
 
     outer: ChosenBlend
     contacts: Sequence[Contact]
@@ -67,7 +67,7 @@ class Cavity:
 
     @cached_property
     def evenness(self) -> EvenWall | None:
-        """What makes the wall even; None where the outer blend's energy looks at no surface, or has no centre."""
+        """The energy of an uneven wall; None where the outer energy is none of the surface, or has no centre."""
         energy = self.outer.plate
         if self.outer.surface.partition.center is None or not energy.on_surface:
             return None
@@ -98,7 +98,7 @@ class Cavity:
         return Wishes(energy=energy, limits=self.outer.wishes.limits)
 
     def plain(self, found: B) -> B:
-        """An inner blend without what it was chosen by besides the outer one's energy, which files do not keep."""
+        """An inner blend whose wishes have no energy of an even wall, which files do not keep."""
         choice, wishes = found.choice, self.wishes.changed(energy=self.outer.wishes.energy)
         if self.evenness is None or choice is None:
             return found
@@ -125,8 +125,8 @@ class Cavity:
         return [own] if self._deep_enough else [*self._deeper(), own]
 
     def trials(self) -> Iterator[Trial]:
-        """What to try, the likeliest first: the outer degree on each region, and the next; the outer layout with walls
-        nearer by; and where nothing of that is proved, all degrees on each region."""
+        """The regions, layouts and degrees to try, the likeliest first: the outer degree on each region, and the next;
+        the outer layout with nearer walls; and where nothing of that is proved, all degrees on each region."""
         own, degree = self.outer.surface.partition, self.outer.surface.degree
         yield from ((degree, region) for region in self._regions)
         if degree < HIGHEST_DEGREE:
@@ -193,6 +193,6 @@ class Cavity:
 
 
 def _at(evenness: EvenWall, place: Vector) -> tuple[float, float]:
-    """How deep a point is, and how thick the wall is to be there."""
+    """The depth of a point below the outer surface, and the thickness that the wall is to have there."""
     point = np.array([to_floats(place)])
     return float(evenness.depth(point)[0][0]), float(evenness.thickness(point)[0][0])

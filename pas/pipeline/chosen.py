@@ -130,7 +130,7 @@ class ChosenBlend(Shape):
 
     @property
     def dimension(self) -> int:
-        """That of the solution space."""
+        """The dimension of the solution space."""
         return self.space.dimension if self.found_dimension is None else self.found_dimension
 
     @cached_property
@@ -163,12 +163,12 @@ class ChosenBlend(Shape):
 
     @property
     def limits(self) -> FairnessLimits:
-        """Up to what it counts as fair: what was wished, or the usual ones of its order."""
+        """The limits within which it counts as fair: those wished for, or the usual ones of its order."""
         return self.wishes.limits_at(self.surface.placed)
 
     @property
     def standing(self) -> str:
-        """What is known of its proof, without working on it: "proved", "not proved yet", "refuted" or "undecided"."""
+        """The state of its proof, without working on it: "proved", "not proved yet", "refuted" or "undecided"."""
         if not self.surface.looked_into:
             return "not proved yet"
         certificate = self.certificate
@@ -277,7 +277,7 @@ def simplified(surface: PiecewiseSurface, space: Space, wishes: Wishes, denomina
 
 
 def _lost(surface: PiecewiseSurface, found: PiecewiseSurface, wishes: Wishes) -> str:
-    """What holds of a surface and not of one that was found, as the end of a sentence; empty where all does."""
+    """The claims that hold of one surface and not of another, as the end of a sentence; empty without any."""
     try:
         check_kept(wishes, found)
     except ValueError as error:

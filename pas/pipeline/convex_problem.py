@@ -21,7 +21,7 @@ from pas.limits import checkpoint
 from pas.pipeline.chosen import B
 
 SOLVED, INFEASIBLE = ("optimal", "optimal_inaccurate"), ("infeasible", "infeasible_inaccurate")
-"""What cvxpy says of programmes."""
+"""The words of cvxpy for the outcomes of programmes."""
 
 
 class ConvexProblem(Generic[B]):
@@ -113,7 +113,7 @@ class ConvexProblem(Generic[B]):
         return found
 
     def _status(self, objective: Any, constraints: Sequence[Any]) -> str:
-        """What cvxpy says of a programme; raises `NotSolvedError` where its solver fails."""
+        """The status that cvxpy gives of a programme; raises `NotSolvedError` where its solver fails."""
         cvxpy = optional("cvxpy")
         problem = cvxpy.Problem(cvxpy.Minimize(objective), list(constraints))
         try:
@@ -141,7 +141,7 @@ class ConvexProblem(Generic[B]):
         return InfeasibleError(f"{text}; without constraints of your own there is a solution", names)
 
     def _missed_rows(self) -> Inequalities:
-        """What the solution misses of one sheet."""
+        """The inequalities of one sheet that the solution misses."""
         return self._conditions.missed(self._found) if self.wishes.guard else Inequalities.none(self.space.dimension)
 
     @property

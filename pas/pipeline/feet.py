@@ -45,7 +45,7 @@ class Tee:
 
     @classmethod
     def of(cls, run: Pipe, branch: Pipe) -> Tee:
-        """That of two pipes; raises `GeometryError` where their axes do not meet, or the branch is not the thinner."""
+        """The T of two pipes; raises `GeometryError` where their axes do not meet, or the branch is not the thinner."""
         for name, pipe in (("run", run), ("branch", branch)):
             if not isinstance(pipe, Pipe):
                 raise TypeError(f"{name} must be a pas.Pipe, not {shown(pipe)}")

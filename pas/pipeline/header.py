@@ -94,7 +94,7 @@ def header(
 
 
 def _body(*sides: RunSide | None) -> SheetBody | None:
-    """What bounds a header of one side, or of two of which the second is inside the first."""
+    """The boundary of a header with one side, or with two of which the second is inside the first."""
     known = [side for side in sides if side is not None]
     pairs = zip(known[0].chains, known[1].chains, strict=True) if len(known) == 2 else ()
     return SheetBody(tuple(known)) if len(known) == len(sides) and all(a.holds(b) for a, b in pairs) else None
@@ -108,9 +108,9 @@ def header_side(
     lengths: Sequence[fmpq],
     inside: str = "",
 ) -> tuple[Solid, RunSide | None]:
-    """The run inside a surface with feet on it between two ends, and what bounds it up to these where that is known.
+    """The run inside a surface with feet on it between two ends, and its boundary in sheets where that is known.
 
-    It is a full header, or a bore, which goes on a little beyond the ends and whose faces have names that begin with
+    It is a full header, or a bore, which reaches a little beyond the ends and whose faces have names that begin with
     `inside`.  Raises `GeometryError` where an opening reaches beyond an end of the run or into another.
     """
     openings = [opening_in(foot, surface, number) for number, foot in enumerate(feet, start=1)]
@@ -131,7 +131,7 @@ def header_side(
     along = height(run.point, run.axis) * (1 / dot(run.axis, run.axis))
 
     def planes(low: fmpq, high: fmpq) -> tuple[Polynomial, Polynomial]:
-        """Those across the run at two places, positive beyond them."""
+        """The planes across the run at two places, positive beyond them."""
         return Polynomial.from_raw(low - along), Polynomial.from_raw(along - high)
 
     name, further = f"{inside}run", (ends[1] - ends[0]) / FURTHER if inside else NOTHING

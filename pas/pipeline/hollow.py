@@ -170,7 +170,7 @@ class HollowBlend(Shape, Generic[B]):
 
     @property
     def _tolerance(self) -> float:
-        """That of meshes where none is given, the same for both sides."""
+        """The default tolerance of meshes, the same for both sides."""
         return RELATIVE_TOLERANCE * float(np.ptp(self.outer.surface.partition.points, axis=0).max())
 
     def __str__(self) -> str:
@@ -228,7 +228,7 @@ def check_sides(outer: ChosenBlend, inner: ChosenBlend, thickness: fmpq | None) 
 
 
 def _same(one: Contact, other: Contact) -> bool:
-    """Whether two contacts have one surface, to the rounding of irrational radii, and one clip or one apex of clips."""
+    """Whether two contacts have one surface, to the rounding of irrational radii, and one clip or apex."""
     # By how much coefficients of an inner surface may be another machine's, over the largest: radii that are
     # irrational are rounded to 32 binary digits (see `pas.contacts.parallels`).
     rounding = 2.0**-29
@@ -240,9 +240,9 @@ def _same(one: Contact, other: Contact) -> bool:
 
 
 def _best(outer: B, cavity: Cavity) -> HollowBlend[B]:
-    """The first way's hollow blend that is proved, even and fair, or the best of all; one whose ends cross is the last.
+    """The first trial's hollow blend that is proved, even and fair, or the best of all; crossing ends come last.
 
-    Raises `NotProvedError` where no way has an inner surface.
+    Raises `NotProvedError` where no trial has an inner surface.
     """
     best: HollowBlend[B] | None = None
     least: Rank | None = None
@@ -270,7 +270,7 @@ def _best(outer: B, cavity: Cavity) -> HollowBlend[B]:
 def parallel_contacts(outer: ChosenBlend, thickness: fmpq) -> list[Contact]:
     """The contacts a thickness inside; at an opening of a blend that is one piece along the cone of an even wall."""
     surface, opening = outer.surface, AroundOpening.of(outer.surface)
-    found = [inner_contact(surface.placed.told(n), thickness, n + 1) for n in range(len(surface.contacts))]
+    found = [inner_contact(surface.placed.located(n), thickness, n + 1) for n in range(len(surface.contacts))]
     if opening is not None and len(surface.patches) == 1 and (clip := opening.even(thickness)):
         found[opening.number] = Contact(found[opening.number].surface, clip, found[opening.number].near)
     return found

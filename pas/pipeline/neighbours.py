@@ -1,4 +1,4 @@
-"""What goes on from a blend in its solid: the part of each neighbour that is joined to it, proved to be one piece.
+"""The continuation of a blend in its solid: the part of each neighbour that is joined to it, proved to be one piece.
 
 A neighbour, f <= 0, goes on from its clip as far as a plane parallel to that, and the slab between the two planes may
 hold more of it than what meets the blend: the far side of a torus, the other nappe of a cone.  With the height t over
@@ -92,7 +92,7 @@ def separators(
 
 
 class Slab:
-    """What is between a plane clip face and a height of `length` over it, in local coordinates."""
+    """The slab between a plane clip face and a height of `length` over it, in local coordinates."""
 
     def __init__(self, join: Join, length: fmpq) -> None:
         self.join, self.surface, self.plane = join, join.contact.surface, join.planes[0].plane
@@ -108,7 +108,7 @@ class Slab:
         self.reach = float(np.linalg.norm(curve - to_floats(self.middle), axis=1).max())
 
     def comes_back(self) -> fmpq | None:
-        """Of degree 2: the height over the clip where what is joined ends and something else begins before the top."""
+        """For degree 2: the height at which the joined part ends and another begins before the top; None for none."""
         u, v, t = GENERATORS
         places = zip(self.middle, *self.across, self.normal, strict=True)
         raw = self.surface.raw.compose(*(m + a * u + b * v + n * t for m, a, b, n in places))
@@ -129,7 +129,7 @@ class Slab:
         return first * dot(self.normal, self.normal) / self.size
 
     def radius(self) -> fmpq | None:
-        """A radius for the cylinder, between what goes on from the clip faces and all else, as samples show it."""
+        """A radius for the cylinder, between the sections joined to the clip faces and everything else, by samples."""
         from scipy.ndimage import label
 
         ways = np.array([to_floats(v) for v in self.across])
@@ -170,7 +170,7 @@ class Slab:
         return Polynomial.from_raw(raw - square * radius * radius)
 
     def is_one_piece(self, radius: fmpq) -> bool:
-        """Whether it is proved that inside the cylinder there is what goes on from the clip faces, and nothing else."""
+        """Whether it is proved that the cylinder holds the part joined to the clip faces, and nothing else."""
         f, cylinder = self.surface, self.cylinder(radius)
         ways = [tuple(BEYOND * radius * c / _length(way) for c in way) for way in self.across]
         ends = [moved(self.middle, *zip(signs, ways, strict=True)) for signs in product((-1, 1), repeat=2)]

@@ -60,7 +60,7 @@ class PipeFace:
 
     @classmethod
     def of(cls, face: str, surfaces: Sequence[Polynomial]) -> PipeFace | None:
-        """That of a face and its polynomials; None where it is none, or one of an irrational radius."""
+        """The cylinder of a face and its polynomials; None for other faces, and for an irrational radius."""
         found = revolved(surfaces[0]) if len(surfaces) == 1 else None
         if found is None or len(found[2]) != 1:
             return None
@@ -74,7 +74,7 @@ class PipeFace:
 
 @dataclass(frozen=True, eq=False)
 class PipeArm:
-    """What goes on of a tube on one side of the centre: its direction (as long as it happens to be), and how far."""
+    """The part of a tube on one side of the centre: its direction (of any length), and how far it reaches."""
 
     tube: PipeFace
     way: Vector
@@ -82,28 +82,28 @@ class PipeArm:
 
     @cached_property
     def direction(self) -> Floats:
-        """That of length 1 (3,)."""
+        """The unit direction (3,)."""
         return unit(to_floats(self.way))
 
     def clip(self, other: PipeArm, radius: float) -> float:
-        """How far from the centre a ball of a radius touches it that touches another one, too: seen from the side."""
+        """The distance from the centre at which a ball of a radius touches this tube and another, from the side."""
         cosine = float(self.direction @ other.direction)
         sine = np.sqrt(1 - cosine**2)
         mine, its = to_float(self.tube.radius), to_float(other.tube.radius)
         return float((its + mine * cosine + radius * (1 + cosine)) / sine)
 
     def radius(self, other: PipeArm, clip: float) -> float:
-        """Of the ball for which that is a clip."""
+        """The radius of the ball for which that is the clip."""
         there, beyond = (self.clip(other, radius) for radius in (0.0, 1.0))
         return (clip - there) / (beyond - there)
 
 
 @dataclass(frozen=True, eq=False)
 class PipeNode:
-    """Tubes of a solid through a point, in the place of which a node of an order is asked for as a face.
+    """Tubes of a solid through a point, to be replaced by a node of an order, which is a face.
 
-    `level` is the part of the solid's tree that unites them or takes them away, `parts` are those of it, as sets of
-    points, that have the tubes.
+    `level` is the smallest part of the solid's tree that unites the tubes or subtracts them, `parts` are its operands
+    that have the tubes.
     """
 
     solid: Solid
@@ -116,9 +116,8 @@ class PipeNode:
 
     @classmethod
     def of(cls, solid: Solid, names: tuple[str, str], order: int, face: str | None) -> PipeNode | None:
-        """That of two tubes by name and of those that meet them there; None where these are none, or their axes miss,
-        or they are not parts of one union or taken away from one solid.
-        """
+        """The node of two tubes by name and of all that meet them there; None where these are no tubes, their axes miss
+        one another, or they are not parts of one union or subtracted from one solid."""
         polynomials = solid.polynomials
         one, other = (PipeFace.of(name, polynomials.get(name, ())) for name in names)
         center = _meet(one, other) if one and other and one.is_bore == other.is_bore else None
@@ -143,12 +142,12 @@ class PipeNode:
 
     @cached_property
     def pipes(self) -> Solid:
-        """The tubes, or what is taken away, before all else is done to them."""
+        """The union of the tubes, or what is subtracted, before all other operations."""
         return Solid(combined(True, *(complement(part) if self.tubes[0].is_bore else part for part in self.parts)))
 
     @property
     def is_needed(self) -> bool:
-        """Whether two tubes of one radius cross, so that they touch, or edges between two end in a third one."""
+        """Whether two tubes of one radius cross, so that they touch, or edges between two end on a third."""
         mesh = self.pipes.mesh()
         numbers = [face_numbers(mesh, tube.face) for tube in self.tubes]
         around = [np.unique(mesh.triangles[np.isin(mesh.faces, some)]) for some in numbers]
@@ -160,7 +159,7 @@ class PipeNode:
 
     @cached_property
     def arms(self) -> tuple[PipeArm, ...]:
-        """Those that leave the tubes; what is shorter ends among them."""
+        """The parts of tubes that reach out of the others; shorter ones end inside these."""
         mesh, found = self.pipes.mesh(), list[PipeArm]()
         for tube in self.tubes:
             points = mesh.points[mesh.triangles[np.isin(mesh.faces, face_numbers(mesh, tube.face))]].reshape(-1, 3)
@@ -215,7 +214,7 @@ class PipeNode:
         return wrong or strays(made) or made
 
     def _replaced(self, tree: Tree, joined: Solid) -> Solid:
-        """What a tree is with others in the place of its tubes."""
+        """A tree with others in place of its tubes."""
         assert isinstance(tree, Node)
         if tree is self.level:
             others = [part for part in tree.parts if part not in self.parts]
@@ -227,7 +226,7 @@ class PipeNode:
         return reduce(or_ if tree.union else sub, (Solid(p if tree.union else complement(p)) for p in others), joined)
 
     def _sheets(self, surface: PiecewiseSurface, planes: Sequence[Polynomial]) -> RenamedBoundary | None:
-        """What bounds the node with its tubes, where each is one part and ends flatly across; None elsewhere."""
+        """The boundary of the node with its tubes, where each is one part with a flat end across it; else None."""
         chains, names = list[Chain](), {self.face: self.face}
         for number, (arm, plane) in enumerate(zip(self.arms, planes, strict=True)):
             own = [part for part in parts_of(self.pipes.tree, True) if _has(part, [arm.tube])]
@@ -255,7 +254,7 @@ class PipeNode:
         return None
 
     def _lost(self, clips: Sequence[float]) -> str | None:
-        """What is wrong where a face that is no end of a pipe has a part between clips; None where none has."""
+        """The fault where another face than the ends of the pipes would be cut between clips; None where none is."""
         mesh, names = self.pipes.mesh(), {tube.face for tube in self.tubes}
         ways = np.array([arm.direction for arm in self.arms])
         heights = (mesh.points - to_floats(self.center)) @ ways.T - np.array(clips)
@@ -295,12 +294,12 @@ def _meet(one: PipeFace, other: PipeFace) -> Vector | None:
 
 
 def _has(tree: Tree, tubes: Iterable[PipeFace]) -> bool:
-    """Whether a part of a tree has the face of one of some tubes."""
+    """Whether a part of a tree has the face of one of the tubes."""
     return not {tube.face for tube in tubes}.isdisjoint(atom.face for atom in atoms(tree))
 
 
 def _level(tree: Tree, faces: set[str]) -> Tree:
-    """The smallest part of a tree in which two faces are in different parts, or one part that has both."""
+    """The smallest part of a tree that has two faces in different parts, or one part that has both."""
     inner = [
         part
         for part in parts_of(tree, isinstance(tree, Node) and tree.union)

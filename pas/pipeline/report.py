@@ -1,4 +1,4 @@
-"""What there is to say of a solution space: as text, JSON, LaTeX or sympy."""
+"""The report on a solution space: as text, JSON, LaTeX or sympy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What scripts hold: a solution space and the blend chosen from it.
+"""The results that scripts hold: a solution space and the blend chosen from it.
 
 They stand together, since each gives the other: `SolutionSpace.fit` and `.problem` give a `Blend`, whose `space` is the
 `SolutionSpace`.  The work is done below.

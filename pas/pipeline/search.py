@@ -174,14 +174,14 @@ class Search(Generic[B]):
         if self.raised:
             with self.stages.stage("measure", 0.4, f" (degree {space.degree})"):
                 narrow = 0 < excess(found) < settings.narrow and space.dimension >= settings.few
-            found = self._pressed(space, found, settings.further) if narrow else found
+            found = self._fitted_stricter(space, found, settings.further) if narrow else found
             beyond = found.surface.fairness().beyond(found.limits)
             outcome += f", not fair: {', '.join(beyond)}" if beyond else ", fair"
         self.attempts.append(replace(found.attempts[-1], outcome=outcome))
         return found
 
-    def _pressed(self, space: Space, found: B, further: float) -> B:
-        """The surface settled once more under limits further inside, where that makes it fairer."""
+    def _fitted_stricter(self, space: Space, found: B, further: float) -> B:
+        """The surface fitted once more under stricter limits, where that makes it fairer."""
         inner = found.surface.fairness().inside(found.limits, further)
         try:
             moved = choose(self.blends, space, self.wishes.changed(limits=inner), self.stages)
@@ -254,7 +254,7 @@ def find(
 
 
 def excess(found: ChosenBlend) -> float:
-    """How far beyond its limits of fairness a blend is, in all: 0 within them."""
+    """The sum of a blend's excesses over its limits of fairness: 0 within them."""
     return found.surface.fairness().excess(found.limits)
 
 

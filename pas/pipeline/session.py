@@ -50,7 +50,7 @@ USUAL, MOST = 64, 10_000
 
 @dataclass(frozen=True)
 class Found:
-    """What is kept of a blend; nothing of it that could be changed is handed out."""
+    """What is kept of a blend: no mutable part of it is shared."""
 
     surface: PiecewiseSurface
     rims: tuple[Rim, ...]
@@ -62,7 +62,7 @@ class Found:
 
     @classmethod
     def of(cls, blend: ChosenBlend) -> Found:
-        """That of a proved blend; raises `GeometryError` where a contact has no plane curve."""
+        """The entry of a proved blend; raises `GeometryError` where a contact has no plane curve."""
         s = blend.surface
         own = PiecewiseSurface(s.partition.moved(Affine(UNITS, ORIGIN)), s.contacts, s.order, s.patches, s.degree)
         return cls(
@@ -76,7 +76,7 @@ class Found:
         )
 
     def matched(self, contacts: Sequence[Contact], given: Sequence[Rim]) -> Match | None:
-        """How contacts with their rims are those of this blend; None where no exact similarity is found."""
+        """The exact similarity from this blend's contacts to others with their rims; None where none is found."""
         places = {rim.center for rim in given}
         for map_, scale in similarities(self.rims, given):
             if {map_.exact(rim.center) for rim in self.rims} != places:
@@ -91,7 +91,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Match:
-    """A blend that is kept, the similarity that takes it to the contacts, and which of its contacts each of them is."""
+    """A kept blend, the similarity from it to other contacts, and the number of its contact for each of these."""
 
     found: Found
     map_: Affine
@@ -100,7 +100,7 @@ class Match:
     contacts: tuple[Contact, ...]
 
     def blend(self, blends: type[B], timings: dict[str, float]) -> B:
-        """The blend of these contacts as one of that class, with what was proved."""
+        """The blend of the other contacts as one of a class, with the verdicts carried over."""
         old = self.found.surface
         partition = old.partition.moved(self.map_)
         local = partition.frame.affine.inverse.after(self.map_).after(old.partition.frame.affine)
@@ -125,7 +125,7 @@ class Match:
 
     @property
     def certificate(self) -> Certificate:
-        """The verdicts, those on contacts in the order of these."""
+        """The carried-over verdicts, those on contacts in the order of the other contacts."""
         ours = self.found.certificate
         claims = [verdict.claim for verdict in ours.contacts]
         turned = (replace(ours.contacts[i], claim=claim) for i, claim in zip(self.numbers, claims, strict=True))
@@ -212,17 +212,16 @@ class Session:
 
 
 def key_of(wishes: Wishes, *others: Hashable) -> Hashable | None:
-    """What must be the same, besides the contacts, for a blend to be the same; None for wishes that are not kept."""
+    """The key under which blends are the same for the same contacts; None for wishes that are not kept."""
     plain = Wishes(energy=wishes.energy, limits=wishes.limits)
     usual = wishes.energy is None or type(wishes.energy) is CurvatureVariation
     if not usual or wishes != plain or wishes.normalize != MeanAlpha():
         return None
-    energy = None if wishes.energy is None else (wishes.energy.tension, wishes.energy.gauge)  # type: ignore[attr-defined]
-    return (energy, wishes.limits, *others)
+    return (wishes.energy, wishes.limits, *others)
 
 
 _OPEN: ContextVar[tuple[Session, ...]] = ContextVar("sessions", default=())
-"""Those that are open in a thread, the last one last."""
+"""The sessions that are open in a thread, the last one last."""
 
 
 def open_session() -> Session | None:

@@ -27,7 +27,7 @@ def summary(blend: ChosenBlend) -> str:
     rows = [(f"contact {i}", f"{c}{_from_center(surface, c)}") for i, c in enumerate(surface.contacts, start=1)]
     rows += [("junction", blend.reason)] if blend.reason else []
     others = [f"{a.degree} (dimension {a.dimension})" for a in blend.attempts if a.degree != surface.degree]
-    tried = f"; tried as well: {', '.join(others)}{_told(blend)}"
+    tried = f"; tried as well: {', '.join(others)}{_source(blend)}"
     with suppress(GeometryError):  # curves that are not plane have no size to compare
         rows += [("unusual", sentence) for sentence in unusual(contact_ends(surface))]
     rows += [
@@ -35,12 +35,12 @@ def summary(blend: ChosenBlend) -> str:
         ("order", f"GC^{surface.order} at the contacts{f', C^{surface.order} between pieces' * several}"),
         ("degree", f"{surface.degree}{tried if others else ''}"),
         ("dimension", f"{blend.dimension}"),
-        ("energy", f"{blend.energy:.6g} ({blend.plate.kind}){_told(blend)}"),
+        ("energy", f"{blend.energy:.6g} ({blend.plate.kind}){_source(blend)}"),
     ]
     rows += _fairness(blend)
     measurable = 0.0005  # seconds below which nothing is said of a stage: they would be printed as none
     rows += [
-        (f"seconds: {name}", f"{spent:.3f}{_told(blend)}")
+        (f"seconds: {name}", f"{spent:.3f}{_source(blend)}")
         for name, spent in blend.timings.items()
         if spent >= measurable
     ]
@@ -48,13 +48,13 @@ def summary(blend: ChosenBlend) -> str:
     return "\n".join(f"{name:<{width}}  {value}" for name, value in rows)
 
 
-def _told(blend: ChosenBlend) -> str:
-    """What follows that which is believed of a file: nothing of it is found anew."""
+def _source(blend: ChosenBlend) -> str:
+    """The remark on facts that are taken from a file and not worked out again."""
     return "" if blend.stored is None else ", as its file tells"
 
 
 def _partition(surface: PiecewiseSurface) -> str:
-    """What the pieces are, and around which point where the program found it."""
+    """The pieces in words, and the point around which they are where the program found it."""
     region = surface.partition
     if region.title == region.name or region.center is None:
         return region.title
@@ -72,12 +72,12 @@ def _from_center(surface: PiecewiseSurface, contact: Contact) -> str:
 
 
 def _fairness(blend: ChosenBlend) -> list[tuple[str, str]]:
-    """What was measured, and why a degree was not enough."""
+    """The measures in words, and why a degree was not enough."""
     several = len({a.partition for a in blend.attempts}) > 1
     rows = [
         (
             f"degree {a.degree}",
-            f"dimension {a.dimension}{f' ({a.partition})' * several}: {a.outcome}, {a.seconds:.2f} s{_told(blend)}",
+            f"dimension {a.dimension}{f' ({a.partition})' * several}: {a.outcome}, {a.seconds:.2f} s{_source(blend)}",
         )
         for a in blend.attempts
         if a.seconds

@@ -224,7 +224,7 @@ def show_scene(scene: Scene, picture: Picture) -> None:
 
 
 def html(shape: Shape) -> str:
-    """What it is, the table of the verdicts and a picture; where there can be no picture, why not."""
+    """A description, the table of the verdicts and a picture; where there can be no picture, why not."""
     return f"<pre>{escape(shape.description)}</pre>{shape.certificate._repr_html_()}{_embedded(shape)}"
 
 

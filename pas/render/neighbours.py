@@ -20,7 +20,7 @@ from pas.parametric.surface import ParametricSurface
 from pas.piecewise import PiecewiseSurface
 
 ROWS = 40
-"""Of points in a strip beside a curve: enough for stripes to be straight."""
+"""The number of rows of points in a strip beside a curve: enough for stripes to be straight."""
 
 
 def collar(boundary: Boundary, sign: int, reach: float, normals: Floats) -> Mesh | None:

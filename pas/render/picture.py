@@ -133,7 +133,7 @@ def _clip(actors: Sequence[Any], plane: tuple[Floats, Floats], shift: Floats, ma
 
 
 def _add_section(plotter: Any, layer: Layer, plane: tuple[Floats, Floats], shift: Floats, color: str) -> None:
-    """What closes a closed mesh in a plane, in a colour, with its outline."""
+    """Add the section of a closed mesh by a plane, in a colour, with its outline."""
     if not layer.mesh.is_closed:
         return
     normal, origin = plane

@@ -1,4 +1,4 @@
-"""Where the camera of a picture stands, its combs, what its legends say, and what draws it without a window.
+"""The camera of a picture, its combs, the words of its legends, and drawing without a window.
 
 Curvature combs are hairs on a curve, as long as the normal curvature along it, and their envelope.  All hairs stand on
 the outside, where the surface does not hide them; colours tell convex from concave.
@@ -242,11 +242,11 @@ def _add_words(plotter: Any, places: Floats, words: Sequence[str], width: int) -
 
 
 SIDE, FOOT = 0.2, 0.075
-"""What legends take of a picture: of its width for a bar, of its height for the line below about combs."""
+"""The shares of a picture that legends take: of its width for a bar, of its height for the line below about combs."""
 
 
 def room(legend: Legend | None, picture: Picture) -> tuple[float, float]:
-    """What legends take of a picture's width, on the right, and height, below."""
+    """The shares of a picture's width, on the right, and height, below, that legends take."""
     return (SIDE if legend else 0.0), (FOOT if picture.combs else 0.0)
 
 

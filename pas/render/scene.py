@@ -1,4 +1,4 @@
-"""What a picture is made of: the layers that shapes add to its scene, and what a style does with them.
+"""The scene of a picture: the layers that shapes add to it, and what a style does with them.
 
 A style of one's own is a `Coloring` with a name, registered by `pas.exchange.picture_options.STYLES.register(...)`;
 then `pas.draw(..., style=NAME)`, `pas render --style NAME` and problem files know it.
@@ -22,10 +22,10 @@ from pas.shape import Kind, Shape, kind_of, one
 BLEND_COLOR, PIPE_COLOR, CURVE_COLOR = "#e8a33d", "#b9c4cf", "#22303c"
 
 COLORS = ("#5b8db8", "#7fae7a", "#b07aa1", "#9c755f", "#76b7b2", "#c95d63")
-"""Of the surfaces that a blend meets, in their order, and of several surfaces."""
+"""The colours of the surfaces that a blend meets, in their order, and of several surfaces."""
 
 BLEND_TINT, TINTS = "#f6c877", ("#b9d3ea", "#c6e2c0", "#dfc3d8", "#d9c3b4", "#c5e4e1", "#efbcbf")
-"""Of their bright stripes."""
+"""The colours of their bright stripes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +80,7 @@ class Paint:
 
 @dataclass(frozen=True)
 class Legend:
-    """What numbers the colours stand for: a bar over `limits` in the colours `cmap` between lines of text."""
+    """The meaning of the colours: a bar over `limits` in the colours `cmap` between lines of text."""
 
     title: str
     lines: tuple[str, ...]
@@ -103,7 +103,7 @@ class Coloring(ABC):
 
     @property
     def tolerance(self) -> float:
-        """Of meshes that are made for it, over the extent of the shape: stripes show facets that shading hides."""
+        """The tolerance of meshes for it, over the extent of the shape: stripes show facets that shading hides."""
         return 2e-4 if self.fine else 1e-3
 
     @abstractmethod

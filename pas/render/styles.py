@@ -29,7 +29,7 @@ from pas.mesh.mesh import Mesh
 from pas.render.scene import COLORS, Coloring, Layer, Legend, Paint, Scene
 
 PALETTE = ("#e8a33d", *COLORS, "#c9b458")
-"""Of faces, in turn."""
+"""The colours of faces, in turn."""
 
 
 def face_colors(scene: Scene) -> list[list[str]]:
@@ -164,7 +164,8 @@ class Curvature(Coloring):
     def paint(self, scene: Scene) -> tuple[list[Paint], Legend | None]:
         """One range of colours for all layers of which curvatures are known."""
         unit, words = self._unit(scene.layers)
-        values = [self._values(layer, unit) for layer in scene.layers]
+        measured = [None if layer.principal is None else layer.principal() / unit for layer in scene.layers]
+        values = [None if principal is None else self.measure(principal) for principal in measured]
         known = [(v, point_areas(layer.mesh)) for v, layer in zip(values, scene.layers, strict=True) if v is not None]
         limits = color_range(*(np.concatenate(parts) for parts in zip(*known, strict=True)))
         cmap = "coolwarm" if limits[0] < 0 < limits[1] else "YlOrRd" if limits[1] > 0 else "YlOrRd_r"
@@ -177,10 +178,6 @@ class Curvature(Coloring):
         ]
         low, high = (float(reduce([reduce(v) for v, _ in known])) for reduce in (np.nanmin, np.nanmax))
         return paints, Legend(self.title, (*words, f"least {low:.3g}", f"most {high:.3g}"), limits, cmap)
-
-    def _values(self, layer: Layer, unit: float) -> Floats | None:
-        """The measure at the mesh's points, over the unit."""
-        return None if layer.principal is None else self.measure(layer.principal() / unit)
 
     def _unit(self, layers: Sequence[Layer]) -> tuple[float, tuple[str, ...]]:
         """The curvature that counts as 1, and how to say so."""

@@ -24,7 +24,7 @@ from pas.solid.thread import thread
 from pas.solid.tube import tube
 
 SolidMesh = Mesh
-"""What the meshes of solids were called."""
+"""The former name of the meshes of solids."""
 
 __all__ = [
     "Assembly",

@@ -28,7 +28,7 @@ from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.limits import checkpoint
 from pas.solid.germs import Ray, Sheets
 from pas.solid.tree import Atom, ScalarField
-from pas.solid.truths import LeafTree, matters, rests_on, says
+from pas.solid.truths import LeafTree, depends_on, support_of, value_of
 
 Slab = tuple[RealRoot | None, RealRoot | None]
 """Two values of the sweeping form (None: without end), between which arcs are looked at."""
@@ -87,7 +87,7 @@ def _slabs(low: RealRoot | None, cuts: set[RealRoot], high: RealRoot | None) -> 
 
 
 class Around:
-    """A solid around one point of a curve, and what of that holds along its arc in a slab.
+    """A solid near one point of a curve, and how far along the arc that stays valid in a slab.
 
     `doubts` are leaves, by number, on which answers rested, and which may change their truth in the slab.
     """
@@ -98,14 +98,14 @@ class Around:
         self.cuts, self._sign = cache(self._cuts), cache(lambda number: point.sign(solid.polynomials[number]))
 
     def arc(self, plane: fmpq, names: Sequence[str]) -> Arc:
-        """What is on the boundary along the arc, if there is no doubt."""
+        """The borders along the arc, if there is no doubt."""
         borders = tuple(self._borders(names)) if self.nearby.may_hold(self.point) else ()
         return Arc(self.point, plane, borders, min(self.doubts, default=None))
 
     def may_matter(self, number: int) -> bool:
         """Whether the solid may depend on a leaf close to the point."""
         unknown = dict.fromkeys(range(len(self.sheets.regular)))
-        return matters(self.solid.code, number, lambda n: self._holds(n, unknown))
+        return depends_on(self.solid.code, number, lambda n: self._holds(n, unknown))
 
     def _cuts(self, number: int) -> list[RealRoot]:
         """Values inside the slab at which the truth of a leaf may change."""
@@ -138,7 +138,7 @@ class Around:
         return [i for i, (polynomial, _) in enumerate(self.solid.signed) if powers.get(polynomial, 0) % 2]
 
     def _says(self, signs: dict[int, int | None], turned: Sequence[int]) -> bool | None:
-        """Whether the solid is where sheets have given signs, with some leaves' truth turned round; notes doubts."""
+        """Whether the solid is where sheets have given signs, with some leaves negated; records doubts."""
         known: dict[int, bool | None] = {}
 
         def truth(number: int) -> bool | None:
@@ -147,11 +147,11 @@ class Around:
                 known[number] = not holds if number in turned and holds is not None else holds
             return known[number]
 
-        said = says(self.solid.code, truth)
+        said = value_of(self.solid.code, truth)
         if said is None:
-            self.doubts |= {n for n in [*known] if known[n] is None and matters(self.solid.code, n, truth)}
+            self.doubts |= {n for n in [*known] if known[n] is None and depends_on(self.solid.code, n, truth)}
         else:
-            self.doubts |= rests_on(self.solid.code, said, truth, self._is_fixed)
+            self.doubts |= support_of(self.solid.code, said, truth, self._is_fixed)
         return said
 
     def _holds(self, number: int, signs: dict[int, int | None]) -> bool | None:

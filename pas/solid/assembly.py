@@ -26,7 +26,7 @@ from pas.solid.solid import Solid
 from pas.verdicts import Findings, Verdicts
 
 COLORS = ("#e8a33d", "#7d9db5", "#b85c5c", "#7fa66b", "#9a7fb0", "#c9b458")
-"""Of parts that were given none, in turn."""
+"""The colours of parts that were given none, in turn."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -39,12 +39,12 @@ class Part(AffineShape["Part"], Shape):
 
     @property
     def certificate(self) -> Verdicts:
-        """That of its solid or mesh."""
+        """The certificate of its solid or mesh."""
         return self.shape.certificate
 
     @property
     def description(self) -> str:
-        """What its shape is, and its colour."""
+        """Its shape in words, and its colour."""
         return f"{self.shape.description} in {self.color}"
 
     def __str__(self) -> str:
@@ -154,7 +154,7 @@ class Assembly(AffineShape["Assembly"], Shape):
 
     @property
     def description(self) -> str:
-        """What each part is."""
+        """The parts in words."""
         return "\n\n".join(f"{name} ({part.color})\n{part.shape.description}" for name, part in self.parts.items())
 
     def __str__(self) -> str:

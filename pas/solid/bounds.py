@@ -1,4 +1,4 @@
-"""Where a set of inequalities lies: a box that certainly holds it.
+"""The bounding box of a set of inequalities: it certainly holds the set.
 
 Linear inequalities are bounded by linear programmes; then boxes in which the set certainly has no
 point are cut away, from a very large box down, until the rest is tight.
@@ -32,7 +32,7 @@ OCTAVES = 30
 """Sizes of the boxes about the origin with which the search begins where planes do not bound the set."""
 
 SLACK = 1e-9
-"""By which the boxes of planes are larger, over what they measure, for rounding."""
+"""The share of their sizes by which the boxes of planes are larger, for rounding."""
 
 EMPTY = "the solid is empty: no point satisfies all of its inequalities"
 

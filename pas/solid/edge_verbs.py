@@ -1,4 +1,4 @@
-"""What is done to edges of solids: fillets and chamfers of one (`pas.solid.fillets`), rounds of many
+"""Operations on edges of solids: fillets and chamfers of one (`pas.solid.fillets`), rounds of many
 (`pas.solid.rounding`, `pas.solid.profile_rounds`)."""
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pas.registry import loaded
 
 FILLETS, LARGEST_FILLET = "pas.solid.fillets:filled", "pas.solid.fillets:largest"
 ROUNDED = "pas.solid.profile_rounds:rounded"
-"""What makes them, in modules above."""
+"""The functions that make them, in modules above."""
 
 
 class WithEdges:

@@ -86,7 +86,7 @@ class PlaneEdge:
         return parts[0], parts[1]
 
     def points(self, parts: int) -> Floats:
-        """The ends (parts + 1, 2) of so many pieces of it, all on the curve to rounding."""
+        """The ends (parts + 1, 2) of pieces of it, all on the curve to rounding."""
         a, b = np.array(to_floats(self.start)), np.array(to_floats(self.end))
         t = np.linspace(0, 1, parts + 1)[:, None]
         if self.control is None:
@@ -219,7 +219,7 @@ class Loop:
         return apart(edges, self.complaint)
 
     def complaint(self, one: PlaneEdge, other: PlaneEdge) -> GeometryError:
-        """What is wrong with two of its edges that meet."""
+        """The error for two of its edges that meet."""
         if one.end == other.start or other.end == one.start:
             corner = one.end if one.end == other.start else one.start
             return GeometryError(
@@ -254,7 +254,7 @@ class Loop:
 
     @property
     def smooth_corners(self) -> Iterator[tuple[PlaneEdge, PlaneEdge]]:
-        """Those of different curves that go on in one direction."""
+        """The corners between different curves that continue in one direction."""
         for one, other in self.corners:
             u, v = one.tangent(at_end=True), other.tangent(at_end=False)
             if across(u, v) == 0 and dot(u, v) > 0 and one.curve.primitive() != other.curve.primitive():

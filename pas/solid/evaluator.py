@@ -35,12 +35,12 @@ class Column:
 
     @property
     def face(self) -> str:
-        """What its face is called, "" for a wall."""
+        """The name of its face, "" for a wall."""
         return called(self.names)
 
 
 def called(names: Iterable[str]) -> str:
-    """What a face of a mesh is called on which faces of some different names lie: "a", or "a + b"."""
+    """The name of a mesh's face on which faces of some different names lie: "a", or "a + b"."""
     return " + ".join(names)
 
 
@@ -240,7 +240,7 @@ class TreeEvaluator(CompiledTree):
 
     @cached_property
     def _places(self) -> Integers:
-        """Of each column its number in `_jets`, -1 where it is no polynomial."""
+        """The number of each column in `_jets`, -1 where it is no polynomial."""
         result = np.full(len(self.columns), -1, dtype=np.intp)
         result[[*self._scaled]] = np.arange(len(self._scaled))
         return result

@@ -53,7 +53,7 @@ def extruded(profile: PlaneSet, height: fmpq, taper: fmpq) -> Solid:
 
 @dataclass(frozen=True)
 class Lean:
-    """How sides lean: by `slope` to the left of their edges for each unit of height."""
+    """The lean of sides: by `slope` to the left of their edges for each unit of height."""
 
     slope: fmpq
 
@@ -77,7 +77,7 @@ class Lean:
         return chord - Polynomial.from_raw(Z * (chord.raw(*center, 0) / apex))
 
     def tree(self, loop: Loop) -> Tree:
-        """What is between the sides over a loop."""
+        """The set between the sides over a loop."""
         return formula(loop, lambda edge: Atom(self.surface(edge), edge.name), lambda edge: Atom(self.wall(edge), ""))
 
     def check(self, loop: Loop, height: fmpq) -> None:
@@ -108,7 +108,7 @@ class Lean:
 
 
 def joints(loop: Loop, lean: Lean) -> Iterator[Joint]:
-    """The claims that sides go on smoothly in one another."""
+    """The claims that neighbouring sides continue one another smoothly."""
     for one, other in loop.smooth_corners:
         u, v = one.tangent(at_end=True)
         across = Polynomial.from_raw((X - one.end[0]) * u + (Y - one.end[1]) * v)
@@ -229,7 +229,7 @@ class Prism(SweptBody):
         return sections[0][0][0], sections[-1][0][-1]
 
     def _ways(self, loop: Loop, points: Floats, counts: list[int]) -> Floats:
-        """How the points (N, 2) of a loop's polygon move as its sides move inwards by 1."""
+        """The velocities (N, 2) of a loop's polygon's points as its sides move inwards by 1."""
         *starts, last = np.cumsum([0, *counts]).tolist()
         slopes = [
             edge.curve.gradient(np.pad(points[begin:end], ((0, 0), (0, 1))))[:, :2] * -(edge.bow or 1)

@@ -1,4 +1,4 @@
-"""The edges in which two faces of a solid meet, as its mesh shows them, with what a fillet needs to know of them."""
+"""The edges in which two faces of a solid meet, as its mesh shows them, with the data that a fillet needs."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ _WHERE = ": it does of order 0 to 2 along a plane with planes and circular cylin
 
 @dataclass(frozen=True)
 class SmoothEnd:
-    """An end of a seam at which it goes on smoothly as that of two faces with given `names`.
+    """An end of a seam from which it continues smoothly as the seam of two faces with given `names`.
 
-    `plane` is across it, positive along it; `tangent` is what both faces touch there that go on in one another.
+    `plane` is across it, positive along it; `tangent` is what both faces touch there that continue one another.
     """
 
     names: tuple[str, str]
@@ -60,8 +60,8 @@ class FaceSeam:
 
     @classmethod
     def of(cls, solid: Solid, names: tuple[str, str], sharp: Set[frozenset[tuple[str, str]]] = frozenset()) -> FaceSeam:
-        """The seam of two faces by their names, and at sharp ends not of others; raises `GeometryError` where there is
-        none to be filled."""
+        """The seam of two faces by name, at sharp ends not of others; raises `GeometryError` where none can be
+        filled."""
         mesh = solid.mesh()
         numbers = [face_numbers(mesh, name) for name in names]
         edges = edges_between(mesh, *numbers)
@@ -137,16 +137,16 @@ class FaceSeam:
 
     @cached_property
     def cosines(self) -> Floats:
-        """Those (N,) of the angles between the normals."""
+        """The cosines (N,) of the angles between the normals."""
         return np.asarray((self.normals[0] * self.normals[1]).sum(axis=1))
 
     def centers(self, radius: float) -> Floats:
-        """Those (N, 3) of balls of a radius that touch both faces, where these are flat."""
+        """The centres (N, 3) of balls of a radius that touch both faces, where these are flat."""
         reach = self.sign * radius / (1 + self.cosines)[:, None]
         return np.asarray(self.points + reach * self.normals.sum(axis=0))
 
     def turned_back(self, radius: float) -> list[bool]:
-        """Of both faces, whether somewhere its function falls again before the depth of such a ball's centre."""
+        """For each face, whether its function somewhere falls again before the depth of such a ball's centre."""
         known = zip(self.faces, self.points + self.sign * radius * self.normals, self.normals, strict=True)
         flat = 1e-9  # slope where such a ball is as large as the face is bent, over that on the face
         return [
@@ -223,7 +223,7 @@ def face_numbers(mesh: Mesh, name: str) -> list[int]:
 
 
 def _numbered(solid: Solid, name: str) -> list[str]:
-    """The faces that are called so with a number behind."""
+    """The faces that have this name followed by a number."""
     return [face for face in solid.faces if face.startswith(f"{name} ") and face[len(name) + 1 :].isdigit()]
 
 
@@ -279,9 +279,9 @@ def _ended(
 def _smooth_end(
     seam: FaceSeam, mesh: Mesh, joint: Joint, going: tuple[str, str], end: int, way: Floats
 ) -> SmoothEnd | None:
-    """The smooth end of a seam at a vertex, up to which its way is given, where one of its faces goes on as another.
+    """The smooth end of a seam at a vertex, up to which its way is given, where one of its faces continues as another.
 
-    None where the other face of the seam does not go on there, or where the joint is not in a plane across it.
+    None where the other face of the seam ends there, or where the joint is not in a plane across it.
     """
     first, second = (going[1] if name == going[0] else name for name in seam.names)
     if end not in edges_between(mesh, face_numbers(mesh, first), face_numbers(mesh, second)):
@@ -308,7 +308,7 @@ class PlaneFace:
 
     @classmethod
     def of(cls, part: Tree) -> PlaneFace | None:
-        """That of a part of an intersection; None where it is no half space."""
+        """The plane face of a part of an intersection; None where it is no half space."""
         if not isinstance(part, Atom) or not isinstance(part.function, Polynomial) or part.function.degree != 1:
             return None
         polynomial = -part.function if part.outside else part.function
@@ -316,10 +316,10 @@ class PlaneFace:
 
     @cached_property
     def length(self) -> fmpq:
-        """Of the normal, to six digits where it is not rational."""
+        """The length of the normal, to six digits where it is not rational."""
         root = square_root(dot(self.normal, self.normal))
         return root if root * root == dot(self.normal, self.normal) else decimal(to_float(root))
 
     def cosine(self, other: PlaneFace) -> fmpq:
-        """Of the angle between the normals."""
+        """The cosine of the angle between the normals."""
         return fmpq(1) if other is self else dot(self.normal, other.normal) / (self.length * other.length)

@@ -48,7 +48,7 @@ class End:
         return float(off_surface(self.surface, points).max())
 
     def facing(self, corners: Floats) -> Floats:
-        """Of triangles (T, 3, 3) the area (T,) across the axis, positive where they are seen from outside."""
+        """The areas (T,) of triangles (T, 3, 3) across the axis, positive where they are seen from outside."""
         return np.asarray(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ self.axis)
 
 
@@ -145,12 +145,12 @@ class Faces:
 
 
 class SolidBoundary(ABC):
-    """What bounds a solid, of which it gives a mesh without a lattice."""
+    """A boundary of a solid that is meshed without a lattice."""
 
     @property
     @abstractmethod
     def coarse(self) -> Mesh | None:
-        """A coarse mesh of it, which shows where it is; None where it has none."""
+        """A coarse mesh, which shows where the boundary is; None where it has none."""
 
     @abstractmethod
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
@@ -158,12 +158,12 @@ class SolidBoundary(ABC):
 
     @abstractmethod
     def moved(self, map_: Affine) -> Self:
-        """Its image."""
+        """The image under an affine map."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlacedBody(SolidBoundary):
-    """What bounds a solid all faces of which are made without a lattice; `place` is how it was moved."""
+    """A boundary all faces of which are meshed without a lattice; `place` is the map that moved it."""
 
     place: Affine | None = field(default=None, kw_only=True)
 
@@ -176,18 +176,18 @@ class PlacedBody(SolidBoundary):
 
     @property
     def stretch(self) -> float:
-        """By how much lengths grow at most where it was moved."""
+        """The largest factor by which the map lengthens."""
         return 1.0 if self.place is None else float(np.linalg.norm(self.place.floats[0], 2))
 
     @property
     @abstractmethod
     def extent(self) -> float:
-        """About how large it was before it was moved."""
+        """The approximate size before it was moved."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FacedBody(PlacedBody):
-    """What bounds a solid all faces of which are made at once."""
+    """A boundary all faces of which are meshed at once."""
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
         with suppress(FloatingPointError):
@@ -203,7 +203,7 @@ class FacedBody(PlacedBody):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SweptBody(FacedBody):
-    """What bounds a solid that the loops of a profile sweep out."""
+    """The boundary of a solid that the loops of a profile sweep out."""
 
     loops: tuple[Loop, ...]
 

@@ -53,7 +53,7 @@ class SolidField:
         self._placing: dict[tuple[int, ...], tuple[int, ...]] = {}
 
     def shells(self) -> list[SolidField]:
-        """The surfaces of the boundary, if they are apart: those of hollows inside, and that of what they are in."""
+        """The connected surfaces of the boundary, if they are apart: those of hollows inside, and the outer one."""
         tree, box, seams, special = self._made_of
         for part, others in splits_of(tree):
             if _is_within(complement(part), box):
@@ -165,7 +165,7 @@ class SolidField:
 
     @cached_property
     def _ruled(self) -> Integers:
-        """That of the functions of the tree's columns (M,)."""
+        """The kinds, as of `ruled`, of the functions of the tree's columns (M,)."""
         return np.array([_ruled(c.function) for c in self.evaluator.columns[: self.evaluator.used]])
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
@@ -207,8 +207,8 @@ class SolidField:
                     self._refuse_passing(number, surface.primitive(), rim)
 
     def _refuse_passing(self, number: int, surface: Polynomial, rim: Floats) -> None:
-        """Raise `MeshError` where what lies on a surface goes on beyond a rim (N, 3), the seam of that number, where a
-        face touches it, and leaves that without an angle, in some places outwards and in others inwards."""
+        """Raise `MeshError` where a surface continues beyond a rim (N, 3), the seam of that number, at which a face
+        touches it, and leaves the face without an angle, in some places outwards and in others inwards."""
         faces = {c: self.evaluator.columns[c].function for c in np.flatnonzero(~self.evaluator.walls).tolist()}
         for a in (c for c, f in faces.items() if isinstance(f, Polynomial) and f.primitive() == surface):
             across = np.cross(self.jets(rim, 2 * a)[:, 1:], np.roll(rim, -1, axis=0) - rim)
@@ -233,7 +233,7 @@ class SolidField:
 
 
 def _ruled(function: Function) -> int:
-    """Of a function of degree 2 its symmetric matrix, in x, y, z and 1, says whether it is a cylinder or cone."""
+    """The kind, as of `SolidField.ruled`, of a function: the symmetric matrix of a quadric, in x, y, z and 1, tells."""
     if not isinstance(function, Polynomial) or function.degree > 2:
         return 0
     return 2 if function.degree == 1 else int(quadratic_form(function).det() == 0)

@@ -69,7 +69,7 @@ class Meridian:
 
     @classmethod
     def of(cls, face: Polynomial, axis: Axis) -> Meridian | None:
-        """That of a face; None where it is no such surface about the axis."""
+        """The meridian of a face; None where it is no such surface about the axis."""
         point, way = axis
         side = two_across(way)[0]
         here, up, down, out, back = (
@@ -87,7 +87,7 @@ class Meridian:
         return self.round * square + self.square * z * z + self.slope * z + self.constant
 
     def parallel(self, depth: fmpq, at: float) -> Meridian | None:
-        """What is so deep inside, of a cone on the side of its apex where a height is; None where it is irrational."""
+        """The parallel surface so deep inside, of a cone the half with a given height; None where it is irrational."""
         if self.round == 0:
             return replace(self, constant=self.constant + depth * abs(self.slope))
         depth = depth if self.round > 0 else -depth
@@ -116,7 +116,7 @@ class Meridian:
 
 @dataclass(frozen=True, eq=False)
 class FilletPiece:
-    """What a fillet adds or takes away along one seam, with the name of its face."""
+    """The part that a fillet adds or takes away along one seam, with the name of its face."""
 
     face: str
     seam: FaceSeam
@@ -147,21 +147,21 @@ class FilletPiece:
                 yield Joint(self.face, name, curve, self.order, (*(-wall for wall in self.ended), *sector))
 
     def section(self, end: SmoothEnd) -> tuple[Polynomial, Polynomial]:
-        """The curve in which it goes on at a smooth end: the plane, and its surface if the faces were flat there."""
+        """The curve in which it continues at a smooth end: the plane, and its surface if the faces were flat there."""
         ends = zip(self.seam.names, end.names, self.seam.faces, strict=True)
         first, second = (face if name == following else end.tangent for name, following, face in ends)
         flat = form_of(replace(self.seam, faces=(first, second)), self.radius, self.order)
         return end.plane.primitive(), flat.surface.primitive()
 
     def goes_on(self, end: SmoothEnd) -> bool:
-        """Whether its surface goes through that curve."""
+        """Whether its surface passes through that curve."""
         plane, section = self.section(end)
         f, g = (on_plane(surface, plane) for surface in (self.form.surface, section))
         return bool(not g.is_zero() and divmod(f, g)[1].is_zero())
 
     @property
     def ended(self) -> tuple[Polynomial, ...]:
-        """What ends it, negative along it."""
+        """The faces that end it, negative along it."""
         return self.seam.left if self.seam.sign > 0 else ()
 
 

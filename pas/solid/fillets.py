@@ -32,11 +32,11 @@ from pas.solid.tree import Atom, Tree, combined, complement
 from pas.verdicts import Verdict
 
 NODE = "pas.pipeline.pipe_nodes:PipeNode"
-"""What finds a node that can take the place of where two pipes cross, in a module above."""
+"""The class of nodes that can replace the crossing of two pipes, in a module above."""
 
 
-class Way(Protocol):
-    """What makes fillets of two faces: along their edge, or otherwise."""
+class FilletMethod(Protocol):
+    """A construction of fillets of two faces: along their edge, or otherwise."""
 
     def made(self, radius: fmpq) -> Solid | str:
         """The solid with a fillet of a radius, or why there is none."""
@@ -47,7 +47,7 @@ class Way(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Filling:
-    """What is asked: a solid, the seams of two of its faces, the order, where, and the name of the new face."""
+    """The arguments of a fillet: a solid, the seams of two of its faces, the order, where, and the new face's name."""
 
     solid: Solid
     seams: tuple[FaceSeam, ...]
@@ -64,7 +64,7 @@ class Filling:
         within: Sequence[PolynomialLike],
         face: str | None = None,
     ) -> Filling:
-        """That of arguments of `Solid.fillet`, which are checked but for faces that touch."""
+        """The filling for arguments of `Solid.fillet`, which are checked but for faces that touch."""
         check_order(order)
         walls = tuple(Polynomial.named(wall, f"within[{i}]", constant=False) for i, wall in enumerate(within))
         tiny = fmpq(1, 2**20) * decimal(float(np.ptp(solid.mesh().points, axis=0).max()))
@@ -97,9 +97,9 @@ class Filling:
         for joint in (*claims, *beside):
             proof = verdicts[joint] = prove(joint, tree, lambda: made.box)
             if not proof.proved and joint in claims:
-                return _told(proof) + goes_on
+                return _fault(proof) + goes_on
             if not proof.proved and prove(joint, whole, lambda: self.solid.box, self.solid.known).proved:
-                return f"make it before another fillet, of which then {_told(proof)}"
+                return f"make it before another fillet, of which then {_fault(proof)}"
         return replace(made, joints=(*self.solid.joints, *claims), known=Known(tree, verdicts))
 
     def _trees(self, radius: fmpq) -> tuple[list[FilletPiece], list[Tree]] | str:
@@ -113,7 +113,7 @@ class Filling:
         return pieces, trees
 
     def _tree(self, piece: FilletPiece) -> Tree | str:
-        """What is added or taken away along one seam, or why there is no fillet."""
+        """The set to be added or taken away along one seam, or why there is no fillet."""
         seam, size = piece.seam, to_float(piece.radius)
         bent = seam.turned_back(size)
         if True in bent:
@@ -176,10 +176,10 @@ def _largest(made: Callable[[fmpq], object], most: fmpq) -> fmpq | None:
 
 
 def strays(made: Solid) -> str | None:
-    """What is wrong where a fillet is away from the edge, too, as the mesh shows; None where all is well.
+    """The fault of a fillet with parts away from the edge, as the mesh shows; None where there are none.
 
-    Pieces of it there end in walls of its box, or beside a face that the solid has not got there: so they are flat in
-    one, and touch the other without any thickness, which no mesh has.
+    Such parts end in walls of its box, or beside a face that the solid does not have there: so they are flat in one,
+    and touch the other without any thickness, which no mesh has.
     """
     try:
         mesh = made.mesh()
@@ -196,16 +196,16 @@ def strays(made: Solid) -> str | None:
     return None
 
 
-def _told(verdict: Verdict) -> str:
-    """What is wrong with a joint, and where."""
+def _fault(verdict: Verdict) -> str:
+    """The fault of a joint, and where it is."""
     where = "" if verdict.witness is None else f" near {shown_point(verdict.witness)}"
     return f"{verdict.claim}: {verdict.reason}{where}"
 
 
-def ways(
+def fillet_methods(
     solid: Solid, names: tuple[str, str], order: int, within: Sequence[PolynomialLike], face: str | None = None
-) -> list[Way]:
-    """What can make a fillet, first what is tried first: along the edge, and of pipes whose axes meet by a node.
+) -> list[FilletMethod]:
+    """The constructions that may make a fillet, in order: along the edge; for pipes whose axes meet by a node.
 
     Raises `GeometryError` for faces that touch otherwise.
     """
@@ -223,7 +223,7 @@ def filled(
 
     Raises `GeometryError` where there is no such fillet, with the largest radius found of one that there is.
     """
-    known, reasons = ways(solid, names, order, within, face), []
+    known, reasons = fillet_methods(solid, names, order, within, face), []
     for way in known:
         made = way.made(radius)
         if not isinstance(made, str):
@@ -236,15 +236,15 @@ def filled(
     )
 
 
-def _largest_of(known: Sequence[Way], above: fmpq) -> float | None:
-    """The largest radius of the last of several ways that has any: nodes go as far as pipes do."""
+def _largest_of(known: Sequence[FilletMethod], above: fmpq) -> float | None:
+    """The largest radius of the last of several constructions that has any: nodes go as far as pipes do."""
     return next((found for way in known[::-1] if (found := way.largest(above)) is not None), None)
 
 
 def largest(solid: Solid, names: tuple[str, str], order: int, within: Sequence[PolynomialLike]) -> float:
     """The largest radius, nearly, of a fillet that is proved; see `Solid.largest_fillet`."""
     size = decimal(float(np.ptp(solid.box, axis=0).max()))
-    found = _largest_of(ways(solid, names, order, within), size)
+    found = _largest_of(fillet_methods(solid, names, order, within), size)
     if found is None:
         raise GeometryError(f"no fillet between {names[0]!r} and {names[1]!r} is proved, however small")
     return found

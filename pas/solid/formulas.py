@@ -29,7 +29,7 @@ Truth = Tree | bool
 """A set in space, or all of it, or nothing."""
 
 Lift = Callable[[Loop, bool], Tree]
-"""What makes the set in space of a loop; of the points outside of it where the second argument is true."""
+"""A function that makes the set in space of a loop; of the points outside of it where the second argument is true."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +84,7 @@ class PlaneSet:
         ]
 
     def operands(self, over: Callable[[Self], Solid]) -> Operands:
-        """What bounds the solid `over` it: those over its parts, put together as it is."""
+        """The boundary of the solid `over` it: those over its parts, combined as it is."""
         operation = "Add" if self.union else "Subtract" if self.parts[-1].outside else "Intersect"
         return Operands.of([over(replace(part, outside=False)) for part in self.parts], operation)
 
@@ -156,7 +156,7 @@ def joined(union: bool, *parts: Truth) -> Truth:
 
 
 def negated(part: Truth) -> Truth:
-    """What is not in a set."""
+    """The complement of a set."""
     return not part if isinstance(part, bool) else complement(part)
 
 
@@ -180,7 +180,7 @@ def _chain(edges: Sequence[PlaneEdge], sides: Sequence[Truth], begin: int, many:
 
 
 def _frame(edges: Sequence[PlaneEdge]) -> list[PlaneEdge]:
-    """The sides of a rectangle around edges with room to spare, which bounds caps of curves that go on endlessly."""
+    """The sides of a rectangle around edges with room to spare, which bounds caps of endless curves."""
     (a, b), (c, d) = (
         (min(values) - (max(values) - min(values)) / 8, max(values) + (max(values) - min(values)) / 8)
         for values in zip(*(p for edge in edges for p in edge.hull), strict=True)

@@ -23,7 +23,7 @@ from pas.solid.tree import Atom, Function, Node, Tree, combined, complement, map
 
 @dataclass(frozen=True)
 class Followed:
-    """Faces, by name, of a set from which something is a distance, less a thickness; the names of all of its faces."""
+    """Faces, by name, of a set from which something is a distance, less a thickness; and names of all its faces."""
 
     tree: Tree
     faces: frozenset[str]
@@ -109,7 +109,7 @@ class Moved(Distance):
         return jets
 
     def decided_within(self, centers: Floats, radii: Floats) -> tuple[Bools, Bools]:
-        """What the inner one says of the balls before they were moved."""
+        """The inner distance's answers for the balls before they were moved."""
         return self.inner.decided_within(self.map.inverse.points(centers), radii / self.factor)
 
 

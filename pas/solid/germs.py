@@ -42,7 +42,7 @@ class SheetContact:
     power: int = 1
 
     def sign(self, at: RealZero) -> int:
-        """That of the derivative at a point."""
+        """The sign of the derivative at a point."""
         return int(self.side * at.sign(self.derivative) ** self.power)
 
 

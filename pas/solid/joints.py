@@ -70,7 +70,7 @@ class Joint:
 
     @property
     def claim(self) -> str:
-        """What is to be proved, in words."""
+        """The claim in words."""
         part = " on a part of the curve" if self.within else ""
         return f"{self.first} meets {self.second} with GC^{self.order}{part}"
 
@@ -123,14 +123,14 @@ class _Stretch:
         return not self.is_joined and any(i != j for i in self.first for j in self.second)
 
     def missing(self, joint: Joint) -> str | None:
-        """The face that does not go on here where the other ends, if there is one."""
+        """The face that does not continue here where the other ends, if there is one."""
         if self.is_joined or self.is_apart or not self.first | self.second:
             return None
         return joint.first if self.second else joint.second
 
     @property
     def order(self) -> int | None:
-        """Of contact of the two faces where they are joined; None on one surface."""
+        """The order of contact of the two faces where they are joined; None on one surface."""
         a, b = (border.ray.sheet for border in self.arc.borders)
         return None if a == b else self.sheets.order(a, b)
 
@@ -263,7 +263,7 @@ class _Proof:
         return None
 
     def _doubts(self) -> Verdict | None:
-        """Of all of the curve it is known what is there."""
+        """The borders are known along all of the curve."""
         unknown = [(s.arc.unknown, s.arc.point) for s in self.stretches if s.arc.unknown is not None]
         if not unknown:
             return None

@@ -1,4 +1,4 @@
-"""Boundaries of unions of blends' solids that go on in one another, as nodes of a lattice of struts do.
+"""Boundaries of unions of blends' solids that continue one another, as nodes of a lattice of struts do.
 
 Where neighbours of one surface end flat in one plane, seen from opposite sides, or overlap without reaching beyond
 where the other one begins, the bodies are linked: their ends are within the union, and what goes on from one is joined
@@ -32,8 +32,8 @@ from pas.solid.sheets import EQUAL, ROOM, Loops, SheetBody
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """Chain `number` of part `part` goes on in chain `other_number` of part `other`, which is not shorter: its strip is
-    left out, and ends at a `share` of the way along it; where that is None both strips are left out."""
+    """Chain `number` of part `part` continues chain `other_number` of part `other`, which is not shorter: its strip is
+    omitted and replaced by the other's, from a `share` of the way along that; where it is None both strips are."""
 
     part: int
     number: int
@@ -42,13 +42,13 @@ class Link:
     share: float | None
 
     def of(self, part: int) -> int:
-        """The number of the chain of one of both parts."""
+        """The number of the chain of one of the two parts."""
         return self.number if part == self.part else self.other_number
 
 
 @dataclass(frozen=True, eq=False)
 class LinkedBodies(SolidBoundary):
-    """Several bodies that are apart but for the `links` in which they go on in one another."""
+    """Several bodies that are apart but for the `links` in which they continue one another."""
 
     parts: tuple[SheetBody, ...]
     links: tuple[Link, ...] = ()
@@ -93,7 +93,7 @@ class LinkedBodies(SolidBoundary):
 
 
 def united(one: SolidBoundary | None, other: SolidBoundary | None) -> LinkedBodies | None:
-    """Both together; None where they are not found to be apart but for links."""
+    """The boundary of a union; None where the two are not found to be apart but for links."""
     if not isinstance(one, SheetBody | LinkedBodies) or not isinstance(other, SheetBody | LinkedBodies):
         return None
     these, those = ((b if isinstance(b, LinkedBodies) else LinkedBodies((b,))) for b in (one, other))
@@ -118,7 +118,7 @@ def united(one: SolidBoundary | None, other: SolidBoundary | None) -> LinkedBodi
 
 
 def _links(i: int, one: SheetBody, j: int, other: SheetBody) -> Iterator[tuple[Link, Polynomial]]:
-    """Where two parts, `i` and `j`, go on in one another, and planes amid what they share, positive towards `j`."""
+    """The links between two parts, `i` and `j`, each with a plane amid the shared tube, positive towards `j`."""
     for mine, its in product(one.ends, other.ends):
         if len(mine.tubes) != len(its.tubes) or not all(map(_same, mine.tubes, its.tubes)):
             continue
@@ -144,7 +144,7 @@ def _parted(
 
 
 def box_gap(one: Floats, other: Floats) -> float:
-    """How far two boxes (2, 3) are apart along an axis at least; negative where they meet."""
+    """The largest distance of two boxes (2, 3) along an axis; negative where they meet."""
     return float(np.maximum(one[0] - other[1], other[0] - one[1]).max())
 
 
@@ -157,7 +157,7 @@ def _same(one: Polynomial, other: Polynomial) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class RenamedBoundary(SolidBoundary):
-    """What bounds a solid, with other names of its faces."""
+    """A boundary of a solid with other names of its faces."""
 
     body: SolidBoundary
     names: Mapping[str, str]
@@ -167,7 +167,7 @@ class RenamedBoundary(SolidBoundary):
         return self.body.coarse
 
     def mesh(self, tolerance: float, quality: Quality) -> Mesh | None:
-        """That of the body, in which several faces may have one name."""
+        """The mesh of the body, in which several faces may have one name."""
         found = self.body.mesh(tolerance, quality)
         return found and replace(found, names=tuple(self.names.get(name, name) for name in found.names))
 

@@ -35,7 +35,7 @@ the errors of even triangles cancel, these do not."""
 
 @dataclass(frozen=True, eq=False)
 class Measures:
-    """What a body of density 1 measures, in the model's units.
+    """The measures of a body of density 1, in the model's units.
 
     `volume`, `area` of the boundary, `center` of mass (3,), and the `inertia` (3, 3) about that: moments of inertia
     about axes along x, y and z on the diagonal, products with their sign beside it.  `within` is the largest part by
@@ -57,13 +57,13 @@ class Measures:
         return moments, axes
 
     def scaled(self, scale: float, origin: Floats) -> Measures:
-        """Those of the image under x -> origin + scale x."""
+        """The measures of the image under x -> origin + scale x."""
         volume, area, inertia = self.volume * scale**3, self.area * scale**2, self.inertia * scale**5
         return Measures(volume, area, origin + scale * self.center, inertia, self.within)
 
 
 def together(parts: Sequence[Measures]) -> Measures:
-    """Those of several bodies as one, each counted by itself where they overlap (Steiner's theorem)."""
+    """The measures of several bodies as one, each counted by itself where they overlap (Steiner's theorem)."""
     volume, area = (sum(getattr(part, name) for part in parts) for name in ("volume", "area"))
     center = sum((part.volume * part.center for part in parts), np.zeros(3)) / volume
     inertia = np.zeros((3, 3))
@@ -74,7 +74,7 @@ def together(parts: Sequence[Measures]) -> Measures:
 
 
 def flat_measures(mesh: Mesh) -> Measures:
-    """Those of what a closed mesh encloses, up to rounding; raises `GeometryError` for one with edges."""
+    """The measures of a closed mesh's inside, up to rounding; raises `GeometryError` for one with edges."""
     corners, center = _centered(mesh.require_closed().points, mesh.triangles)
     return _integrated(corners, _middles(corners)).scaled(1.0, center)
 
@@ -96,7 +96,7 @@ class PartList(Mapping[str, Measures]):
 
     @property
     def whole(self) -> Measures:
-        """Those of all parts as one."""
+        """The measures of all parts as one."""
         return together([*self.values()])
 
     HEADS = ("part", "volume", "area", "center x", "y", "z", "inertia xx", "yy", "zz", "xy", "xz", "yz", "within")

@@ -41,11 +41,11 @@ from pas.solid.tree import Atom, combined
 
 
 class Operand(Hollowable, Protocol):
-    """What is asked of a solid that is united with another one, or cut by it."""
+    """The queries of a solid that is united with another one, or cut by it."""
 
     @property
     def sheets(self) -> SolidBoundary | None:
-        """What bounds it, where that is known."""
+        """The boundary that is meshed without a lattice, where it is known."""
 
     @property
     def _around(self) -> Floats:
@@ -56,7 +56,7 @@ class Operand(Hollowable, Protocol):
 
 
 def combined_boundary(first: Operand, second: Operand, operation: str) -> SolidBoundary | None:
-    """What is known to bound the result of an operation, named as for `boolean`; None where sheets bound neither."""
+    """The known boundary of the result of an operation, named as for `boolean`; None where sheets bound neither."""
     before, new = first.sheets, second.sheets
     if before is None and new is None:
         return None
@@ -67,13 +67,13 @@ def combined_boundary(first: Operand, second: Operand, operation: str) -> SolidB
 
 
 def renamed_boundary(body: SolidBoundary | None, names: Mapping[str, str]) -> SolidBoundary | None:
-    """What bounds a solid with other names of its faces; operands are told apart by their functions alone."""
+    """A boundary of a solid with other names of its faces; operands are told apart by their functions alone."""
     return body if body is None or isinstance(body, Operands) else RenamedBoundary(body, names)
 
 
 @dataclass(frozen=True, eq=False)
 class Operands(SolidBoundary):
-    """Solids that no set operation made, and the steps in which these made another one of them; see `carried_out`."""
+    """Solids that are not results of set operations, and the steps that make another one of them; see `carried_out`."""
 
     parts: tuple[Operand, ...]
     steps: tuple[BooleanStep, ...]
@@ -81,7 +81,7 @@ class Operands(SolidBoundary):
 
     @classmethod
     def of(cls, solids: Sequence[Operand], operation: str) -> Operands:
-        """What an operation makes of at least two solids, in as few steps as there are by their form."""
+        """The operands and steps of an operation on at least two solids, as few steps as their form allows."""
         known = [s.sheets if isinstance(s.sheets, Operands) else Operands((s,), ()) for s in solids]
         parts, steps, many = list[Operand](), list[BooleanStep](), 0
         for number, one in enumerate(known):  # a - (b | c) is a - b - c
@@ -94,12 +94,12 @@ class Operands(SolidBoundary):
 
     @cached_property
     def box(self) -> Floats | None:
-        """Two corners (2, 3) of a box that holds what is made, as the parts do; None where theirs say nothing."""
+        """A box, two corners (2, 3), that holds the result, by those of the parts; None where these have none."""
         return carried_out(self.steps, [*map(_box, self.parts)], _joint_box)
 
     @property
     def is_union(self) -> bool:
-        """Whether nothing is cut, so that the box is that of what is made."""
+        """Whether nothing is cut, so that the box is the result's own."""
         return all(step.operation == "Add" for step in self.steps)
 
     @property
@@ -109,17 +109,17 @@ class Operands(SolidBoundary):
         return carried_out(self.steps, parts, lambda name, some: some[0] if name == "Subtract" else name) is None
 
     def made_with(self, first: Any) -> Any:
-        """What the steps make with another solid in the place of the first part."""
+        """The result of the steps with another solid in place of the first part."""
         done: dict[str, Callable[[Any, Any], Any]] = {"Add": or_, "Intersect": and_, "Subtract": sub}
         return carried_out(self.steps, [first, *self.parts[1:]], lambda name, some: reduce(done[name], some))
 
     @cached_property
     def turned(self) -> list[int]:
-        """Of each part 1 where it is taken away, from what is not, and so on, else 0."""
+        """For each part 1 if it is subtracted, an odd number of times, else 0."""
         return carried_out(self.steps, [[0] for _ in self.parts], _turned)
 
     def mesh(self, tolerance: float, quality: Quality) -> None:
-        """None: what is cut is only a first mesh."""
+        """None: a cut mesh is only a first mesh."""
 
     def moved(self, map_: Affine) -> Operands:
         return replace(self, parts=tuple(part._moved(map_) for part in self.parts))
@@ -189,13 +189,13 @@ def _within(part: Any, box: Floats) -> Any:
 
 
 def _turned(operation: str, turns: list[list[int]]) -> list[int]:
-    """Of operands in turn 1 if they are taken away, or 0, after an operation, given what they were before."""
+    """For each operand of an operation 1 if it is subtracted, else 0, given these of the whole."""
     first, *others = turns
     return first + [turn ^ (operation == "Subtract") for other in others for turn in other]
 
 
 def _joint_box(operation: str, boxes: list[Floats | None]) -> Floats | None:
-    """The box (2, 3) of what an operation makes of sets in boxes; None where these say nothing."""
+    """The box (2, 3) of an operation's result on sets in boxes; None where these have none."""
     if operation == "Subtract":
         return boxes[0]
     known = [box for box in boxes if box is not None]

@@ -60,7 +60,7 @@ class Ball:
     radius: fmpq
 
     def plus(self, other: Ball, times: fmpq) -> Ball:
-        """It and a multiple of another one."""
+        """The sum with a multiple of another one."""
         x, y, z = (a + times * b for a, b in zip(self.center, other.center, strict=True))
         return Ball((x, y, z), self.radius + times * other.radius)
 
@@ -80,11 +80,11 @@ class Ball:
         return Polynomial.from_raw(dot(w, w) - self.radius**2)
 
     def across(self, way: Ball) -> Polynomial:
-        """The plane in which balls that go on that way touch their envelope here; positive beyond it."""
+        """The plane in which balls that move along a direction touch their envelope here; positive beyond it."""
         return Polynomial.from_raw(height(self.center, way.center) + self.radius * way.radius)
 
     def cone(self, way: Ball) -> Polynomial:
-        """The envelope of balls that go on in a unit direction."""
+        """The envelope of balls that move along a unit direction."""
         return self.power - self.across(way) ** 2
 
 
@@ -124,7 +124,7 @@ class PipePiece:
         return combined(False, Atom(self.surface, self.name), *(Atom(side, "") for side in sides))
 
     def balls(self, count: int) -> Floats:
-        """Centre, radius, and their direction, of balls along it (count + 1, 8)."""
+        """Centre, radius and direction of balls along it (count + 1, 8)."""
         t = np.linspace(0, 1, count + 1)[:, None]
         start, end = self.start.floats, self.end.floats
         middle, weight = self.corner.floats if self.corner else (start + end) / 2, math.sqrt(to_float(self.share))
@@ -143,7 +143,7 @@ class PipePiece:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PipeBody(FacedBody):
-    """What bounds a pipe: the pieces of its outside, and of its inside where it has one."""
+    """The boundary of a pipe: the pieces of its outside, and of its inside where it has one."""
 
     sides: tuple[tuple[PipePiece, ...], ...]
     face: str
@@ -247,7 +247,7 @@ Line = tuple[Ball, Ball, fmpq, fmpq]
 
 
 def _each(given: Any, count: int, name: str, what: str) -> list[fmpq]:
-    """Positive numbers, one for each of so many things; one alone is for all."""
+    """Positive numbers, one for each of `count` things; a single one is for all."""
     if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray):
         return [positive(given, name)] * count
     if len(given) != count:
@@ -316,7 +316,7 @@ def _simple(value: float) -> fmpq:
 
 
 def _pieces(lines: Sequence[Line], wall: fmpq, face: str) -> Iterator[PipePiece]:
-    """What balls along lines and bends envelop, in order; raises `GeometryError` where a bend crosses itself."""
+    """The envelopes of balls along lines and bends, in order; raises `GeometryError` where a bend crosses itself."""
     inside = [(Ball(at.center, at.radius - wall), way, length, taken) for at, way, length, taken in lines]
     for number, ((at, way, length, taken), (after, onward, _, next_taken)) in enumerate(pairwise(inside)):
         if length > taken + next_taken:

@@ -126,10 +126,7 @@ def cone(start: VectorLike, end: VectorLike, radius: Exact, end_radius: Exact = 
 
 
 def _turned(face: str, ends: tuple[Vector, Vector], radii: tuple[fmpq, fmpq]) -> Turned:
-    """What bounds a cone of two radii: its section, turned.
-
-    Slender tips and blunt rims are what lattices hardly show.
-    """
+    """The boundary of a cone of two radii as a turned section; lattices hardly show slender tips and blunt rims."""
     start, end = np.array(to_floats(ends[0])), np.array(to_floats(ends[1]))
     length, zero = exact(float(np.linalg.norm(end - start))), fmpq(0)
     corners = [(zero, zero), (radii[0], zero), (radii[1], length), (zero, length)]

@@ -129,10 +129,10 @@ def rounded_prism(solid: Solid, body: Prism, faces: Sequence[str] | None, radius
 
 
 def filleted(known: SolidBoundary | None, pieces: Sequence[FilletPiece], gains: bool) -> SolidBoundary | None:
-    """What bounds a solid with fillets all along an end of an upright one, or around it, which it is or set operations
-    are made of; `gains` says whether they are added to it.
+    """The boundary of a solid with fillets all along an end of an upright one, or around it; None if unknown.
 
-    None where they are not that, or would meet there.
+    The upright one is the solid itself or an operand of set operations; `gains` says whether the fillets are added to
+    it. It is not known where the fillets meet other operands.
     """
     flat = [face for face in pieces[0].seam.faces if face.degree == 1 and all(face in p.seam.faces for p in pieces)]
     face = pieces[0].face
@@ -155,14 +155,14 @@ def filleted(known: SolidBoundary | None, pieces: Sequence[FilletPiece], gains: 
 
 
 def _prism_filleted(known: Prism, pieces: Sequence[FilletPiece], plane: Polynomial, gains: bool) -> Prism | None:
-    """What bounds an upright solid with such fillets in a plane; see `filleted`."""
+    """The boundary of an upright solid with such fillets in a plane; see `filleted`."""
     stretch = None if known.lean.slope else _stretch(known)
     if stretch is None:
         return None
     sign, first = 1 if gains else -1, pieces[0]
 
     def before(polynomial: Polynomial) -> Polynomial:
-        """That of which a polynomial is the image where the solid was moved."""
+        """The polynomial of which one is the image where the solid was moved."""
         return known.place.inverse.polynomial(polynomial) if known.place else polynomial
 
     level = before(plane) * (sign * first.seam.sign)
@@ -179,7 +179,7 @@ def _prism_filleted(known: Prism, pieces: Sequence[FilletPiece], plane: Polynomi
 
 
 def _stretch(body: Prism) -> fmpq | None:
-    """By how much lengths grew where it was moved; None where not all by the same."""
+    """The factor by which the map of a moved solid lengthens; None where it depends on the direction."""
     if body.place is None:
         return fmpq(1)
     columns = [*zip(*body.place.matrix, strict=True)]

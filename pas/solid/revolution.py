@@ -106,7 +106,7 @@ def _jets(curve: Polynomial, points: Floats) -> Floats:
 
 
 def _joints(loop: Loop) -> Iterator[Joint]:
-    """The claims that faces go on smoothly in one another, along circles."""
+    """The claims that faces continue one another smoothly along circles."""
     for one, other in loop.smooth_corners:
         r, z = one.end
         if r:

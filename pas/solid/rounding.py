@@ -98,7 +98,7 @@ class RoundPatch:
 
     @classmethod
     def of(cls, planes: Sequence[PlaneFace], radius: fmpq, order: int) -> RoundPatch:
-        """That of two or three planes."""
+        """The patch of two or three planes."""
         q = [1 + plane.polynomial * (1 / (radius * plane.length)) for plane in planes]
         cosines = fmpq_mat([[a.cosine(b) for b in planes] for a in planes])
         terms = [(power, term) for power, term in enumerate(_terms(order), 1) if term]
@@ -116,7 +116,7 @@ class RoundPatch:
 
     @property
     def rest(self) -> Tree:
-        """The points that it does not cut off."""
+        """The set of points that it does not cut off."""
         return combined(True, *(Atom(wall, "") for wall in self.walls), Atom(self.surface, self.face))
 
     def heights(self, weights: Floats) -> Floats:
@@ -232,7 +232,7 @@ def _claims(patches: Mapping[frozenset[PlaneFace], RoundPatch]) -> Iterator[Join
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RoundedBody(FacedBody):
-    """What bounds a rounded polyhedron three edges of which meet at each vertex."""
+    """The boundary of a rounded polyhedron three edges of which meet at each vertex."""
 
     planes: tuple[PlaneFace, ...]
     chosen: tuple[bool, ...]
@@ -241,7 +241,7 @@ class RoundedBody(FacedBody):
 
     @cached_property
     def edges(self) -> tuple[StraightEdge, ...]:
-        """Those of the polyhedron."""
+        """The edges of the polyhedron."""
         return tuple(_edges(self.planes, {*compress(self.planes, self.chosen)}))
 
     @cached_property

@@ -1,4 +1,4 @@
-"""One side of a header: a run's cylinder with feet on it, made of the feet's meshes and of what is between them.
+"""One side of a header: a run's cylinder with feet on it, made of the feet's meshes and of the run between them.
 
 The cylinder goes from one end's strip to the other's, and around the curves in which the meshes of the feet end on it:
 its triangles have no other vertices than those of these curves and of two circles (see `pas.mesh.sweep`).
@@ -43,7 +43,7 @@ class RunSide:
 
     @cached_property
     def chains(self) -> tuple[Chain, ...]:
-        """Those of both ends and of the branches."""
+        """The chains of both ends and of the branches."""
         branches = (f.chains[1 - opening] for f, opening in zip(self.feet, self.openings, strict=True))
         return (*self.ends, *branches)
 
@@ -108,7 +108,7 @@ class RunSide:
 
 
 def plain_run(tree: Tree) -> SheetBody | None:
-    """What bounds a round cylinder with flat ends across it, or one less another that goes as far; None of all else."""
+    """The boundary of a round cylinder with flat ends across it, or one less another of the same ends; else None."""
     parts, sides = parts_of(tree, union=False), list[RunSide]()
     holes = [parts_of(complement(part), union=False) for part in parts if isinstance(part, Node)]
     tubes = [tube_of(some) for some in ([part for part in parts if isinstance(part, Atom)], *holes)]
@@ -134,8 +134,8 @@ def plain_run(tree: Tree) -> SheetBody | None:
 
 
 def tube_of(parts: Sequence[Tree]) -> tuple[Polynomial, str, list[tuple[Polynomial, str]]] | None:
-    """Of three conditions a circular cylinder, negative inside, its name, and both ends, planes that are positive
-    outside, with their names; None of others."""
+    """The tube of three conditions: a circular cylinder, negative inside, its name, and both ends, planes that are
+    positive outside, with their names; None for others."""
     atoms = [(p.function, p) for p in parts if isinstance(p, Atom) and isinstance(p.function, Polynomial)]
     known = sorted(((-f if p.outside else f, p.face) for f, p in atoms if p.face), key=lambda some: -some[0].degree)
     if len(parts) != 3 or [f.degree for f, _ in known] != [2, 1, 1]:

@@ -1,4 +1,4 @@
-"""What planes cut from the surfaces of faces: lines in which they touch them, and sections along which two faces go on.
+"""The intersections of planes with faces' surfaces: lines of tangency, and sections along which two faces continue.
 
 Guaranteed: exact, but for where on a section the faces are, which is seen at some places.
 """
@@ -50,7 +50,7 @@ def multiples(plane: Polynomial, first: Polynomial, second: Polynomial) -> bool:
 
 
 def smooth_sections(tree: Tree, box: Floats) -> Iterator[tuple[Polynomial, Polynomial]]:
-    """Planes, and functions that vanish with them on sections along which two faces of a solid in a box go on."""
+    """Planes, and functions that vanish with them on sections along which two faces of a solid in a box continue."""
     faces_of = (a.function.primitive() for a in atoms(tree) if a.face and isinstance(a.function, Polynomial))
     functions = dict.fromkeys(faces_of)
     for plane in (f for f in functions if f.degree == 1):
@@ -67,7 +67,7 @@ def smooth_sections(tree: Tree, box: Floats) -> Iterator[tuple[Polynomial, Polyn
 
 
 def on_plane(polynomial: Polynomial, plane: Polynomial) -> fmpq_mpoly:
-    """A polynomial in two coordinates of the points of a plane: the plane's first one is replaced by what it is."""
+    """A polynomial in two coordinates of the points of a plane, whose first variable is substituted."""
     return divmod(polynomial.raw, plane.raw)[1]
 
 
@@ -78,7 +78,7 @@ def touch_along(first: Polynomial, second: Polynomial, curve: Ideal) -> bool:
 
 
 def _go_on(tree: Tree, box: Floats, plane: Polynomial, curve: Polynomial, pair: tuple[Polynomial, Polynomial]) -> bool:
-    """Whether one of two faces bounds the solid alone on one side of a plane, and the other on its other side."""
+    """Whether one of two faces alone bounds the solid on one side of a plane, and the other on its other side."""
     size = float(np.ptp(box, axis=0).max())
     starts = box[0] + np.random.default_rng(0).random((STARTS, 3)) * np.ptp(box, axis=0)
     points, found = _near(starts, (plane, curve))

@@ -1,4 +1,4 @@
-"""Boundaries of blends' solids without a lattice: surfaces' own meshes, strips that go on from them, and their ends.
+"""Boundaries of blends' solids without a lattice: surfaces' own meshes, the strips that continue them, and their ends.
 
 A mesh of a surface ends in loops on its contacts; from these strips go on (see `pas.solid.strips`), and the last loops
 are closed by a plane, or in walls by rings.
@@ -46,20 +46,20 @@ Loose: TypeAlias = tuple[Mesh, list[Integers]]
 
 
 class Bounding(Protocol):
-    """One side of a body, with what goes on from it at its ends."""
+    """One side of a body, with the chains that continue it at its ends."""
 
     @property
     def chains(self) -> tuple[Chain, ...]:
-        """What goes on."""
+        """The chains that continue it."""
 
     def mesh(self, tolerance: float, quality: Quality, without: Collection[int] = ()) -> Loose | None:
-        """Its mesh with those of chains but for some, whose numbers are given, and the loops in which these end; None
-        where there is none."""
+        """The mesh with the strips of chains, but for some by number, and the loops in which these end; None for
+        none."""
 
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """A surface, the name of its face, and what goes on from each of its contacts."""
+    """A surface, the name of its face, and the chain that continues each of its contacts."""
 
     surface: PiecewiseSurface
     name: str
@@ -79,20 +79,20 @@ class Side:
         return (made.mesh, loops) if go_on(made, self.chains, loops, tolerance, without) else None
 
 
-def roomy(mesh: Mesh) -> Floats:
-    """A box (2, 3) around what a mesh is as near to as it says."""
+def surface_box(mesh: Mesh) -> Floats:
+    """A box (2, 3) that holds the surface of a mesh: the mesh's own, widened by its deviation."""
     return mesh.box + ROOM * (mesh.deviation or 0.0) * np.array([[-1.0], [1.0]])
 
 
 def merged(mesh: Mesh, order: Sequence[str]) -> Mesh:
-    """A mesh with faces of one name made one, in an order."""
+    """The mesh with faces of equal names merged, in a given order."""
     names = sorted({*mesh.names}, key=order.index)
     return replace(mesh, faces=np.array([names.index(name) for name in mesh.names])[mesh.faces], names=tuple(names))
 
 
 class LinkableEnd(NamedTuple):
-    """Of a chain of straight strips its number, the plane in which they end, positive outside, how long they are, the
-    surfaces of all sides, and a point (3,) where they begin."""
+    """The end of a chain of straight strips: its number, the plane in which they end, positive outside, their length,
+    the surfaces of all sides, and a point (3,) where they begin."""
 
     number: int
     plane: Polynomial
@@ -103,7 +103,7 @@ class LinkableEnd(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SheetBody(PlacedBody):
-    """What bounds a blend's solid: one side, or an outer and an inner one."""
+    """The boundary of a blend's solid: one side, or an outer and an inner one."""
 
     sides: tuple[Bounding, ...]
 
@@ -149,9 +149,9 @@ class SheetBody(PlacedBody):
         return None if found is None else found[0]
 
     def opened(self, tolerance: float, quality: Quality, ends: Mapping[int, bool]) -> tuple[Mesh, Loops] | None:
-        """Its mesh without the ends of some chains, by their numbers, and where that is false without their strips.
+        """The mesh without the ends of some chains, by number, and if false without their strips, with the open loops.
 
-        Also the loops that are left open.  None where a surface is not as wished.
+        None where a surface has no mesh that ends as it should.
         """
         stretch = self.stretch
         short = [number for number, whole in ends.items() if not whole]
@@ -177,7 +177,7 @@ class SheetBody(PlacedBody):
 
     @cached_property
     def ends(self) -> tuple[LinkableEnd, ...]:
-        """Of the chains that may be linked: with at most one straight strip of a quadric on each side."""
+        """The ends of chains that may be linked: with at most one straight strip of a quadric on each side."""
         found, place = list[LinkableEnd](), self.place
         for number, chain in enumerate(self.sides[0].chains):
             sides = [side.chains[number] for side in self.sides]
@@ -212,7 +212,7 @@ class SheetBody(PlacedBody):
         return self.place.points(strip.rows(self.place.inverse.points(points), share))
 
     def named(self, number: int) -> set[str]:
-        """The names of the faces that go on from a contact, to its end."""
+        """The names of the faces that continue a contact, its end included."""
         chains = [side.chains[number] for side in self.sides]
         return {chains[0].name, *(strip.name for chain in chains for strip in chain.strips)}
 

@@ -54,7 +54,7 @@ _Feet = tuple[Floats, Floats, Floats]
 
 
 class Hollowable(Protocol):
-    """A solid that shells are made of."""
+    """The queries of a solid that shells are made of."""
 
     @property
     def tree(self) -> Tree:

@@ -64,7 +64,7 @@ def smooth_union(a: Solid, b: Solid, radius: Exact, order: int = 1, **limits: Un
 
 
 def _told_apart(solid: Solid, taken: set[str]) -> Solid:
-    """The solid with numbers behind the names of faces that are taken."""
+    """The solid with numbers after the names of faces that are taken."""
     names: dict[str, str] = {}
     for name in (face for face in solid.faces if face in taken):
         known = taken.union(solid.faces, names.values())

@@ -40,13 +40,13 @@ from pas.solid.functions import polynomials_of
 from pas.solid.joints import Joint, Known, orders, prove, verdict_list
 from pas.solid.measures import Measures, curved_measures
 from pas.solid.operands import Operands, combined_boundary, renamed_boundary
-from pas.solid.sheets import face_mesh, merged, roomy
+from pas.solid.sheets import face_mesh, merged, surface_box
 from pas.solid.shell import shelled
 from pas.solid.tree import Atom, Tree, atoms, combined, complement, mapped, moved
 from pas.verdicts import Findings, Verdict
 
 CARRIER_OF = "pas.exchange.step.carriers:carrier_of"
-"""What recognises planes, cylinders and the like, in a layer below."""
+"""The function that recognises planes, cylinders and the like, in a layer below."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +207,7 @@ class Solid(AffineShape["Solid"], WithEdges, Shape):
         """Two corners (2, 3) of a box in which it is meshed: where sheets bound it that of a coarse mesh, for speed."""
         if isinstance(self.sheets, Operands) and self.sheets.box is not None:
             return self.sheets.box if self.sheets.is_union else narrowed(self.tree, self.sheets.box)
-        return roomy(self.sheets.coarse) if self.sheets and self.sheets.coarse else self.box
+        return surface_box(self.sheets.coarse) if self.sheets and self.sheets.coarse else self.box
 
     @cached_property
     def field(self) -> SolidField:

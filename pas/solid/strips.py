@@ -1,4 +1,4 @@
-"""What goes on from the loops in which a surface ends: strips of other surfaces, row by row, and what ends them.
+"""Continuations of a surface from the loops in which it ends: strips of other surfaces, row by row, and their ends.
 
 Sections of a quadric by parallel planes, where they are ellipses, are homothetic: their centres are on a line, a
 diameter, and their sizes over one another are roots of a polynomial of degree 2 in the height (Salmon 1882).  So a loop
@@ -134,9 +134,9 @@ class SolidStrip:
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """What goes on from a contact: strips one after the other from its `curve`, points (N, 3) in order, up to an end.
+    """The continuation of a contact: strips one after the other from its `curve`, points (N, 3) in order, up to an end.
 
-    `clip` is where the blend ends, seen along its axis from what goes on.  `end` is a plane, or seen from its apex a
+    `clip` is where the blend ends, seen along its axis from the strips.  `end` is a plane, or seen from its apex a
     cone, with the face `name`.  All of it is where `floor` is negative.
     """
 
@@ -149,12 +149,12 @@ class Chain:
     floor: Polynomial | None = None
 
     def off(self, points: Floats) -> float:
-        """How far points (N, 3) are at most from the curve in which it begins, to first order."""
+        """The largest first-order distance of points (N, 3) from the curve in which it begins."""
         return max(self.clip.off(points), float(off_surface(self.contact.surface, points).max()))
 
     @cached_property
     def loops(self) -> tuple[Floats, ...]:
-        """The curve, and that in which each strip ends."""
+        """The curve, and the loop in which each strip ends."""
         found = [self.curve]
         for strip in self.strips:
             found.append(strip.rows(found[-1], 1.0))
@@ -162,7 +162,7 @@ class Chain:
 
     @cached_property
     def bowed(self) -> tuple[bool, ...]:
-        """Which strips are not straight."""
+        """Which strips are curved along their length."""
         ends = zip(self.strips, self.loops, self.loops[1:], strict=False)
         middles = [(strip.rows(a, 0.5) - (a + b) / 2, np.ptp(b)) for strip, a, b in ends]
         linear = 2.0**-30  # over the size of a strip: what is off by less half way along it is straight, to rounding
@@ -170,8 +170,8 @@ class Chain:
 
     @cached_property
     def stretch(self) -> float:
-        """How much farther than the first loop's the chords of later loops are from the curve, at most; those of bowed
-        strips leave half of it to the bow."""
+        """The largest ratio, at least 1, of the chord errors of later loops to those of the first; twice that with
+        bowed strips, which leave half of the tolerance to the bow."""
         sags = [
             np.linalg.norm(np.roll(p, 1, axis=0) + np.roll(p, -1, axis=0) - 2 * p, axis=1).max() for p in self.loops
         ]
@@ -179,12 +179,12 @@ class Chain:
 
     @property
     def sound(self) -> bool:
-        """Whether all loops are there, above the floor."""
+        """Whether all loops exist and are above the floor."""
         points = np.concatenate(self.loops)
         return bool(np.isfinite(points).all() and (self.floor is None or (self.floor(points) < 0).all()))
 
     def holds(self, inner: Chain) -> bool:
-        """Whether the strips of another one, beside these, are inside of them, as points of both show."""
+        """Whether the strips of an inner chain are inside these, beside which they run, by samples."""
         if len(self.strips) != len(inner.strips) > 0:
             return False
         shares, here = np.linspace(0, 1, 9), inner.curve
@@ -199,7 +199,7 @@ class Chain:
 def chain_between(
     contact: Contact, plane: Polynomial, cap: Polynomial, names: tuple[str, str], center: Vector | None = None
 ) -> Chain | None:
-    """What goes on from a contact between parallel planes, with the names of its face and its end; see `Sections`."""
+    """The continuation of a contact between parallel planes, with the names of its face and its end; see `Sections`."""
     axis, strips = unit(scaled(plane).gradient(np.zeros(3))), tuple[SolidStrip, ...]()
     if cap != plane:
         rows = Sections.of(contact.surface, plane, cap, center)
@@ -217,8 +217,8 @@ def chain_between(
 def go_on(
     made: Faces, chains: Sequence[Chain], loops: list[Integers], tolerance: float, without: Collection[int] = ()
 ) -> bool:
-    """Whether the strips of chains, but for some by number, go on within a tolerance, as measured, each from a loop of
-    a mesh, which it then replaces by that in which it ends."""
+    """Add the strips of chains, but for some by number, each from a loop of a mesh, which its end loop then replaces;
+    whether all are within a tolerance, as measured."""
     most_rows = 2**10  # a thousandth of a strip's length is finer than any tolerance in use needs
     for number, strip in ((n, strip) for n, chain in enumerate(chains) if n not in without for strip in chain.strips):
         begin, many = made.points[loops[number]], 1
@@ -235,7 +235,7 @@ def go_on(
 
 
 def off_strip(surface: Polynomial, rows: Sequence[Floats]) -> float:
-    """How far the triangles between rows are from a surface at the middles of their edges, to first order."""
+    """The largest first-order distance of the triangles between rows, at the middles of their edges, from a surface."""
     found = 0.0
     for here, there in pairwise(rows):
         across = [(here + there) / 2, (np.roll(here, -1, axis=0) + there) / 2]

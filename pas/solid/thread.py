@@ -27,7 +27,7 @@ X, Y, Z = GENERATORS
 
 
 class Flank(Distance, Parametrized):
-    """Below 0 in the ridge of a thread about the z axis; it is meant for points as far from that as the root."""
+    """A function negative in the ridge of a thread about the z axis, for points as far from that as the root."""
 
     periods = np.zeros(2)
 
@@ -86,7 +86,7 @@ class Flank(Distance, Parametrized):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Wound(FacedBody):
-    """What bounds a thread from z = 0 to a height."""
+    """The boundary of a thread from z = 0 to a height."""
 
     flank: Flank
     height: float

@@ -20,7 +20,7 @@ class ScalarField(OneFunction, Protocol):
 
     @property
     def exponent(self) -> int:
-        """Of the power of two that it is scaled by (see `pas.algebra.scaling`); 0 for distances."""
+        """The exponent of the power of two that it is scaled by (see `pas.algebra.scaling`); 0 for distances."""
 
     def decided(self, centers: Floats, halves: Floats) -> tuple[Bools, Bools]:
         """Whether it is certainly <= 0, and certainly > 0, in boxes of given centres and half edges (N, 3)."""
@@ -114,7 +114,7 @@ def splits_of(tree: Tree) -> Iterator[tuple[Tree, Tree]]:
 
 
 def folded(tree: Tree, leaf: Callable[[Atom], Value], branch: Callable[[Node, list[Value]], Value]) -> Value:
-    """What becomes of a tree: of its leaves, from left to right, and of branches after their parts, given these."""
+    """A tree's value by recursion: `leaf` of its leaves, from left to right, `branch` of parts' values."""
     found, waiting = list[Value](), [(tree, False)]
     while waiting:
         part, opened = waiting.pop()
@@ -143,7 +143,7 @@ def is_contradiction(tree: Tree) -> bool:
 
 
 def mapped(tree: Tree, change: Callable[[Atom], Tree]) -> Tree:
-    """The tree with something in the place of each of its atoms."""
+    """The tree with each atom replaced."""
     return folded(tree, change, lambda node, parts: Node(tuple(parts), node.union))
 
 

@@ -1,4 +1,4 @@
-"""What trees of inequalities say, given what is known of these.
+"""Truth values of trees of inequalities, given those of some inequalities.
 
 For many boxes or points at once a tree is compiled to arrays (`CompiledTree`), without a step for each branch: a region
 of a node has some hundred branches, and a mesher asks for a few boxes at a time, many thousand times.  At one exact
@@ -112,7 +112,7 @@ class CompiledTree:
         return found
 
     def _relevant(self, yes: Bits, no: Bits) -> Bits:
-        """Those that are read `<= 0`, and then those that are read `> 0`, (2 M, N / 8)."""
+        """The columns on which the tree depends, read `<= 0` and then read `> 0`, as bits (2 M, N / 8)."""
         open_ = ~self._all(yes, no) & self._all(~no, ~yes)
         for level in reversed(self.levels):
             open_[level.parts] &= open_[level.numbers][level.owners]
@@ -140,7 +140,7 @@ def _blocks(yes: Bools, no: Bools) -> list[tuple[Bits, Bits]]:
 
 
 def _unpacked(bits: Bits, number: int) -> Bools:
-    """The first so many truth values of each row."""
+    """The first `number` truth values of each row."""
     return np.unpackbits(bits, axis=-1, count=number).view(bool)
 
 
@@ -179,8 +179,8 @@ class LeafTree:
 class Code:
     """A leaf by number, or an intersection or union of parts in the order of their `cost`.
 
-    The cost is what it takes at least to find out what it says: the degree of a polynomial of one of its leaves,
-    infinite where none has one.
+    The cost is a lower bound of the work to evaluate it: the degree of a polynomial of one of its leaves, infinite
+    where none has one.
     """
 
     cost: float
@@ -189,47 +189,47 @@ class Code:
     leaf: int | None = None
 
 
-def says(code: Code, truth: Truth) -> bool | None:
+def value_of(code: Code, truth: Truth) -> bool | None:
     """Whether points with these truths are in the solid; None where that is not known."""
     if code.leaf is not None:
         return truth(code.leaf)
     result: bool | None = not code.union
     for part in code.parts:
-        found = says(part, truth)
+        found = value_of(part, truth)
         if found is code.union:
             return code.union
         result = None if found is None else result
     return result
 
 
-def rests_on(code: Code, said: bool, truth: Truth, fixed: Callable[[int], bool]) -> set[int]:
-    """Leaves that are not `fixed` and on which what was said rests; none if it is certain.
+def support_of(code: Code, said: bool, truth: Truth, fixed: Callable[[int], bool]) -> set[int]:
+    """The leaves that are not `fixed` and on which an answer rests; none if it is certain.
 
     Of several ways in which it could be certain, the one with the fewest such leaves.
     """
     if code.leaf is not None:
         return set() if fixed(code.leaf) else {code.leaf}
     if said is not code.union:
-        return {leaf for part in code.parts for leaf in rests_on(part, said, truth, fixed)}
+        return {leaf for part in code.parts for leaf in support_of(part, said, truth, fixed)}
     best: set[int] = set()
     cost = None
     for part in code.parts:
         if cost is not None and part.cost > cost:
             break  # to cut at some more planes costs less than to ask a polynomial of higher degree
-        if says(part, truth) is said:
-            way = rests_on(part, said, truth, fixed)
+        if value_of(part, truth) is said:
+            way = support_of(part, said, truth, fixed)
             best, cost = way if cost is None else min(best, way, key=len), part.cost
             if not best:
                 break
     return best
 
 
-def matters(code: Code, leaf: int, truth: Truth) -> bool:
-    """Whether what is said may depend on a leaf: none of its branches is settled by others."""
+def depends_on(code: Code, leaf: int, truth: Truth) -> bool:
+    """Whether the answer may depend on a leaf: no branch above it is settled by others."""
     if code.leaf is not None:
         return code.leaf == leaf
     return any(
-        matters(part, leaf, truth)
-        and all(says(other, truth) is not code.union for other in code.parts if other is not part)
+        depends_on(part, leaf, truth)
+        and all(value_of(other, truth) is not code.union for other in code.parts if other is not part)
         for part in code.parts
     )

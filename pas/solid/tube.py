@@ -28,7 +28,7 @@ from pas.solid.solid import Solid
 from pas.solid.tree import Atom, combined
 
 SAMPLES = 512
-"""Of a curve, at least."""
+"""The least number of samples of a curve."""
 
 
 class TubeCurve:
@@ -51,7 +51,7 @@ class TubeCurve:
         self.interval = (to_float(low), to_float(high))
 
     def jets(self, t: Floats) -> Floats:
-        """Points, first and second derivatives at t (N,): (3, N, 3); beyond the interval parabolas go on."""
+        """Points, first and second derivatives at t (N,): (3, N, 3); beyond the interval those of parabolas."""
         inside = np.clip(t, *self.interval)
         point, slope, bend = self._jets(inside)
         beyond = (t - inside)[:, None]
@@ -94,7 +94,7 @@ class TubeCurve:
 
 
 class Tube(Distance, Parametrized):
-    """The distance from a curve less a radius; unless ends are `round` the curve goes on a little beyond them."""
+    """The distance from a curve less a radius; unless ends are `round` the curve is extended a little."""
 
     def __init__(self, curve: TubeCurve, radius: Any, round: bool = True) -> None:
         self.curve, self.exact_radius, self.round = curve, _radius(radius), round

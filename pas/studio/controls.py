@@ -1,4 +1,4 @@
-"""What may be dragged of a document: one description for each control, from which the page makes it.
+"""The controls of a document: one description for each, from which the page makes it.
 
 A control has a `path` into the document, a `label` and a `group`.  Its `kind` is "number" (a slider from `low` to
 `high`, and a field that takes any exact number), "vector" (three of them), "choice" (of `options`, pairs of a value and
@@ -30,7 +30,7 @@ SIGNED = ("slope",)
 
 OF_BOUNDARIES = ("quadric", "plane", "implicit", "other", "x", "y", "z")
 OF_DEGREE = ("handles", "coefficients")
-"""What is wished of the members of one degree, and means nothing in another."""
+"""The wishes for members of one degree, which mean nothing in another."""
 
 SHAPE = {"l1": (0, 5), "l2": (0, 5), "lambda1": (-2, 2), "lambda2": (-2, 2)}
 LENGTHS = ("l1", "l2")

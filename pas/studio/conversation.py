@@ -31,15 +31,15 @@ from pas.studio import GALLERY, Message, refusal
 SPAWN = multiprocessing.get_context("spawn")
 
 INSIDE = "something went wrong inside the program; the last picture stays"
-"""What the page is told of an error that is no user's."""
+"""The sentence for an error that is no user's."""
 
 
 class RefusedError(Exception):
-    """What a session could not do, in one sentence."""
+    """A refusal by a session, in one sentence."""
 
 
 class StoppedError(Exception):
-    """What a session was told to stop."""
+    """A task that a session was told to stop."""
 
 
 class Worker:
@@ -99,7 +99,7 @@ class Worker:
 
 
 def work(pipe: Connection, stop: Any) -> None:
-    """What a process does: it answers until the other end is closed."""
+    """The loop of a process: it answers until the other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_leave_with_parent, daemon=True).start()
     from pas.studio.session import StudioSession
@@ -306,7 +306,7 @@ class Conversation:
 
 
 def asked(request: Request) -> list[Any]:
-    """What a session is asked for by a request other than "move" and "rest": its method, and the arguments."""
+    """The method of a session, and its arguments, for a request other than "move" and "rest"."""
     if request["do"] == "read":
         return ["read", str(request.get("name")), str(request.get("text"))]
     more: dict[str, list[Any]] = {"handle": [request.get("at")], "export": [str(request.get("format"))]}
@@ -314,13 +314,13 @@ def asked(request: Request) -> list[Any]:
 
 
 def answer(verb: str, found: Any) -> Message:
-    """What a page is told of what the session gave."""
+    """The message for a page about a session's result."""
     kind = {"read": "document", "repair": "changed", "handle": "changed"}.get(verb)
     return found if kind is None else Message({"kind": kind, "document": found})
 
 
 STOPPABLE = {"solve", "measure", "repair"}
-"""What is worthless once another document is final."""
+"""The requests that are worthless once another document is final."""
 
 VERBS = {"move", "rest", "gallery", "read", "repair", "handle", "export", "combs", "safe", "mesh"}
 WITH_DOCUMENT = VERBS - {"gallery", "read"}

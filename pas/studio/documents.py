@@ -47,7 +47,7 @@ VERBATIM = {"name", "order", "degree", "tension", "points", "tolerance", "mesh",
 """Keys of a problem of contacts that a call of `pas.blend` says, or that do not matter to the shape."""
 
 NONE: tuple[Any, ...] = ([], {})
-"""What says nothing, as it is left where all of something was taken out again."""
+"""Values that say nothing, as they are left where all of something was taken out again."""
 
 
 def toml(problem: Mapping[str, Any]) -> str:
@@ -135,7 +135,7 @@ SLIDERS = ("tension", "points")
 """Parts of a problem of contacts that `Blend.refit` follows."""
 
 PLACE = re.compile(r"^problem\.toml(, line \d+)?: ")
-"""What the reader of files puts before its sentences: a page has no lines."""
+"""The prefix of sentences of the reader of files: a page has no lines."""
 
 Opened = Mapping[str, Shape]
 """Shapes from project files, by name."""
@@ -198,7 +198,7 @@ def base_of(document: Data) -> Data:
 
 
 def sliders_of(document: Data) -> dict[str, Any]:
-    """What was moved, as the keywords of `Blend.refit`."""
+    """The moved sliders, as the keywords of `Blend.refit`."""
     held = document["problem"] if document["kind"] == "problem" else document.get("sliders", {})
     moved = dict(held.get("points", {}))
     moved = {name: [tuple(p) for p in value] if isinstance(value, list) and name != "near_weight" else value
@@ -219,7 +219,7 @@ def all_sliders(blend: Any, document: Data) -> dict[str, Any]:
 
 
 def remedies(document: Data, shape: Any) -> Iterator[Data]:
-    """What may be tried in turn: to ask for proofs, to guard the witness, lighter weights, higher degrees."""
+    """Documents to try in turn: with proofs asked for, a guarded witness, lighter weights, higher degrees."""
     problem = {name: value for name, value in document["problem"].items() if name not in ("prove", "guard")}
     document = {**document, "problem": problem}
     yield document

@@ -1,4 +1,4 @@
-"""What of a blend can be set freely beside points: of single cells, members' coefficients and B-coefficients.
+"""The handles of a blend beside points: of single cells, members' coefficients and B-coefficients.
 
 Where all is one polynomial, the members of the basis are classical blends themselves, and their coefficients are what
 such families are shaped by.  B-coefficients are handles by which the surface is pulled.  Both belong to one degree and

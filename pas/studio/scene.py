@@ -1,4 +1,4 @@
-"""What the page draws of a shape, exact polynomials to cast rays at or triangles, and tells of it beside its proofs.
+"""The data of the page's picture of a shape, exact polynomials to cast rays at or triangles, and the facts beside it.
 
 Piecewise surfaces go as the coefficients of their pieces in local coordinates, in doubles, with the tetrahedra of their
 region, and with the contacts' own polynomials in boxes beyond their clips.  Clips that pass through the region, curved
@@ -270,7 +270,7 @@ def measures(shape: Shape | None) -> Message:
 
 
 def _unfair(shape: Any) -> Iterator[str]:
-    """What is not fair, each in some words.
+    """The measures that are not fair, each in some words.
 
     Where the neighbours leave no room for a fair surface there is no limit of sharpness: the usual one is looked at.
     """

@@ -46,7 +46,7 @@ def policy(port: int) -> dict[str, str]:
 
 
 class Studio:
-    """What all pages of one server share: the file that was opened, spare processes, the token."""
+    """The state that all pages of one server share: the file that was opened, spare processes, the token."""
 
     def __init__(self, file: Path | None, port: int, token: str | None = None) -> None:
         self.file, self.port = file, port

@@ -1,4 +1,4 @@
-"""What one process of the studio knows and does: it solves, follows what is dragged, proves and exports.
+"""The state of one process of the studio: it solves, follows what is dragged, proves and exports.
 
 A session belongs to one page.  `solve` finds the shape of a document as its problem is solved, with all proofs; `move`
 gives a shape quickly that is near it (blends follow by Gauss-Newton steps), and `prove` says what holds of that very
@@ -46,7 +46,7 @@ PROJECT = ".pas.json"
 """The format that keeps everything exact, of all shapes."""
 
 UNSAVED = re.compile(r"[^\w.-]+")
-"""What names of files are cleared of."""
+"""The characters that names of files are cleared of."""
 
 
 class StudioSession:
@@ -64,7 +64,7 @@ class StudioSession:
         self.solved: tuple[Data, Shape] | None = None
 
     def do(self, verb: str, *arguments: Any) -> Any:
-        """What one of the methods below gives, with all that it does, given up after two minutes or when stopped."""
+        """The result of one of the methods below, given up after two minutes or when stopped."""
         with limit(120.0, stopped=self.stopped):
             return getattr(self, verb)(*arguments)
 
@@ -97,7 +97,7 @@ class StudioSession:
         )  # fmt: skip
 
     def kept(self, document: Data) -> tuple[str, dict[str, Any]] | None:
-        """What another session needs to follow from a document's shape; None where that cannot be followed."""
+        """The data that another session needs to follow from a document's shape; None where that cannot be followed."""
         shape = self.shape_of(document)
         return (_key(documents.base_of(document)), KINDS["blend"].form.write(shape)) if can_follow(shape) else None
 

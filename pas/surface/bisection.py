@@ -72,7 +72,7 @@ def _halved(field: RadialField, mesh: HalfEdges, tolerance: float, settings: Set
             return float(off.max())
         middles, rims = mesh.middles(NONE, halves), mesh.rims_of(halves)
         if mesh.seen:
-            places = field.placed(middles, NONE, rims, NONE)
+            places = field.placed(middles, NONE, rims, mesh.lengths(halves))
             if mesh.split(halves, places, unit_rows(field.gradients(places)), TURNED).any():
                 continue
         places = field.met(middles)

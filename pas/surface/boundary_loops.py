@@ -23,7 +23,7 @@ from pas.mesh.rows import along_lines, dots, norms, off_zero
 from pas.surface.geometry import derivative_batch
 
 STEPS = 40
-"""Of Newton's method along rays towards a loop, none by more than a factor of two."""
+"""The most steps of Newton's method along rays towards a loop, none by more than a factor of two."""
 
 SETTLED = 1e-9
 """Change of the share of a ray that ends that: the next is about its square."""
@@ -53,7 +53,7 @@ class ConeLoop:
         return np.asarray(float((self.round(rays) @ self.normal).mean()) * self.normal)
 
     def round(self, number: int) -> Floats:
-        """So many points (N, 3) in turn; raises `ArithmeticError` where rays do not meet the surface."""
+        """A `number` of points (N, 3) in turn; raises `ArithmeticError` where rays do not meet the surface."""
         rays = nappe_rays(self.axes, number)
         met = first_met(self.surface, rays)
         if not np.isfinite(met).all():
@@ -108,7 +108,7 @@ class PlaneLoop:
         return self._alone.at(points, np.zeros(len(points), dtype=np.intp))
 
     def round(self, number: int) -> Floats:
-        """So many points (N, 3) at equal angles, counterclockwise seen from outside."""
+        """A `number` of points (N, 3) at equal angles, counterclockwise seen from outside."""
         first = self.size * across(self.normal)[0]
         second = np.cross(self.normal, first)
         angles = 2 * np.pi * np.arange(number)[:, None] / number

@@ -1,4 +1,4 @@
-"""Where rays cross a piecewise surface: all crossings in order, none missed and none invented.
+"""The crossings of rays with a piecewise surface: all of them in order, none missed and none invented.
 
 What is counted: the numbers of the ray, of the region's corners and of the polynomials are taken as they are, exactly.
 A crossing is a t >= 0 for which `origin + t direction` is in a closed cell whose polynomial is 0 there; where a whole

@@ -1,4 +1,4 @@
-"""How deep points lie inside a surface: their distances from it, along straight lines that meet it at right angles.
+"""The depths of points inside a surface: their distances from it, along straight lines that meet it at right angles.
 
 A point's foot begins at the nearest of some thousand points of the surface, and goes on by Newton's method on the
 polynomial of the piece that this one lies in, and then of the piece that it came into.  With the depth d of a point

@@ -1,4 +1,4 @@
-"""Where a surface is looked at while it is made fair: rays from the centre, spread evenly over the surface.
+"""The rays along which a surface is sampled while it is made fair: from the centre, spread evenly over the surface.
 
 The outer faces are quartered until no triangle sees more than its share of the surface's area; those
 that a contact curve crosses are quartered further.  Each triangle stands for one ray, through its centroid, with
@@ -195,7 +195,7 @@ def planes(means: Sequence[Floats]) -> Iterator[tuple[Floats, Floats]]:
 
 
 def circle(first: Floats, second: Floats) -> Floats:
-    """The unit vectors (AROUND, 3) along which a section in the plane of two orthonormal ones is looked at."""
+    """The unit vectors (AROUND, 3) along which a section in the plane of two orthonormal ones is sampled."""
     angles = (np.arange(AROUND) + 0.5) * 2 * np.pi / AROUND
     return np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second
 

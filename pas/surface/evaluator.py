@@ -34,7 +34,7 @@ BLOCK = 1 << 14
 
 
 class Piecewise(Protocol):
-    """What can be evaluated: polynomials in the local coordinates of a partition, one for each piece."""
+    """The interface of a piecewise polynomial: one for each piece, in the local coordinates of a partition."""
 
     @property
     def partition(self) -> Partition:
@@ -171,7 +171,7 @@ class Evaluator:
 
     @cached_property
     def target(self) -> RayTarget:
-        """What rays are shot at."""
+        """The polynomials that rays are shot at."""
         return RayTarget(self.partition, self.scaled.polynomials)
 
     def batch(self, *orders: int) -> PolynomialBatch:
@@ -199,7 +199,7 @@ def checked(points: ArrayLike, name: str = "points") -> Floats:
 
 
 def rays_of(origins: ArrayLike, directions: ArrayLike) -> tuple[Floats, Floats]:
-    """Origins and directions of rays, both (N, 3).  Raises `ValueError` for what are none."""
+    """Origins and directions of rays, both (N, 3).  Raises `ValueError` for arrays of other shapes or not finite."""
     starts, ways = checked(origins, "origins"), checked(directions, "directions")
     lengths = np.abs(ways).max(axis=-1)
     if not lengths.all():

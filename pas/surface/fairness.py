@@ -1,4 +1,4 @@
-"""How fair a surface is: its curvature beside that of its neighbours, measured on rays from the centre.
+"""The fairness of a surface: its curvature beside that of its neighbours, measured on rays from the centre.
 
 Curvatures are compared with what cannot be avoided: the largest curvature with that of the neighbours on
 their contact curves (`sharpness`: 1 for a blend nowhere sharper than its thinnest pipe), the largest concave
@@ -105,13 +105,13 @@ class Fairness:
         return sum(max(0.0, value - most) / unit for _, value, most, unit in self._checks(limits))
 
     def inside(self, limits: FairnessLimits, times: float) -> FairnessLimits:
-        """Limits that are as far inside these as what is beyond them, so many times."""
+        """Limits that are `times` as far inside these as the measures are beyond them."""
         checks = self._checks(limits)
         moved = {name: max(most - times * max(0.0, value - most), most / 2) for name, value, most, _ in checks}
         return replace(limits, **moved)
 
     def _checks(self, limits: FairnessLimits) -> Iterator[tuple[str, float, float, float]]:
-        """Of each measure that is limited its name, value, limit and unit."""
+        """The name, value, limit and unit of each measure that is limited."""
         for (name, most), unit in zip(vars(check_limits(limits)).items(), UNITS, strict=True):
             yield name, getattr(self, name), most, unit
 

@@ -1,4 +1,4 @@
-"""Up to what a surface counts as fair beside its neighbours, and what of these is compared with."""
+"""The limits up to which a surface counts as fair beside its neighbours, and the neighbours' measures."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class FairnessLimits:
 
 
 def check_limits(limits: Any) -> FairnessLimits:
-    """What is given as limits; raises `TypeError` for anything else."""
+    """The limits, checked; raises `TypeError` for anything else."""
     if not isinstance(limits, FairnessLimits):
         raise TypeError(f"limits must be pas.FairnessLimits(...), not {shown(limits)}")
     return limits
@@ -107,7 +107,7 @@ def check_limits(limits: Any) -> FairnessLimits:
 
 @lru_cache(maxsize=32)
 def neighbour(join: Join, scale: float) -> Neighbour:
-    """What the measures need of a contact; `join` is in local coordinates, a unit of which is `scale` of the user's."""
+    """A contact as the measures see it; `join` is in local coordinates, a unit of which is `scale` of the user's."""
     shared = 192  # subdivisions of all clip faces together: chords of a coarser curve would look like bulges
     subdivisions = ceil(shared / max(2, len(join.faces)))
     sizes = [np.ptp(join.partition.points[list(face.vertices)], axis=0).max() for face in join.faces] or [1.0]

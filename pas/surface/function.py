@@ -112,7 +112,7 @@ class PiecewisePolynomial(InPlace):
 
     @cached_property
     def evaluator(self) -> Evaluator:
-        """What evaluates the surface at many points and along many rays."""
+        """The evaluator of the surface at many points and along many rays."""
         return Evaluator(self)
 
     @cached_property

@@ -163,7 +163,7 @@ def _collars(field: RadialField, rings: list[Floats], spacing: float) -> list[Fl
 
 
 def _clear(units: Floats, rings: list[Floats], spacing: float) -> Bools:
-    """Which of some directions are not too close to rings, nor to those before, for how far they are from rings."""
+    """Which directions are far enough from rings, and from earlier ones, for their distance from the rings."""
     edge = unit_rows(np.concatenate([np.empty((0, 3)), *rings]))
     angle = np.arccos(np.clip((units @ edge.T).max(axis=1, initial=-1.0), -1, 1))
     near = np.minimum(CLEAR * spacing, 0.5 * angle)
@@ -188,7 +188,7 @@ def _delaunay(points: Floats) -> Integers:
 
 
 def _rim_keys(rings: list[Floats], size: int) -> Integers:
-    """What stands for the edges of all rings, from each point to the next."""
+    """The keys of the edges of all rings, from each point to the next."""
     starts = np.cumsum([0, *map(len, rings)])
     after = np.arange(1, starts[-1] + 1)
     after[starts[1:] - 1] = starts[:-1]

@@ -24,7 +24,7 @@ from pas.surface.local_field import LocalField
 from pas.verdicts import Status
 
 TINY = 1e-300
-"""What stands for a value of 0 at a node."""
+"""The number that replaces a value of 0 at a node."""
 
 ROUNDING = 1e-13
 """Over the largest coefficient on a cell: below this a coefficient's sign is not known."""
@@ -60,7 +60,7 @@ class Subdivision:
         self.keys, self.points = weights[cells], field.vertices[cells]
 
     def halve(self) -> None:
-        """Cut each tetrahedron into eight."""
+        """Cut each tetrahedron into eighths."""
         checkpoint(f"refining the lattice ({len(self.forms)} tetrahedra)")
         self.keys, self.points, self.forms = _cut(self.field.degree, self.keys, self.points, self.forms)
         self.parts *= 2

@@ -42,7 +42,7 @@ class LocalField(LocalSurface):
         self.feature_size = min((join.radius for join in surface.joins), default=np.inf)
 
     def pieces(self, points: Floats) -> Integers:
-        """Those of the cells in which points are deepest."""
+        """The pieces of the cells in which points are deepest."""
         cells, deepest = np.zeros(len(points), dtype=np.intp), np.full(len(points), -np.inf)
         x, y, z = points.T
         for number, cell in enumerate(self._maps):
@@ -54,7 +54,7 @@ class LocalField(LocalSurface):
 
     @cached_property
     def fixed(self) -> Bools:
-        """Those of two planes: points."""
+        """Which rims are points: those of two walls."""
         return np.array([*(len(planes) > 1 for planes in self.rims), False])
 
     @cached_property
@@ -167,7 +167,7 @@ def _onto(planes: Floats, back: Floats, points: Floats) -> Floats:
 
 
 def _free(gradients: Floats, across: Floats) -> Floats:
-    """What of gradients (N, 3) is at right angles to directions (N, 2, 3)."""
+    """The parts of gradients (N, 3) at right angles to directions (N, 2, 3)."""
     for number in range(2):
         way = across[:, number]
         gradients = gradients - dots(gradients, way)[:, None] * way

@@ -26,14 +26,14 @@ from pas.surface.triangulate import Beginnings, triangulate, wall_numbers
 
 
 class Mesher:
-    """What meshes one surface, and moves meshes onto it."""
+    """The meshers of one surface, which move meshes onto it as well."""
 
     def __init__(self, surface: PiecewisePolynomial) -> None:
         self.surface = surface
 
     @cached_property
     def radial_field(self) -> RadialField | None:
-        """What meshes it as a graph over directions, None where it is none."""
+        """The surface as a graph over directions, to be meshed, None where it is none."""
         try:
             with np.errstate(all="ignore"):  # what is not finite is no graph
                 return RadialField(self.surface) if around_centre(self.surface) else None
@@ -42,7 +42,7 @@ class Mesher:
 
     @cached_property
     def cell_field(self) -> LocalField:
-        """What meshes it from lattices in the cells."""
+        """The surface in the cells, to be meshed from lattices."""
         return LocalField(self.surface)
 
     @cached_property

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 
@@ -30,6 +31,10 @@ class PlacedContacts:
 
     def __init__(self, partition: Partition, contacts: Sequence[Contact], order: int) -> None:
         self.partition, self.contacts, self.order = partition, tuple(contacts), check_order(order)
+
+    def __reduce__(self) -> tuple[type[Self], tuple[Any, ...]]:
+        """What follows from them is worked out anew in another process."""
+        return type(self), (self.partition, self.contacts, self.order)
 
     def __repr__(self) -> str:
         return f"<PlacedContacts: {len(self.contacts)} contacts, GC^{self.order}, {self.partition.name}>"
@@ -69,7 +74,7 @@ class PlacedContacts:
         sides = () if any(join.opening for join in self.joins) else self.local.sides
         return (*(face for face in self.local.outer_faces if face.vertices not in clipped), *sides)
 
-    def told(self, number: int) -> Contact:
+    def located(self, number: int) -> Contact:
         """A contact that says near which point its curve is, as it was given, or by its place on the partition."""
         contact, frame = self.contacts[number], self.partition.frame
         near = contact.near or frame.global_points(self.joins[number].curve()[0]).tolist()
@@ -85,7 +90,7 @@ class PlacedContacts:
 
 
 class InPlace:
-    """What meets contacts in place: a surface, or all of a space."""
+    """Anything that meets contacts in place: a surface, or all of a space."""
 
     placed: PlacedContacts
 

@@ -61,7 +61,7 @@ class RadialField(LocalSurface):
         return leave, pieces
 
     def pieces(self, points: Floats) -> Integers:
-        """Those through whose outer faces rays to points leave the region."""
+        """The pieces through whose outer faces rays to points leave the region."""
         return self.leaving(points)[1]
 
     def profiles(self, points: Floats) -> tuple[Floats, Floats]:

@@ -73,7 +73,7 @@ class LocalRays:
 
     @classmethod
     def of(cls, target: RayTarget, origins: Floats, directions: Floats) -> LocalRays:
-        """Those of rays (N, 3) in the user's coordinates."""
+        """The local rays of rays (N, 3) in the user's coordinates."""
         sizes = np.frexp(np.abs(directions).max(axis=1))[1]
         ways = np.ldexp(directions, -sizes[:, None])
         with np.errstate(over="ignore"):
@@ -82,7 +82,7 @@ class LocalRays:
         return cls(starts, ways, sizes - (np.frexp(target.scale)[1] - 1), doubtful)
 
     def some(self, chosen: Integers) -> LocalRays:
-        """Those of given numbers."""
+        """The rays of given numbers."""
         return LocalRays(*(getattr(self, column.name)[chosen] for column in fields(self)))
 
     def parameters(self, rays: Integers, lengths: Floats) -> Floats:
@@ -112,7 +112,7 @@ class RayTarget:
 
     @cached_property
     def farthest(self) -> float:
-        """What no coordinate of the region in local units comes up to, even moved outwards by `MARGIN`."""
+        """A bound of all coordinates of the region in local units, even moved outwards by `MARGIN`."""
         return float(np.abs(self.local.points).max(initial=0.0)) + MARGIN
 
     @cached_property

@@ -181,7 +181,7 @@ class LocalSurface(ABC):
         gradients[rest] = self.gradients(points[rest])
         return points, unit_rows(gradients).take(mesh.vertex_of, axis=0)
 
-    def looked(self, points: Floats, labels: Integers) -> tuple[Floats, Floats]:
+    def local_geometry(self, points: Floats, labels: Integers) -> tuple[Floats, Floats]:
         gradients, bends = self.bending(points)
         return unit_rows(gradients), bends
 
@@ -277,7 +277,7 @@ def followed(field: LocalSurface, points: Floats, triangles: Integers, rim: Inte
 
 
 def in_world(field: LocalSurface, found: FaceMesh | Failure, tolerance: float, settings: Settings) -> Mesh:
-    """What was found in the user's coordinates; raises `ArithmeticError` where it leaves the region."""
+    """The mesh in the user's coordinates; raises `ArithmeticError` where it leaves the region."""
     if isinstance(found, Failure):
         if found.crowded:
             raise too_many(field.scale, found.triangles, settings.most, tolerance, found.reached)

@@ -24,7 +24,7 @@ from pas.mesh.field import VISIBLE
 from pas.mesh.grading import Settings
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
-from pas.mesh.shading import unit_rows, uprightness
+from pas.mesh.shading import normal_cosines, unit_rows
 from pas.mesh.topology import Edges, euler_characteristic, is_manifold, piece_count
 from pas.surface.fairness import fairness
 from pas.surface.function import PiecewisePolynomial
@@ -165,12 +165,12 @@ def _first(field: LocalField, nodes: Floats, values: Floats, tetrahedra: Integer
         points[inner] = field.near(points[inner])
         if not field.within(points):
             continue
-        upright = uprightness(points[triangles], unit_rows(field.gradients(points))[triangles])
+        upright = normal_cosines(points[triangles], unit_rows(field.gradients(points))[triangles])
         # Share of folded triangles, and of those without area, that coarsening and smoothing may have to mend.
         folds = 0.03
         if np.mean(~(upright >= Settings.folded)) <= folds and _shows_curves(field, points[~inner]):
             return open_mesh(field, points, triangles, rim)
-    upright = uprightness(crossed[plain], unit_rows(field.gradients(crossed))[plain])
+    upright = normal_cosines(crossed[plain], unit_rows(field.gradients(crossed))[plain])
     place = crossed[plain[np.argmin(upright)]].mean(axis=0)
     raise BadMeshError("triangles are folded, or where the surface ends is not seen", place)
 

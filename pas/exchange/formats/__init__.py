@@ -131,9 +131,9 @@ class Sizing:
 
 @dataclass(frozen=True)
 class Content(Generic[C]):
-    """What files of some formats hold; `of` makes it of a thing, `options` are those of a request that it heeds.
+    """The content of files of some formats; `of` makes it of a thing, `options` are the request's that it heeds.
 
-    `fits` says of a thing whether it is soon made, without making it; where there is none, it is made to see.
+    `fits` says whether a thing has such content without making it; without `fits` it is made to see.
     """
 
     noun: str
@@ -142,7 +142,7 @@ class Content(Generic[C]):
     fits: Callable[[Any], bool] | None = None
 
     def can_be_of(self, thing: Any) -> bool:
-        """Whether it can be made of a thing without long work."""
+        """Whether it can be made of a thing."""
         if self.fits is not None:
             return self.fits(thing)
         try:

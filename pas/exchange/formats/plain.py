@@ -41,7 +41,7 @@ def write_stl(parts: Sequence[Piece], path: Path, request: Request) -> None:
 
 
 def save_stl(path: Path, count: int, triangles: Iterable[Floats]) -> None:
-    """Write so many triangles as binary STL, rounded to single precision; their corners (n, 3, 3), some at a time."""
+    """Write `count` triangles as binary STL, in single precision; their corners (n, 3, 3) come some at a time."""
     record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
     with path.open("wb") as stream:
         stream.write(b"binary STL".ljust(80) + np.uint32(count).tobytes())

@@ -1,4 +1,4 @@
-"""Where charts meet: curves given by functions and planes, with their corners, from the edges of a mesh.
+"""The borders of charts: curves given by functions and planes, with their corners, from the edges of a mesh.
 
 A border is a chain of edges between the same two charts.  Its points are common zeros of what defines it: the functions
 of both faces, those of the joint along which they continue each other, or the function of one face and the plane by
@@ -56,7 +56,7 @@ class Curve:
         return np.asarray(self.origin + np.cos(t) * self.first + np.sin(t) * self.second)
 
     def parameters(self, number: int) -> Floats:
-        """So many parameters from the start to the end."""
+        """A `number` of parameters from the start to the end."""
         return np.linspace(self.start, self.end, number)
 
 
@@ -85,7 +85,7 @@ def curve_through(points: Floats, placed: Callable[[Floats], Floats], tolerance:
 
 
 def _evened(points: Floats, number: int, placed: Callable[[Floats], Floats]) -> Floats:
-    """So many points, evenly along others (N, 3), moved onto the curve; both ends stay."""
+    """A `number` of points evenly along others (N, 3), moved onto the curve; both ends stay."""
     moved = placed(resampled(points, number))
     moved[0], moved[-1] = points[0], points[-1]
     return moved

@@ -176,8 +176,11 @@ class Atlas:
         first = on.argmax(axis=0) - 1
         self.points = self.points.copy()
         for place in np.unique(first[near]).tolist():
-            rows, along = near & (first == place), others[place : place + 1] if place >= 0 else []
-            self.points[rows] = CommonZeros((sheet, *along, plane)).placed(self.points[rows])
+            rows, along = np.flatnonzero(near & (first == place)), others[place : place + 1] if place >= 0 else []
+            moved = CommonZeros((sheet, *along, plane)).placed(self.points[rows])
+            # along a plane that meets this one at a small angle that may be as far as edges are long
+            short = np.linalg.norm(moved - self.points[rows], axis=1) < beside * shortest[rows]
+            self.points[rows[short]] = moved[short]
 
     def _placed(self, added: Floats, edges: Integers, charts: Integers, plane: Wall) -> Floats:
         """New points (K, 3) on edges (K, 2) between charts (K, 2) moved onto these, and onto a plane."""

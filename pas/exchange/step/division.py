@@ -186,7 +186,7 @@ def _frame(points: Floats, normal: Floats) -> Floats:
 
 
 def _dividing(middles: Floats, corners: Floats, normals: Floats) -> Plane:
-    """Of some planes through the middle of a chart the one that crosses it most steeply.
+    """The plane through the middle of a chart, of some tried, that crosses it most steeply.
 
     A plane that nearly touches the chart somewhere would leave an edge there that has no stable place.
     """

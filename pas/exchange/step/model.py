@@ -82,9 +82,8 @@ def largest_tolerance(shape: Any) -> float:
 
 
 def smoothness(maker: ShapeMaker) -> tuple[float, float]:
-    """How smoothly charts go on in each other where that is claimed: across GC^1 borders the largest angle between
-    normals, in radians, across GC^2 ones the largest jump of curvature, over the largest curvature.
-    """
+    """The smoothness across charts that are claimed to continue each other: across GC^1 borders the largest angle
+    between normals, in radians, across GC^2 ones the largest jump of curvature, over the largest curvature."""
     angle = jump = largest = 0.0
     for border, curve in zip(maker.borders.borders, maker.curves, strict=True):
         if border.order < 1:
@@ -124,7 +123,7 @@ over the usual one here."""
 
 @dataclass(frozen=True)
 class StepReport:
-    """What a part of a STEP file is, in the model's units.
+    """The facts about a part of a STEP file, in the model's units.
 
     `faces` are its faces, `exact` those on planes, quadrics and tori; the others are within `distance` of the solid's
     and their edges within `gap` of all their faces, as measured at many points.  `volume` is the file's, by adaptive
@@ -220,7 +219,7 @@ def _order(solid: Solid, one: int, other: int, points: Floats) -> int:
 
 
 def _not_valid(maker: ShapeMaker, name: str) -> GeometryError:
-    """What is said where Open Cascade refuses a solid: with the first face that it refuses, if there is one."""
+    """The error for a solid that Open Cascade refuses, with the first face that it refuses, if there is one."""
     atlas = maker.borders.atlas
     wrong = next((chart for chart, face in maker.faces.items() if not is_valid(face)), None)
     where = ""

@@ -23,7 +23,7 @@ from pas.solid.field import SolidField
 from pas.solid.functions import Distance, Moved, Parametrized
 
 Map = Callable[[Floats], Floats]
-"""Of points (N, 3)."""
+"""A map of points (N, 3)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +118,7 @@ Wall = Plane | ParameterWall
 
 
 def surface_of(field: SolidField, column: int, points: Floats) -> Carrier | PlacedSurface | None:
-    """What the zeros of a column of a field are, near whose points (N, 3) they are; all in local coordinates."""
+    """The surface on which the zeros of a column of a field are near points (N, 3); all in local coordinates."""
     polynomial, function = field.evaluator.polynomial(column), field.evaluator.columns[column].function
     if polynomial is not None:
         return carrier_of(polynomial) or _cyclide(polynomial, points)

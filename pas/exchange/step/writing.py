@@ -165,7 +165,7 @@ def _document(parts: Sequence[Named], name: str) -> Any:
 
 
 def _checked(parts: Sequence[StepPart], path: Path) -> tuple[StepReport, ...]:
-    """What is known of the parts of a file, read again."""
+    """The reports on the parts of a file, read again."""
     reader = STEPControl_Reader()
     reader.ReadFile(str(path))
     reader.TransferRoots()

@@ -71,7 +71,7 @@ class CurvatureVariation(Energy):
         return slopes
 
     def _off_runs(self, points: Floats, sizes: Sizes) -> Floats:
-        """What is squared of the distances from the runs (N, number of runs)."""
+        """The residuals of the distances from the runs (N, number of runs)."""
         root = float(np.sqrt(to_float(rational(self.straight, "straight"))))
         if not sizes.runs:
             return np.empty((len(points), 0))

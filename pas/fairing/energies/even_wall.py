@@ -1,4 +1,4 @@
-"""How uneven the wall between a surface and one around it is.
+"""The unevenness of the wall between a surface and one around it, as an energy.
 
     E = weight / r^2 * integral (s - 1)^2 + PRESS max(|s - 1| - NEAR, 0)^2 dA,    s = d / t,
 

@@ -47,8 +47,8 @@ from pas.parametric.surface import ParametricSurface, SurfaceCurve
 
 @dataclass(frozen=True)
 class ContactBounds:
-    """What holds for all s of a curve in closed form: `angle` (radians) between C' and the surface's tangent plane at
-    most, `distance` |f| / |grad f| from the surface at most."""
+    """Bounds for all s of a curve in closed form: of the `angle` (radians) between C' and the surface's tangent plane,
+    and of the `distance` |f| / |grad f| from the surface."""
 
     angle: float
     distance: float

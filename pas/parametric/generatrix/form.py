@@ -39,7 +39,7 @@ from pas.parametric.series import Components
 from pas.parametric.surface import ParametricSurface
 
 STEP = 3e-6
-"""Of the differences: truncation (2 pi step)^2 / 6 and rounding 1e-16 / step are both about 1e-10."""
+"""The step of differences: truncation (2 pi step)^2 / 6 and rounding 1e-16 / step are both about 1e-10."""
 
 
 @dataclass(frozen=True)
@@ -95,12 +95,12 @@ class Frames:
 
     @property
     def closed(self) -> bool:
-        """Whether the curves are."""
+        """Whether the curves are closed."""
         return self.boundaries[0].closed
 
     @property
     def degree(self) -> int:
-        """Of the generatrices: 3, or 4 with a middle curve."""
+        """The degree of the generatrices: 3, or 4 with a middle curve."""
         return 3 if self.middle is None else 4
 
     @cached_property
@@ -119,7 +119,7 @@ class Frames:
 
     @cached_property
     def grid(self) -> Callable[[int], Stations]:
-        """Those at so many values of s, computed once."""
+        """The stations at so many values of s, computed once."""
         return cache(lambda size: self.at(self.parameters(size)))
 
     def at(self, s: Floats) -> Stations:

@@ -38,7 +38,7 @@ from pas.parametric.generatrix.quadric import PLANES, Member, Quadric, Rulings, 
 from pas.parametric.generatrix.sections import Conic, ConicKind, conic_section
 
 DEGREE = 4
-"""Of D in cos a, sin a."""
+"""The degree of D in cos a, sin a."""
 
 SAMPLES = 2048
 """Parameters along a branch at which it is looked at."""

@@ -40,7 +40,7 @@ Inertia = tuple[int, int]
 
 
 class QuadricKind(Enum):
-    """What a real quadric is; the first six are those with closed plane sections."""
+    """The kinds of real quadrics; the first six are those with closed plane sections."""
 
     ELLIPSOID = "ellipsoid"
     CYLINDER = "elliptic cylinder"
@@ -109,7 +109,7 @@ class Quadric:
 
     @cached_property
     def kind(self) -> QuadricKind:
-        """What the real zero set is."""
+        """The kind of the real zero set."""
         return kind_of(self.matrix)
 
     def require_curved(self, name: str) -> None:
@@ -128,7 +128,7 @@ def within_reach(polynomial: Polynomial) -> Polynomial:
 
 
 def kind_of(matrix: fmpq_mat) -> QuadricKind:
-    """What the real zero set of the quadric with this matrix (not only of its last entry) is."""
+    """The kind of the real zero set of the quadric with this matrix (not only of its last entry)."""
     small = inertia(fmpq_mat([[matrix[i, j] for j in range(3)] for i in range(3)]))
     large = inertia(matrix)
     if small[0] < small[1]:

@@ -1,4 +1,4 @@
-"""What is proved, and what is only measured, of a generatrix blend; the status of each verdict says which.
+"""The proofs and the measurements of a generatrix blend; the status of each verdict says which it is.
 
 Contact (G1): along its boundaries the blend has the tangents C' and 3 l T, T a combination of W and C'.  For rational
 data it is proved that these lie in the surface's tangent plane and span it: C' . N = W . N = 0 identically, no zero
