@@ -18,11 +18,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
+from pas.algebra.callables import texts_of
 from pas.algebra.inputs import short, shown
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, cross
-from pas.algebra.rational_function import RationalFunction
+from pas.algebra.rational import Exact, cross, plain, rational
+from pas.algebra.rational_function import PARAMETERS, RationalFunction
 from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.parametric.generatrix.paths import (
@@ -64,7 +65,8 @@ class Boundary:
     curve and field where there are such, `bounds` makes what is known of a curve in closed form.  The blend's
     parameter s is brought to the curve's own by `phase + s`, or `phase - s` where `backwards`, modulo 1 for closed
     curves.  `surface` is what the curve lies on, where that is known; for a parametric one `parameters` are the pairs
-    (n, 2) along the curve.  `source` is the table that all this was read from, where it was.
+    (n, 2) along the curve.  `source` is the table from which `pas.boundary_from` makes it, without side and name; None
+    for callables and samples, which no file keeps.
 
     Raises `GeometryError` where the curve stops, the field vanishes or is along the curve, or a curve called
     closed is not.
@@ -125,7 +127,9 @@ class Boundary:
         if path.is_exact and vectors.is_exact:
             exact = ExactCurve(path.components, vectors.components, tangent is None)
         field: Curve = lambda s: value_at(vectors, s)  # noqa: E731
-        return part(*_along(path), field, closed=closed, name=name, has_normal=tangent is None, exact=exact, side=side)
+        needs = {"curve": texts_of(curve, NAMES), "normal" if tangent is None else "tangent": texts_of(given, NAMES)}
+        known: dict[str, Any] = {"exact": exact, "source": source_of(needs, interval, closed=closed)}
+        return part(*_along(path), field, closed=closed, name=name, has_normal=tangent is None, side=side, **known)
 
     @classmethod
     def on_implicit(
@@ -154,7 +158,9 @@ class Boundary:
         else:
             require_on(f, path, name)
         field: Curve = lambda s: f.gradient(value_at(path, s))  # noqa: E731
-        return part(*_along(path), field, closed=closed, name=name, exact=exact, side=side, surface=f)
+        source = source_of({"implicit": str(f), "curve": texts_of(curve, NAMES)}, interval, closed=closed)
+        known: dict[str, Any] = {"exact": exact, "surface": f, "source": source}
+        return part(*_along(path), field, closed=closed, name=name, side=side, **known)
 
     @classmethod
     def on_parametric(
@@ -183,7 +189,8 @@ class Boundary:
             return np.cross(tangents[..., 0, :], tangents[..., 1, :])
 
         parameters: Curve = lambda s: curve.parameters(low + (high - low) * s)  # noqa: E731
-        known: dict[str, Any] = {"exact": exact, "surface": curve.surface, "parameters": parameters}
+        source = source_of(_on_surface(curve), interval, closed=closed)
+        known: dict[str, Any] = {"exact": exact, "surface": curve.surface, "parameters": parameters, "source": source}
         return part(curve, curve.derivative, field, ends, closed=closed, name=name, side=side, **known)
 
     @classmethod
@@ -291,3 +298,22 @@ def part(
 def _along(path: ParametricSurface) -> tuple[Curve, Curve]:
     """C and C' of a path."""
     return lambda s: value_at(path, s), lambda s: value_at(path, s, 1)
+
+
+def source_of(
+    needs: Mapping[str, Any], interval: Sequence[Exact] | None, **options: bool | int | None
+) -> dict[str, Any] | None:
+    """The table of a boundary; None where something that it needs has no text."""
+    ends = None if interval is None else [plain(rational(end)) for end in interval]
+    given = {key: value for key, value in {"interval": ends, **options}.items() if value is not None}
+    return None if None in needs.values() else {**needs, **given}
+
+
+def _on_surface(curve: SurfaceCurve) -> dict[str, Any]:
+    """The entries of a table for a curve on a surface, in t, h and s whatever its parameters are called if exact."""
+    surface = curve.surface
+    formulas = surface.text if surface.parameters == PARAMETERS else None
+    texts: Any = texts_of(surface.components if surface.is_exact else formulas, PARAMETERS) or [None] * 3
+    path = texts_of(curve.exact_path or (curve.texts if curve.parameter == NAMES[0] else None), NAMES)
+    domain = [[None if end is None else str(end) for end in ends] for ends in surface.ends]
+    return {**dict(zip("xyz", texts, strict=True)), "path": path, "domain": domain}

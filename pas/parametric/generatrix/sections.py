@@ -20,12 +20,12 @@ from flint import fmpq, fmpq_mat
 
 from pas.algebra.inputs import short, shown, shown_point
 from pas.algebra.lengths import exponent
-from pas.algebra.polynomial import PolynomialLike
+from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, dot, exact, three, to_float, to_floats, two_across
 from pas.arrays import Floats
 from pas.contacts.rims import PlaneChart
 from pas.errors import GeometryError
-from pas.parametric.generatrix.boundary import Boundary, ContactBounds, part
+from pas.parametric.generatrix.boundary import Boundary, ContactBounds, part, source_of
 from pas.parametric.generatrix.paths import on_unit_interval
 from pas.parametric.generatrix.quadric import Quadric, plane_text, read_plane, to_array
 
@@ -106,6 +106,7 @@ def plane_section(
     if not closed and interval is not None:
         ends, _ = on_unit_interval(interval, name)
     sign = branch if conic.kind is ConicKind.HYPERBOLA else 1
+    needs = {"quadric": str(f), "plane": str(Polynomial(plane))}
     return part(
         lambda u: conic(u, 0, sign),
         lambda u: conic(u, 1, sign),
@@ -116,6 +117,7 @@ def plane_section(
         side=side,
         bounds=(lambda: ellipse_bounds(surface, conic)) if closed else None,
         surface=f,
+        source=source_of(needs, interval, branch=branch),
     )
 
 
