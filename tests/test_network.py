@@ -997,7 +997,8 @@ def cleared(net, reach=0.0, ends=0.0):
     table = np.zeros((len(kinds.kinds), 3))
     table[kinds.of[net.edges], kinds.slots] = ends
     found = NodeCovers(replace(kinds, arm_ends=table), {})
-    vars(found).update(reach=np.broadcast_to(reach, len(net.points)), apart=lambda *pairs: [Separation(False)] * len(pairs[-1]))
+    beside = lambda *pairs: [Separation(False)] * len(pairs[-1])  # noqa: E731
+    vars(found).update(reach=np.broadcast_to(reach, len(net.points)), apart=beside)
     return clearance(net, found)[0]
 
 
