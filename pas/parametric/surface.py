@@ -22,10 +22,10 @@ from pas.algebra.affine import Affine, AffineShape
 from pas.algebra.brief import brief
 from pas.algebra.callables import ComponentLike, component, is_function, texts_of
 from pas.algebra.expressions import Formula, Names
-from pas.algebra.inputs import check_derivative, check_tolerance, set_fields, short, shown
+from pas.algebra.inputs import check_derivative, set_fields, short, shown
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import unit
-from pas.algebra.rational import Exact, plain, rational, three
+from pas.algebra.rational import Exact, check_tolerance, plain, rational, three
 from pas.algebra.rational_function import RationalFunction
 from pas.arrays import Floats
 from pas.limits import WorkLimits, limited
@@ -68,7 +68,7 @@ class ParametricSurface(ParametricMap, AffineShape["ParametricSurface"], Shape):
     @limited("meshing a surface", "a coarser tolerance or a smaller domain")
     def mesh(
         self,
-        tolerance: float | None = None,
+        tolerance: Exact | None = None,
         domain: DomainLike = None,
         *,
         quality: Quality | str = Quality.BALANCED,
