@@ -6,12 +6,14 @@ import inspect
 import json
 import re
 from dataclasses import replace
+from fractions import Fraction
 from functools import cache
 from html import escape
 
 import numpy as np
 import pytest
 from conftest import DATA, EQUAL, ROOT, solved
+from flint import fmpq
 
 import pas
 from pas import network, solid
@@ -272,6 +274,23 @@ def test_the_commands_take_it(name, tmp_path, capsys):
         assert main([*command, "--json"]) == 0, capsys.readouterr().err
         (written,) = json.loads(capsys.readouterr().out)["written"]
         assert (tmp_path / written).stat().st_size > 100
+
+
+@every_kind
+def test_a_tolerance_is_read_as_other_lengths_are(name):
+    shape = sample(name)
+    for given in ("1/20", Fraction(1, 20), fmpq(1, 20), np.float64(TOLERANCE)):
+        assert np.array_equal(shape.mesh(given).points, shape.mesh(TOLERANCE).points)
+    for wrong, error in {"1/0": ValueError, "thin": ValueError, 0: ValueError, b"1": TypeError}.items():
+        with pytest.raises(error, match="tolerance must be a positive number, not "):
+            shape.draw("a.png", tolerance=wrong) if name == "mesh" else shape.mesh(wrong)  # which is as it is
+
+
+@every_kind
+def test_arrays_of_meshes_cannot_be_written_to(name):
+    mesh = sample(name).mesh(TOLERANCE)
+    arrays = [value for value in vars(mesh).values() if isinstance(value, np.ndarray)]
+    assert len(arrays) >= 4 and not any(array.flags.writeable for array in arrays)
 
 
 @pytest.mark.parametrize("verb", ["save", "draw", "show", "kind_of"])
