@@ -159,8 +159,7 @@ class Boundary:
             require_on(f, path, name)
         field: Curve = lambda s: f.gradient(value_at(path, s))  # noqa: E731
         source = source_of({"implicit": str(f), "curve": texts_of(curve, NAMES)}, interval, closed=closed)
-        known: dict[str, Any] = {"exact": exact, "surface": f, "source": source}
-        return part(*_along(path), field, closed=closed, name=name, side=side, **known)
+        return part(*_along(path), field, closed=closed, name=name, exact=exact, side=side, surface=f, source=source)
 
     @classmethod
     def on_parametric(
@@ -300,12 +299,10 @@ def _along(path: ParametricSurface) -> tuple[Curve, Curve]:
     return lambda s: value_at(path, s), lambda s: value_at(path, s, 1)
 
 
-def source_of(
-    needs: Mapping[str, Any], interval: Sequence[Exact] | None, **options: bool | int | None
-) -> dict[str, Any] | None:
+def source_of(needs: Mapping[str, Any], interval: Sequence[Exact] | None, **more: Any) -> dict[str, Any] | None:
     """The table of a boundary; None where something that it needs has no text."""
     ends = None if interval is None else [plain(rational(end)) for end in interval]
-    given = {key: value for key, value in {"interval": ends, **options}.items() if value is not None}
+    given = {key: value for key, value in {"interval": ends, **more}.items() if value is not None}
     return None if None in needs.values() else {**needs, **given}
 
 
