@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import re
-from dataclasses import replace
+from dataclasses import fields, replace
 from fractions import Fraction
 from functools import cache
 from html import escape
@@ -289,7 +289,7 @@ def test_a_tolerance_is_read_as_other_lengths_are(name):
 @every_kind
 def test_arrays_of_meshes_cannot_be_written_to(name):
     mesh = sample(name).mesh(TOLERANCE)
-    arrays = [value for value in vars(mesh).values() if isinstance(value, np.ndarray)]
+    arrays = [a for a in (getattr(mesh, field.name) for field in fields(mesh)) if isinstance(a, np.ndarray)]
     assert len(arrays) >= 4 and not any(array.flags.writeable for array in arrays)
 
 
@@ -315,8 +315,6 @@ def test_options_of_pictures_are_checked(tmp_path):
 
 
 def test_every_setting_of_a_picture_is_a_keyword():
-    from dataclasses import fields
-
     from pas.exchange.picture_options import PictureOptions
 
     assert set(PictureOptions.__annotations__) == {field.name for field in fields(pas.Picture)}

@@ -50,7 +50,7 @@ def _boundary_entries(boundary: Boundary) -> dict[str, Any]:
             f"{boundary.name} was not made of plain data and cannot be saved; give its curve, vectors and surface as "
             "expressions, with t and h for the parameters of a surface that is not exact"
         )
-    table = {**boundary.source, "name": boundary.name} | ({"side": boundary.side} if boundary.side else {})
+    table = {**boundary.source, **({"side": boundary.side} if boundary.side else {})}
     return {"table": table, "phase": boundary.phase, "backwards": boundary.backwards}
 
 

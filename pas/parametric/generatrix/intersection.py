@@ -148,6 +148,8 @@ class QuadricBranch:
         if number not in (0, 1):
             raise ValueError(f"number must be 0 or 1, the quadric that the blend is to meet, not {shown(number)}")
         f, other = (self.quadrics[i].polynomial for i in (number, 1 - number))
+        needs = {key: q.text for key, q in zip(("quadric", "other"), self.quadrics, strict=True)}
+        source = source_of(needs, interval, branch=self.number or None, number=number or None, name=name)
         name = f"the branch of {f} = 0 and {other} = 0" if name is None else name
         if interval is None and not self.closed:
             poles = ", ".join(f"{p:.4g}" for p in self.poles)
@@ -158,8 +160,6 @@ class QuadricBranch:
             raise GeometryError(f"{name} goes to infinity at s = {inside[0]:.4g}, inside the interval")
         near, shut = self.pair.local[number].polynomial, interval is None
         field: Curve = lambda s: near.gradient(self.local(s))  # noqa: E731
-        needs = {key: str(q.polynomial) for key, q in zip(("quadric", "other"), self.quadrics, strict=True)}
-        source = source_of(needs, interval, branch=self.number, number=number)
         return part(self, self.derivative, field, ends, shut, name=name, side=side, surface=f, source=source)
 
     def homogeneous(self, s: Floats) -> Floats:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.expressions import as_text
 from pas.algebra.inputs import short, shown, shown_point
 from pas.algebra.lengths import exponent
 from pas.algebra.polynomial import Polynomial, PolynomialLike
@@ -94,6 +95,7 @@ def plane_section(
     surface, (normal, offset) = Quadric(quadric), read_plane(plane)
     surface.require_curved("quadric")
     conic = conic_section(surface, normal, offset)
+    needs, told = {"quadric": surface.text, "plane": as_text(plane) or str(Polynomial(plane))}, name
     f = surface.polynomial
     name = f"the section of {short(str(f))} = 0 by {plane_text(normal, offset)}" if name is None else name
     if branch not in (1, -1):
@@ -106,7 +108,6 @@ def plane_section(
     if not closed and interval is not None:
         ends, _ = on_unit_interval(interval, name)
     sign = branch if conic.kind is ConicKind.HYPERBOLA else 1
-    needs = {"quadric": str(f), "plane": str(Polynomial(plane))}
     return part(
         lambda u: conic(u, 0, sign),
         lambda u: conic(u, 1, sign),
@@ -117,7 +118,7 @@ def plane_section(
         side=side,
         bounds=(lambda: ellipse_bounds(surface, conic)) if closed else None,
         surface=f,
-        source=source_of(needs, interval, branch=branch),
+        source=source_of(needs, interval, branch=branch if branch != 1 else None, name=told),
     )
 
 
