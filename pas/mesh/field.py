@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeVar, overload
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -17,16 +17,12 @@ VISIBLE = 1e-7
 """Coordinates below this share of the largest ones of a box are shown as 0."""
 
 
-@overload
-def label_of(columns: int, above: bool = False) -> int: ...
-@overload
-def label_of(columns: Integers, above: bool | Bools | Integers = False) -> Integers: ...
-def label_of(columns: int | Integers, above: bool | Bools | Integers = False) -> int | Integers:
+def label_of(columns: Number, above: bool | Bools | Integers = False) -> Number:
     """The labels of functions by number, the inside where these are negative, or positive where `above`.
 
     Those of the first n functions are the numbers below `label_of(n)`.
     """
-    return 2 * columns + above
+    return 2 * columns + above  # type: ignore[return-value]  # of one function it is one side
 
 
 def column_of(labels: Number) -> Number:
@@ -111,11 +107,8 @@ class FaceField(HasJets, Protocol):
     def face(self, label: int) -> str:
         """The name of a label's face."""
 
-    def face_within(self, label: int, centers: Floats, halves: Floats) -> str:
-        """The name of a label's face as far as it is in boxes of given centres and half edges (N, 3).
-
-        Of the names of several faces on one surface, those that may be there.
-        """
+    def faces_within(self, label: int, centers: Floats, halves: Floats) -> tuple[str, ...]:
+        """The names of the faces on a label's surface that may be in boxes of given centres and half edges (N, 3)."""
 
     def signs(self, points: Floats) -> Bools:
         """For each function (M, N), whether it is <= 0 at points (N, 3)."""

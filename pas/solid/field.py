@@ -20,8 +20,9 @@ from pas.contacts.rims import rim_of
 from pas.errors import GeometryError, MeshError
 from pas.mesh.diagnostics import touching
 from pas.mesh.field import FaceField, ShellWall, column_of, is_above, label_of, orientation
+from pas.mesh.mesh import called
 from pas.solid.bounds import bounding_box
-from pas.solid.evaluator import TreeEvaluator, called
+from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import followed_by
 from pas.solid.seams import Seams, seams_of
 from pas.solid.tree import Atom, Function, Node, Tree, combined, complement, splits_of
@@ -181,10 +182,10 @@ class SolidField:
         column = self.evaluator.columns[column_of(label)]
         return column.face or f"{column.function} = 0"
 
-    def face_within(self, label: int, centers: Floats, halves: Floats) -> str:
-        """The name of a label's face as far as it is in boxes of given half edges (N, 3)."""
+    def faces_within(self, label: int, centers: Floats, halves: Floats) -> tuple[str, ...]:
+        """The names of a label's faces that may be in boxes of given half edges (N, 3)."""
         above = bool(is_above(label))
-        return called(self.evaluator.names_within(column_of(label), above, centers, halves)) or self.face(label)
+        return self.evaluator.names_within(column_of(label), above, centers, halves) or (self.face(label),)
 
     def refuse_coincident(self) -> None:
         """Raise `GeometryError` where two functions share a surface, `MeshError` where `Seams` finds a place."""
@@ -224,7 +225,8 @@ class SolidField:
                 both = held.sum(axis=(0, 1)) % 2 == 1  # the set depends on either as the other one is
                 for k in np.flatnonzero(both & np.roll(both, -1) & (inwards != np.roll(inwards, -1)) & (a != b)):
                     labels = [label_of(c, bool(held.sum(axis=axis)[:, k].argmax())) for c, axis in ((a, 1), (b, 0))]
-                    going, left = (self.face_within(label, beside[[k]], np.full((1, 3), 2.0**-6)) for label in labels)
+                    within = beside[[k]], np.full((1, 3), 2.0**-6)
+                    going, left = (called(self.faces_within(label, *within)) for label in labels)
                     raise MeshError(
                         f"the solid has no mesh: near {shown_point(self.world(beside[k]))} what lies on the surface of "
                         f"{going!r} goes on beyond the curve in which that meets {left!r}, and leaves it without an "
