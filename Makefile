@@ -1,5 +1,8 @@
 # Every target sets up what it needs: a virtual environment in .venv and the package in it.
 
+# Compiled modules are kept, also where containers are set up not to: some forty tests start other processes.
+unexport PYTHONDONTWRITEBYTECODE
+
 PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
@@ -63,6 +66,9 @@ studio: setup
 
 teapot: setup
 	$(BIN)/python examples/teapot/teapot.py -o out/teapot
+
+# Tests are run on all processors already, where threads of BLAS would only wait for one another.
+test test-all: export OPENBLAS_NUM_THREADS = 1
 
 test: setup browser
 	$(BIN)/python -m pytest -n auto --dist worksteal

@@ -11,6 +11,7 @@ import pytest
 from conftest import EQUAL, UNEQUAL, solved
 
 import pas
+from pas.blending.place import place
 from pas.certify.graph_proofs import crossed
 from pas.certify.mesh_proofs import _grouped
 from pas.certify.triangle_forms import ELEVATED, TriangleForms, elevation, lattice
@@ -102,7 +103,10 @@ def test_meshes_of_larger_nodes_are_proved():
 @pytest.mark.parametrize(("size", "most"), [(0.02, 1.25), (0.2, 1.25), (1.0, 1.5)])
 def test_every_piece_that_a_triangle_touches_is_seen_and_few_others(size, most):
     """Points of triangles and the cells that they are in; triangles whose corners are on faces between cells, too."""
-    local = struts((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)).framed
+    ends = (1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)
+    partition = place(pas.struts([(end, 1) for end in ends], 2), 2).partition
+    patches = ["x^2 + y^2 + z^2 - 1"] * len(partition.pieces)  # cells alone matter
+    local = pas.PiecewiseSurface.from_polynomials(partition, (), 1, patches).framed
     rng = np.random.default_rng(38)
     inside = rng.dirichlet(np.ones(4), 100)
     inside[:50, rng.integers(0, 4)] = 0  # on faces

@@ -246,7 +246,7 @@ PROFILES = {
 
 
 @pytest.mark.parametrize(
-    "name", [n if n in ("top only", "with a hole") else pytest.param(n, marks=pytest.mark.slow) for n in PROFILES]
+    "name", [n if n == "with a hole" else pytest.param(n, marks=pytest.mark.slow) for n in PROFILES]
 )
 def test_rounds_of_profiles_with_arcs_are_those_of_a_ball(name):
     """By Pappus: what is cut off turns about the arcs' centres, and about the hole's."""

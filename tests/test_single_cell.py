@@ -128,9 +128,9 @@ def test_trivial_part_of_a_corner():
 
 @pytest.mark.sampled(5)
 @pytest.mark.parametrize(("contacts", "box", "order"), [
+    (ELBOW, BOX, 1),
     (COAXIAL, ((-1, -3, -3), (1, 3, 3)), 1),
     (COAXIAL, ((-1, -3, -3), (1, 3, 3)), 2),
-    (ELBOW, BOX, 1),
     (THREE, BOX, 1),
     (SPHERES, ((-2, -3, -3), (1, 3, 3)), 2),
 ])  # fmt: skip

@@ -145,7 +145,7 @@ LONG_PAGES = {
 """Pages of `docs` whose programs take more than some three seconds: what they use other tests have as well."""
 
 LONG_BLOCKS = {
-    "guide/networks": ("corner = ",),
+    "guide/networks": ("corner = ", "ball = "),
     "guide/solids": ("cover = ", "tee = "),
     "start/parts": ("print(round(part.measures().volume))", "import pas\n\nnode = "),
 }

@@ -1,6 +1,7 @@
 """What is straight stays straight: runs between contacts in line, their waist, and the guide that keeps them."""
 
 from dataclasses import replace
+from functools import cache
 from math import cos, radians, sin
 
 import numpy as np
@@ -152,29 +153,33 @@ def test_junctions_are_proved_and_straight(name, order):
     assert 0 < blend.fairness.waist <= 0.03
 
 
+@cache
+def junction(degree, guide=True, waist=None):
+    """That of a T, solved once for all tests, with a limit of its own to the waist or the usual one."""
+    options = {} if guide else {"energy": pas.CurvatureVariation(straight=0)}
+    if waist is not None:
+        options["limits"] = replace(junction(degree).limits, waist=waist)
+    return pas.node(T, 1, degree=degree, **options)
+
+
 def test_without_the_guide_a_junction_has_a_waist():
-    usual = pas.node(T, 1, degree=5).limits
-    free = replace(usual, waist=1000)
-    loose = pas.node(T, 1, degree=5, energy=pas.CurvatureVariation(straight=0), limits=free)
+    kept, loose = junction(5), junction(5, guide=False, waist=1000)
     assert loose.fairness.waist > 0.1
-    assert loose.fairness.beyond(usual) == (f"waist {loose.fairness.waist:.3g} above 0.03",)
+    assert loose.fairness.beyond(kept.limits) == (f"waist {loose.fairness.waist:.3g} above 0.03",)
     assert loose.fairness.waisted[1] < -0.5  # opposite to the branch
-    kept = pas.node(T, 1, degree=5)
     assert kept.fairness.waist < loose.fairness.waist / 5
     assert f"{loose.fairness.waist:.3f} of the radius of the run, at (" in str(loose.fairness)
 
 
-def test_the_limit_can_be_changed():
-    limits = replace(pas.node(T, 1, degree=4).limits, waist=0.001)
-    assert limits.told.endswith("waist 0.001")
-    blend = pas.node(T, 1, degree=4, limits=limits)
-    assert any(word.startswith("waist") for word in blend.fairness.beyond(blend.limits))
-
-
 def test_what_is_beyond_the_limit_is_pressed_in_without_the_guide():
-    energy, usual = pas.CurvatureVariation(straight=0), pas.node(T, 1, degree=5).limits
-    free, kept = (pas.node(T, 1, degree=5, energy=energy, limits=replace(usual, waist=w)) for w in (1000, 0.03))
+    free, kept = (junction(5, guide=False, waist=waist) for waist in (1000, 0.03))
     assert kept.fairness.waist < free.fairness.waist / 2
+
+
+def test_the_limit_can_be_changed():
+    blend = junction(4, waist=0.001)
+    assert blend.limits.told.endswith("waist 0.001")
+    assert any(word.startswith("waist") for word in blend.fairness.beyond(blend.limits))
 
 
 def test_corners_have_no_run():

@@ -117,10 +117,11 @@ def test_plates_thinner_than_the_envelope_are_refused():
         volume_mesh(plate(1e-3), edge_length=0.3)
 
 
-def test_nothing_is_left_in_the_folder(tmp_path, monkeypatch, capfd):
+def test_settings_are_taken_and_nothing_is_left_in_the_folder(tmp_path, monkeypatch, capfd):
     """fTetWild writes a file of its own where it works."""
     monkeypatch.chdir(tmp_path)
-    volume_mesh(globe(), **COARSE)
+    rough = volume_mesh(globe(), **COARSE, settings=VolumeSettings(coarsen=True, stop_energy=50, threads=1))
+    assert rough.volume == pytest.approx(globe().volume, rel=0.02)
     assert not list(tmp_path.iterdir())
     assert capfd.readouterr() == ("", "")
 
@@ -303,8 +304,6 @@ def test_settings_are_checked():
         VolumeSettings(threads=-1)
     with pytest.raises(TypeError, match="must be a mesh, a solid, an assembly, a surface or a blend"):
         volume_mesh(SPHERE)
-    rough = volume_mesh(globe(), **COARSE, settings=VolumeSettings(coarsen=True, stop_energy=50, threads=1))
-    assert rough.volume == pytest.approx(globe().volume, rel=0.02)
 
 
 def test_suffixes_are_checked_and_nothing_is_left_half_written(filled, tmp_path, monkeypatch):

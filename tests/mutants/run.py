@@ -95,7 +95,7 @@ def flaws(mutant: Mutant, root: Path = ROOT) -> Iterator[str]:
         return
     try:
         if path.suffix == ".py":
-            ast.parse(mutant.mutated(root))
+            compile(mutant.mutated(root), mutant.file, "exec")
     except SyntaxError as error:
         yield f"{mutant.file} does not compile: {error}"
     named = [test for test in mutant.tests if ".py" in test]
