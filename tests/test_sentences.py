@@ -76,7 +76,7 @@ CALLS = [
     (lambda: blend().fairness.within({"bulge": 1}), TypeError, r"^limits must be pas.FairnessLimits\(...\), not {"),
     (lambda: blend().space.least_squares(5), TypeError, "^points must be a sequence of points, each three numbers"),
     (lambda: blend().draw("a.png", mesh=3), TypeError, "^mesh must be a pas.Mesh or map names of parts to such, not 3"),
-    (lambda: blend().draw("a.png", size=3), TypeError, "^size must be width and height in pixels, as in 1200x900, not 3"),
+    (lambda: blend().draw("a.png", size=3), TypeError, "^size must be width and height in pixels, .*, not 3"),
     (lambda: blend().draw("a.png", size=(0, 1)), ValueError, r"^size\[0\] must be a whole number from 1 to"),
     (lambda: blend().draw("a.png", view="topp"), ValueError, "^there is no view 'topp'; is 'top' meant"),
     (lambda: blend().draw("a.png", view=(0, 0, 0)), ValueError, "^view must not be the zero vector"),
