@@ -62,8 +62,8 @@ def test_all_edges_between_the_solids_are_rounded(name, order):
     assert {frozenset(pair) for pair in pairs} == {frozenset(faces) for faces in joined}
     mesh = made.mesh()
     assert mesh.is_closed and mesh.components == 1 and mesh.volume > (a | b).mesh().volume
-    for one in (k for k, n in enumerate(mesh.names) if {*n.split(" + ")} <= {*a.faces}):
-        others = [k for k, n in enumerate(mesh.names) if {*n.split(" + ")} <= {*b.faces}]
+    for one in (k for k, names in enumerate(mesh.solid_faces) if {*names} <= {*a.faces}):
+        others = [k for k, names in enumerate(mesh.solid_faces) if {*names} <= {*b.faces}]
         assert not len(edges_between(mesh, [one], others))
 
 
