@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields
 from enum import Enum
 from typing import Any, TypedDict
 
+from pas.algebra.brief import brief
 from pas.algebra.inputs import check_flag, shown, whole
 from pas.algebra.rational import check_tolerance, to_float, vector
 from pas.errors import meant
@@ -117,6 +118,7 @@ class Picture:
     )
     labels: bool = option(False, "the names of parts, or of the faces of a single one")
     dimensions: bool = option(False, "the sides of the box around it")
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str):
