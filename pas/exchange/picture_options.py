@@ -12,8 +12,8 @@ from enum import Enum
 from typing import Any, TypedDict
 
 from pas.algebra.brief import brief
-from pas.algebra.inputs import check_flag, check_tolerance, shown, whole
-from pas.algebra.rational import to_float, vector
+from pas.algebra.inputs import check_flag, shown, whole
+from pas.algebra.rational import check_tolerance, to_float, vector
 from pas.errors import meant
 from pas.registry import Registry
 from pas.settings import option
@@ -143,7 +143,7 @@ class Picture:
         if self.colors is not None and self.name != "plain":
             raise ValueError(f"colors are those of the style plain; the style {self.name} has its own")
         if self.tolerance is not None:
-            check_tolerance(self.tolerance)
+            object.__setattr__(self, "tolerance", check_tolerance(self.tolerance))
 
     @property
     def name(self) -> str:

@@ -6,12 +6,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, AffineShape, numbered
+from pas.algebra.inputs import set_fields
+from pas.algebra.rational import Exact
 from pas.arrays import Floats, Integers
 from pas.errors import GeometryError, optional
 from pas.mesh.booleans import BooleanStep, Triangles, boolean
@@ -60,13 +62,19 @@ class Mesh(AffineShape["Mesh"], Shape):
     kind = "mesh"
 
     def __post_init__(self) -> None:
+        """Its arrays cannot be written to, so that nobody changes those of another: these may be one and the same."""
+        for name, value in vars(self).items():
+            if isinstance(value, np.ndarray):
+                set_fields(self, **{name: value.view()})
+                vars(self)[name].setflags(write=False)
         if tuple(map(called, self.solid_faces)) != self.names:
-            object.__setattr__(self, "solid_faces", tuple((name,) for name in self.names))
+            set_fields(self, solid_faces=tuple((name,) for name in self.names))
 
     def __deepcopy__(self, memo: object) -> Self:
         """A mesh with arrays of its own, which can be written to."""
-        own: dict[str, Any] = deepcopy(self.__getstate__())
-        return replace(self, **own)
+        own = object.__new__(type(self))
+        vars(own).update(deepcopy(self.__getstate__()))
+        return own
 
     @cached_property
     def certificate(self) -> Findings:
@@ -130,7 +138,7 @@ class Mesh(AffineShape["Mesh"], Shape):
             proved=all(m.proved for _, m in items),
         )
 
-    def mesh(self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED) -> Mesh:
+    def mesh(self, tolerance: Exact | None = None, *, quality: Quality | str = Quality.BALANCED) -> Mesh:
         """The mesh itself, so that what takes a shape takes its mesh too; it cannot be made finer or better."""
         Quality.of(quality)
         return self

@@ -29,7 +29,7 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS, TopoDS_Compound
 
-from pas.algebra.inputs import check_tolerance
+from pas.algebra.rational import Exact, check_tolerance
 from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.exchange.step.borders import Borders
@@ -170,7 +170,7 @@ class StepPart:
 
 
 def step_part(
-    solid: Solid, name: str, color: tuple[int, int, int] | None = None, tolerance: float | None = None
+    solid: Solid, name: str, color: tuple[int, int, int] | None = None, tolerance: Exact | None = None
 ) -> StepPart:
     """A solid as a part of a STEP file, whose faces are within `tolerance` (the model's units) of the solid's.
 
